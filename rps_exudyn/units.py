@@ -1,0 +1,72 @@
+"""Quantities with units, at the edges only: "1.83 mm" <-> 0.00183.
+
+Inside the package every number is SI. Text from a TOML file or the command line comes in through
+`to_si`; numbers for a reader go out through `show`.
+"""
+
+from functools import cache
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import pint
+
+
+@cache
+def _registry() -> "pint.UnitRegistry":
+    import pint  # takes 0.2 s to load: only when text with a unit turns up
+
+    return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
+
+
+@cache
+def factor(unit: str, si_unit: str) -> float:
+    """How many `si_unit` one `unit` is, for instance 0.001 for ("mm", "m")."""
+    return float(_registry().Quantity(1.0, unit).to(si_unit).magnitude)
+
+
+def to_si(value: object, si_unit: str) -> float:
+    """A number, or text such as "25 deg" or "50 N/mm", in `si_unit`.
+
+    A bare number is SI already. An empty `si_unit` means dimensionless; a percentage is understood.
+
+    Raises:
+        ValueError: the text is no quantity, or its unit does not measure `si_unit`.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ValueError(f"is {value!r}; a number or a quantity such as {_example(si_unit)} is expected")
+    if isinstance(value, int | float):
+        return float(value)
+    try:
+        return float(value)
+    except ValueError:
+        pass
+    try:
+        quantity = _registry().Quantity(value)
+        return float(quantity.to(si_unit or "dimensionless").magnitude)
+    except Exception as error:  # pint, tokenizer and arithmetic errors alike: the text is no such quantity
+        raise ValueError(
+            f"is {value!r}, which is no quantity in {si_unit or 'plain numbers'}; "
+            f"write for instance {_example(si_unit)}"
+        ) from error
+
+
+def show(value: float, si_unit: str, display: str) -> str:
+    """The value in the unit a reader expects, for instance "1.83 mm"."""
+    number = value if display == si_unit else value / factor(display, si_unit)
+    return f"{number:.6g} {display}".strip()
+
+
+def _example(si_unit: str) -> str:
+    examples = {
+        "m": '"1.83 mm"',
+        "rad": '"25 deg"',
+        "N": '"300 N"',
+        "N/m": '"50 N/mm"',
+        "N*m": '"30 N*mm"',
+        "rad/s": '"15 rpm"',
+        "kg": '"60 g"',
+        "s": '"10 ms"',
+        "Pa": '"2.6 GPa"',
+        "N/m^3": '"2e13 N/m^3"',
+    }
+    return examples.get(si_unit, "0.1")
