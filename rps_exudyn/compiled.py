@@ -1,0 +1,43 @@
+"""Compiled kernels: numba's `njit`, cached on disk, and never stale.
+
+numba notices a change in a kernel's own file but not in the kernels of other files that it calls; a
+stale cache then runs yesterday's physics. So the cache's folder carries a fingerprint of all sources of
+this package: any change there gives a new, empty cache.
+"""
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+
+
+def _fingerprint() -> str:
+    package = Path(__file__).parent
+    digest = hashlib.sha256(numba.__version__.encode())
+    for source in sorted(package.rglob("*.py")):
+        text = source.read_bytes()
+        if b"@kernel" in text:
+            digest.update(source.relative_to(package).as_posix().encode() + b"\0" + text)
+    return digest.hexdigest()[:16]
+
+
+def _cache_root() -> Path:
+    chosen = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    root = Path(chosen) / "rps_exudyn"
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+    except OSError:  # no home that can be written to, as in some containers
+        root = Path(tempfile.gettempdir()) / "rps_exudyn"
+    return root
+
+
+numba.config.CACHE_DIR = str(_cache_root() / _fingerprint())
+
+
+def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a function of floats and arrays; division by zero gives inf or nan, as in numpy."""
+    return numba.njit(function, cache=True, error_model="numpy")  # type: ignore[no-any-return]

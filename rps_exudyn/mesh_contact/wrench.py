@@ -1,0 +1,24 @@
+"""What every mesh contact hands back: one array, one layout.
+
+A contact kernel is called as
+
+    kernel(angle, rate, position, rotation, velocity, spin, data) -> out[WRENCH_SIZE]
+
+with the pinion's rotation `angle` about its axis k and its `rate` [rad, rad/s] (k-sense: minus the
+steering angle), the rack's reference point `position` [m], shape (3,), its `rotation` matrix body ->
+housing, shape (3, 3), `velocity` [m/s] and angular velocity `spin` [rad/s], all in the housing frame of
+`gears.gear_pair`. The rack's reference point is on the bar's axis, above the pitch point at rack
+displacement 0. Forces on the pinion are the exact opposite, so that momentum and moment balance.
+"""
+
+TORQUE = 0  # moment of the contact on the pinion about k, at its axis of rotation [N m]
+FORCE = slice(1, 4)  # on the rack, housing frame [N]
+MOMENT = slice(4, 7)  # on the rack about its reference point, housing frame [N m]
+NORMAL_DRIVE = 7  # sum of normal forces on the drive flanks (side -1) [N]
+NORMAL_COAST = 8  # the same on the coast flanks (side +1) [N]
+ELASTIC_ENERGY = 9  # stored in the contact [J]
+FRICTION_POWER = 10  # dissipated, >= 0 [W]
+DAMPING_POWER = 11  # dissipated by contact damping, >= 0 [W]
+PENETRATION = 12  # deepest [m]
+TOUCHING = 13  # number of samples or lines in contact
+WRENCH_SIZE = 14
