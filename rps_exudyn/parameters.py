@@ -81,7 +81,7 @@ class Pinion(Table):
     shaft_diameter: Length = parameter("11 mm", "diameter of the shaft that carries the gear", "estimate", gt=0)
     shaft_length: Length = parameter("160 mm", "length of the shaft", "estimate", gt=0)
     runout: Length = parameter(0.0, "eccentricity e of the gear centre from the axis of rotation (half the TIR)", "paper", ge=0)
-    runout_angle: Angle = parameter(0.0, "direction of the eccentricity at pinion angle 0, from the pitch point", "estimate")
+    runout_angle: Angle = parameter(0.0, "direction of the eccentricity at pinion angle 0, from the pitch point in the sense of rotation", "estimate")
     density: Density = parameter(7850.0, "density of the pinion", "estimate", gt=0)
 
 

@@ -46,6 +46,8 @@ class GearPair:
     reference_height: float
     angle_error: float
     axis_offset: float
+    runout: float
+    runout_angle: float
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "GearPair":
@@ -66,6 +68,8 @@ class GearPair:
             reference_height=rack.reference_height,
             angle_error=gear.installation.angle_error,
             axis_offset=gear.installation.axis_offset,
+            runout=pinion.runout,
+            runout_angle=pinion.runout_angle,
         )
 
     # --- pinion ------------------------------------------------------------------------------
@@ -97,6 +101,14 @@ class GearPair:
     def root_radius(self) -> float:
         """Radius of the root circle that the cutter leaves."""
         return self.reference_radius + self.profile_shift * self.module - self.rack_dedendum
+
+    @cached_property
+    def eccentricity(self) -> np.ndarray:
+        """Gear centre from the axis of rotation, in the turning pinion frame, shape (3,).
+
+        At pinion angle phi the centre stands runout * cos(phi + runout_angle) towards the rack.
+        """
+        return self.runout * np.array([np.sin(self.runout_angle), np.cos(self.runout_angle), 0])
 
     # --- rack --------------------------------------------------------------------------------
     @cached_property
