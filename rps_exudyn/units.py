@@ -42,6 +42,8 @@ def to_si(value: object, si_unit: str) -> float:
         pass
     try:
         quantity = _registry().Quantity(value)
+        if _misleading(str(quantity.units), si_unit):
+            raise ValueError(f"{quantity.units} are not meant")
         return float(quantity.to(si_unit or "dimensionless").magnitude)
     except Exception as error:  # pint, tokenizer and arithmetic errors alike: the text is no such quantity
         raise ValueError(
@@ -54,6 +56,14 @@ def show(value: float, si_unit: str, display: str) -> str:
     """The value in the unit a reader expects, for instance "1.83 mm"."""
     number = value if display == si_unit else value / factor(display, si_unit)
     return f"{number:.6g} {display}".strip()
+
+
+def _misleading(unit: str, si_unit: str) -> bool:
+    """Units that pint converts because it takes angles for plain numbers.
+
+    0.1 deg is no friction coefficient, and 1 Hz would become 1 rad/s where 2 pi rad/s is meant.
+    """
+    return (not si_unit and unit not in ("dimensionless", "percent")) or "hertz" in unit
 
 
 def _example(si_unit: str) -> str:
