@@ -1,0 +1,39 @@
+"""Rack-and-pinion steering gears on the Exudyn multibody code.
+
+    import rps_exudyn as rps
+
+    gear = rps.SteeringGear.from_toml("studies/gears/paper.toml")
+    result = rps.run("free-pinion-torque", gear, fidelity="flank", turns=1)
+    result["pinion_torque"]  # [N m], one value per result["time"] [s]
+    result.summary["torque_mean"]
+    result.save("free-pinion-torque.h5")
+
+The names are loaded when first used, so that importing the package costs nothing.
+"""
+
+import os
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rps_exudyn.parameters import SteeringGear
+    from rps_exudyn.result import Result, load
+    from rps_exudyn.simulate import run
+
+__all__ = ["Result", "SteeringGear", "load", "run"]
+
+_HOME = {"SteeringGear": "parameters", "Result": "result", "load": "result", "run": "simulate"}
+
+# Exudyn reads these when it is imported: a user's own settings file would silently change results.
+os.environ.setdefault("EXUDYN_NO_USER_SETTINGS", "1")
+os.environ.setdefault("EXUDYN_SUPPRESS_UI_WINDOW_OPEN", "1")
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        return getattr(import_module(f"rps_exudyn.{_HOME[name]}"), name)
+    raise AttributeError(f"module 'rps_exudyn' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,56 @@
+"""Where a result comes from: versions, git hash, date, machine."""
+
+import json
+import os
+import platform
+import subprocess
+from datetime import UTC, datetime
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+LIBRARIES = ("exudyn", "numpy", "scipy", "numba", "h5py", "trimesh", "manifold3d")
+
+
+def provenance() -> dict[str, str]:
+    """Text for the root attributes of a result, see docs/hdf5-format.md."""
+    return {
+        "package_version": version("rps-exudyn"),
+        "library_versions": json.dumps({name: version(name) for name in LIBRARIES}),
+        "git_hash": git_hash(),
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "machine": machine(),
+    }
+
+
+@cache
+def git_hash() -> str:
+    """Commit of the checkout this package runs from, "-dirty" if edited since; "" if installed elsewhere."""
+    folder = Path(__file__).parent
+    if not _git(folder, "ls-files", Path(__file__).name):  # an installed copy inside some other checkout
+        return ""
+    return _git(folder, "describe", "--always", "--abbrev=40", "--exclude=*", "--dirty")
+
+
+@cache
+def machine() -> str:
+    """Processor, its count, operating system and Python, without names of the host or its user."""
+    return f"{_processor()}, {os.cpu_count()} cores, {platform.system()}, Python {platform.python_version()}"
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:  # not Linux
+        lines = []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return models[0] if models else platform.processor() or platform.machine()
+
+
+def _git(folder: Path, *arguments: str) -> str:
+    command = ["git", "-C", str(folder), *arguments]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
+    except (OSError, subprocess.SubprocessError):  # no git, or no checkout
+        return ""
+    return done.stdout.strip()
