@@ -6,31 +6,26 @@ from enum import StrEnum
 class Status(StrEnum):
     """Outcome of one simulation; only `OK` results may be used."""
 
-    remedy: str
+    OK = "ok"
+    DIVERGED = "diverged"
+    NO_CONVERGENCE = "no-convergence"
+    CONTACT_LOST = "contact-lost"
+    TIMEOUT = "timeout"
+    CRASHED = "crashed"
+    INVALID = "invalid"
 
-    def __new__(cls, value: str, remedy: str) -> "Status":
-        member = str.__new__(cls, value)
-        member._value_ = value
-        member.remedy = remedy
-        return member
+    @property
+    def remedy(self) -> str:
+        """One sentence: what to change."""
+        return _REMEDIES[self]
 
-    OK = "ok", "Nothing to do."
-    DIVERGED = (
-        "diverged",
-        "Use a smaller step, or more contact damping (mesh.damping); check the stiffnesses.",
-    )
-    NO_CONVERGENCE = (
-        "no-convergence",
-        "Use a smaller step or another solver, or a larger friction regularization.",
-    )
-    CONTACT_LOST = (
-        "contact-lost",
-        "The teeth separated: raise yoke.preload, or check yoke.clearance and the load.",
-    )
-    TIMEOUT = "timeout", "Allow more time, or take a cheaper fidelity or fewer turns."
-    CRASHED = "crashed", "The solver's process ended: see the message; run the case alone to reproduce it."
-    INVALID = (
-        "invalid",
-        "The run ended but failed the check that the message names: do not use its numbers; refine the step "
-        "or the contact.",
-    )
+
+_REMEDIES = {
+    Status.OK: "Nothing to do.",
+    Status.DIVERGED: "Use a smaller step or more contact damping (mesh.damping), and check the stiffnesses.",
+    Status.NO_CONVERGENCE: "Use a smaller step, another solver, or a wider friction regularization.",
+    Status.CONTACT_LOST: "The rack left the mesh: raise yoke.preload, or check yoke.clearance and the load.",
+    Status.TIMEOUT: "Allow more time, or take a cheaper fidelity or fewer turns.",
+    Status.CRASHED: "The solver's process ended: run this case alone to see why.",
+    Status.INVALID: "The run ended but failed the check that the message names: refine the step or the contact.",
+}

@@ -9,6 +9,7 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
+FIELDS = ("package_version", "library_versions", "git_hash", "date", "machine")
 LIBRARIES = ("exudyn", "numpy", "scipy", "numba", "h5py", "trimesh", "manifold3d")
 
 

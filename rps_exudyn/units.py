@@ -58,6 +58,11 @@ def show(value: float, si_unit: str, display: str) -> str:
     return f"{number:.6g} {display}".strip()
 
 
+def pretty(unit: str) -> str:
+    """The unit as print wants it: "N*mm" -> "N mm", "um" -> "µm"."""
+    return unit.replace("*", " ").replace("um", "µm").replace("deg", "°").replace("^3", "³")
+
+
 def _misleading(unit: str, si_unit: str) -> bool:
     """Units that pint converts because it takes angles for plain numbers.
 

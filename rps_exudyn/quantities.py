@@ -1,0 +1,131 @@
+"""Every quantity a result may hold: name, unit, definition. Declared once, here.
+
+A result with another name is refused when it is made, so that files, charts and the format's page
+(docs/hdf5-format.md, held to this list by a test) cannot drift apart. Directions are those of the housing
+frame in `gears.gear_pair`: X the rack's travel, Y from the pinion to the rack, Z = X x Y.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from rps_exudyn import units
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One number or signal: kept in the SI `unit`, shown in the unit `display`; "" is dimensionless."""
+
+    unit: str
+    display: str
+    long_name: str
+
+    def show(self, value: float) -> str:
+        """The value for a reader, for instance "0.593 N m"."""
+        number = value / units.factor(self.display, self.unit)
+        return f"{number:.4g} {units.pretty(self.display)}".strip()
+
+    def displayed(self, values: "np.ndarray") -> "np.ndarray":
+        """SI values in the display unit."""
+        return values / units.factor(self.display, self.unit)
+
+    def axis_label(self, name: str) -> str:
+        """For instance "pinion torque [N m]"."""
+        unit = units.pretty(self.display)
+        return f"{name} [{unit}]" if unit else name
+
+
+def _torque(long_name: str) -> Quantity:
+    return Quantity("N*m", "N*m", long_name)
+
+
+def _deflection(long_name: str) -> Quantity:
+    return Quantity("m", "um", long_name)
+
+
+def _tilt(long_name: str) -> Quantity:
+    return Quantity("rad", "mrad", long_name)
+
+
+def _force(long_name: str) -> Quantity:
+    return Quantity("N", "N", long_name)
+
+
+def _energy(long_name: str) -> Quantity:
+    return Quantity("J", "J", long_name)
+
+
+def _length(long_name: str) -> Quantity:
+    return Quantity("m", "mm", long_name)
+
+
+def _count(long_name: str) -> Quantity:
+    return Quantity("", "", long_name)
+
+
+def _ratio(long_name: str) -> Quantity:
+    return Quantity("", "%", long_name)
+
+
+SIGNALS = {
+    "time": Quantity("s", "s", "time from the start of recording"),
+    "pinion_angle": Quantity(
+        "rad", "deg", "pinion angle from the centre position, positive for rack travel along +X"
+    ),
+    "pinion_torque": _torque(
+        "torque that drives the pinion, about its axis of rotation, in the sense of pinion_angle"
+    ),
+    "rack_displacement": _length("displacement of the rack's reference point along X"),
+    "rack_y": _deflection(
+        "lift of the rack's reference point along Y, away from the pinion, from the design position"
+    ),
+    "rack_z": _deflection("displacement of the rack's reference point along Z"),
+    "rack_roll": _tilt("rotation of the rack about X"),
+    "rack_yaw": _tilt("rotation of the rack about Y"),
+    "rack_pitch": _tilt("rotation of the rack about Z"),
+    "plunger_displacement": _deflection(
+        "displacement of the plunger along Y, towards the yokenut, from its rest position"
+    ),
+    "mesh_normal_force": _force("sum of the normal forces between the teeth, both flanks"),
+    "mesh_normal_force_drive": _force("sum of the normal forces on the flanks that drive the rack along +X"),
+    "mesh_normal_force_coast": _force("sum of the normal forces on the flanks that drive the rack along -X"),
+    "mesh_penetration": _deflection("deepest penetration of the teeth"),
+    "seat_force": _force("force of the plunger on the rack along -Y"),
+    "yokenut_force": _force(
+        "contact force of the yokenut on the plunger along -Y, 0 while there is clearance"
+    ),
+    "bush_force": _force("magnitude of the bush's force on the rack across X"),
+    "work_drive": _energy("work of the drive on the pinion from the start of recording"),
+    "work_mesh_friction": _energy("work lost to friction between the teeth from the start of recording"),
+    "work_mesh_damping": _energy("work lost to damping of the tooth contact from the start of recording"),
+    "work_seat_friction": _energy(
+        "work lost to friction between plunger and rack from the start of recording"
+    ),
+    "work_bush_friction": _energy("work lost to the bush's drag from the start of recording"),
+    "work_bearing_friction": _energy("work lost to the pinion's bearings from the start of recording"),
+    "stored_energy": _energy("kinetic energy, and elastic energy of springs and contacts"),
+}
+
+SUMMARY = {
+    "torque_mean": _torque("mean of pinion_torque over the pinion angle recorded"),
+    "torque_peak_to_peak": _torque("largest minus smallest pinion_torque"),
+    "torque_tooth_order": _torque("amplitude of pinion_torque's harmonic once per tooth"),
+    "torque_first_order": _torque("amplitude of pinion_torque's harmonic once per revolution"),
+    "torque_closed_form": _torque("free pinion torque by the closed form, for comparison with torque_mean"),
+    "rack_gain": _length("displacement of the rack per revolution of the pinion"),
+    "energy_residual": _ratio("(work_drive - work lost - change of stored_energy) / work_drive"),
+}
+
+COUNTERS = {
+    "steps": _count("time steps, or positions of equilibrium"),
+    "newton_iterations": _count("Newton iterations"),
+    "jacobians": _count("Jacobians computed"),
+    "force_evaluations": _count("evaluations of the mesh contact"),
+}
+
+GEOMETRY: dict[str, Quantity] = {}
+
+GROUPS = {"signals": SIGNALS, "summary": SUMMARY, "counters": COUNTERS, "geometry": GEOMETRY}
+"""Group of the HDF5 file -> what it may hold."""

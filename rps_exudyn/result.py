@@ -1,0 +1,192 @@
+"""What a simulation leaves: a `Result`, and the HDF5 file that holds it.
+
+Every group, dataset and attribute of the file is described in docs/hdf5-format.md; names and units come
+from `quantities`. The file is plain HDF5 with dimension scales, so that other tools read it, for instance
+xarray: `xarray.open_dataset(path, group="signals", engine="h5netcdf")`.
+"""
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from rps_exudyn import provenance as origin
+from rps_exudyn.atomic import replacing
+from rps_exudyn.errors import InputError
+from rps_exudyn.outcome import Status
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.quantities import GROUPS
+
+FILETYPE = "rps_exudyn-result"
+VERSION = (1, 0)
+"""Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Result:
+    """One simulation: what was asked, how it ended, what came out. All values are SI.
+
+    `signals` are arrays of shape (time,), `summary`, `counters` and `geometry` are scalars; their names are
+    those of `quantities`. Use the numbers only if `status` is `Status.OK`.
+    """
+
+    scene: str
+    gear: SteeringGear
+    fidelity: dict[str, Any]  # what was modelled how
+    solver: dict[str, Any]  # every setting of the solver
+    status: Status
+    message: str = ""  # why, if status is not OK
+    signals: dict[str, np.ndarray] = field(default_factory=dict)
+    summary: dict[str, float] = field(default_factory=dict)
+    counters: dict[str, int | float] = field(default_factory=dict)
+    geometry: dict[str, float] = field(default_factory=dict)
+    cpu_s: float  # processor time of the simulation [s]
+    wall_s: float  # elapsed time of the simulation [s]
+    provenance: dict[str, str] = field(default_factory=origin.provenance)
+
+    def __post_init__(self) -> None:
+        for group, known in GROUPS.items():
+            if unknown := set(getattr(self, group)) - set(known):
+                raise ValueError(f"quantities.py declares no {group} named {', '.join(sorted(unknown))}")
+        shapes = {np.shape(values) for values in self.signals.values()}
+        if self.signals and ("time" not in self.signals or len(shapes) > 1 or len(shapes.pop()) != 1):
+            raise ValueError("signals must be one-dimensional, of one length, and hold the time")
+
+    def __getitem__(self, signal: str) -> np.ndarray:
+        """The signal of that name, shape (time,)."""
+        return self.signals[signal]
+
+    def save(self, path: str | Path) -> None:
+        """Write the HDF5 file; an existing file is replaced only by a complete one.
+
+        Raises:
+            InputError: the file cannot be written.
+        """
+        with replacing(path) as partial, h5py.File(partial, "w") as file:
+            _write(self, file)
+
+
+def load(path: str | Path) -> Result:
+    """The result in an HDF5 file.
+
+    Raises:
+        InputError: no such file, not a result of this package, damaged, or of a newer format.
+    """
+    with _opened(path) as file:
+        _check_format(file, path)
+        return _read(file, path)
+
+
+# --- writing -----------------------------------------------------------------------------------
+
+
+def _write(result: Result, file: h5py.File) -> None:
+    file.attrs.update(_attributes(result))
+    for group in GROUPS:
+        file.create_group(group)
+    for name, values in result.signals.items():
+        _put(file, "signals", name, np.asarray(values, dtype=float))
+    if result.signals:
+        _attach_time(file["signals"])
+    for group in ("summary", "counters", "geometry"):
+        for name, value in getattr(result, group).items():
+            _put(file, group, name, value)
+
+
+def _attributes(result: Result) -> dict[str, Any]:
+    return {
+        "filetype": FILETYPE,
+        "version": np.array(VERSION),
+        "scene": result.scene,
+        "status": result.status.value,
+        "message": result.message,
+        "parameters": result.gear.model_dump_json(),
+        "fidelity": json.dumps(result.fidelity, default=_plain),
+        "solver": json.dumps(result.solver, default=_plain),
+        "cpu_s": float(result.cpu_s),
+        "wall_s": float(result.wall_s),
+        **result.provenance,
+    }
+
+
+def _put(file: h5py.File, group: str, name: str, value: Any) -> None:
+    dataset = file[group].create_dataset(name, data=value)
+    dataset.attrs["units"] = GROUPS[group][name].unit
+    dataset.attrs["long_name"] = GROUPS[group][name].long_name
+
+
+def _attach_time(signals: h5py.Group) -> None:
+    signals["time"].make_scale("time")
+    for name, dataset in signals.items():
+        if name != "time":
+            dataset.dims[0].attach_scale(signals["time"])
+
+
+def _plain(value: Any) -> Any:
+    """What JSON does not know: arrays become lists, everything else its text."""
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else str(value)
+
+
+# --- reading -----------------------------------------------------------------------------------
+
+
+@contextmanager
+def _opened(path: str | Path) -> Iterator[h5py.File]:
+    if not Path(path).is_file():
+        raise InputError(f"{path} cannot be read: there is no such file.")
+    try:
+        file = h5py.File(path, "r")
+    except PermissionError:
+        raise InputError(f"{path} cannot be read: permission denied.") from None
+    except OSError:
+        raise InputError(f"{path} is no HDF5 file, or it is damaged.") from None
+    with file:
+        yield file
+
+
+def _check_format(file: h5py.File, path: str | Path) -> None:
+    if file.attrs.get("filetype") != FILETYPE:
+        raise InputError(f"{path} is an HDF5 file, but not a result of rps-exudyn.")
+    version = tuple(np.ravel(file.attrs.get("version", ())))
+    if not version or version[0] != VERSION[0]:
+        found = ".".join(map(str, version)) or "missing"
+        raise InputError(
+            f"{path} has format version {found}, and this rps-exudyn reads {VERSION[0]}.x; "
+            "use the rps-exudyn that wrote it, or a newer one."
+        )
+
+
+def _read(file: h5py.File, path: str | Path) -> Result:
+    try:
+        attributes = dict(file.attrs)
+        return Result(
+            scene=attributes["scene"],
+            gear=SteeringGear.from_tables(json.loads(attributes["parameters"]), where=str(path)),
+            fidelity=json.loads(attributes["fidelity"]),
+            solver=json.loads(attributes["solver"]),
+            status=Status(attributes["status"]),
+            message=attributes["message"],
+            signals={name: dataset[:] for name, dataset in _known(file, "signals")},
+            summary={name: dataset[()].item() for name, dataset in _known(file, "summary")},
+            counters={name: dataset[()].item() for name, dataset in _known(file, "counters")},
+            geometry={name: dataset[()].item() for name, dataset in _known(file, "geometry")},
+            cpu_s=float(attributes["cpu_s"]),
+            wall_s=float(attributes["wall_s"]),
+            provenance={name: attributes[name] for name in origin.FIELDS},
+        )
+    except InputError:
+        raise
+    except (KeyError, ValueError, TypeError, OSError, RuntimeError) as error:
+        raise InputError(f"{path} is damaged: {error}.") from None
+
+
+def _known(file: h5py.File, group: str) -> Iterator[tuple[str, h5py.Dataset]]:
+    """Datasets in the order of their declaration; what a newer minor version added is left unread."""
+    for name in GROUPS[group]:
+        if name in file[group]:
+            yield name, file[group][name]
