@@ -6,12 +6,9 @@ frame in `gears.gear_pair`: X the rack's travel, Y from the pinion to the rack, 
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
 
 from rps_exudyn import units
-
-if TYPE_CHECKING:
-    import numpy as np
 
 
 @dataclass(frozen=True)
@@ -23,12 +20,13 @@ class Quantity:
     long_name: str
 
     def show(self, value: float) -> str:
-        """The value for a reader, for instance "0.593 N m"."""
-        number = value / units.factor(self.display, self.unit)
-        return f"{number:.4g} {units.pretty(self.display)}".strip()
+        """The value for a reader, for instance "0.593 N m"; counts are whole numbers."""
+        if isinstance(value, int):
+            return str(value)
+        return f"{self.displayed(value):.4g} {units.pretty(self.display)}".strip()
 
-    def displayed(self, values: "np.ndarray") -> "np.ndarray":
-        """SI values in the display unit."""
+    def displayed(self, values: Any) -> Any:
+        """SI values, a number or an array of any shape, in the display unit."""
         return values / units.factor(self.display, self.unit)
 
     def axis_label(self, name: str) -> str:
