@@ -51,6 +51,7 @@ Mass = Annotated[float, Unit("kg", "kg")]
 Density = Annotated[float, Unit("kg/m^3", "kg/m^3")]
 Pressure = Annotated[float, Unit("Pa", "GPa")]
 ContactStiffness = Annotated[float, Unit("N/m^3", "N/m^3")]
+LineStiffness = Annotated[float, Unit("N/m^2", "N/mm/um")]
 Time = Annotated[float, Unit("s", "s")]
 Speed = Annotated[float, Unit("rad/s", "rpm")]
 
@@ -111,6 +112,19 @@ class Pinion(Table):
         0.0,
         "direction of the eccentricity at pinion angle 0, from the pitch point in the sense of rotation",
         "estimate",
+    )
+    tip_relief: Length = parameter(0.0, "tip relief: taken off the flanks at the tip", "estimate", ge=0)
+    tip_relief_length: Length = parameter(
+        "1 mm", "length of roll from the tip over which the relief fades out", "estimate", gt=0
+    )
+    crowning: Length = parameter(
+        0.0, "lengthwise crowning: taken off the flanks at both end faces", "estimate", ge=0
+    )
+    pitch_error: Length = parameter(
+        0.0, "single pitch error f_pt: one tooth is displaced by it", "estimate", gt=-0.001, lt=0.001
+    )
+    profile_slope: Length = parameter(
+        0.0, "profile slope deviation f_Halpha: surplus at the tip", "estimate", gt=-0.001, lt=0.001
     )
     density: Density = parameter(7850.0, "density of the pinion", "estimate", gt=0)
 
@@ -207,6 +221,12 @@ class Mesh(Table):
         "2e13 N/m^3", "contact pressure per penetration depth", "estimate", gt=0
     )
     damping: Time = parameter(0.0, "damping time: damping over stiffness", "estimate", ge=0, le=1e-2)
+    law: Literal["area", "line"] = parameter(
+        "area", "flank contact: pressure per depth, or load per length of line and depth", "estimate"
+    )
+    line_stiffness: LineStiffness = parameter(
+        "14 N/mm/um", "load per length of contact line and depth, law line (ISO 6336: c')", "estimate", gt=0
+    )
 
 
 class Test(Table):

@@ -179,7 +179,9 @@ class GearPair:
         """
         tip_line = (self.profile_shift * self.module - self.rack_addendum) / np.sin(self.alpha_t)
         q0 = max(tip_line, -self.base_radius * np.tan(self.alpha_t))
-        qa = np.sqrt(max(self.tip_radius**2 - self.base_radius**2, 0)) - self.reference_radius * np.sin(self.alpha_t)
+        qa = np.sqrt(max(self.tip_radius**2 - self.base_radius**2, 0)) - self.reference_radius * np.sin(
+            self.alpha_t
+        )
         return float(q0), float(qa)
 
     @cached_property
@@ -200,4 +202,6 @@ class GearPair:
         l(q) = sqrt(l_s^2 + q^2 + 2 q l_s sin(alpha_t) sin(beta_p)), l_s = -r_p sin(delta) / cos(beta_r).
         """
         ls = -self.reference_radius * np.sin(self.delta) / np.cos(self.beta_r)
-        return np.sqrt(ls**2 + np.square(q) + 2 * np.asarray(q) * ls * np.sin(self.alpha_t) * np.sin(self.beta_p))
+        return np.sqrt(
+            ls**2 + np.square(q) + 2 * np.asarray(q) * ls * np.sin(self.alpha_t) * np.sin(self.beta_p)
+        )

@@ -1,0 +1,138 @@
+"""Closed triangle meshes: volume integrals, booleans in double precision, and the guard against bad ones.
+
+Faces are triples of vertex indices, counter-clockwise seen from outside. Booleans go through
+manifold3d's `Mesh64`: penetrations here are micrometres, and single precision is not enough.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import manifold3d
+import numpy as np
+
+from rps_exudyn.errors import InputError
+
+
+@dataclass(frozen=True)
+class MassProperties:
+    volume: float  # [m^3]
+    mass: float  # [kg]
+    centre_of_mass: np.ndarray  # [m], shape (3,)
+    inertia: np.ndarray  # about the centre of mass [kg m^2], shape (3, 3)
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A closed mesh of one material."""
+
+    vertices: np.ndarray  # [m], shape (n, 3)
+    faces: np.ndarray  # shape (m, 3)
+    density: float  # [kg/m^3]
+
+    @cached_property
+    def mass_properties(self) -> MassProperties:
+        """Exact integrals over the polyhedron (divergence theorem, one tetrahedron per face)."""
+        origin = self.vertices.mean(axis=0)  # near the solid: no cancellation for a body far from the origin
+        a, b, c = np.moveaxis((self.vertices - origin)[self.faces], 1, 0)
+        volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+        volume = volumes.sum()
+        centre = volumes @ (a + b + c) / (4 * volume)
+        total = a + b + c
+        second = sum(np.einsum("i,ij,ik->jk", volumes, p, p) for p in (a, b, c, total)) / 20
+        second = second - volume * np.outer(centre, centre)
+        inertia = self.density * (np.trace(second) * np.eye(3) - second)
+        return MassProperties(float(volume), float(self.density * volume), origin + centre, inertia)
+
+    def checked(self, name: str) -> "Solid":
+        """The same solid, if a contact search may rely on it.
+
+        Raises:
+            InputError: open or doubled edges, inverted normals, or faces without area.
+        """
+        problem = defect(self.vertices, self.faces)
+        if problem:
+            raise InputError(f"The mesh of the {name} is not usable: {problem}.")
+        return self
+
+
+def defect(vertices: np.ndarray, faces: np.ndarray, least_height: float = 1e-12) -> str | None:
+    """What is wrong with a closed mesh, in words; None for a sound one.
+
+    `least_height` [m]: a face is a sliver if its smallest height is below it. At lengths of centimetres
+    rounding is 1e-18 m, so that normals of all other faces keep six digits.
+    """
+    if not np.isfinite(vertices).all():
+        return f"{np.count_nonzero(~np.isfinite(vertices).all(axis=1))} vertices are not finite"
+    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64)
+    n = len(vertices)
+    forward, counts = np.unique(edges[:, 0] * n + edges[:, 1], return_counts=True)
+    backward = np.unique(edges[:, 1] * n + edges[:, 0])
+    if (counts > 1).any():
+        return f"{np.count_nonzero(counts > 1)} edges are used twice in the same sense (inverted normals)"
+    lonely = np.setdiff1d(forward, backward, assume_unique=True).size
+    if lonely:
+        return f"{lonely} edges are open"
+    a, b, c = np.moveaxis(vertices[faces], 1, 0)
+    double_area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    longest = np.linalg.norm([b - a, c - b, a - c], axis=2).max(axis=0)
+    slivers = np.count_nonzero(double_area < least_height * longest)
+    if slivers:
+        return f"{slivers} faces are slivers with a height below {least_height:g} m"
+    if np.einsum("ij,ij->i", a, np.cross(b, c)).sum() <= 0:
+        return "its faces look inwards"
+    return None
+
+
+def to_manifold(vertices: np.ndarray, faces: np.ndarray) -> manifold3d.Manifold:
+    """A closed mesh ready for booleans.
+
+    Raises:
+        ValueError: the mesh is not closed and consistently oriented.
+    """
+    solid = manifold3d.Manifold(
+        manifold3d.Mesh64(
+            np.ascontiguousarray(vertices, dtype=np.float64), np.ascontiguousarray(faces, dtype=np.uint64)
+        )
+    )
+    if solid.status() != manifold3d.Error.NoError:
+        raise ValueError(f"no closed mesh: {solid.status()}")
+    return solid
+
+
+def from_manifold(solid: manifold3d.Manifold) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (n, 3) and faces (m, 3) of a boolean's result."""
+    mesh = solid.to_mesh64()
+    return np.array(mesh.vert_properties[:, :3]), np.array(mesh.tri_verts, dtype=np.int64)
+
+
+def prism(outline: np.ndarray, start: np.ndarray, end: np.ndarray) -> manifold3d.Manifold:
+    """The body that an outline sweeps.
+
+    Args:
+        outline: polygon in the plane, counter-clockwise, shape (n, 2) [m].
+        start, end: affine maps (3, 3) of (1, x, y) -> point of the first and of the last outline [m].
+    """
+    n = len(outline)
+    flat = np.concatenate([np.ones((n, 1)), outline], axis=1)
+    cap = np.asarray(manifold3d.triangulate([np.ascontiguousarray(outline, dtype=np.float64)]))
+    i = np.arange(n)
+    j = (i + 1) % n
+    walls = np.concatenate([np.stack([i, j, j + n], axis=1), np.stack([i, j + n, i + n], axis=1)])
+    faces = np.concatenate([cap[:, ::-1], cap + n, walls])
+    vertices = np.concatenate([flat @ np.asarray(start).T, flat @ np.asarray(end).T])
+    a, b, c = np.moveaxis((vertices - vertices.mean(axis=0))[faces], 1, 0)
+    if np.einsum("ij,ij->i", a, np.cross(b, c)).sum() < 0:  # swept against the outline's own normal
+        faces = faces[:, ::-1]
+    return to_manifold(vertices, faces)
+
+
+def cylinder(radius: float, start: np.ndarray, end: np.ndarray, segments: int) -> manifold3d.Manifold:
+    """A round bar from one point to another, as a regular prism inscribed in it."""
+    start, end = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
+    axis = (end - start) / np.linalg.norm(end - start)
+    across = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    across /= np.linalg.norm(across)
+    frame = np.stack([across, np.cross(axis, across)], axis=1)
+    angle = 2 * np.pi * np.arange(segments) / segments
+    circle = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return prism(circle, np.column_stack([start, frame]), np.column_stack([end, frame]))

@@ -1,0 +1,127 @@
+"""The rack: a round bar with straight teeth milled into it.
+
+Rack frame: origin on the bar's axis above the pitch point at rack displacement 0, axes parallel to the
+housing's. The teeth point to -Y; tooth 0 is centred at X = 0. The bush is on the +X side.
+
+    Z x chord        ____            end view: the teeth's tips are cut to a flat land, so that the
+                    /    \\           bar's chord, and with it the face width, grows towards the root
+                   (  +   )  bar axis
+                    \\____/   root
+                      --     tips (land)
+                        -Y
+
+A flank is a plane. On tooth j, side s (the side of the pinion flank it meets) it holds the point
+j p_x X + s pi m_n / 4 u - h Y with the normal s cos alpha_n u - sin alpha_n Y, u across the teeth.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from rps_exudyn.gears.basic_rack import arc_segments, rack_tooth, straight_depth
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.polyhedron import cylinder, from_manifold, prism
+from rps_exudyn.parameters import SteeringGear
+
+PAST_THE_BUSH = 20e-3  # how far the bar reaches out of the bush at full travel [m]
+
+
+@dataclass(frozen=True, eq=False)
+class RackFlank:
+    """One plane flank and its edges, rack frame."""
+
+    tooth: int
+    side: int
+    point: np.ndarray  # on the reference line, Z = 0 [m], shape (3,)
+    normal: np.ndarray  # unit, out of the tooth, shape (3,)
+    trace: np.ndarray  # unit vector along the tooth, shape (3,)
+    tip_height: float  # Y of the tip line [m]
+    form_height: float  # Y where the root fillet begins [m]
+    bar_radius: float  # [m]
+
+    def half_chord(self, Y: np.ndarray | float) -> np.ndarray:
+        """Largest |Z| on the flank at height Y: the round bar's half chord [m]."""
+        return np.sqrt(np.maximum(self.bar_radius**2 - np.square(Y), 0))
+
+
+@dataclass(frozen=True)
+class RackBar:
+    """Where the bar and its teeth begin and end."""
+
+    pair: GearPair
+    x_min: float  # ends of the bar [m]
+    x_max: float
+    teeth_each_way: int  # whole teeth on either side of tooth 0
+
+    @classmethod
+    def of(cls, gear: SteeringGear) -> "RackBar":
+        """The bar ends `PAST_THE_BUSH` outside the bush; teeth for the travel and the pinion's reach."""
+        pair, bush, rack = GearPair.of(gear), gear.bush, gear.rack
+        x_max = bush.distance + bush.length + rack.travel / 2 + PAST_THE_BUSH
+        skew = pair.face_width / 2 * (abs(np.sin(pair.delta)) + abs(np.tan(pair.beta_r)))
+        needed = rack.travel / 2 + pair.tip_radius + skew
+        return cls(pair, x_max - rack.length, x_max, int(np.ceil(needed / pair.rack_pitch)))
+
+    @property
+    def teeth(self) -> range:
+        """Numbers of the teeth, in order of X."""
+        return range(-self.teeth_each_way, self.teeth_each_way + 1)
+
+    @cached_property
+    def tip_height(self) -> float:
+        return -self.pair.reference_height - self.pair.rack_addendum
+
+    @cached_property
+    def root_height(self) -> float:
+        return -self.pair.reference_height + self.pair.rack_dedendum
+
+    @property
+    def toothed_ends(self) -> tuple[float, float]:
+        """Smallest and largest X that the cutter reaches, at the bar's flanks [m]."""
+        reach = (self.teeth_each_way + 0.5) * self.pair.rack_pitch
+        skew = self.pair.bar_radius * abs(np.tan(self.pair.beta_r))
+        return -reach - skew, reach + skew
+
+    def flank(self, tooth: int, side: int) -> RackFlank:
+        """The flank of one tooth that meets the pinion's flanks of the same side."""
+        pair = self.pair
+        across = np.pi * pair.module * (tooth + side / 4)
+        return RackFlank(
+            tooth,
+            side,
+            # on Z = 0, u = X cos beta_r
+            np.array([across / np.cos(pair.beta_r), -pair.reference_height, 0.0]),
+            pair.rack_flank_normal(side),
+            pair.trace,
+            self.tip_height,
+            -pair.reference_height + straight_depth(pair),
+            pair.bar_radius,
+        )
+
+    def outline(self, chord_error: float) -> np.ndarray:
+        """What the cutter leaves of the teeth and takes away below them: polygon (u, -Y), shape (n, 2) [m].
+
+        Teeth from root middle to root middle, closed outside the bar; counter-clockwise.
+        """
+        tooth = rack_tooth(self.pair, chord_error)
+        tooth[:, 1] += self.pair.reference_height  # -Y
+        pitch = np.pi * self.pair.module
+        teeth = np.concatenate([tooth[1:] + np.array([pitch * j, 0]) for j in self.teeth])
+        first = tooth[:1] + np.array([pitch * self.teeth[0], 0])
+        outside = 1.5 * self.pair.bar_radius
+        close = np.array([[teeth[-1, 0], outside], [first[0, 0], outside]])
+        return np.concatenate([first, teeth, close])
+
+    def mesh(self, chord_error: float) -> tuple[np.ndarray, np.ndarray]:
+        """Closed mesh of the bar within `chord_error` [m]: vertices (n, 3) [m], faces (m, 3)."""
+        pair = self.pair
+        u, y, w = pair.cross_trace, np.array([0, -1.0, 0]), pair.trace
+        middle = np.column_stack([np.zeros(3), u, y])
+        # long enough for the bar's whole width at both ends of the slanted outline
+        half = 1.2 * pair.bar_radius / np.cos(pair.beta_r) + self.toothed_ends[1] * abs(np.sin(pair.beta_r))
+        along = np.column_stack([half * w, np.zeros((3, 2))])
+        cutter = prism(self.outline(chord_error), middle - along, middle + along)
+        segments = arc_segments(pair.bar_radius, 2 * np.pi, chord_error)
+        bar = cylinder(pair.bar_radius, np.array([self.x_min, 0, 0]), np.array([self.x_max, 0, 0]), segments)
+        return from_manifold(bar - cutter)

@@ -1,0 +1,98 @@
+"""The root that the basic rack's rounded tip generates between two teeth, in closed form.
+
+Transverse section, tooth space centred on +Y. The cutter's tooth stands at X = 0 when the pinion is at
+angle 0, its pitch line at Y = 0, Y outwards. A point (X, Y) of its tip with normal n cuts its final point
+when that normal passes through the pitch point (law of gearing), r phi = Y n_x / n_y - X, at
+
+    x = (X + r phi) cos phi - (r + Y) sin phi,   y = (X + r phi) sin phi + (r + Y) cos phi.
+
+`eta` runs along the rounding: alpha_n at C1, where the straight flank ends, to pi/2 at the flat tip.
+Where the root meets the involute is the *form point*. Without undercut it is the point that C1 generates;
+with undercut the trochoid crosses the involute further out.
+"""
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from rps_exudyn.gears.basic_rack import arc_segments, cutter_tip_centre, half_angle, straight_depth
+from rps_exudyn.gears.gear_pair import GearPair
+
+
+class FormPoint(NamedTuple):
+    """Where involute and trochoid meet."""
+
+    eta: float  # of the trochoid [rad]
+    tangent_length: float  # of the involute, q_form [m]
+    radius: float  # R_form = sqrt(r_b^2 + q_form^2) [m]
+    undercut: bool
+
+
+def trochoid(pair: GearPair, eta: np.ndarray | float) -> np.ndarray:
+    """Right half of the root, transverse points [m], shape (..., 2)."""
+    eta = np.asarray(eta, dtype=float)
+    u, y = cutter_tip_centre(pair)
+    rho, cos_beta = pair.fillet_radius, np.cos(pair.beta_p)
+    X = (u + rho * np.cos(eta)) / cos_beta
+    Y = y - rho * np.sin(eta) + pair.profile_shift * pair.module
+    roll = -Y * np.cos(eta) * cos_beta / np.sin(eta) - X  # r phi; the normal is (cos eta cos beta, -sin eta)
+    phi, height = roll / pair.reference_radius, pair.reference_radius + Y
+    along = X + roll
+    return np.stack(
+        [along * np.cos(phi) - height * np.sin(phi), along * np.sin(phi) + height * np.cos(phi)], axis=-1
+    )
+
+
+@cache
+def form_point(pair: GearPair) -> FormPoint:
+    """Where the pinion's involute ends and its root begins.
+
+    Raises:
+        ValueError: undercut leaves nothing of the involute.
+    """
+    r, rb = pair.reference_radius, pair.base_radius
+    height = pair.profile_shift * pair.module - straight_depth(pair)  # of C1 above the pitch line
+    q = r * np.sin(pair.alpha_t) + height / np.sin(pair.alpha_t)
+    if q >= 0:
+        return FormPoint(pair.alpha_n, q, float(np.hypot(rb, q)), undercut=False)
+
+    def outside_base(eta: float) -> float:
+        return float(np.hypot(*trochoid(pair, eta))) - rb
+
+    def gap(eta: float) -> float:  # of the trochoid from the involute, as an angle at the same radius
+        x, y = trochoid(pair, eta)
+        return float(np.arctan2(x, y) - (np.pi / pair.teeth - half_angle(pair, float(np.hypot(x, y)))))
+
+    at_base = brentq(outside_base, pair.alpha_n, np.pi / 2, xtol=1e-15)
+    if not gap(pair.alpha_n) * gap(at_base) < 0:
+        raise ValueError("the undercut leaves no involute")
+    eta = float(brentq(gap, pair.alpha_n, at_base, xtol=1e-15))
+    radius = float(np.hypot(*trochoid(pair, eta)))
+    return FormPoint(eta, float(np.sqrt(radius**2 - rb**2)), radius, undercut=True)
+
+
+def root_profile(pair: GearPair, chord_error: float) -> np.ndarray:
+    """The whole root of a tooth space, form point to form point, shape (n, 2), polar angle ascending [m].
+
+    Chords stay within `chord_error` [m].
+    """
+    start = form_point(pair).eta
+    right = trochoid(pair, np.linspace(start, np.pi / 2, 1 + _segments(pair, start, chord_error)))
+    flat = np.arctan2(*right[-1])  # half angle of the root circle's arc, from +Y
+    n = arc_segments(pair.root_radius, 2 * flat, chord_error)
+    angle = np.linspace(flat, -flat, n + 1)[1:-1]
+    arc = pair.root_radius * np.stack([np.sin(angle), np.cos(angle)], axis=-1)
+    return np.concatenate([right, arc, right[::-1] * [-1, 1]])
+
+
+def _segments(pair: GearPair, start: float, chord_error: float) -> int:
+    """Chords for the trochoid: the deviation measured on a trial division falls with 1 / n^2."""
+    trial = 64
+    points = trochoid(pair, np.linspace(start, np.pi / 2, 2 * trial + 1))
+    ends, middle = points[::2], points[1::2]
+    chord = np.diff(ends, axis=0)
+    offset = middle - ends[:-1]
+    height = np.abs(chord[:, 0] * offset[:, 1] - chord[:, 1] * offset[:, 0]) / np.linalg.norm(chord, axis=1)
+    return max(int(np.ceil(trial * np.sqrt(height.max() / chord_error))), 2)
