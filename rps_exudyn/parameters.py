@@ -347,6 +347,18 @@ def declared() -> Iterator[Declared]:
             yield Declared(f"{table_name}.{name}", field, unit)
 
 
+def declared_at(path: str) -> list[Declared]:
+    """The parameter at a dotted path, or all of a table; every parameter for "".
+
+    Raises:
+        InputError: there is no such parameter or table.
+    """
+    found = [item for item in declared() if f"{item.path}.".startswith(f"{path}." if path else "")]
+    if not found:
+        raise InputError(f"{path} is no parameter; {_nearest(path)}.")
+    return found
+
+
 def value_at(gear: SteeringGear, path: str) -> Any:
     """The value of the parameter at a dotted path."""
     table, name = path.split(".")
@@ -363,7 +375,9 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         return tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror or error}.") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError:
+        raise InputError(f"{path} is not a TOML file: it is not UTF-8 text.") from None
+    except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path} is not a TOML file: {error}.") from None
 
 
@@ -464,7 +478,7 @@ def _problem(item: Any, given: Mapping[str, Any]) -> Problem:
     elif item["type"] == "finite_number":
         sentence = f"{path} is {value!r}; it must be finite."
     else:
-        sentence = f"{path} is {value!r}; it must be {_declared(path).allowed}."
+        sentence = f"{path} is {value!r}; it must be {declared_at(path)[0].allowed}."
     return Problem((path,), sentence)
 
 
@@ -498,10 +512,6 @@ def _value_in(given: Mapping[str, Any], loc: tuple[int | str, ...]) -> Any:
     for part in loc:
         value = value.get(part) if isinstance(value, Mapping) else None
     return value
-
-
-def _declared(path: str) -> Declared:
-    return next(item for item in declared() if item.path == path)
 
 
 def _nearest(path: str) -> str:

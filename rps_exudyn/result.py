@@ -138,7 +138,8 @@ def _plain(value: Any) -> Any:
 @contextmanager
 def _opened(path: str | Path) -> Iterator[h5py.File]:
     if not Path(path).is_file():
-        raise InputError(f"{path} cannot be read: there is no such file.")
+        reason = "it is a folder" if Path(path).is_dir() else "there is no such file"
+        raise InputError(f"{path} cannot be read: {reason}.")
     try:
         file = h5py.File(path, "r")
     except PermissionError:

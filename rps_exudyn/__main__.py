@@ -1,0 +1,7 @@
+"""`python -m rps_exudyn` is `rps-exudyn`."""
+
+import sys
+
+from rps_exudyn.cli import main
+
+sys.exit(main())

@@ -1,0 +1,117 @@
+"""What the terminal shows: results and parameters as tables for a reader, or as JSON for a program."""
+
+import json
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.table import Table as Grid
+
+from rps_exudyn.parameters import Declared, SteeringGear, value_at
+
+if TYPE_CHECKING:
+    from rps_exudyn.result import Result
+
+
+def print_result(result: "Result", files: Iterable[Path] = ()) -> None:
+    """Scene, fidelity and status, then every summary value with its unit and definition."""
+    console = _console()
+    console.print(
+        f"{result.scene} · fidelity {result.fidelity['name']} · status {result.status}", style="bold"
+    )
+    if result.message:
+        console.print(result.message)
+    console.print(_grid(("quantity", "value", "definition"), _summary_rows(result)))
+    counts = [f"{value} {name.replace('_', ' ')}" for name, value in result.counters.items()]
+    console.print(", ".join([f"{result.cpu_s:.3g} s of processor time", *counts]))
+    for file in files:
+        console.print(f"written: {file}", soft_wrap=True)
+
+
+def result_as_dict(result: "Result", files: Iterable[Path] = ()) -> dict[str, Any]:
+    """All of a result but its signals, in SI units."""
+    from rps_exudyn.analysis.work_balance import work_shares
+
+    return {
+        "scene": result.scene,
+        "status": result.status.value,
+        "message": result.message,
+        "fidelity": result.fidelity,
+        "summary": result.summary,
+        "work_shares": work_shares(result),
+        "counters": result.counters,
+        "geometry": result.geometry,
+        "cpu_s": result.cpu_s,
+        "wall_s": result.wall_s,
+        "parameters": result.gear.model_dump(),
+        "solver": result.solver,
+        "provenance": result.provenance,
+        "files": [str(file) for file in files],
+    }
+
+
+def print_parameters(gear: SteeringGear, items: list[Declared]) -> None:
+    """Value, meaning and source of each; what is allowed too if it is only one."""
+    rows = [(item.path, item.show(value_at(gear, item.path)), item.meaning, item.source) for item in items]
+    console = _console()
+    console.print(_grid(("parameter", "value", "meaning", "source"), rows))
+    if len(items) == 1:
+        console.print(f"{items[0].path} must be {items[0].allowed}.")
+
+
+def parameters_as_dict(gear: SteeringGear, items: list[Declared]) -> dict[str, Any]:
+    """Path -> value in SI, unit, and what else is declared."""
+    return {
+        item.path: {
+            "value": value_at(gear, item.path),
+            "unit": item.unit.si if item.unit else "",
+            "shown": item.show(value_at(gear, item.path)),
+            "meaning": item.meaning,
+            "allowed": item.allowed,
+            "source": item.source,
+        }
+        for item in items
+    }
+
+
+def print_json(content: Mapping[str, Any]) -> None:
+    """Strict JSON on standard output; what is not finite becomes null."""
+    print(json.dumps(_finite(content), indent=2, default=str))
+
+
+def _summary_rows(result: "Result") -> Iterable[tuple[str, str, str]]:
+    from rps_exudyn.analysis.work_balance import work_shares
+    from rps_exudyn.quantities import SIGNALS, SUMMARY
+
+    for name, value in result.summary.items():
+        yield name, SUMMARY[name].show(value), SUMMARY[name].long_name
+    for name in ("mesh_normal_force_drive", "mesh_normal_force_coast"):
+        if name in result.signals and result[name].size:
+            yield f"mean of {name}", SIGNALS[name].show(float(result[name].mean())), SIGNALS[name].long_name
+    for name, share in work_shares(result).items():
+        yield name, f"{share:.1%}", "share of work_drive"
+
+
+def _grid(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Grid:
+    grid = Grid(box=None, header_style="dim", pad_edge=False, padding=(0, 2, 0, 0))
+    for column in columns:
+        grid.add_column(column, no_wrap=column in ("quantity", "parameter", "value"))
+    for row in rows:
+        grid.add_row(*row)
+    return grid
+
+
+def _console() -> Console:
+    """Plain text; lines are not broken when they go to a file or a pipe."""
+    console = Console(highlight=False, markup=False, emoji=False)
+    return console if console.is_terminal else Console(highlight=False, markup=False, emoji=False, width=200)
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
