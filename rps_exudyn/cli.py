@@ -145,9 +145,9 @@ def describe(path: str = "", /, *, gear: GearOptions = PAPER_GEAR, json: Flag = 
         json: print them as JSON.
     """
     from rps_exudyn import printed
-    from rps_exudyn.parameters import declared_at
+    from rps_exudyn.parameters import SteeringGear
 
-    items = declared_at(path)
+    items = SteeringGear.declared_at(path)
     if json:
         printed.print_json(printed.parameters_as_dict(gear.load(), items))
     else:

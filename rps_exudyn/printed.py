@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.table import Table as Grid
 
-from rps_exudyn.parameters import Declared, SteeringGear, value_at
+from rps_exudyn.declaration import Declared, Table
 
 if TYPE_CHECKING:
     from rps_exudyn.result import Result
@@ -52,22 +52,22 @@ def result_as_dict(result: "Result", files: Iterable[Path] = ()) -> dict[str, An
     }
 
 
-def print_parameters(gear: SteeringGear, items: list[Declared]) -> None:
+def print_parameters(table: Table, items: list[Declared]) -> None:
     """Value, meaning and source of each; what is allowed too if it is only one."""
-    rows = [(item.path, item.show(value_at(gear, item.path)), item.meaning, item.source) for item in items]
+    rows = [(item.path, item.show(table.value_at(item.path)), item.meaning, item.source) for item in items]
     console = _console()
     console.print(_grid(("parameter", "value", "meaning", "source"), rows))
     if len(items) == 1:
         console.print(f"{items[0].path} must be {items[0].allowed}.")
 
 
-def parameters_as_dict(gear: SteeringGear, items: list[Declared]) -> dict[str, Any]:
+def parameters_as_dict(table: Table, items: list[Declared]) -> dict[str, Any]:
     """Path -> value in SI, unit, and what else is declared."""
     return {
         item.path: {
-            "value": value_at(gear, item.path),
+            "value": table.value_at(item.path),
             "unit": item.unit.si if item.unit else "",
-            "shown": item.show(value_at(gear, item.path)),
+            "shown": item.show(table.value_at(item.path)),
             "meaning": item.meaning,
             "allowed": item.allowed,
             "source": item.source,
