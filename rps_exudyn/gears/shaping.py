@@ -36,7 +36,7 @@ def shaped_pinion(
 
 
 def cutter_tooth(pair: GearPair, chord_error: float) -> Manifold:
-    """One tooth of the cutter, pinion frame, centred in the tooth space on +Y; it covers the blank's width."""
+    """One tooth of the cutter in the tooth space on +Y, pinion frame; it covers the blank's width."""
     tip = cutter_tip(pair, chord_error)
     height = pair.reference_line_height
     back = 1.01 * pair.tip_radius - height

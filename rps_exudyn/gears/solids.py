@@ -21,6 +21,17 @@ STEEL = 7850.0  # density of the yokenut, which is fixed and only shown [kg/m^3]
 SEAT_RELIEF = 0.5e-3  # clearance of the plunger's front outside its seat [m]
 
 
+def gear_solids(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> dict[str, Solid]:
+    """All parts by name, each in its own frame."""
+    return {
+        "pinion": pinion_solid(gear, chord_error),
+        "rack": rack_solid(gear, chord_error),
+        "plunger": plunger_solid(gear, chord_error),
+        "yokenut": yokenut_solid(gear, chord_error),
+        "bush_segment": bush_segment_solid(gear, chord_error),
+    }
+
+
 def pinion_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid:
     """Toothed part, displaced by the runout, and the shaft through its middle."""
     pair = GearPair.of(gear)

@@ -1,0 +1,172 @@
+"""Can this gear be built, what are its numbers, and what should its designer be told?"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any, get_type_hints
+
+import numpy as np
+
+from rps_exudyn.errors import InputError
+from rps_exudyn.gears.basic_rack import crest_width, pointed_radius, undercut_limit
+from rps_exudyn.gears.clearance import (
+    active_field,
+    pinion_root_clearance,
+    pinion_tip_interference,
+    rack_root_clearance,
+    rack_tip_interference,
+    transverse_contact_ratio,
+)
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.limits import violations
+from rps_exudyn.gears.polyhedron import MassProperties
+from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.gears.solids import gear_solids
+from rps_exudyn.gears.trochoid import form_point
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.quantities import Quantity
+
+GOOD_CREST = 0.2  # usual least width of a hardened tooth's crest, in modules
+
+
+def check_gear(gear: SteeringGear, force: bool = False) -> None:
+    """Refuse a gear that cannot exist or cannot run.
+
+    Args:
+        gear: the gear.
+        force: build undercut gears all the same.
+
+    Raises:
+        InputError: one sentence per limit: quantity, value, limit, nearest admissible parameter value.
+    """
+    found = [item for item in violations(gear, force) if not (force and item.forgivable)]
+    if found:
+        raise InputError([item.sentence(gear) for item in found])
+
+
+def _length(long_name: str) -> Quantity:
+    return Quantity("m", "mm", long_name)
+
+
+def _number(long_name: str) -> Quantity:
+    return Quantity("", "", long_name)
+
+
+@dataclass(frozen=True)
+class GeometryReport:
+    """The gear's geometry in numbers; SI units, definitions in `quantities()`."""
+
+    reference_diameter: Annotated[float, _length("reference (pitch) diameter of the pinion")]
+    base_diameter: Annotated[float, _length("base diameter")]
+    form_diameter: Annotated[float, _length("form diameter: the involute begins here")]
+    root_diameter: Annotated[float, _length("root diameter")]
+    tip_diameter: Annotated[float, _length("tip diameter")]
+    pointed_diameter: Annotated[float, _length("diameter at which the teeth would be pointed")]
+    crest_width: Annotated[float, _length("normal thickness of the teeth at the tip")]
+    travel_per_turn: Annotated[float, _length("rack travel per turn of the pinion")]
+    shaft_angle: Annotated[float, Quantity("rad", "deg", "shaft angle as installed")]
+    transverse_contact_ratio: Annotated[float, _number("transverse contact ratio")]
+    overlap_ratio: Annotated[float, _number("overlap ratio")]
+    total_contact_ratio: Annotated[float, _number("total contact ratio")]
+    contact_start: Annotated[float, _length("line of contact: start, from the pitch point (recess positive)")]
+    contact_end: Annotated[float, _length("line of contact: end, from the pitch point")]
+    undercut_limit: Annotated[float, _number("least profile shift coefficient without undercut")]
+    undercut_margin: Annotated[float, _number("profile shift coefficient above that")]
+    pinion_root_clearance: Annotated[float, _length("clearance of the rack's tips over the pinion's root")]
+    rack_root_clearance: Annotated[float, _length("clearance of the pinion's tips over the rack's root")]
+    interference: Annotated[
+        float, _length("deepest cut of pinion and rack into each other's roots over a turn")
+    ]
+    rack_face_width: Annotated[
+        float, _length("face width of the rack at the pinion's pitch line (bar's chord)")
+    ]
+    rack_tip_face_width: Annotated[float, _length("face width of the rack at its tips")]
+    toothed_length: Annotated[float, _length("toothed length of the rack")]
+    mass_properties: dict[str, MassProperties]  # of the parts, each in its own frame
+    warnings: tuple[str, ...]
+
+    @classmethod
+    def quantities(cls) -> dict[str, Quantity]:
+        """Unit and definition of every number, in the order of the report."""
+        hints = get_type_hints(cls, include_extras=True)
+        return {name: hint.__metadata__[0] for name, hint in hints.items() if hasattr(hint, "__metadata__")}
+
+    def as_dict(self) -> dict[str, Any]:
+        """Everything as plain numbers, lists and text (SI)."""
+        numbers: dict[str, Any] = {name: getattr(self, name) for name in self.quantities()}
+        numbers["mass_properties"] = {
+            part: {
+                "volume": item.volume,
+                "mass": item.mass,
+                "centre_of_mass": item.centre_of_mass.tolist(),
+                "inertia": item.inertia.tolist(),
+            }
+            for part, item in self.mass_properties.items()
+        }
+        numbers["warnings"] = list(self.warnings)
+        return numbers
+
+
+def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:
+    """The report of an admissible gear.
+
+    Raises:
+        InputError: the gear cannot be built, see `check_gear`.
+    """
+    check_gear(gear, force)
+    pair, bar = GearPair.of(gear), RackBar.of(gear)
+    start, end = active_field(pair)
+    transverse = transverse_contact_ratio(pair)
+    limit = undercut_limit(pair)
+    pitch_line = -pair.profile_shift * pair.module - pair.reference_height  # Y in the rack frame
+    return GeometryReport(
+        reference_diameter=2 * pair.reference_radius,
+        base_diameter=2 * pair.base_radius,
+        form_diameter=2 * form_point(pair).radius,
+        root_diameter=2 * pair.root_radius,
+        tip_diameter=2 * pair.tip_radius,
+        pointed_diameter=2 * pointed_radius(pair),
+        crest_width=crest_width(pair, pair.tip_radius),
+        travel_per_turn=2 * np.pi * pair.gain,
+        shaft_angle=pair.delta,
+        transverse_contact_ratio=transverse,
+        overlap_ratio=pair.overlap_ratio,
+        total_contact_ratio=transverse + pair.overlap_ratio,
+        contact_start=start,
+        contact_end=end,
+        undercut_limit=limit,
+        undercut_margin=pair.profile_shift - limit,
+        pinion_root_clearance=pinion_root_clearance(pair),
+        rack_root_clearance=rack_root_clearance(pair),
+        interference=max(rack_tip_interference(pair), pinion_tip_interference(pair), 0.0),
+        rack_face_width=2 * float(bar.flank(0, 1).half_chord(pitch_line)),
+        rack_tip_face_width=2 * float(bar.flank(0, 1).half_chord(bar.tip_height)),
+        toothed_length=bar.toothed_ends[1] - bar.toothed_ends[0],
+        mass_properties={name: solid.mass_properties for name, solid in gear_solids(gear).items()},
+        warnings=tuple(_warnings(gear, pair, bar)),
+    )
+
+
+def _warnings(gear: SteeringGear, pair: GearPair, bar: RackBar) -> Iterator[str]:
+    for item in violations(gear, force=True):
+        yield f"{item.what}."
+    crest = crest_width(pair, pair.tip_radius)
+    if crest < GOOD_CREST * pair.module:
+        yield (
+            f"The crest is only {crest / pair.module:.2g} modules wide; hardened teeth usually have "
+            f"at least {GOOD_CREST:g}."
+        )
+    chord = 2 * float(bar.flank(0, 1).half_chord(bar.tip_height))
+    if chord < pair.face_width:
+        total = transverse_contact_ratio(pair) + pair.overlap_ratio * chord / pair.face_width
+        yield (
+            f"The round bar is narrower at the rack's tips ({chord * 1e3:.3g} mm) than the pinion's face "
+            f"({pair.face_width * 1e3:.3g} mm); with that width the total contact ratio is {total:.3g}."
+        )
+    if gear.pinion.shaft_diameter > 2 * pair.root_radius:
+        yield "The pinion's shaft is thicker than the root circle and fills the bottom of the tooth spaces."
+    if pair.angle_error != 0:
+        yield "The angle error moves the contact from lines across the flanks to their edges."
+    if pair.runout > 0 and gear.yoke.clearance < pair.runout:
+        yield "The runout exceeds the yoke clearance: the plunger meets the yokenut once per turn."
+    if bar.toothed_ends[1] + gear.rack.travel / 2 > gear.bush.distance:
+        yield "The rack's teeth enter the bush before the end of the travel."

@@ -1,0 +1,60 @@
+"""Room between pinion and rack away from the flanks, and where they would cut into each other.
+
+All in the pinion's transverse section: the rack's section there is the basic rack, stretched by
+1 / cos beta_p along X, for any shaft angle. Runout takes its share of every clearance.
+"""
+
+import numpy as np
+
+from rps_exudyn.gears.basic_rack import cutter_tip_centre, half_angle, straight_depth
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.trochoid import form_point
+
+
+def pinion_root_clearance(pair: GearPair) -> float:
+    """From the rack's tips to the pinion's root circle [m]."""
+    return pair.rack_dedendum - pair.rack_addendum
+
+
+def rack_root_clearance(pair: GearPair) -> float:
+    """From the pinion's tip circle to the rack's root [m]."""
+    return pair.reference_line_height + pair.rack_dedendum - pair.tip_radius
+
+
+def rack_tip_interference(pair: GearPair) -> float:
+    """How far the rack's tips reach beyond the end of the cutter's straight flank, if positive [m].
+
+    A rack tooth inside the cutter's outline only sweeps room that the cutter swept before. Beyond C1 the
+    cutter is rounded and the rack is not: its corners then cut into the pinion's root.
+    """
+    return pair.rack_addendum - straight_depth(pair)
+
+
+def pinion_tip_interference(pair: GearPair, positions: int = 2001) -> float:
+    """How deep the pinion's tip corners cut into the rack's root fillets over the mesh, across the teeth [m].
+
+    Negative: the least room; minus infinity if the corners never come as deep as the fillets.
+    """
+    r, ra, half = pair.reference_radius, pair.tip_radius, half_angle(pair, pair.tip_radius)
+    from_centre = np.linspace(-0.5, 0.5, positions) * np.pi  # of the corner, from the line pinion to rack
+    turn = from_centre + half  # of its tooth; the rack's space is at X = -r turn
+    depth = ra * np.cos(from_centre) - pair.reference_line_height
+    across = np.abs(-ra * np.sin(from_centre) + r * turn) * np.cos(pair.beta_p)
+    u, y = cutter_tip_centre(pair)
+    in_fillet = (depth > straight_depth(pair)) & (depth < pair.rack_dedendum)
+    if not in_fillet.any():
+        return -np.inf
+    half_space = u + np.sqrt(pair.fillet_radius**2 - (depth[in_fillet] + y) ** 2)
+    return float((across[in_fillet] - half_space).max())
+
+
+def active_field(pair: GearPair) -> tuple[float, float]:
+    """q0, qa: ends of the line of contact from the pitch point, where the involute exists as well [m]."""
+    q0, qa = pair.field
+    return max(q0, form_point(pair).tangent_length - pair.reference_radius * float(np.sin(pair.alpha_t))), qa
+
+
+def transverse_contact_ratio(pair: GearPair) -> float:
+    """epsilon_alpha over the active field; negative if the teeth do not meet."""
+    q0, qa = active_field(pair)
+    return (qa - q0) * float(np.cos(pair.beta_b)) / pair.normal_base_pitch
