@@ -113,10 +113,8 @@ def run(
     chosen = gear.load()
     parts = {"mesh": mesh, "bush": bush, "yoke": yoke, "solver": solver}
     model = Fidelity.preset(fidelity).replace({part: name for part, name in parts.items() if name})
-    out = out or Path(f"{scene}.h5")
-    plot = plot or out.with_suffix(".png")
-    _check_output(out, RESULT_FILES)
-    _check_output(plot, PICTURES)
+    out = _checked_output(out or Path(f"{scene}.h5"), RESULT_FILES)
+    plot = _checked_output(plot or out.with_suffix(".png"), PICTURES)
     result = simulate.run(scene, chosen, fidelity=model)
     _print_result(result, json, files=_keep(result, out, plot))
     return _verdict(result)
@@ -179,12 +177,13 @@ def _value(text: str) -> Any:
     return tables["value"] if len(tables) == 1 else text
 
 
-def _check_output(path: Path, suffixes: tuple[str, ...]) -> None:
+def _checked_output(path: Path, suffixes: tuple[str, ...]) -> Path:
     from rps_exudyn.atomic import check_writable
 
     if path.suffix.lower() not in suffixes:
         raise InputError(f"{path} cannot be written: its name must end in {' or '.join(suffixes)}.")
     check_writable(path)
+    return path
 
 
 # --- output ------------------------------------------------------------------------------------

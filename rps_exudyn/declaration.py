@@ -237,7 +237,7 @@ def _problem(table: type[Table], item: Any, given: Mapping[str, Any]) -> Problem
         kind = "table of parameters" if isinstance(value, Mapping) else "parameter"
         sentence = f"{path} is no {kind}; {_nearest(table, path)}."
     elif item["type"] == "model_type":
-        sentence = f"{path} is {value!r}; it must be a table of parameters ({_nearest(table, path)})."
+        sentence = f"{path} is {value!r}; it must be a table of parameters."
     elif item["type"] == "value_error":  # from units.to_si: says what the value is and how to write it
         sentence = f"{path} {item['ctx']['error']}."
     elif item["type"] == "finite_number":
@@ -265,11 +265,11 @@ def _misfit_problems(table: type[Table], error: ValidationError, given: Mapping[
 
 
 def _without(given: Mapping[str, Any], wrong: list[tuple[int | str, ...]]) -> dict[str, Any]:
-    return {
-        name: {key: item for key, item in table.items() if (name, key) not in wrong}
-        for name, table in given.items()
-        if (name,) not in wrong
-    }
+    kept = {name: item for name, item in given.items() if (name,) not in wrong}
+    for name, item in kept.items():
+        if isinstance(item, Mapping):
+            kept[name] = _without(item, [loc[1:] for loc in wrong if loc[0] == name])
+    return kept
 
 
 def _value_in(given: Mapping[str, Any], loc: tuple[int | str, ...]) -> Any:
@@ -283,4 +283,4 @@ def _nearest(table: type[Table], path: str) -> str:
     close = difflib.get_close_matches(path, [item.path for item in table.declared()], n=3, cutoff=0.6)
     if close:
         return f"the nearest {'one is' if len(close) == 1 else 'ones are'} {', '.join(close)}"
-    return f"the tables are {', '.join(table.model_fields)}"
+    return f"there are {', '.join(table.model_fields)}"

@@ -1,0 +1,33 @@
+"""Importing the package, `--help` and `describe` must not wait for the libraries that simulate and draw."""
+
+import subprocess
+import sys
+
+import pytest
+
+HEAVY = "exudyn numba matplotlib h5py trimesh manifold3d"
+
+
+def loaded_after(code: str) -> set[str]:
+    """Which of the heavy libraries a fresh interpreter has loaded after this code."""
+    probe = f"{code}\nimport sys\nprint('loaded:', *(set(sys.modules) & set('{HEAVY}'.split())))"
+    done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
+    return set(done.stdout.rpartition("loaded:")[2].split())
+
+
+def test_import_loads_nothing_heavy_and_no_numpy() -> None:
+    assert loaded_after("import rps_exudyn, sys; assert 'numpy' not in sys.modules") == set()
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["describe"], ["describe", "--json"]])
+def test_quick_commands_load_nothing_heavy(arguments: list[str]) -> None:
+    assert loaded_after(f"from rps_exudyn.cli import main; assert main({arguments}) == 0") == set()
+
+
+def test_parameters_load_nothing_heavy() -> None:
+    assert loaded_after("import rps_exudyn; rps_exudyn.SteeringGear()") == set()
+
+
+def test_exudyn_ignores_settings_of_the_user() -> None:
+    """Exudyn reads this variable at its own import, which therefore has to come later."""
+    assert loaded_after("import rps_exudyn, os; assert os.environ['EXUDYN_NO_USER_SETTINGS'] == '1'") == set()

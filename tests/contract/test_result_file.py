@@ -1,0 +1,179 @@
+"""A result file gives back what was saved, other tools read it, and it is replaced whole or not at all."""
+
+import dataclasses
+import os
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from rps_exudyn.atomic import check_writable
+from rps_exudyn.errors import InputError
+from rps_exudyn.outcome import Status
+from rps_exudyn.provenance import FIELDS, provenance
+from rps_exudyn.quantities import GROUPS
+from rps_exudyn.result import Result, load
+
+
+@pytest.fixture
+def saved(made_up_result: Result, tmp_path: Path) -> Path:
+    path = tmp_path / "result.h5"
+    made_up_result.save(path)
+    return path
+
+
+def as_plain(result: Result) -> dict[str, object]:
+    """All fields, arrays as lists, so that two results can be compared with ==."""
+    fields = {item.name: getattr(result, item.name) for item in dataclasses.fields(result)}
+    return fields | {"signals": {name: values.tolist() for name, values in result.signals.items()}}
+
+
+def test_load_gives_back_what_was_saved(saved: Path, made_up_result: Result) -> None:
+    assert as_plain(load(saved)) == as_plain(made_up_result)
+
+
+@pytest.mark.parametrize("status", list(Status))
+def test_failed_result_without_signals_survives(
+    status: Status, made_up_result: Result, tmp_path: Path
+) -> None:
+    failed = dataclasses.replace(made_up_result, status=status, message="because", signals={}, summary={})
+    failed.save(tmp_path / "failed.h5")
+    assert as_plain(load(tmp_path / "failed.h5")) == as_plain(failed)
+    assert status.remedy.endswith(".")
+
+
+def test_numpy_values_in_settings_are_stored_as_numbers(made_up_result: Result, tmp_path: Path) -> None:
+    solver = {"weights": np.arange(3), "step": np.float64(0.5), "where": Path("x")}
+    dataclasses.replace(made_up_result, solver=solver).save(tmp_path / "r.h5")
+    assert load(tmp_path / "r.h5").solver == {"weights": [0, 1, 2], "step": 0.5, "where": "x"}
+
+
+def test_xarray_reads_signals_over_time(saved: Path, made_up_result: Result) -> None:
+    with xarray.open_dataset(saved, group="signals", engine="h5netcdf") as signals:
+        assert signals["pinion_torque"].dims == ("time",)
+        assert signals["pinion_torque"].attrs["units"] == "N*m"
+        np.testing.assert_array_equal(signals["time"], made_up_result["time"])
+        np.testing.assert_array_equal(signals["pinion_torque"], made_up_result["pinion_torque"])
+
+
+def test_every_dataset_has_unit_and_definition(saved: Path) -> None:
+    with h5py.File(saved) as file:
+        for group, known in GROUPS.items():
+            for name, dataset in file[group].items():
+                assert dataset.attrs["units"] == known[name].unit
+                assert dataset.attrs["long_name"] == known[name].long_name
+
+
+def test_undeclared_name_is_refused(made_up_result: Result) -> None:
+    with pytest.raises(ValueError, match="no summary named torque_maen"):
+        dataclasses.replace(made_up_result, summary={"torque_maen": 1.0})
+
+
+def test_signals_of_different_length_are_refused(made_up_result: Result) -> None:
+    with pytest.raises(ValueError, match="of one length"):
+        dataclasses.replace(made_up_result, signals=made_up_result.signals | {"rack_y": np.zeros(3)})
+
+
+def test_provenance_has_the_declared_fields() -> None:
+    assert tuple(provenance()) == FIELDS
+
+
+# --- replaced whole or not at all ----------------------------------------------------------------
+
+
+def test_failed_write_leaves_the_old_file_and_nothing_else(
+    saved: Path, made_up_result: Result, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = saved.read_bytes()
+
+    def full_disk(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(h5py.Dataset, "make_scale", full_disk)
+    with pytest.raises(InputError, match=r"result\.h5 cannot be written: No space left on device\."):
+        made_up_result.save(saved)
+    assert saved.read_bytes() == before
+    assert os.listdir(saved.parent) == [saved.name]
+
+
+def test_interrupted_write_leaves_the_old_file(
+    saved: Path, made_up_result: Result, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = saved.read_bytes()
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "fsync", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        made_up_result.save(saved)
+    assert saved.read_bytes() == before
+    assert os.listdir(saved.parent) == [saved.name]
+
+
+def test_checking_leaves_no_trace(saved: Path, tmp_path: Path) -> None:
+    before = saved.read_bytes()
+    check_writable(saved)
+    check_writable(tmp_path / "new.h5")
+    assert saved.read_bytes() == before
+    assert os.listdir(tmp_path) == [saved.name]
+
+
+def test_folder_and_missing_folder_cannot_be_written(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="it is not a file"):
+        check_writable(tmp_path)
+    with pytest.raises(InputError, match="there is no folder"):
+        check_writable(tmp_path / "missing" / "r.h5")
+
+
+# --- what is refused when reading ------------------------------------------------------------------
+
+
+def test_newer_major_version_is_refused(saved: Path) -> None:
+    with h5py.File(saved, "a") as file:
+        file.attrs["version"] = (2, 0)
+    with pytest.raises(InputError, match=r"format version 2\.0, and this rps-exudyn reads 1\.x"):
+        load(saved)
+
+
+def test_newer_minor_version_is_read_without_its_additions(saved: Path, made_up_result: Result) -> None:
+    with h5py.File(saved, "a") as file:
+        file.attrs["version"] = (1, 99)
+        file["signals/added_later"] = [1.0, 2.0]
+    assert as_plain(load(saved)) == as_plain(made_up_result)
+
+
+def test_foreign_hdf5_is_refused(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "foreign.h5", "w") as file:
+        file["signals/time"] = [0.0]
+    with pytest.raises(InputError, match="is an HDF5 file, but not a result of rps-exudyn"):
+        load(tmp_path / "foreign.h5")
+
+
+@pytest.mark.parametrize("lost", ["status", "parameters", "cpu_s"])
+def test_missing_attribute_is_damage(saved: Path, lost: str) -> None:
+    with h5py.File(saved, "a") as file:
+        del file.attrs[lost]
+    with pytest.raises(InputError, match=r"result\.h5 is damaged"):
+        load(saved)
+
+
+def test_missing_group_is_damage(saved: Path) -> None:
+    with h5py.File(saved, "a") as file:
+        del file["summary"]
+    with pytest.raises(InputError, match=r"result\.h5 is damaged"):
+        load(saved)
+
+
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(share=st.floats(0, 0.999))
+def test_truncated_file_is_refused(share: float, saved: Path) -> None:
+    whole = saved.read_bytes()
+    cut = saved.with_name("cut.h5")
+    cut.write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(InputError, match=r"cut\.h5 is no HDF5 file, or it is damaged"):
+        load(cut)

@@ -1,0 +1,121 @@
+"""Each command once, on a made-up result where a simulation would take time."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rps_exudyn.outcome import Status
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.result import Result, load
+from shell import Command
+
+
+@pytest.fixture
+def simulated(monkeypatch: pytest.MonkeyPatch, made_up_result: Result) -> Result:
+    """What `run` gets instead of a simulation."""
+    monkeypatch.setattr("rps_exudyn.simulate.run", lambda *_, **__: made_up_result)
+    return made_up_result
+
+
+@pytest.fixture
+def failing(monkeypatch: pytest.MonkeyPatch, failed_result: Result) -> Result:
+    """The same, of a simulation that failed."""
+    monkeypatch.setattr("rps_exudyn.simulate.run", lambda *_, **__: failed_result)
+    return failed_result
+
+
+def test_run_prints_a_summary_and_writes_both_files(command: Command, simulated: Result) -> None:
+    answer = command(["run"])
+    assert answer.status == 0
+    assert "torque_mean" in answer.out
+    assert "0.6 N m" in answer.out
+    assert "35 mm" in answer.out
+    assert load("free-pinion-torque.h5").status is Status.OK
+    assert Path("free-pinion-torque.png").read_bytes().startswith(b"\x89PNG")
+    assert answer.err == ""
+
+
+def test_run_hands_over_scene_and_gear(
+    command: Command, monkeypatch: pytest.MonkeyPatch, simulated: Result
+) -> None:
+    seen = {}
+
+    def record(scene: str, gear: object, *, fidelity: object) -> Result:
+        seen.update(scene=scene, gear=gear)
+        return simulated
+
+    monkeypatch.setattr("rps_exudyn.simulate.run", record)
+    arguments = ["run", "free-pinion-torque", "--set", "yoke.preload=0.4 kN", "--set", "test.direction=-1"]
+    assert command([*arguments, "--out", "a.h5", "--plot", "b.svg"]).status == 0
+    assert seen["scene"] == "free-pinion-torque"
+    assert seen["gear"].yoke.preload == 400
+    assert seen["gear"].test.direction == -1
+    assert sorted(path.name for path in Path().iterdir()) == ["a.h5", "b.svg"]
+
+
+def test_run_prints_json(command: Command, simulated: Result) -> None:
+    answer = command(["run", "--json", "--out", "a.h5"])
+    assert answer.json["status"] == "ok"
+    assert answer.json["summary"]["torque_mean"] == 0.6
+    assert answer.json["work_shares"]["work_mesh_friction"] == pytest.approx(0.5)
+    assert answer.json["files"] == ["a.h5", "a.png"]
+
+
+def test_failed_run_says_how_in_its_file_and_exits_1(command: Command, failing: Result) -> None:
+    answer = command(["run", "--out", "a.h5"])
+    assert answer.status == 1
+    assert (
+        answer.err
+        == f"rps-exudyn: the simulation failed (diverged): NaN at t = 0.1 s. {Status.DIVERGED.remedy}\n"
+    )
+    assert load("a.h5").status is Status.DIVERGED
+
+
+def test_failed_run_does_not_replace_existing_files(
+    command: Command, failing: Result, made_up_result: Result
+) -> None:
+    made_up_result.save("a.h5")
+    Path("a.png").write_bytes(b"picture of the good run")
+    answer = command(["run", "--out", "a.h5"])
+    assert "written: a.failed.h5" in answer.out
+    assert load("a.h5").status is Status.OK
+    assert load("a.failed.h5").status is Status.DIVERGED
+    assert Path("a.png").read_bytes() == b"picture of the good run"
+    assert Path("a.failed.png").exists()
+
+
+def test_show_prints_what_run_printed(command: Command, simulated: Result) -> None:
+    printed_by_run = command(["run", "--out", "a.h5"]).out
+    shown = command(["show", "a.h5"])
+    assert shown.status == 0
+    assert printed_by_run.startswith(shown.out)
+    assert command(["show", "a.h5", "--json"]).json["summary"] == simulated.summary
+
+
+def test_describe_names_every_parameter(command: Command) -> None:
+    answer = command(["describe"])
+    assert answer.status == 0
+    assert all(item.path in answer.out and item.meaning in answer.out for item in SteeringGear.declared())
+
+
+def test_describe_one_says_what_is_allowed(command: Command) -> None:
+    answer = command(["describe", "yoke.preload", "--set", "yoke.preload=350 N"])
+    assert "350 N" in answer.out
+    assert "at least 0 N" in answer.out
+
+
+def test_describe_a_table_as_json(command: Command) -> None:
+    described = command(["describe", "bush", "--json"]).json
+    assert described["bush.length"]["value"] == 0.03
+    assert described["bush.length"]["unit"] == "m"
+    assert all(path.startswith("bush.") for path in described)
+
+
+def test_module_is_the_command() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "rps_exudyn", "describe", "nothing"], capture_output=True, text=True
+    )
+    assert done.returncode == 2
+    assert done.stderr.startswith("rps-exudyn: nothing is no parameter")

@@ -1,0 +1,78 @@
+"""A user's mistake on the command line: status 2, one sentence on standard error, no file touched."""
+
+import os
+from pathlib import Path
+
+import h5py
+import pytest
+
+from rps_exudyn.result import Result
+from shell import Command
+
+
+@pytest.fixture(autouse=True)
+def no_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Wrong input must be found before anything is simulated."""
+    monkeypatch.setattr(
+        "rps_exudyn.simulate.run", lambda *_, **__: pytest.fail("simulated in spite of wrong input")
+    )
+
+
+MISTAKES = {
+    "runn": 'Unknown command "runn".',
+    "run free-pinion-torque again": "again is more than the command takes",
+    "run --speed 3": "Unknown option",
+    "run --out": "requires an argument",
+    "run --fidelity perfect": "perfect",
+    "run --mesh glue": "glue",
+    "run --gear missing.toml": "missing.toml cannot be read: No such file or directory.",
+    "run --set yoke.preload": "--set yoke.preload is no setting; write PATH=VALUE",
+    "run --set yoke.preload=3kg": "yoke.preload is '3kg', which is no quantity in N",
+    "run --out missing/a.h5": "missing/a.h5 cannot be written: there is no folder",
+    "run --out .": ". cannot be written: its name must end in .h5 or .hdf5.",
+    "run --out a.txt": "a.txt cannot be written: its name must end in .h5 or .hdf5.",
+    "run --plot a.doc": "a.doc cannot be written: its name must end in .png or .svg or .pdf.",
+    "show": "requires an argument",
+    "show missing.h5": "missing.h5 cannot be read: there is no such file.",
+    "show .": ". cannot be read: it is a folder.",
+    "describe yoke.preloda": "yoke.preloda is no parameter; the nearest one is yoke.preload.",
+}
+
+
+@pytest.mark.parametrize(("arguments", "sentence"), MISTAKES.items())
+def test_mistake_ends_in_one_sentence(arguments: str, sentence: str, command: Command) -> None:
+    answer = command(arguments.split())
+    assert answer.status == 2
+    assert answer.out == ""
+    assert answer.err.count("\n") == 1
+    assert answer.err.startswith("rps-exudyn: ")
+    assert sentence in answer.err
+    assert os.listdir() == []
+
+
+def test_all_mistakes_of_the_settings_at_once(command: Command) -> None:
+    answer = command(["describe", "--set", "yoke.preload", "--set", "bush.drag=-1", "--set", "foo=2"])
+    assert answer.status == 2
+    assert [line.split()[1] for line in answer.err.splitlines()] == ["--set", "bush.drag", "foo"]
+
+
+def test_show_refuses_what_is_no_result(command: Command) -> None:
+    Path("text.h5").write_text("no HDF5")
+    assert "text.h5 is no HDF5 file, or it is damaged." in command(["show", "text.h5"]).err
+    with h5py.File("foreign.h5", "w"):
+        pass
+    assert "foreign.h5 is an HDF5 file, but not a result" in command(["show", "foreign.h5"]).err
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_read_only_folder_is_refused(command: Command, tmp_path: Path) -> None:
+    locked = tmp_path / "locked"
+    locked.mkdir(mode=0o500)
+    assert "locked/a.h5 cannot be written: Permission denied." in command(["run", "--out", "locked/a.h5"]).err
+
+
+def test_wrong_input_leaves_an_existing_result(command: Command, made_up_result: Result) -> None:
+    made_up_result.save("free-pinion-torque.h5")
+    before = Path("free-pinion-torque.h5").read_bytes()
+    assert command(["run", "--set", "bush.drag=-1"]).status == 2
+    assert Path("free-pinion-torque.h5").read_bytes() == before

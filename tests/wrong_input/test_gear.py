@@ -1,0 +1,120 @@
+"""A wrong gear is refused in sentences: parameter, value, what is allowed; all of them at once."""
+
+import contextlib
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rps_exudyn import units
+from rps_exudyn.declaration import Declared
+from rps_exudyn.errors import InputError
+from rps_exudyn.parameters import SteeringGear
+
+TABLES = "basic_rack, pinion, rack, installation, yoke, bush, bearing, mesh, test"
+
+# path, value, what the sentence says behind the path
+ONE_PROBLEM = [
+    ("yoke.preloda", 3, "is no parameter; the nearest one is yoke.preload."),
+    ("brake", {"force": 3}, f"is no table of parameters; there are {TABLES}."),
+    ("brake", 3, f"is no parameter; there are {TABLES}."),
+    ("yoke", 3, "is 3; it must be a table of parameters."),
+    ("yoke.preload", "3 kg", "is '3 kg', which is no quantity in N; write for instance \"300 N\"."),
+    ("yoke.preload", "-3 N", "is '-3 N'; it must be at least 0 N."),
+    ("pinion.normal_module", "-1 mm", "is '-1 mm'; it must be more than 0 mm and at most 20 mm."),
+    ("pinion.teeth", "six", "is 'six'; it must be a whole number, at least 3 and at most 40."),
+    ("pinion.teeth", 6.5, "is 6.5; it must be a whole number, at least 3 and at most 40."),
+    ("bush.length", "nan", "is 'nan'; it must be finite."),
+    ("test.direction", 3, "is 3; it must be -1 or 1."),
+    ("mesh.friction", "6 deg", "is '6 deg', which is no quantity in plain numbers; write for instance 0.1."),
+    ("test.speed", "1 Hz", "is '1 Hz', which is no quantity in rad/s; write for instance \"15 rpm\"."),
+    ("bush.inner_diameter", 0.04, "is 40 mm; it must be smaller than bush.outer_diameter = 30 mm."),
+    (
+        "bush.distance",
+        1.0,
+        "is 1000 mm; it must be at most 550 mm, or the rack leaves the bush within half its travel.",
+    ),
+]
+
+
+@pytest.mark.parametrize(("path", "value", "sentence"), ONE_PROBLEM)
+def test_one_wrong_parameter_gives_one_sentence(path: str, value: object, sentence: str) -> None:
+    with pytest.raises(InputError) as caught:
+        SteeringGear().replace({path: value})
+    assert caught.value.problems == [f"{path} {sentence}"]
+
+
+def test_table_without_nested_ones_is_judged_alike() -> None:
+    """The mesh alone, as a table of its own."""
+    with pytest.raises(InputError) as caught:
+        SteeringGear().mesh.replace({"friction": 2, "glue": 1})
+    assert caught.value.problems == [
+        "friction is 2; it must be at least 0 and at most 1.",
+        "glue is no parameter; there are friction, stiffness, damping, law, line_stiffness.",
+    ]
+
+
+def test_all_problems_of_a_file_at_once_also_between_parameters(tmp_path: Path) -> None:
+    path = tmp_path / "gear.toml"
+    path.write_text(
+        '[yoke]\npreload = "3 kg"\nstrength = 1\n[rack]\nlength = -1\n[bush]\ninner_diameter = "40 mm"\n'
+    )
+    with pytest.raises(InputError) as caught:
+        SteeringGear.from_toml(path)
+    assert [problem.removeprefix(f"{path}: ").split()[0] for problem in caught.value.problems] == [
+        "rack.length", "yoke.preload", "yoke.strength", "bush.inner_diameter",
+    ]  # fmt: skip
+    assert all(problem.startswith(f"{path}: ") for problem in caught.value.problems)
+
+
+def test_misfit_with_a_wrong_parameter_is_not_reported() -> None:
+    """Its correction may remove the misfit: only the wrong parameter itself is named."""
+    with pytest.raises(InputError) as caught:
+        SteeringGear().replace({"bush.outer_diameter": "30 kg", "bush.inner_diameter": "40 mm"})
+    assert [problem.split()[0] for problem in caught.value.problems] == ["bush.outer_diameter"]
+
+
+def test_problem_of_a_setting_does_not_blame_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "gear.toml"
+    path.write_text("[yoke]\npreload = -1\n")
+    with pytest.raises(InputError) as caught:
+        SteeringGear.from_toml(path, {"bush.drag": -2})
+    assert caught.value.problems == [
+        f"{path}: yoke.preload is -1; it must be at least 0 N.",
+        "bush.drag is -2; it must be at least 0 N.",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        (b"[yoke\n", "is not a TOML file"),
+        (b"\xff\xfe\x00", "is not a TOML file: it is not UTF-8 text"),
+        (b"yoke = 3\n", "yoke is 3; it must be a table of parameters"),
+    ],
+)
+def test_file_that_is_no_gear(content: bytes, sentence: str, tmp_path: Path) -> None:
+    path = tmp_path / "gear.toml"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=sentence):
+        SteeringGear.from_toml(path)
+
+
+def test_file_that_cannot_be_read(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot be read: No such file or directory"):
+        SteeringGear.from_toml(tmp_path / "missing.toml")
+    with pytest.raises(InputError, match="cannot be read: Is a directory"):
+        SteeringGear.from_toml(tmp_path)
+
+
+@given(text=st.text(max_size=8), item=st.sampled_from(list(SteeringGear.declared())))
+def test_any_text_is_a_value_or_an_input_error(text: str, item: Declared) -> None:
+    """Never another exception, whatever somebody types."""
+    with contextlib.suppress(InputError):
+        SteeringGear().replace({item.path: text})
+
+
+@given(value=st.floats(1e-6, 1e6), unit=st.sampled_from(["um", "mm", "cm", "m", "inch"]))
+def test_text_with_a_unit_is_the_number_times_the_unit(value: float, unit: str) -> None:
+    assert units.to_si(f"{value!r} {unit}", "m") == pytest.approx(value * units.factor(unit, "m"), rel=1e-12)
