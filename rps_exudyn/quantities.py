@@ -59,7 +59,7 @@ def _length(long_name: str) -> Quantity:
     return Quantity("m", "mm", long_name)
 
 
-def _count(long_name: str) -> Quantity:
+def _number(long_name: str) -> Quantity:
     return Quantity("", "", long_name)
 
 
@@ -117,13 +117,36 @@ SUMMARY = {
 }
 
 COUNTERS = {
-    "steps": _count("time steps, or positions of equilibrium"),
-    "newton_iterations": _count("Newton iterations"),
-    "jacobians": _count("Jacobians computed"),
-    "force_evaluations": _count("evaluations of the mesh contact"),
+    "steps": _number("time steps, or positions of equilibrium"),
+    "newton_iterations": _number("Newton iterations"),
+    "jacobians": _number("Jacobians computed"),
+    "force_evaluations": _number("evaluations of the mesh contact"),
 }
 
-GEOMETRY: dict[str, Quantity] = {}
+GEOMETRY = {
+    "reference_diameter": _length("reference (pitch) diameter of the pinion"),
+    "base_diameter": _length("base diameter"),
+    "form_diameter": _length("form diameter: the involute begins here"),
+    "root_diameter": _length("root diameter"),
+    "tip_diameter": _length("tip diameter"),
+    "pointed_diameter": _length("diameter at which the teeth would be pointed"),
+    "crest_width": _length("normal thickness of the teeth at the tip"),
+    "travel_per_turn": _length("rack travel per turn of the pinion"),
+    "shaft_angle": Quantity("rad", "deg", "shaft angle as installed"),
+    "transverse_contact_ratio": _number("transverse contact ratio"),
+    "overlap_ratio": _number("overlap ratio"),
+    "total_contact_ratio": _number("total contact ratio"),
+    "contact_start": _length("line of contact: start, from the pitch point (recess positive)"),
+    "contact_end": _length("line of contact: end, from the pitch point"),
+    "undercut_limit": _number("least profile shift coefficient without undercut"),
+    "undercut_margin": _number("profile shift coefficient above that"),
+    "pinion_root_clearance": _length("clearance of the rack's tips over the pinion's root"),
+    "rack_root_clearance": _length("clearance of the pinion's tips over the rack's root"),
+    "interference": _length("deepest cut of pinion and rack into each other's roots over a turn"),
+    "rack_face_width": _length("face width of the rack at the pinion's pitch line (bar's chord)"),
+    "rack_tip_face_width": _length("face width of the rack at its tips"),
+    "toothed_length": _length("toothed length of the rack"),
+}
 
 GROUPS = {"signals": SIGNALS, "summary": SUMMARY, "counters": COUNTERS, "geometry": GEOMETRY}
 """Group of the HDF5 file -> what it may hold."""

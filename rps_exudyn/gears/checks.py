@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any, get_type_hints
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.solids import gear_solids
 from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.quantities import Quantity
+from rps_exudyn.quantities import GEOMETRY
 
 GOOD_CREST = 0.2  # usual least width of a hardened tooth's crest, in modules
 
@@ -43,56 +43,38 @@ def check_gear(gear: SteeringGear, force: bool = False) -> None:
         raise InputError([item.sentence(gear) for item in found])
 
 
-def _length(long_name: str) -> Quantity:
-    return Quantity("m", "mm", long_name)
-
-
-def _number(long_name: str) -> Quantity:
-    return Quantity("", "", long_name)
-
-
 @dataclass(frozen=True)
 class GeometryReport:
-    """The gear's geometry in numbers; SI units, definitions in `quantities()`."""
+    """The gear's geometry in numbers; SI units, definitions in `quantities.GEOMETRY`."""
 
-    reference_diameter: Annotated[float, _length("reference (pitch) diameter of the pinion")]
-    base_diameter: Annotated[float, _length("base diameter")]
-    form_diameter: Annotated[float, _length("form diameter: the involute begins here")]
-    root_diameter: Annotated[float, _length("root diameter")]
-    tip_diameter: Annotated[float, _length("tip diameter")]
-    pointed_diameter: Annotated[float, _length("diameter at which the teeth would be pointed")]
-    crest_width: Annotated[float, _length("normal thickness of the teeth at the tip")]
-    travel_per_turn: Annotated[float, _length("rack travel per turn of the pinion")]
-    shaft_angle: Annotated[float, Quantity("rad", "deg", "shaft angle as installed")]
-    transverse_contact_ratio: Annotated[float, _number("transverse contact ratio")]
-    overlap_ratio: Annotated[float, _number("overlap ratio")]
-    total_contact_ratio: Annotated[float, _number("total contact ratio")]
-    contact_start: Annotated[float, _length("line of contact: start, from the pitch point (recess positive)")]
-    contact_end: Annotated[float, _length("line of contact: end, from the pitch point")]
-    undercut_limit: Annotated[float, _number("least profile shift coefficient without undercut")]
-    undercut_margin: Annotated[float, _number("profile shift coefficient above that")]
-    pinion_root_clearance: Annotated[float, _length("clearance of the rack's tips over the pinion's root")]
-    rack_root_clearance: Annotated[float, _length("clearance of the pinion's tips over the rack's root")]
-    interference: Annotated[
-        float, _length("deepest cut of pinion and rack into each other's roots over a turn")
-    ]
-    rack_face_width: Annotated[
-        float, _length("face width of the rack at the pinion's pitch line (bar's chord)")
-    ]
-    rack_tip_face_width: Annotated[float, _length("face width of the rack at its tips")]
-    toothed_length: Annotated[float, _length("toothed length of the rack")]
+    reference_diameter: float
+    base_diameter: float
+    form_diameter: float
+    root_diameter: float
+    tip_diameter: float
+    pointed_diameter: float
+    crest_width: float
+    travel_per_turn: float
+    shaft_angle: float
+    transverse_contact_ratio: float
+    overlap_ratio: float
+    total_contact_ratio: float
+    contact_start: float
+    contact_end: float
+    undercut_limit: float
+    undercut_margin: float
+    pinion_root_clearance: float
+    rack_root_clearance: float
+    interference: float
+    rack_face_width: float
+    rack_tip_face_width: float
+    toothed_length: float
     mass_properties: dict[str, MassProperties]  # of the parts, each in its own frame
     warnings: tuple[str, ...]
 
-    @classmethod
-    def quantities(cls) -> dict[str, Quantity]:
-        """Unit and definition of every number, in the order of the report."""
-        hints = get_type_hints(cls, include_extras=True)
-        return {name: hint.__metadata__[0] for name, hint in hints.items() if hasattr(hint, "__metadata__")}
-
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain numbers, lists and text (SI)."""
-        numbers: dict[str, Any] = {name: getattr(self, name) for name in self.quantities()}
+        numbers: dict[str, Any] = {name: getattr(self, name) for name in GEOMETRY}
         numbers["mass_properties"] = {
             part: {
                 "volume": item.volume,

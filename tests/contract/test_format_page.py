@@ -1,11 +1,13 @@
 """docs/hdf5-format.md describes exactly what a result file holds."""
 
+import dataclasses
 import re
 from pathlib import Path
 
 import h5py
 import pytest
 
+from rps_exudyn.gears.checks import GeometryReport
 from rps_exudyn.outcome import Status
 from rps_exudyn.quantities import GROUPS
 from rps_exudyn.result import FILETYPE, VERSION, Result
@@ -42,3 +44,8 @@ def test_page_names_filetype_version_and_every_status() -> None:
     assert re.findall(r"`([\w-]+)`", meaning["`status`"])[: len(Status)] == [
         status.value for status in Status
     ]
+
+
+def test_geometry_quantities_are_those_of_the_report() -> None:
+    fields = [item.name for item in dataclasses.fields(GeometryReport)]
+    assert fields == [*GROUPS["geometry"], "mass_properties", "warnings"]
