@@ -20,13 +20,15 @@ def _fingerprint() -> str:
     digest = hashlib.sha256(numba.__version__.encode())
     for source in sorted(package.rglob("*.py")):
         text = source.read_bytes()
-        if b"@kernel" in text:
+        if b"@kernel" in text or b"@inlined" in text:
             digest.update(source.relative_to(package).as_posix().encode() + b"\0" + text)
     return digest.hexdigest()[:16]
 
 
 def _cache_root() -> Path:
-    chosen = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    chosen = (
+        os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    )
     root = Path(chosen) / "rps_exudyn"
     try:
         root.mkdir(parents=True, exist_ok=True)
@@ -41,3 +43,11 @@ numba.config.CACHE_DIR = str(_cache_root() / _fingerprint())
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function of floats and arrays; division by zero gives inf or nan, as in numpy."""
     return numba.njit(function, cache=True, error_model="numpy")  # type: ignore[no-any-return]
+
+
+def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A kernel that its callers absorb: for functions whose call would cost more than their work.
+
+    Multiply-adds may be fused, which rounds once instead of twice.
+    """
+    return numba.njit(function, cache=True, error_model="numpy", forceinline=True, fastmath={"contract"})  # type: ignore[no-any-return]

@@ -22,3 +22,6 @@ DAMPING_POWER = 11  # dissipated by contact damping, >= 0 [W]
 PENETRATION = 12  # deepest [m]
 TOUCHING = 13  # number of samples or lines in contact
 WRENCH_SIZE = 14
+
+# What a mesh contact's force element tells behind the ledger
+MESH_OUTPUTS = ("mesh_normal_force_drive", "mesh_normal_force_coast", "mesh_penetration", "mesh_touching")

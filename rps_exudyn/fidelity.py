@@ -1,0 +1,41 @@
+"""What is modelled how: the presets, and every choice within them.
+
+    full           what the paper models, all of it: general contact between the gear meshes, bush as a
+                   chain of segments, plunger body, seat and yokenut contact, in Exudyn
+
+Each part can be chosen alone, for instance `Fidelity.preset("full").replace({"bush": "condensed"})`.
+"""
+
+from typing import Any, Literal, Self
+
+from rps_exudyn.declaration import Angle, Number, Table, parameter
+from rps_exudyn.errors import InputError
+
+
+class Fidelity(Table):
+    """One way to model and solve the gear."""
+
+    name: str = parameter("full", "preset this came from", "estimate")
+    mesh: Literal["general-contact"] = parameter("general-contact", "how the teeth touch", "estimate")
+    bush: Literal["chain", "condensed"] = parameter("chain", "how the bush is modelled", "estimate")
+    solver: Literal["generalized-alpha"] = parameter("generalized-alpha", "time integration", "estimate")
+    step_angle: Angle = parameter("0.03 deg", "pinion rotation per time step", "estimate", gt=0, lt=0.1)
+    profile_samples: int = parameter(27, "spheres along the profile of a flank", "estimate", ge=2, le=2000)
+    axial_samples: int = parameter(18, "rows of spheres along the face width", "estimate", ge=2, le=2000)
+    zone_ratio: Number = parameter(
+        0.1, "friction zone over the smallest sliding speed of the teeth", "estimate", gt=0, le=1
+    )
+
+    @classmethod
+    def preset(cls, name: str) -> Self:
+        """A preset by its name.
+
+        Raises:
+            InputError: there is no such preset.
+        """
+        if name not in PRESETS:
+            raise InputError(f"--fidelity is {name!r}; it must be one of {', '.join(PRESETS)}.")
+        return cls.model_validate({"name": name, **PRESETS[name]})
+
+
+PRESETS: dict[str, dict[str, Any]] = {"full": {}}

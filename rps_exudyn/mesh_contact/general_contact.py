@@ -1,0 +1,196 @@
+"""The teeth in Exudyn's GeneralContact: spheres on the pinion's flanks against triangles on the rack's.
+
+GeneralContact knows no contact of triangles with triangles, so one gear is sampled: spheres, each with
+the stiffness of the area it stands for, just inside the pinion's flanks. What experience asks for, each
+with a test in tests/upstream:
+
+* drive and coast flanks in contacts of their own, one per tooth space: the implicit solver's active-set
+  test compares numbers of contacts only, and a tooth that is out of mesh can be switched off;
+* one triangle per rack flank, right-angled and larger than the flank: a sphere that crosses an inner edge
+  keeps the old triangle for that step, one that meets an outer edge gets half the force;
+* a Jacobian of our own: GeneralContact's misses the rotation of the triangles' body, and differencing the
+  whole system sends the bush's 150 coordinates through the contact search.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rps_exudyn.gears.flank_form import FlankForm
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.gears.rack_bar import RackBar, RackFlank
+from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, angle_from_mesh, sampled_tangent
+from rps_exudyn.mesh_contact.samples import sample_flank
+from rps_exudyn.parameters import SteeringGear
+
+if TYPE_CHECKING:
+    import exudyn
+
+SIDES = (-1, +1)  # drive, coast
+SPHERE_RADIUS = 0.1e-3  # [m]; the torque's bias grows with it (-0.1 % per 0.1 mm), the deepest contact allowed too
+RIGID_SIDE = 1e6  # stiffness of the triangles over that of all spheres: GeneralContact puts both in series
+FLANK_MARGIN = 1e-3  # by which a triangle is larger than its flank [m]
+GATE_MARGIN = np.deg2rad(25.0)  # beyond the angle at which a tooth space's flanks leave the rack
+
+
+def contact_data(
+    gear: SteeringGear, *, profile: int, axial: int, friction_zone: float
+) -> SampledContactData:
+    """Spheres on the flanks of all tooth spaces, and the planes they meet."""
+    pair, form, bar = GearPair.of(gear), FlankForm.of(gear), RackBar.of(gear)
+    samples = [
+        [sample_flank(Flank(pair, tooth, side, form), profile, axial) for tooth, side in borders(space)]
+        for space in range(pair.teeth)
+    ]
+    rack_flanks = [bar.flank(0, side) for side in SIDES]
+    centres = np.array([[s.points - SPHERE_RADIUS * s.normals for s in row] for row in samples])
+    return SampledContactData(
+        centres=centres + pair.eccentricity,
+        stiffness=gear.mesh.stiffness * np.array([[s.areas for s in row] for row in samples]),
+        radius=SPHERE_RADIUS,
+        damping=gear.mesh.damping,
+        friction=gear.mesh.friction,
+        zone=friction_zone,
+        gate=gate_angle(pair),
+        pinion_origin=pair.pinion_origin,
+        pinion_frame=pair.pinion_frame,
+        normals=np.array([flank.normal for flank in rack_flanks]),
+        offset=np.array([flank.normal @ flank.point for flank in rack_flanks]),
+        base_pitch=pair.normal_base_pitch,
+        lowest=lowest_height(pair),
+        rack_reference=np.array([0.0, pair.bar_axis_height, 0.0]),
+    )
+
+
+def borders(space: int) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Tooth and side of the two flanks that border a tooth space: drive, coast."""
+    return (space, -1), (space - 1, +1)
+
+
+def lowest_height(pair: GearPair) -> float:
+    """y in the rack frame where the triangles end, a little beyond the tooth tips [m]."""
+    return -(pair.reference_height + pair.rack_addendum + FLANK_MARGIN)
+
+
+def gate_angle(pair: GearPair) -> float:
+    """How far from the mesh a tooth space can touch the rack, with a margin [rad]."""
+    q0, qa = pair.field
+    roll = max(abs(q0), abs(qa)) / pair.base_radius
+    return float(roll + abs(pair.twist) * pair.face_width / 2 + GATE_MARGIN)
+
+
+@dataclass
+class GeneralContacts:
+    """The contacts of one mesh in an Exudyn system: `contacts[space][0 drive, 1 coast]`."""
+
+    contacts: list[list[Any]]
+    data: SampledContactData
+
+    def gate(self, angle: float) -> None:
+        """Switch off the tooth spaces that are away from the mesh; `angle` about the pinion's axis k."""
+        spaces = len(self.contacts)
+        for space, row in enumerate(self.contacts):
+            near = bool(abs(angle_from_mesh(angle, space, spaces)) <= self.data.gate)
+            for contact in row:
+                contact.isActive = near
+
+    def force(self) -> np.ndarray:
+        """What the contacts added to the system's right-hand side last, shape (n,)."""
+        active = [contact for row in self.contacts for contact in row if contact.isActive]
+        return np.sum([contact.GetSystemODE2RhsContactForces(copy=True) for contact in active], axis=0)
+
+
+def add_general_contacts(
+    mbs: "exudyn.MainSystem", gear: SteeringGear, data: SampledContactData, *, pinion: Any, rack: Any
+) -> GeneralContacts:
+    """Spheres on the pinion body, triangles on the rack body."""
+    from exudyn.itemInterface import MarkerBodyRigid
+
+    bar = RackBar.of(gear)
+    rack_marker = mbs.AddMarker(MarkerBodyRigid(bodyNumber=rack, localPosition=[0, 0, 0]))
+    contacts = [[_new_contact(mbs, data, bar.pair) for _ in SIDES] for _ in data.centres]
+    for space, row in enumerate(contacts):
+        for flank, contact in enumerate(row):
+            for centre, stiffness in zip(
+                data.centres[space, flank], data.stiffness[space, flank], strict=True
+            ):
+                contact.AddSphereWithMarker(
+                    markerIndex=mbs.AddMarker(MarkerBodyRigid(bodyNumber=pinion, localPosition=centre)),
+                    radius=data.radius,
+                    contactStiffness=stiffness,
+                    contactDamping=stiffness * data.damping,
+                    frictionMaterialIndex=0,
+                )
+            for tooth in bar.teeth:
+                contact.AddTrianglesRigidBodyBased(
+                    rigidBodyMarkerIndex=rack_marker,
+                    contactStiffness=RIGID_SIDE * float(data.stiffness.sum()),
+                    contactDamping=0.0,
+                    frictionMaterialIndex=0,
+                    pointList=flank_triangle(bar, bar.flank(tooth, SIDES[flank])),
+                    triangleList=[[0, 1, 2]],
+                )
+    return GeneralContacts(contacts, data)
+
+
+def _new_contact(mbs: "exudyn.MainSystem", data: SampledContactData, pair: GearPair) -> Any:
+    contact = mbs.AddGeneralContact()
+    contact.verboseMode = 0
+    contact.frictionProportionalZone = data.zone
+    contact.sphereSphereContact = False
+    contact.keepContactWhilePenetrating = True  # never pulls at separation, in any solver
+    contact.computeContactForces = True  # kept for the second opinion of `sampled_contact`
+    contact.SetFrictionPairings(data.friction * np.eye(1))
+    reach, half = pair.tip_radius + 2e-3, pair.face_width / 2 + 4e-3
+    contact.SetSearchTreeBox(pMin=[-reach, -reach, -half], pMax=[reach, reach, half])
+    contact.SetSearchTreeCellSize(numberOfCells=[10, 10, 10])
+    return contact
+
+
+def flank_triangle(bar: RackBar, flank: RackFlank) -> np.ndarray:
+    """A right-angled triangle over one flank, rack frame, counter-clockwise from outside, shape (3, 3).
+
+    Its legs follow the trace and the height; it starts in the air beyond the tooth's tip and ends inside
+    the bar, so that only the samples decide where the contact ends.
+    """
+    rise = np.cross(flank.trace, flank.normal)
+    rise /= rise[1]  # one metre of height
+    low = lowest_height(bar.pair)
+    half_width = bar.pair.bar_radius + FLANK_MARGIN
+    corner = flank.point + (low - flank.point[1]) * rise - half_width * flank.trace
+    along = corner + 4 * half_width * flank.trace
+    up = corner + 2 * (bar.root_height + FLANK_MARGIN - low) * rise
+    outward = np.cross(along - corner, up - corner) @ flank.normal > 0
+    return np.array([corner, along, up] if outward else [corner, up, along])
+
+
+def add_tangent(mbs: "exudyn.MainSystem", data: SampledContactData, nodes: list[Any]) -> None:
+    """The contact's Jacobian, as a massless object without forces; `nodes`: pinion, rack.
+
+    It comes from the compiled samples. GeneralContact itself contributes none: without contact between
+    spheres its own derivative is exactly zero (test_upstream pins this).
+    """
+    from exudyn.itemInterface import ObjectGenericODE2, VObjectGenericODE2
+
+    nothing = np.zeros(7)
+
+    def force(mbs: Any, t: float, item: int, q: list[float], v: list[float]) -> np.ndarray:
+        return nothing
+
+    def jacobian(
+        mbs: Any, t: float, item: int, q: list[float], v: list[float], factor_q: float, factor_v: float
+    ) -> np.ndarray:
+        return -sampled_tangent(np.asarray(q), np.asarray(v), data, factor_q, factor_v)
+
+    mbs.AddObject(
+        ObjectGenericODE2(
+            name="mesh_tangent",
+            nodeNumbers=nodes,
+            massMatrix=np.zeros((7, 7)),
+            forceUserFunction=force,
+            jacobianUserFunction=jacobian,
+            visualization=VObjectGenericODE2(show=False),
+        )
+    )

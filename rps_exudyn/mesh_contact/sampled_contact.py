@@ -1,0 +1,136 @@
+"""Spheres on the pinion's flanks against the rack's flank planes, in compiled form and without a search.
+
+The same samples, the same law as Exudyn's GeneralContact computes: pressure proportional to depth, Coulomb
+friction regularised below a zone. It serves the general contact in three ways: as the tangent that its
+own Jacobian lacks, as the ledger that GeneralContact does not keep (normal forces, dissipation, stored
+energy, deepest penetration), and as the independent second opinion on its forces.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rps_exudyn.compiled import kernel
+from rps_exudyn.mesh_contact.wrench import MESH_OUTPUTS, WRENCH_SIZE
+from rps_exudyn.parts.force_element import ForceElement
+from rps_exudyn.parts.motion import coulomb, cross, rotation_matrix, spin_map
+
+
+
+class SampledContactData(NamedTuple):
+    """Spheres of every tooth space's two flanks, and the planes they meet."""
+
+    centres: np.ndarray  # (z, 2, n, 3) by tooth space, drive and coast flank; pinion frame, pinion angle 0 [m]
+    stiffness: np.ndarray  # (z, 2, n) [N/m]
+    radius: float
+    damping: float  # damping over stiffness [s]
+    friction: float
+    zone: float  # friction zone [m/s]
+    gate: float  # a tooth space is looked at within this angle from the mesh [rad]
+    pinion_origin: np.ndarray  # (3,) housing frame
+    pinion_frame: np.ndarray  # (3, 3) columns e, Y, k
+    normals: np.ndarray  # (2, 3) out of the rack's flanks, rack frame
+    offset: np.ndarray  # (2,) plane of tooth 0: normal . x = offset, rack frame [m]
+    base_pitch: float
+    lowest: float  # y in the rack frame where the flanks' triangles end, in the air beyond the tips [m]
+    rack_reference: np.ndarray  # (3,) rack's reference point at displacement 0
+
+
+@kernel
+def angle_from_mesh(angle, space, spaces):  # type: ignore[no-untyped-def]
+    """Where a tooth space stands, from the pitch point about k, in (-pi, pi] [rad]."""
+    turned = angle + space * 2 * np.pi / spaces
+    return turned - 2 * np.pi * np.round(turned / (2 * np.pi))
+
+
+@kernel
+def sampled_wrench(angle, rate, position, rotation, velocity, spin, data):  # type: ignore[no-untyped-def]
+    """Contact of all samples near the mesh; see `wrench` for arguments and result."""
+    out = np.zeros(WRENCH_SIZE)
+    axis = data.pinion_frame[:, 2]
+    spaces = data.centres.shape[0]
+    c, s = np.cos(angle), np.sin(angle)
+    torque = 0.0
+    for side in range(2):
+        normal = rotation @ data.normals[side]
+        for space in range(spaces):
+            if abs(angle_from_mesh(angle, space, spaces)) > data.gate:
+                continue
+            for i in range(data.centres.shape[2]):
+                x, y, z = data.centres[space, side, i]
+                px, py = c * x - s * y, s * x + c * y
+                lever = data.pinion_frame @ np.array([px, py, z])  # from the axis of rotation
+                place = data.pinion_origin + lever - position
+                height = normal @ place - data.offset[side]
+                height -= data.base_pitch * np.round(height / data.base_pitch)
+                depth = data.radius - height
+                if depth <= 0 or height < -data.radius or rotation[:, 1] @ place < data.lowest:
+                    continue
+                # touching point on the plane: below the sphere's centre
+                place = place - height * normal
+                lever = lever - height * normal
+                slip = rate * cross(axis, lever) - velocity - cross(spin, place)
+                approach = -(slip @ normal)
+                normal_force = data.stiffness[space, side, i] * (depth + data.damping * approach)
+                if normal_force <= 0:
+                    continue
+                slip += approach * normal
+                speed = np.sqrt(slip @ slip)
+                drag = coulomb(normal_force, data.friction, speed, data.zone)
+                force = drag * slip - normal_force * normal  # on the rack
+                out[1:4] += force
+                out[4:7] += cross(place, force)
+                torque -= axis @ cross(lever, force)
+                out[7 + side] += normal_force
+                out[9] += 0.5 * data.stiffness[space, side, i] * depth**2
+                out[10] += drag * speed**2
+                out[11] += (normal_force - data.stiffness[space, side, i] * depth) * approach
+                out[12] = max(out[12], depth)
+                out[13] += 1
+    out[0] = torque
+    return out
+
+
+@kernel
+def sampled_force(q, v, data):  # type: ignore[no-untyped-def]
+    """The same on the coordinates; q = pinion (1), rack (6)."""
+    map_ = spin_map(q[4:7])
+    wrench = sampled_wrench(
+        q[0], v[0], data.rack_reference + q[1:4], rotation_matrix(q[4:7]), v[1:4], map_ @ v[4:7], data
+    )
+    out = np.empty(7 + 3 + 4)
+    out[0] = wrench[0]
+    out[1:4] = wrench[1:4]
+    out[4:7] = map_.T @ wrench[4:7]
+    out[7:10] = wrench[9:12]
+    out[10:12] = wrench[7:9]
+    out[12:14] = wrench[12:14]
+    return out
+
+
+def sampled_element(data: SampledContactData) -> ForceElement:
+    """The contact as a force element."""
+    return ForceElement("mesh", ("pinion", "rack"), sampled_force, data, MESH_OUTPUTS)
+
+
+@kernel
+def sampled_tangent(q, v, data, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    """factor_q dF/dq + factor_v dF/dv by differences, shape (7, 7).
+
+    The steps stay far below the penetrations (micrometres) and the slip speeds (mm/s).
+    """
+    tangent = np.empty((7, 7))
+    for j in range(7):
+        dq = 1e-9 if 1 <= j <= 3 else 1e-7
+        dv = 1e-6 if 1 <= j <= 3 else 1e-4
+        up, down = q.copy(), q.copy()
+        up[j] += dq
+        down[j] -= dq
+        column = factor_q * (sampled_force(up, v, data)[:7] - sampled_force(down, v, data)[:7]) / (2 * dq)
+        if factor_v != 0:
+            up, down = v.copy(), v.copy()
+            up[j] += dv
+            down[j] -= dv
+            column += factor_v * (sampled_force(q, up, data)[:7] - sampled_force(q, down, data)[:7]) / (2 * dv)
+        tangent[:, j] = column
+    return tangent

@@ -1,0 +1,223 @@
+"""The steering gear as an Exudyn system.
+
+    model = build_model(gear, Fidelity.preset("full"))
+    model.mbs                      the Exudyn MainSystem, assembled, to go on with as usual
+    model.bodies["rack"]           object numbers; likewise model.nodes and model.sensors
+
+Bodies and their joints, in the housing frame of `gears.gear_pair`:
+
+    pinion    turns about its axis k (ObjectRotationalMass1D: its revolute joint is built in)
+    rack      free rigid body; reference point on the bar's axis above the pitch point
+    plunger   slides along Y (ObjectMass1D: its translational joint is built in)
+    yokenut   locked to the housing
+    bush      chain of rigid segments held by connector springs, or condensed into the sliding fit
+
+What acts between them are the force elements of `parts`, the same that `statics` balances. The model
+starts in the static equilibrium of steady turning, so there is nothing to settle.
+"""
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.forces import GearForces, gear_forces
+from rps_exudyn.gears import solids
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.mesh_contact.general_contact import GeneralContacts, add_general_contacts, add_tangent
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parts.bush import add_chain, resting_segments
+from rps_exudyn.parts.force_element import ForceElement
+from rps_exudyn.statics import SLOTS, Equilibrium, equilibrium, stacked, steady_rates
+
+if TYPE_CHECKING:
+    import exudyn
+
+    from rps_exudyn.gears.polyhedron import Solid
+
+
+@dataclass
+class SteeringModel:
+    """An assembled Exudyn system and the numbers of its items."""
+
+    gear: SteeringGear
+    fidelity: Fidelity
+    forces: GearForces
+    SC: Any
+    mbs: "exudyn.MainSystem"
+    start: Equilibrium
+    elements: list[ForceElement] = field(default_factory=list)
+    contacts: GeneralContacts | None = None
+    nodes: dict[str, Any] = field(default_factory=dict)
+    bodies: dict[str, Any] = field(default_factory=dict)
+    sensors: dict[str, Any] = field(default_factory=dict)
+    segments: list[Any] = field(default_factory=list)  # nodes of the bush's segments
+
+    def coordinates(self, name: str) -> slice:
+        """Where a body's coordinates stand in the system's vector."""
+        node = self.nodes[name]
+        start = self.mbs.GetNodeODE2Index(node)
+        return slice(start, start + (6 if name in ("rack", "segment") else 1))
+
+
+def build_model(gear: SteeringGear, fidelity: Fidelity) -> SteeringModel:
+    """The gear of `gear` at its test's start angle, ready to be driven at its test's speed.
+
+    Raises:
+        InputError: the gear finds no equilibrium to start from.
+    """
+    import exudyn as exu
+
+    forces = gear_forces(gear, fidelity)
+    start = starting_point(gear, forces)
+    SC = exu.SystemContainer()
+    model = SteeringModel(gear, fidelity, forces, SC, SC.AddSystem(), start)
+    _add_bodies(model)
+    if fidelity.bush == "chain":
+        _add_bush_chain(model)
+        fit = forces.chain_fit
+    else:
+        fit = forces.condensed_fit
+    model.elements = [forces.seat, forces.spring, forces.nut, forces.bearing, fit]
+    for element in model.elements:
+        element.add_to(model.mbs, model.nodes)
+    model.contacts = add_general_contacts(
+        model.mbs, gear, forces.mesh.data, pinion=model.bodies["pinion"], rack=model.bodies["rack"]
+    )
+    add_tangent(model.mbs, forces.mesh.data, [model.nodes["pinion"], model.nodes["rack"]])
+    return model
+
+
+def starting_point(gear: SteeringGear, forces: GearForces) -> Equilibrium:
+    """Static equilibrium of steady turning at the test's start angle."""
+    pair, test = GearPair.of(gear), gear.test
+    guess = np.zeros(8)
+    guess[SLOTS["pinion"]] = -test.start_angle
+    lift = pair.runout * np.cos(test.start_angle + pair.runout_angle)
+    guess[SLOTS["plunger"]] = lift
+    guess[SLOTS["rack"]][:2] = pair.gain * test.start_angle, lift - 10e-6
+    return equilibrium(forces.condensed, guess, steady_rates(pair, test.direction * test.speed))
+
+
+def _add_bodies(model: SteeringModel) -> None:
+    """Pinion, rack, plunger and yokenut, with mass properties from their meshes."""
+    from exudyn.itemInterface import (
+        Node1D,
+        NodeRigidBodyRxyz,
+        ObjectGround,
+        ObjectMass1D,
+        ObjectRigidBody,
+        ObjectRotationalMass1D,
+        VObjectGround,
+        VObjectMass1D,
+        VObjectRigidBody,
+        VObjectRotationalMass1D,
+    )
+
+    gear, mbs, start = model.gear, model.mbs, model.start
+    pair = GearPair.of(gear)
+    q, v = start.coordinates, start.rates
+
+    def node_1d(name: str) -> Any:
+        return mbs.AddNode(
+            Node1D(
+                referenceCoordinates=[0.0],
+                initialCoordinates=q[SLOTS[name]],
+                initialVelocities=v[SLOTS[name]],
+            )
+        )
+
+    parts = {
+        "pinion": solids.pinion_solid(gear),
+        "rack": solids.rack_solid(gear),
+        "plunger": solids.plunger_solid(gear),
+        "yokenut": solids.yokenut_solid(gear),
+    }
+    axis = [0.0, pair.bar_axis_height, 0.0]
+
+    model.nodes["pinion"] = node_1d("pinion")
+    turning = parts["pinion"].mass_properties
+    from_axis = turning.centre_of_mass[:2]
+    model.bodies["pinion"] = mbs.AddObject(
+        ObjectRotationalMass1D(
+            inertia=turning.inertia[2, 2] + turning.mass * (from_axis @ from_axis),
+            nodeNumber=model.nodes["pinion"],
+            referencePosition=pair.pinion_origin,
+            referenceRotation=pair.pinion_frame,
+            visualization=VObjectRotationalMass1D(graphicsData=_drawn(parts["pinion"], "steelblue")),
+        )
+    )
+    model.nodes["rack"] = mbs.AddNode(
+        NodeRigidBodyRxyz(
+            referenceCoordinates=[*axis, 0, 0, 0],
+            initialCoordinates=q[SLOTS["rack"]],
+            initialVelocities=v[SLOTS["rack"]],
+        )
+    )
+    bar = parts["rack"].mass_properties
+    com = bar.centre_of_mass
+    about_reference = bar.inertia + bar.mass * ((com @ com) * np.eye(3) - np.outer(com, com))
+    model.bodies["rack"] = mbs.AddObject(
+        ObjectRigidBody(
+            mass=bar.mass,
+            centerOfMass=com,
+            inertia=about_reference[[0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]],
+            nodeNumber=model.nodes["rack"],
+            visualization=VObjectRigidBody(graphicsData=_drawn(parts["rack"], "grey")),
+        )
+    )
+    model.nodes["plunger"] = node_1d("plunger")
+    along_y = np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0]])  # ObjectMass1D moves along its local x
+    model.bodies["plunger"] = mbs.AddObject(
+        ObjectMass1D(
+            mass=parts["plunger"].mass_properties.mass,
+            nodeNumber=model.nodes["plunger"],
+            referencePosition=axis,
+            referenceRotation=along_y,
+            visualization=VObjectMass1D(graphicsData=_drawn(parts["plunger"], "orange", along_y.T)),
+        )
+    )
+    model.bodies["yokenut"] = mbs.AddObject(
+        ObjectGround(
+            referencePosition=axis,
+            visualization=VObjectGround(graphicsData=_drawn(parts["yokenut"], "darkgrey")),
+        )
+    )
+
+
+def _add_bush_chain(model: SteeringModel) -> None:
+    """The segments, resting under the wrench of the fit at the start."""
+    gear, chain, start = model.gear, model.forces.chain, model.start
+    fit = model.forces.condensed_fit
+    on_rack = fit.evaluate(stacked(fit, start.coordinates), stacked(fit, start.rates))[:6]
+    rest = resting_segments(gear, chain, _wrench_at_fit(fit, start, on_rack), chain.end_station)
+    segment = solids.bush_segment_solid(gear).mass_properties
+    nodes, bodies = add_chain(
+        model.mbs,
+        gear,
+        chain,
+        rest,
+        mass=segment.mass,
+        inertia=segment.inertia,
+        axis_height=GearPair.of(gear).bar_axis_height,
+    )
+    model.segments = nodes
+    model.nodes["segment"], model.bodies["segment"] = nodes[-1], bodies[-1]
+
+
+def _wrench_at_fit(fit: ForceElement, start: Equilibrium, on_rack: np.ndarray) -> np.ndarray:
+    """Reaction on the bush at the fit, from the forces on the rack (small rotations)."""
+    force = on_rack[:3]
+    lever = np.array([fit.data.station, 0.0, 0.0]) - start.coordinates[SLOTS["rack"]][:3]
+    moment = on_rack[3:] - np.cross(lever, force)
+    return -np.concatenate([force, moment])
+
+
+def _drawn(solid: "Solid", color: str, rotation: np.ndarray | None = None) -> list[Any]:
+    """How Exudyn draws a body."""
+    from exudyn import graphics
+    from matplotlib.colors import to_rgba
+
+    points = solid.vertices if rotation is None else solid.vertices @ rotation.T
+    return [graphics.FromPointsAndTrigs(points, solid.faces, color=list(to_rgba(color)))]

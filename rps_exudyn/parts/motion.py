@@ -1,0 +1,43 @@
+"""How a rigid body's node coordinates become motion: Exudyn's RotationRxyz in compiled form.
+
+Angles (a, b, c) turn a body by Rx(a) Ry(b) Rz(c); its angular velocity is G (a', b', c'). A force f and a
+moment m about the body's reference point act on the coordinates as (f, G^T m).
+"""
+
+import numpy as np
+
+from rps_exudyn.compiled import kernel
+
+
+@kernel
+def rotation_matrix(angles):  # type: ignore[no-untyped-def]
+    """Body -> housing, shape (3, 3)."""
+    ca, sa = np.cos(angles[0]), np.sin(angles[0])
+    cb, sb = np.cos(angles[1]), np.sin(angles[1])
+    cc, sc = np.cos(angles[2]), np.sin(angles[2])
+    return np.array(
+        [
+            [cb * cc, -cb * sc, sb],
+            [ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb],
+            [sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb],
+        ]
+    )
+
+
+@kernel
+def spin_map(angles):  # type: ignore[no-untyped-def]
+    """G: angle rates -> angular velocity in the housing frame, shape (3, 3)."""
+    ca, sa = np.cos(angles[0]), np.sin(angles[0])
+    cb, sb = np.cos(angles[1]), np.sin(angles[1])
+    return np.array([[1.0, 0.0, sb], [0.0, ca, -sa * cb], [0.0, sa, ca * cb]])
+
+
+@kernel
+def cross(a, b):  # type: ignore[no-untyped-def]
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+@kernel
+def coulomb(normal_force, friction, slip, zone):  # type: ignore[no-untyped-def]
+    """Friction over slip speed [N s/m]: mu N / max(|v|, zone), Exudyn's regularisation."""
+    return friction * normal_force / max(slip, zone)

@@ -1,0 +1,115 @@
+"""One guarded way to run Exudyn: every setting explicit, every outcome named.
+
+`SolveDynamic` calls runs a success that blew up, lost the contact, or stopped early. Here a run is a
+success only when its own checks say so; the scene adds those that need its physics.
+"""
+
+from dataclasses import asdict, dataclass, field
+from time import process_time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rps_exudyn.outcome import Status
+
+if TYPE_CHECKING:
+    import exudyn
+
+
+@dataclass(frozen=True)
+class SolverPlan:
+    """Everything that decides how Exudyn integrates."""
+
+    end_time: float  # [s]
+    steps: int
+    spectral_radius: float = 0.7
+    relative_tolerance: float = 1e-5
+    absolute_tolerance: float = 1e-7
+    max_iterations: int = 20
+    discontinuous_tolerance: float = 1e-4
+    adaptive_step: bool = True
+    minimum_step: float = 1e-7  # [s]
+    time_limit: float = np.inf  # of the processor [s]
+
+    def as_dict(self) -> dict[str, Any]:
+        return {key: value for key, value in asdict(self).items() if value != np.inf}
+
+
+@dataclass
+class Outcome:
+    """How a run ended, and what it cost."""
+
+    status: Status
+    message: str
+    time_reached: float
+    cpu_s: float
+    counters: dict[str, int] = field(default_factory=dict)
+    settings: dict[str, Any] = field(default_factory=dict)
+
+
+def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
+    """Integrate an assembled system by generalised alpha with modified Newton.
+
+    Never raises for a failed run: the outcome says what happened, and how far it got.
+    """
+    import exudyn as exu
+
+    settings = _settings(plan)
+    start = process_time()
+    message = ""
+    try:
+        finished = bool(mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.GeneralizedAlpha))
+    except exu.ExudynError as error:
+        finished, message = False, str(error).strip()
+    cpu = process_time() - start
+    solver = mbs.sys["dynamicSolver"]
+    reached = float(mbs.systemData.GetTime())
+    counters = {
+        "steps": int(solver.it.currentStepIndex),
+        "newton_iterations": int(solver.it.newtonStepsCount),
+        "jacobians": int(solver.it.newtonJacobiCount),
+    }
+    state = np.concatenate([mbs.systemData.GetODE2Coordinates(), mbs.systemData.GetODE2Coordinates_t()])
+    if not np.isfinite(state).all():
+        status, message = Status.DIVERGED, f"the state is not finite at {reached:.6g} s"
+    elif not finished:
+        status = Status.NO_CONVERGENCE
+        message = f"no step down to {plan.minimum_step:g} s converged at {reached:.6g} s. {message}".strip()
+    elif reached < plan.end_time * (1 - 1e-9):
+        status, message = Status.TIMEOUT, f"stopped at {reached:.6g} s of {plan.end_time:.6g} s"
+    else:
+        status = Status.OK
+    return Outcome(status, message, reached, cpu, counters, plan.as_dict())
+
+
+def _settings(plan: SolverPlan) -> "exudyn.SimulationSettings":
+    """The plan in Exudyn's words. What decides a result is set here even where it is the default:
+    defaults change between releases."""
+    import exudyn as exu
+
+    settings = exu.SimulationSettings()
+    settings.parallel.numberOfThreads = 1
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    settings.solution.file.write = False
+    settings.solution.sensors.writePeriod = plan.end_time / plan.steps
+
+    time = settings.timeIntegration
+    time.startTime, time.endTime, time.numberOfSteps = 0.0, plan.end_time, plan.steps
+    time.adaptiveStep, time.minimumStepSize = plan.adaptive_step, plan.minimum_step
+    time.stepInformation = time.verboseMode = 0
+    time.computeLoadsJacobian = 0
+    time.generalizedAlpha.spectralRadius = plan.spectral_radius
+    time.generalizedAlpha.useNewmark = time.generalizedAlpha.useIndex2Constraints = False
+    time.generalizedAlpha.computeInitialAccelerations = True
+
+    newton = time.newton
+    newton.useModifiedNewton = True
+    newton.maxIterations, newton.modifiedNewtonContractivity = plan.max_iterations, 0.5
+    newton.relativeTolerance, newton.absoluteTolerance = plan.relative_tolerance, plan.absolute_tolerance
+    newton.numericalDifferentiation.doSystemWideDifferentiation = False
+    newton.numericalDifferentiation.forODE2 = False
+
+    time.discontinuous.iterationTolerance = plan.discontinuous_tolerance
+    time.discontinuous.maxIterations = 5
+    time.discontinuous.ignoreMaxIterations = True
+    return settings
