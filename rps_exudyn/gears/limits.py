@@ -82,7 +82,7 @@ def _cutter(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
         needed = (pair.rack_addendum + pair.fillet_radius * (1 - np.sin(pair.alpha_n))) / m
         yield Violation(
             f"The cutter does not reach: its straight flank ends {_mm(straight_depth(pair))} from the "
-            f"reference line, and the rack's tips, {_mm(pair.rack_addendum)} from it, would cut into the root",
+            f"reference line, and the rack's tips, {_mm(pair.rack_addendum)} from it, cut into the root",
             "basic_rack.dedendum",
             _inward(gear, "basic_rack.dedendum", needed, +1),
         )

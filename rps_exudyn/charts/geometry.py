@@ -1,0 +1,162 @@
+"""Picture of a gear: the mesh in three dimensions, the pinion's transverse section, and both in mesh."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from manifold3d import Manifold
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rps_exudyn.charts import style
+from rps_exudyn.charts.shading import shaded_image
+from rps_exudyn.gears.assembly import assembled
+from rps_exudyn.gears.checks import GeometryReport, geometry_report
+from rps_exudyn.gears.clearance import active_field
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.helicoid import Flank, transverse_profile
+from rps_exudyn.gears.polyhedron import Solid, from_manifold, to_manifold
+from rps_exudyn.parameters import SteeringGear
+
+PART_COLOURS = {
+    "pinion": (0.36, 0.55, 0.78),
+    "rack": (0.72, 0.72, 0.74),
+    "plunger": (0.86, 0.66, 0.36),
+}
+VIEW = np.array([-0.5, -0.22, 1.0])  # from the parts to the eye, housing frame: from below, into the teeth
+SHOWN = np.array([0.034, 0.026, 0.022])  # half the box around rack and pinion that the 3-D view shows [m]
+CHORD_ERROR = 5e-6  # of the shown meshes [m], far below a pixel
+
+
+def draw_geometry(gear: SteeringGear, path: str | Path, force: bool = False) -> None:
+    """Save the picture.
+
+    Raises:
+        InputError: the gear cannot be built, or the file cannot be written.
+    """
+    style.save(geometry_figure(gear, force), path)
+
+
+def geometry_figure(gear: SteeringGear, force: bool = False) -> Figure:
+    report, pair = geometry_report(gear, force), GearPair.of(gear)
+    solids = assembled(gear, chord_error=CHORD_ERROR)
+    with mpl.rc_context({"font.size": 10}):
+        figure = Figure(figsize=(13, 5.8), layout="constrained")
+        view, section, mesh = figure.subplots(1, 3, width_ratios=[1.15, 1, 1.1])
+    _draw_view(view, pair, solids)
+    _draw_section(section, pair, report)
+    _draw_mesh(mesh, pair, solids)
+    style.title(figure, _headline(gear, report))
+    if report.warnings:
+        height = 0.035 * len(report.warnings)
+        figure.set_layout_engine("constrained", rect=(0, height, 1, 1 - height))
+        figure.text(0.01, 0.01, "\n".join(report.warnings), fontsize=9, color=style.COLOURS["failure"])
+    return figure
+
+
+def _draw_view(axes: Axes, pair: GearPair, solids: dict[str, Solid]) -> None:
+    """Shaded view of what is around the mesh."""
+    centre = np.array([0, 2 * pair.reference_radius, 0])
+    box = Manifold.cube(tuple(2 * SHOWN), True).translate(tuple(centre))
+    parts = []
+    for name, colour in PART_COLOURS.items():
+        vertices, faces = from_manifold(to_manifold(solids[name].vertices, solids[name].faces) ^ box)
+        parts.append((vertices, faces, colour))
+    axes.imshow(shaded_image(parts, VIEW, np.array([0, 1.0, 0]), pixels_wide=700))
+    axes.set_axis_off()
+    axes.set_title("around the mesh: pinion, rack, plunger", loc="left", fontsize=10)
+
+
+def _draw_section(axes: Axes, pair: GearPair, report: GeometryReport) -> None:
+    """Transverse section of the pinion with its circles."""
+    profile = 1e3 * transverse_profile(pair, 1e-6)
+    axes.fill(*profile.T, facecolor=PART_COLOURS["pinion"], alpha=0.45, edgecolor="black", linewidth=1)
+    angle = np.linspace(0, 2 * np.pi, 361)
+    circles = {
+        "tip": (report.tip_diameter, "#0b5394", "-"),
+        "reference": (report.reference_diameter, "#b45f06", "-."),
+        "form": (report.form_diameter, "#38761d", (0, (1, 2))),
+        "base": (report.base_diameter, "#b00020", "--"),
+        "root": (report.root_diameter, "#555555", "-"),
+    }
+    for name, (diameter, colour, dashes) in circles.items():
+        radius = 5e2 * diameter
+        axes.plot(
+            radius * np.cos(angle),
+            radius * np.sin(angle),
+            color=colour,
+            linestyle=dashes,
+            linewidth=1,
+            label=f"{name} circle, {diameter * 1e3:.3f} mm",
+        )
+    _millimetres(axes, "transverse section of the pinion", "e")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, fontsize=8.5, frameon=False)
+
+
+def _draw_mesh(axes: Axes, pair: GearPair, solids: dict[str, Solid]) -> None:
+    """Pinion's transverse plane through the pitch point at pinion angle 0.
+
+    Teeth, lines of contact, and as dots the flanks that touch in this plane; the others touch elsewhere
+    along their helix.
+    """
+    for name in ("rack", "pinion"):
+        for polygon in _section(pair, solids[name]):
+            axes.fill(
+                *1e3 * polygon.T, facecolor=PART_COLOURS[name], alpha=0.45, edgecolor="black", linewidth=1
+            )
+    pitch = 1e3 * pair.reference_radius
+    angle = np.linspace(0, 2 * np.pi, 361)
+    axes.plot(pitch * np.cos(angle), pitch * np.sin(angle), color="#b45f06", linewidth=0.8, linestyle="-.")
+    axes.axhline(pitch, color="#b45f06", linewidth=0.8, linestyle="-.", label="pitch circle and pitch line")
+    ends = np.array(active_field(pair))
+    for side, name, colour in ((-1, "drive", "#b00020"), (1, "coast", "#0b5394")):
+        direction = np.array([-side * np.cos(pair.alpha_t), np.sin(pair.alpha_t)])
+        line = 1e3 * (np.array([0, pair.reference_radius]) + ends[:, None] * direction)
+        axes.plot(*line.T, color=colour, linewidth=1.8, label=f"line of contact, {name} flanks")
+        touching = 1e3 * (np.array([0, pair.reference_radius]) + _contacts(pair, side)[:, None] * direction)
+        axes.plot(*touching.T, "o", color=colour, markersize=5)
+    axes.plot(0, pitch, "k+", markersize=9, label="pitch point")
+    axes.plot([], [], "o", color="#555555", markersize=5, label="flanks touching in this plane")
+    axes.set_xlim(-11.5e2 * pair.tip_radius, 11.5e2 * pair.tip_radius)
+    axes.set_ylim(2e2 * pair.tip_radius, 2e2 * pair.tip_radius + 17e2 * pair.tip_radius)
+    _millimetres(axes, "in mesh, transverse section at pinion angle 0", "e")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, fontsize=8.5, frameon=False)
+
+
+def _section(pair: GearPair, solid: Solid) -> list[np.ndarray]:
+    """Polygons (e, Y) in which the pinion's transverse plane cuts a part [m]."""
+    vertices = (solid.vertices - pair.pinion_origin) @ pair.pinion_frame
+    return to_manifold(1e3 * vertices, solid.faces).slice(0.0).scale((1e-3, 1e-3)).to_polygons()
+
+
+def _contacts(pair: GearPair, side: int) -> np.ndarray:
+    """Positions q on the line of contact where flanks touch at pinion angle 0 in the middle plane [m]."""
+    start, end = active_field(pair)
+    tangent_point = np.pi / 2 - side * pair.alpha_t
+    lengths = np.array(
+        [float(Flank(pair, tooth, side).tangent_length(tangent_point, 0.0)) for tooth in range(pair.teeth)]
+    )
+    pitch = 2 * np.pi * pair.base_radius / pair.teeth
+    q = np.concatenate([lengths + turn * pitch * pair.teeth for turn in (-1, 0, 1)])
+    q = q - pair.reference_radius * np.sin(pair.alpha_t)
+    return q[(q >= start) & (q <= end)]
+
+
+def _millimetres(axes: Axes, title: str, horizontal: str) -> None:
+    axes.set_aspect("equal")
+    axes.set_xlabel(f"{horizontal} [mm]")
+    axes.set_ylabel("Y [mm]")
+    axes.set_title(title, loc="left", fontsize=10)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def _headline(gear: SteeringGear, report: GeometryReport) -> str:
+    pinion = gear.pinion
+    headline = (
+        f"{pinion.teeth} teeth, m$_n$ {pinion.normal_module * 1e3:.4g} mm, "
+        f"α$_n$ {np.degrees(pinion.pressure_angle):.4g}°, "
+        f"β$_p$ {np.degrees(pinion.helix_angle):.4g}°, β$_r$ {np.degrees(gear.rack.tooth_angle):.4g}°, "
+        f"x {pinion.profile_shift:.4g}; {report.travel_per_turn * 1e3:.4g} mm per turn; "
+        f"contact ratio {report.transverse_contact_ratio:.3g} transverse + {report.overlap_ratio:.3g} overlap"
+    )
+    return headline.replace("-", "−")
