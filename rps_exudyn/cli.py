@@ -135,6 +135,39 @@ def show(file: Path, /, *, json: Flag = False) -> int:
 
 
 @app.command
+def geometry(
+    *, gear: GearOptions = PAPER_GEAR, out: Path | None = None, force: Flag = False, json: Flag = False
+) -> int:
+    """Print the geometry report; write the solids or their drawing.
+
+    Args:
+        out: solids (.glb, .stl) or drawing (.png, .svg, .pdf).
+        force: build an undercut gear all the same.
+        json: print the report as JSON.
+    """
+    from rps_exudyn import printed
+    from rps_exudyn.charts.geometry import draw_geometry
+    from rps_exudyn.charts.style import PICTURES
+    from rps_exudyn.gears.checks import geometry_report
+    from rps_exudyn.gears.export import FORMATS, export_solids
+
+    chosen = gear.load()
+    if out:
+        _checked_output(out, (*FORMATS, *PICTURES))
+    report = geometry_report(chosen, force)
+    if out and out.suffix.lower() in FORMATS:
+        export_solids(chosen, out)
+    elif out:
+        draw_geometry(chosen, out, force)
+    files = [out] if out else []
+    if json:
+        printed.print_json(report.as_dict() | {"files": files})
+    else:
+        printed.print_geometry(report, files)
+    return DONE
+
+
+@app.command
 def describe(path: str = "", /, *, gear: GearOptions = PAPER_GEAR, json: Flag = False) -> int:
     """Print parameters: value, unit, meaning, and where the value is from.
 

@@ -12,6 +12,7 @@ from rich.table import Table as Grid
 from rps_exudyn.declaration import Declared, Table
 
 if TYPE_CHECKING:
+    from rps_exudyn.gears.checks import GeometryReport
     from rps_exudyn.result import Result
 
 
@@ -26,8 +27,7 @@ def print_result(result: "Result", files: Iterable[Path] = ()) -> None:
     console.print(_grid(("quantity", "value", "definition"), _summary_rows(result)))
     counts = [f"{value} {name.replace('_', ' ')}" for name, value in result.counters.items()]
     console.print(", ".join([f"{result.cpu_s:.3g} s of processor time", *counts]))
-    for file in files:
-        console.print(f"written: {file}", soft_wrap=True)
+    _print_files(console, files)
 
 
 def result_as_dict(result: "Result", files: Iterable[Path] = ()) -> dict[str, Any]:
@@ -50,6 +50,22 @@ def result_as_dict(result: "Result", files: Iterable[Path] = ()) -> dict[str, An
         "provenance": result.provenance,
         "files": [str(file) for file in files],
     }
+
+
+def print_geometry(report: "GeometryReport", files: Iterable[Path] = ()) -> None:
+    """Every number with its unit and definition, masses, and what the designer should be told."""
+    from rps_exudyn.quantities import GEOMETRY
+
+    rows = [(name, item.show(getattr(report, name)), item.long_name) for name, item in GEOMETRY.items()]
+    rows += [
+        (f"mass of {part}", f"{properties.mass:.4g} kg", "")
+        for part, properties in report.mass_properties.items()
+    ]
+    console = _console()
+    console.print(_grid(("quantity", "value", "definition"), rows))
+    for warning in report.warnings:
+        console.print(f"warning: {warning}", soft_wrap=True)
+    _print_files(console, files)
 
 
 def print_parameters(table: Table, items: list[Declared]) -> None:
@@ -92,6 +108,11 @@ def _summary_rows(result: "Result") -> Iterable[tuple[str, str, str]]:
             yield f"mean of {name}", SIGNALS[name].show(float(result[name].mean())), SIGNALS[name].long_name
     for name, share in work_shares(result).items():
         yield name, f"{share:.1%}", "share of work_drive"
+
+
+def _print_files(console: Console, files: Iterable[Path]) -> None:
+    for file in files:
+        console.print(f"written: {file}", soft_wrap=True)
 
 
 def _grid(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Grid:

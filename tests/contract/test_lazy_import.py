@@ -19,7 +19,9 @@ def test_import_loads_nothing_heavy_and_no_numpy() -> None:
     assert loaded_after("import rps_exudyn, sys; assert 'numpy' not in sys.modules") == set()
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["describe"], ["describe", "--json"]])
+@pytest.mark.parametrize(
+    "arguments", [["--help"], ["run", "--help"], ["describe"], ["describe", "--json"], ["geometry", "--help"]]
+)
 def test_quick_commands_load_nothing_heavy(arguments: list[str]) -> None:
     assert loaded_after(f"from rps_exudyn.cli import main; assert main({arguments}) == 0") == set()
 

@@ -1,5 +1,6 @@
 """Each command once, on a made-up result where a simulation would take time."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -8,6 +9,7 @@ import pytest
 
 from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.quantities import GEOMETRY
 from rps_exudyn.result import Result, load
 from shell import Command
 
@@ -92,6 +94,34 @@ def test_show_prints_what_run_printed(command: Command, simulated: Result) -> No
     assert shown.status == 0
     assert printed_by_run.startswith(shown.out)
     assert command(["show", "a.h5", "--json"]).json["summary"] == simulated.summary
+
+
+def test_geometry_prints_every_number_and_the_masses(command: Command) -> None:
+    answer = command(["geometry"])
+    assert answer.status == 0
+    assert all(name in answer.out and item.long_name in answer.out for name, item in GEOMETRY.items())
+    assert "mass of rack" in answer.out
+    assert os.listdir() == []
+
+
+@pytest.mark.parametrize(("name", "beginning"), [("a.glb", b"glTF"), ("a.png", b"\x89PNG"), ("a.STL", b"")])
+def test_geometry_writes_solids_or_drawing(name: str, beginning: bytes, command: Command) -> None:
+    answer = command(["geometry", "--out", name, "--json"])
+    assert answer.status == 0
+    assert answer.json["files"] == [name]
+    assert answer.json["travel_per_turn"] == pytest.approx(0.035, rel=1e-2)  # pi z m_n / cos(beta_r)
+    assert Path(name).read_bytes().startswith(beginning)
+    assert os.listdir() == [name]
+
+
+def test_geometry_builds_an_undercut_gear_only_by_force(command: Command) -> None:
+    settings = ["pinion.profile_shift=0.5", "pinion.tip_diameter=17 mm", "pinion.shaft_diameter=10 mm"]
+    undercut = ["geometry", *(word for setting in settings for word in ("--set", setting))]
+    refused, forced = command(undercut), command([*undercut, "--force"])
+    assert refused.status == 2
+    assert "undercut" in refused.err
+    assert forced.status == 0
+    assert "undercut" in forced.out
 
 
 def test_describe_names_every_parameter(command: Command) -> None:

@@ -35,6 +35,9 @@ MISTAKES = {
     "show": "requires an argument",
     "show missing.h5": "missing.h5 cannot be read: there is no such file.",
     "show .": ". cannot be read: it is a folder.",
+    "geometry --out a.step": "a.step cannot be written: its name must end in .stl or .glb",
+    "geometry --out missing/a.stl": "missing/a.stl cannot be written: there is no folder",
+    "geometry --set pinion.tip_diameter=20mm": "pinion.tip_diameter is 20 mm, the nearest",
     "describe yoke.preloda": "yoke.preloda is no parameter; the nearest one is yoke.preload.",
 }
 
