@@ -3,7 +3,7 @@
     import rps_exudyn as rps
 
     gear = rps.SteeringGear.from_toml("studies/gears/paper.toml")
-    result = rps.run("free-pinion-torque", gear, fidelity="flank", turns=1)
+    result = rps.run("free-pinion-torque", gear)
     result["pinion_torque"]  # [N m], one value per result["time"] [s]
     result.summary["torque_mean"]
     result.save("free-pinion-torque.h5")

@@ -85,7 +85,6 @@ def run(
     fidelity: str = "full",
     mesh: str | None = None,
     bush: str | None = None,
-    yoke: str | None = None,
     solver: str | None = None,
     out: Path | None = None,
     plot: Path | None = None,
@@ -100,7 +99,6 @@ def run(
         fidelity: what is modelled how.
         mesh: contact of the teeth, if other than the fidelity's.
         bush: model of the bush, if other than the fidelity's.
-        yoke: model of the yoke, if other than the fidelity's.
         solver: solver, if other than the fidelity's.
         out: HDF5 file; without it SCENE.h5 in the current folder.
         plot: picture (.png, .svg, .pdf); without it a .png beside the HDF5 file.
@@ -111,7 +109,7 @@ def run(
     from rps_exudyn.fidelity import Fidelity
 
     chosen = gear.load()
-    parts = {"mesh": mesh, "bush": bush, "yoke": yoke, "solver": solver}
+    parts = {"mesh": mesh, "bush": bush, "solver": solver}
     model = Fidelity.preset(fidelity).replace({part: name for part, name in parts.items() if name})
     out = _checked_output(out or Path(f"{scene}.h5"), RESULT_FILES)
     plot = _checked_output(plot or out.with_suffix(".png"), PICTURES)
