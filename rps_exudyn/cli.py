@@ -225,17 +225,13 @@ def _keep(result: "Result", out: Path, plot: Path) -> list[Path]:
     from rps_exudyn.charts.torque import draw_torque
     from rps_exudyn.outcome import Status
 
-    if result.status is not Status.OK:
-        out, plot = _beside_existing(out), _beside_existing(plot)
+    if result.status is not Status.OK and (out.exists() or plot.exists()):
+        out, plot = (path.with_suffix(f".failed{path.suffix}") for path in (out, plot))
     result.save(out)
     if not result.signals:
         return [out]
     draw_torque(result, plot)
     return [out, plot]
-
-
-def _beside_existing(path: Path) -> Path:
-    return path.with_suffix(f".failed{path.suffix}") if path.exists() else path
 
 
 def _print_result(result: "Result", json: bool, files: Iterable[Path] = ()) -> None:

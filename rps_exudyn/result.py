@@ -93,9 +93,11 @@ def _write(result: Result, file: h5py.File) -> None:
         _put(file, "signals", name, np.asarray(values, dtype=float))
     if result.signals:
         _attach_time(file["signals"])
-    for group in ("summary", "counters", "geometry"):
+    for group in ("summary", "geometry"):
         for name, value in getattr(result, group).items():
-            _put(file, group, name, value)
+            _put(file, group, name, float(value))
+    for name, count in result.counters.items():
+        _put(file, "counters", name, count)
 
 
 def _attributes(result: Result) -> dict[str, Any]:

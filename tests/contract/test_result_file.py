@@ -2,6 +2,7 @@
 
 import dataclasses
 import os
+import subprocess
 from pathlib import Path
 
 import h5py
@@ -14,7 +15,7 @@ from hypothesis import strategies as st
 from rps_exudyn.atomic import check_writable
 from rps_exudyn.errors import InputError
 from rps_exudyn.outcome import Status
-from rps_exudyn.provenance import FIELDS, provenance
+from rps_exudyn.provenance import FIELDS, git_hash, provenance
 from rps_exudyn.quantities import GROUPS
 from rps_exudyn.result import Result, load
 
@@ -80,6 +81,14 @@ def test_signals_of_different_length_are_refused(made_up_result: Result) -> None
 
 def test_provenance_has_the_declared_fields() -> None:
     assert tuple(provenance()) == FIELDS
+
+
+def test_git_hash_is_the_checkouts() -> None:
+    root = Path(__file__).parents[2]
+    if not (root / ".git").exists():
+        pytest.skip("no git checkout")
+    head = subprocess.run(["git", "rev-parse", "HEAD"], cwd=root, capture_output=True, text=True, check=True)
+    assert git_hash().removesuffix("-dirty") == head.stdout.strip()
 
 
 # --- replaced whole or not at all ----------------------------------------------------------------

@@ -1,0 +1,53 @@
+"""The picture of a result: panels for what the result has, its numbers and its failure in words."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rps_exudyn.charts.torque import draw_torque, torque_figure
+from rps_exudyn.result import Result
+
+
+def test_panels_have_units_and_title_has_numbers(made_up_result: Result) -> None:
+    figure = torque_figure(made_up_result)
+    labels = [axes.get_ylabel() for axes in figure.axes]
+    assert labels == ["pinion torque [N m]", "rack lift [µm]", "rack roll [mrad]"]
+    assert figure.axes[-1].get_xlabel() == "pinion angle [°]"
+    assert figure.get_suptitle() == (
+        "Free pinion torque · fidelity flank · mean 0.6 N m · peak to peak 0.02 N m"
+    )
+
+
+def test_curves_are_in_the_units_of_their_labels(made_up_result: Result) -> None:
+    torque, lift, _ = torque_figure(made_up_result).axes
+    np.testing.assert_allclose(torque.lines[0].get_xdata(), np.degrees(made_up_result["pinion_angle"]))
+    np.testing.assert_allclose(torque.lines[0].get_ydata(), made_up_result["pinion_torque"])
+    np.testing.assert_allclose(lift.lines[0].get_ydata(), 1e6 * made_up_result["rack_y"])
+
+
+def test_failure_is_written_over_the_curves(failed_result: Result) -> None:
+    assert torque_figure(failed_result).axes[0].get_title(loc="left") == "diverged: NaN at t = 0.1 s."
+
+
+def test_signal_that_the_fidelity_lacks_gets_no_panel(made_up_result: Result) -> None:
+    signals = {name: values for name, values in made_up_result.signals.items() if name != "rack_roll"}
+    assert len(torque_figure(dataclasses.replace(made_up_result, signals=signals)).axes) == 2
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -1e30])
+def test_diverged_signals_are_drawn_as_far_as_they_go(
+    value: float, failed_result: Result, tmp_path: Path
+) -> None:
+    """Warnings are errors here: matplotlib must be spared what it cannot draw."""
+    signals = {name: values.copy() for name, values in failed_result.signals.items()}
+    signals["pinion_torque"][60:] = value
+    summary = failed_result.summary | {"torque_mean": value}
+    draw_torque(dataclasses.replace(failed_result, signals=signals, summary=summary), tmp_path / "a.png")
+
+
+@pytest.mark.parametrize("samples", [0, 1])
+def test_record_without_a_span_is_drawn(samples: int, failed_result: Result, tmp_path: Path) -> None:
+    signals = {name: values[:samples] for name, values in failed_result.signals.items()}
+    draw_torque(dataclasses.replace(failed_result, signals=signals), tmp_path / "a.png")
