@@ -14,13 +14,14 @@ from shell import Command
 def no_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
     """Wrong input must be found before anything is simulated."""
     monkeypatch.setattr(
-        "rps_exudyn.simulate.run", lambda *_, **__: pytest.fail("simulated in spite of wrong input")
+        "rps_exudyn.simulate.build_model", lambda *_: pytest.fail("built in spite of wrong input")
     )
 
 
 MISTAKES = {
     "runn": 'Unknown command "runn".',
     "run free-pinion-torque again": "again is more than the command takes",
+    "run somewhere": "SCENE is 'somewhere'; it must be one of free-pinion-torque",
     "run --speed 3": "Unknown option",
     "run --out": "requires an argument",
     "run --fidelity perfect": "perfect",
@@ -28,6 +29,7 @@ MISTAKES = {
     "run --gear missing.toml": "missing.toml cannot be read: No such file or directory.",
     "run --set yoke.preload": "--set yoke.preload is no setting; write PATH=VALUE",
     "run --set yoke.preload=3kg": "yoke.preload is '3kg', which is no quantity in N",
+    "run --set pinion.tip_diameter=20mm": "pinion.tip_diameter is 20 mm, the nearest",
     "run --out missing/a.h5": "missing/a.h5 cannot be written: there is no folder",
     "run --out .": ". cannot be written: its name must end in .h5 or .hdf5.",
     "run --out a.txt": "a.txt cannot be written: its name must end in .h5 or .hdf5.",
