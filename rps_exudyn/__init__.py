@@ -24,9 +24,8 @@ __all__ = ["Result", "SteeringGear", "load", "run"]
 
 _HOME = {"SteeringGear": "parameters", "Result": "result", "load": "result", "run": "simulate"}
 
-# Exudyn reads these when it is imported: a user's own settings file would silently change results.
+# Exudyn reads this when it is imported: a user's own settings file would silently change results.
 os.environ.setdefault("EXUDYN_NO_USER_SETTINGS", "1")
-os.environ.setdefault("EXUDYN_SUPPRESS_UI_WINDOW_OPEN", "1")
 
 
 def __getattr__(name: str) -> Any:

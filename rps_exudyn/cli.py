@@ -7,6 +7,7 @@ on standard error. What a command needs is imported by the command, so that `--h
 import sys
 import tomllib
 from collections.abc import Iterable, Sequence
+from contextlib import redirect_stdout
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -113,7 +114,8 @@ def run(
     model = Fidelity.preset(fidelity).replace({part: name for part, name in parts.items() if name})
     out = _checked_output(out or Path(f"{scene}.h5"), RESULT_FILES)
     plot = _checked_output(plot or out.with_suffix(".png"), PICTURES)
-    result = simulate.run(scene, chosen, fidelity=model)
+    with redirect_stdout(sys.stderr):  # what libraries say; standard output is for the result
+        result = simulate.run(scene, chosen, fidelity=model)
     _print_result(result, json, files=_keep(result, out, plot))
     return _verdict(result)
 

@@ -65,6 +65,19 @@ def test_run_prints_json(command: Command, simulated: Result) -> None:
     assert answer.json["files"] == ["a.h5", "a.png"]
 
 
+def test_what_libraries_print_does_not_disturb_the_json(
+    command: Command, monkeypatch: pytest.MonkeyPatch, made_up_result: Result
+) -> None:
+    def talkative(*_: object, **__: object) -> Result:
+        print("NOTE: solver has something to say")
+        return made_up_result
+
+    monkeypatch.setattr("rps_exudyn.simulate.run", talkative)
+    answer = command(["run", "--json"])
+    assert answer.json["status"] == "ok"
+    assert "NOTE" in answer.err
+
+
 def test_failed_run_says_how_in_its_file_and_exits_1(command: Command, failing: Result) -> None:
     answer = command(["run", "--out", "a.h5"])
     assert answer.status == 1
