@@ -6,6 +6,7 @@
 Each part can be chosen alone, for instance `Fidelity.preset("full").replace({"bush": "condensed"})`.
 """
 
+from collections.abc import Mapping
 from typing import Any, Literal, Self
 
 from rps_exudyn.declaration import Angle, Number, Table, parameter
@@ -15,7 +16,7 @@ from rps_exudyn.errors import InputError
 class Fidelity(Table):
     """One way to model and solve the gear."""
 
-    name: str = parameter("full", "preset this came from", "estimate")
+    name: str = parameter("full", "preset this came from, and what was changed in it", "estimate")
     mesh: Literal["general-contact"] = parameter("general-contact", "how the teeth touch", "estimate")
     bush: Literal["chain", "condensed"] = parameter("chain", "how the bush is modelled", "estimate")
     solver: Literal["generalized-alpha"] = parameter("generalized-alpha", "time integration", "estimate")
@@ -36,6 +37,18 @@ class Fidelity(Table):
         if name not in PRESETS:
             raise InputError(f"--fidelity is {name!r}; it must be one of {', '.join(PRESETS)}.")
         return cls.model_validate({"name": name, **PRESETS[name]})
+
+    def replace(self, settings: Mapping[str, object]) -> Self:
+        """The same with single choices changed; the name says so: "full with bush condensed".
+
+        Raises:
+            InputError: an unknown choice, or a value that is not allowed.
+        """
+        changes = ", ".join(f"{choice} {value}" for choice, value in settings.items())
+        if not changes:
+            return self
+        separator = ", " if " with " in self.name else " with "
+        return super().replace({**settings, "name": f"{self.name}{separator}{changes}"})
 
 
 PRESETS: dict[str, dict[str, Any]] = {"full": {}}

@@ -6,7 +6,7 @@ xarray: `xarray.open_dataset(path, group="signals", engine="h5netcdf")`.
 """
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -41,10 +41,10 @@ class Result:
     solver: dict[str, Any]  # every setting of the solver
     status: Status
     message: str = ""  # why, if status is not OK
-    signals: dict[str, np.ndarray] = field(default_factory=dict)
-    summary: dict[str, float] = field(default_factory=dict)
-    counters: dict[str, int | float] = field(default_factory=dict)
-    geometry: dict[str, float] = field(default_factory=dict)
+    signals: Mapping[str, np.ndarray] = field(default_factory=dict)
+    summary: Mapping[str, float] = field(default_factory=dict)
+    counters: Mapping[str, int | float] = field(default_factory=dict)
+    geometry: Mapping[str, float] = field(default_factory=dict)
     cpu_s: float  # processor time of the simulation [s]
     wall_s: float  # elapsed time of the simulation [s]
     provenance: dict[str, str] = field(default_factory=origin.provenance)

@@ -52,6 +52,7 @@ def failed_result(made_up_result: Result) -> Result:
 def command(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Command:
     """`rps-exudyn` with these arguments, in an empty folder."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("FORCE_COLOR", raising=False)  # which makes lines as short as a terminal's
 
     def call(arguments: Sequence[str]) -> Answer:
         status = cli.main(list(arguments))

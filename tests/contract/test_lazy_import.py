@@ -5,6 +5,8 @@ import sys
 
 import pytest
 
+import rps_exudyn
+
 HEAVY = "exudyn numba matplotlib h5py trimesh manifold3d"
 
 
@@ -24,6 +26,12 @@ def test_import_loads_nothing_heavy_and_no_numpy() -> None:
 )
 def test_quick_commands_load_nothing_heavy(arguments: list[str]) -> None:
     assert loaded_after(f"from rps_exudyn.cli import main; assert main({arguments}) == 0") == set()
+
+
+def test_public_names_are_there_when_used() -> None:
+    assert {name: getattr(rps_exudyn, name).__name__ for name in rps_exudyn.__all__} == {
+        name: name for name in ("Result", "SteeringGear", "load", "run")
+    }
 
 
 def test_parameters_load_nothing_heavy() -> None:
