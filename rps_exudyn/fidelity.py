@@ -20,7 +20,7 @@ class Fidelity(Table):
     mesh: Literal["general-contact"] = parameter("general-contact", "how the teeth touch", "estimate")
     bush: Literal["chain", "condensed"] = parameter("chain", "how the bush is modelled", "estimate")
     solver: Literal["generalized-alpha"] = parameter("generalized-alpha", "time integration", "estimate")
-    step_angle: Angle = parameter("0.03 deg", "pinion rotation per time step", "estimate", gt=0, lt=0.1)
+    step_angle: Angle = parameter("0.1 deg", "pinion rotation per time step", "estimate", gt=0, lt=0.1)
     profile_samples: int = parameter(27, "spheres along the profile of a flank", "estimate", ge=2, le=2000)
     axial_samples: int = parameter(18, "rows of spheres along the face width", "estimate", ge=2, le=2000)
     zone_ratio: Number = parameter(

@@ -42,16 +42,14 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity) -> GearForces:
     pair = GearPair.of(gear)
     zone = fidelity.zone_ratio * least_sliding(pair) * gear.test.speed
 
-    def mesh_of(gear: SteeringGear) -> ForceElement:
-        data = contact_data(
-            gear, profile=fidelity.profile_samples, axial=fidelity.axial_samples, friction_zone=zone
-        )
-        return sampled_element(data)
-
+    samples = contact_data(
+        gear, profile=fidelity.profile_samples, axial=fidelity.axial_samples, friction_zone=zone
+    )
+    ideal = samples._replace(friction=0.0, centres=samples.centres - pair.eccentricity)
+    approach = approach_under(gear.yoke.preload, sampled_element(ideal))
     chain = bush_chain(gear)
-    approach = approach_under(gear.yoke.preload, mesh_of(gear.replace({"pinion.runout": 0.0, "mesh.friction": 0.0})))
     return GearForces(
-        mesh=mesh_of(gear),
+        mesh=sampled_element(samples),
         seat=plunger.seat(
             gear, friction_zone=zone, rest_gap=approach + gear.yoke.preload / gear.yoke.seat_stiffness
         ),

@@ -16,6 +16,7 @@ What acts between them are the force elements of `parts`, the same that `statics
 starts in the static equilibrium of steady turning, so there is nothing to settle.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +29,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.general_contact import GeneralContacts, add_general_contacts, add_tangent
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.bush import add_chain, resting_segments
-from rps_exudyn.parts.force_element import ForceElement
+from rps_exudyn.parts.force_element import COORDINATES, ForceElement
 from rps_exudyn.statics import SLOTS, Equilibrium, equilibrium, stacked, steady_rates
 
 if TYPE_CHECKING:
@@ -55,22 +56,29 @@ class SteeringModel:
     segments: list[Any] = field(default_factory=list)  # nodes of the bush's segments
 
     def coordinates(self, name: str) -> slice:
-        """Where a body's coordinates stand in the system's vector."""
-        node = self.nodes[name]
-        start = self.mbs.GetNodeODE2Index(node)
-        return slice(start, start + (6 if name in ("rack", "segment") else 1))
+        """Where a body's coordinates stand in the system's vector; the system must be assembled."""
+        start = self.mbs.GetNodeODE2Index(self.nodes[name])
+        return slice(start, start + COORDINATES[name])
+
+    def columns(self, bodies: Sequence[str]) -> np.ndarray:
+        """The same for several bodies, stacked."""
+        return np.concatenate([np.r_[self.coordinates(name)] for name in bodies])
+
+    def segment_columns(self) -> np.ndarray:
+        """The same for all segments of the bush, shape (N, 6)."""
+        starts = [self.mbs.GetNodeODE2Index(node) for node in self.segments]
+        return np.array(starts)[:, None] + np.arange(6)
 
 
-def build_model(gear: SteeringGear, fidelity: Fidelity) -> SteeringModel:
-    """The gear of `gear` at its test's start angle, ready to be driven at its test's speed.
+def build_model(gear: SteeringGear, fidelity: Fidelity, *, angle: float | None = None) -> SteeringModel:
+    """The gear at a pinion angle [rad] (default: its test's start angle), moving at its test's speed.
 
-    Raises:
-        InputError: the gear finds no equilibrium to start from.
+    Whether it found the equilibrium to start from is told by `start.converged`.
     """
     import exudyn as exu
 
     forces = gear_forces(gear, fidelity)
-    start = starting_point(gear, forces)
+    start = starting_point(gear, forces, gear.test.start_angle if angle is None else angle)
     SC = exu.SystemContainer()
     model = SteeringModel(gear, fidelity, forces, SC, SC.AddSystem(), start)
     _add_bodies(model)
@@ -89,14 +97,15 @@ def build_model(gear: SteeringGear, fidelity: Fidelity) -> SteeringModel:
     return model
 
 
-def starting_point(gear: SteeringGear, forces: GearForces) -> Equilibrium:
-    """Static equilibrium of steady turning at the test's start angle."""
+def starting_point(gear: SteeringGear, forces: GearForces, angle: float) -> Equilibrium:
+    """Static equilibrium of steady turning at a pinion angle [rad]."""
     pair, test = GearPair.of(gear), gear.test
     guess = np.zeros(8)
-    guess[SLOTS["pinion"]] = -test.start_angle
-    lift = pair.runout * np.cos(test.start_angle + pair.runout_angle)
+    guess[SLOTS["pinion"]] = -angle
+    lift = pair.axis_offset + pair.runout * np.cos(angle + pair.runout_angle)
+    swing = pair.runout * np.sin(angle + pair.runout_angle) * np.cos(pair.beta_p) / np.cos(pair.beta_r)
     guess[SLOTS["plunger"]] = lift
-    guess[SLOTS["rack"]][:2] = pair.gain * test.start_angle, lift - 10e-6
+    guess[SLOTS["rack"]][:2] = pair.gain * angle + swing, lift - 10e-6
     return equilibrium(forces.condensed, guess, steady_rates(pair, test.direction * test.speed))
 
 

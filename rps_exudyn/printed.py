@@ -40,7 +40,7 @@ def result_as_dict(result: "Result", files: Iterable[Path] = ()) -> dict[str, An
         "message": result.message,
         "fidelity": result.fidelity,
         "summary": result.summary,
-        "work_shares": work_shares(result),
+        "work_shares": work_shares(result.signals),
         "counters": result.counters,
         "geometry": result.geometry,
         "cpu_s": result.cpu_s,
@@ -106,7 +106,7 @@ def _summary_rows(result: "Result") -> Iterable[tuple[str, str, str]]:
     for name in ("mesh_normal_force_drive", "mesh_normal_force_coast"):
         if name in result.signals and result[name].size:
             yield f"mean of {name}", SIGNALS[name].show(float(result[name].mean())), SIGNALS[name].long_name
-    for name, share in work_shares(result).items():
+    for name, share in work_shares(result.signals).items():
         yield name, f"{share:.1%}", "share of work_drive"
 
 

@@ -41,8 +41,8 @@ class Outcome:
 
     status: Status
     message: str
-    time_reached: float
-    cpu_s: float
+    time_reached: float = 0.0
+    cpu_s: float = 0.0
     counters: dict[str, int] = field(default_factory=dict)
     settings: dict[str, Any] = field(default_factory=dict)
 

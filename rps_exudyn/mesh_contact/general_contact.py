@@ -20,14 +20,16 @@ import numpy as np
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.gears.pinion_mesh import pinion_mesh
 from rps_exudyn.gears.rack_bar import RackBar, RackFlank
 from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, angle_from_mesh, sampled_tangent
-from rps_exudyn.mesh_contact.samples import sample_flank
+from rps_exudyn.mesh_contact.samples import FlankSamples, onto_mesh, sample_flank
 from rps_exudyn.parameters import SteeringGear
 
 if TYPE_CHECKING:
     import exudyn
 
+CHORD_ERROR = 0.1e-6  # of the pinion's mesh [m]
 SIDES = (-1, +1)  # drive, coast
 SPHERE_RADIUS = 0.1e-3  # [m]; the torque's bias grows with it (-0.1 % per 0.1 mm), the deepest contact allowed too
 RIGID_SIDE = 1e6  # stiffness of the triangles over that of all spheres: GeneralContact puts both in series
@@ -38,12 +40,15 @@ GATE_MARGIN = np.deg2rad(25.0)  # beyond the angle at which a tooth space's flan
 def contact_data(
     gear: SteeringGear, *, profile: int, axial: int, friction_zone: float
 ) -> SampledContactData:
-    """Spheres on the flanks of all tooth spaces, and the planes they meet."""
+    """Spheres on the triangulated flanks of all tooth spaces, and the planes they meet."""
     pair, form, bar = GearPair.of(gear), FlankForm.of(gear), RackBar.of(gear)
-    samples = [
-        [sample_flank(Flank(pair, tooth, side, form), profile, axial) for tooth, side in borders(space)]
-        for space in range(pair.teeth)
-    ]
+    mesh = pinion_mesh(pair, CHORD_ERROR, form)
+
+    def samples_of(tooth: int, side: int) -> FlankSamples:
+        samples = sample_flank(Flank(pair, tooth, side, form), profile, axial)
+        return onto_mesh(samples, mesh.vertices[mesh.flanks[tooth % pair.teeth, side].faces])
+
+    samples = [[samples_of(*flank) for flank in borders(space)] for space in range(pair.teeth)]
     rack_flanks = [bar.flank(0, side) for side in SIDES]
     centres = np.array([[s.points - SPHERE_RADIUS * s.normals for s in row] for row in samples])
     return SampledContactData(

@@ -13,7 +13,7 @@ import numpy as np
 from rps_exudyn.compiled import kernel
 from rps_exudyn.mesh_contact.wrench import MESH_OUTPUTS, WRENCH_SIZE
 from rps_exudyn.parts.force_element import ForceElement
-from rps_exudyn.parts.motion import coulomb, cross, rotation_matrix, spin_map
+from rps_exudyn.parts.motion import coulomb, cross, dot, rotation_matrix, spin_map
 
 
 
@@ -64,7 +64,7 @@ def sampled_wrench(angle, rate, position, rotation, velocity, spin, data):  # ty
                 height = normal @ place - data.offset[side]
                 height -= data.base_pitch * np.round(height / data.base_pitch)
                 depth = data.radius - height
-                if depth <= 0 or height < -data.radius or rotation[:, 1] @ place < data.lowest:
+                if depth <= 0 or height < -data.radius or dot(rotation[:, 1], place) < data.lowest:
                     continue
                 # touching point on the plane: below the sphere's centre
                 place = place - height * normal
@@ -80,7 +80,7 @@ def sampled_wrench(angle, rate, position, rotation, velocity, spin, data):  # ty
                 force = drag * slip - normal_force * normal  # on the rack
                 out[1:4] += force
                 out[4:7] += cross(place, force)
-                torque -= axis @ cross(lever, force)
+                torque -= dot(axis, cross(lever, force))
                 out[7 + side] += normal_force
                 out[9] += 0.5 * data.stiffness[space, side, i] * depth**2
                 out[10] += drag * speed**2

@@ -14,6 +14,9 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 
 
+EDGE = 1e-9  # barycentric tolerance: a ray through a common edge belongs to both triangles
+
+
 class FlankSamples(NamedTuple):
     """Samples of one flank in the pinion frame."""
 
@@ -41,6 +44,28 @@ def sample_flank(flank: Flank, profile: int, axial: int) -> FlankSamples:
     step_psi = q_step / pair.base_radius
     areas = flank.area_element(psi, Z) * step_psi * np.broadcast_to((high - low) / axial, Z.shape)
     return FlankSamples(flank.point(psi, Z).reshape(-1, 3), flank.normal(psi).reshape(-1, 3), areas.ravel())
+
+
+def onto_mesh(samples: FlankSamples, triangles: np.ndarray) -> FlankSamples:
+    """The same samples moved along their normals onto a triangulated flank.
+
+    `triangles` (m, 3, 3) [m] are those of the flank, and may be more; of several crossings the nearest
+    counts. A sample keeps its place where no triangle lies under it.
+    """
+    a, edge1, edge2 = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    normal = np.cross(edge1, edge2)
+    p, d = samples.points, samples.normals
+    moment = np.cross(p, d)
+    # Moeller and Trumbore for all pairs: p + t d = a + u edge1 + v edge2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        det = d @ normal.T
+        t = (np.einsum("ij,ij->i", normal, a) - p @ normal.T) / det
+        u = (d @ np.cross(edge2, a).T - moment @ edge2.T) / det
+        v = -(d @ np.cross(edge1, a).T - moment @ edge1.T) / det
+        inside = (u >= -EDGE) & (v >= -EDGE) & (u + v <= 1 + EDGE)
+    t = np.where(inside, t, np.inf)
+    nearest = np.take_along_axis(t, np.argmin(np.abs(t), axis=1)[:, None], axis=1)
+    return samples._replace(points=p + np.where(np.isfinite(nearest), nearest, 0.0) * d)
 
 
 def axial_reach(pair: GearPair, side: int, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -164,6 +164,19 @@ def resting_segments(gear: SteeringGear, chain: Chain, wrench: np.ndarray, stati
     return rest
 
 
+def stored_in_chain(gear: SteeringGear, chain: Chain, segments: np.ndarray) -> np.ndarray:
+    """Elastic energy of the springs for segment displacements (t, N, 6), small rotations; shape (t,) [J]."""
+    centres = housing_station(gear, chain.centres)
+    energy = np.zeros(len(segments))
+    for connection in chain.connections:
+        x = housing_station(gear, connection.station)
+        strain = segments[:, connection.after] @ _carry(x - centres[connection.after]).T
+        if connection.before >= 0:
+            strain = strain - segments[:, connection.before] @ _carry(x - centres[connection.before]).T
+        energy += 0.5 * np.sum(connection.stiffness * strain**2, axis=1)
+    return energy
+
+
 def add_chain(
     mbs: "exudyn.MainSystem",
     gear: SteeringGear,

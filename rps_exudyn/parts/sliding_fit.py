@@ -12,7 +12,7 @@ from rps_exudyn.compiled import kernel
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.bush import Chain, housing_station
 from rps_exudyn.parts.force_element import ForceElement
-from rps_exudyn.parts.motion import coulomb, cross, rotation_matrix, spin_map
+from rps_exudyn.parts.motion import coulomb, cross, dot, rotation_matrix, spin_map
 
 
 class FitData(NamedTuple):
@@ -42,12 +42,12 @@ def fit_force(q, v, data):  # type: ignore[no-untyped-def]
     lever_s = data.lever * axis_s
     fit = q[0:3] + lever_s
     fit[0] += data.station - data.lever
-    lever_r = ((fit - q[6:9]) @ axis_r) * axis_r
+    lever_r = dot(fit - q[6:9], axis_r) * axis_r
     offset = q[6:9] + lever_r - fit
     tilt = cross(axis_s, axis_r)
 
-    slide = (v[6:9] + cross(omega_r, lever_r) - v[0:3] - cross(omega_s, lever_s)) @ axis_r
-    roll = data.radius * ((omega_r - omega_s) @ axis_r)
+    slide = dot(v[6:9] + cross(omega_r, lever_r) - v[0:3] - cross(omega_s, lever_s), axis_r)
+    roll = data.radius * dot(omega_r - omega_s, axis_r)
     speed = np.sqrt(slide**2 + roll**2)
     rub = coulomb(1.0, data.drag, speed, data.zone)
 

@@ -1,0 +1,92 @@
+"""Is the number right? What a run must satisfy before it may be called ok.
+
+Wrong runs end with success flags and plausible torques, so every dynamic run is held against what must be
+true of it: teeth in mesh, contact within the range in which its law holds, work that adds up.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from rps_exudyn.mesh_contact.general_contact import SPHERE_RADIUS
+from rps_exudyn.outcome import Status
+from rps_exudyn.recording import Record, mesh_disagreement
+from rps_exudyn.solve import Outcome
+
+ENERGY_BOUND = 5e-3  # of the drive's work
+AGREEMENT_BOUND = 5e-2  # of Exudyn's contact forces with the compiled samples; below 1 % is usual
+DEEPEST = 0.5 * SPHERE_RADIUS  # penetration allowed [m]: a sphere deeper than its radius passes through unnoticed
+
+
+def judged(
+    outcome: Outcome, record: Record, signals: dict[str, np.ndarray], summary: dict[str, float]
+) -> Outcome:
+    """The outcome of a run that reached its end, after all checks: the first that fails is its cause."""
+    gear = record.model.gear
+    in_mesh = gear.basic_rack.addendum * gear.pinion.normal_module / 2
+    checks = (
+        finite(signals),
+        rack_in_mesh(signals, in_mesh),
+        teeth_loaded(signals),
+        contact_valid(signals),
+        contact_agreed(mesh_disagreement(record)),
+        work_balanced(summary["energy_residual"]),
+    )
+    for check in checks:
+        for status, message in check:
+            return replace(outcome, status=status, message=message)
+    return outcome
+
+
+Failure = Iterator[tuple[Status, str]]
+
+
+def finite(signals: dict[str, np.ndarray]) -> Failure:
+    for name, values in signals.items():
+        if not np.isfinite(values).all():
+            yield Status.DIVERGED, f"{name} is not finite"
+
+
+def rack_in_mesh(signals: dict[str, np.ndarray], allowed: float) -> Failure:
+    """The rack's lift [m] stays below half a tooth."""
+    lift = np.abs(signals["rack_y"])
+    if (lift > allowed).any():
+        yield (
+            Status.CONTACT_LOST,
+            f"the rack is {1e6 * lift.max():.4g} um out of its place, first above {1e6 * allowed:.4g} um "
+            f"at {_first(signals, lift > allowed)}",
+        )
+
+
+def teeth_loaded(signals: dict[str, np.ndarray]) -> Failure:
+    free = signals["mesh_normal_force"] <= 0
+    if free.any():
+        yield Status.CONTACT_LOST, f"the teeth carry no load, first at {_first(signals, free)}"
+
+
+def contact_valid(signals: dict[str, np.ndarray]) -> Failure:
+    deep = signals["mesh_penetration"]
+    if (deep > DEEPEST).any():
+        yield (
+            Status.INVALID,
+            f"the teeth penetrate {1e6 * deep.max():.4g} um, first above the contact's {1e6 * DEEPEST:.4g} um "
+            f"at {_first(signals, deep > DEEPEST)}",
+        )
+
+
+def contact_agreed(disagreement: float) -> Failure:
+    if not disagreement <= AGREEMENT_BOUND:
+        yield (
+            Status.INVALID,
+            f"two evaluations of the contact forces differ by {disagreement:.2%}, allowed are {AGREEMENT_BOUND:.0%}",
+        )
+
+
+def work_balanced(residual: float) -> Failure:
+    if not abs(residual) <= ENERGY_BOUND:
+        yield Status.INVALID, f"the work balance misses {residual:.2%}, allowed are {ENERGY_BOUND:.1%}"
+
+
+def _first(signals: dict[str, np.ndarray], where: np.ndarray) -> str:
+    return f"{np.degrees(signals['pinion_angle'][np.argmax(where)]):.4g} deg"

@@ -1,0 +1,41 @@
+"""What a scene hands back, and the checks that all scenes share."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rps_exudyn.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.outcome import Status
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.solve import Outcome
+
+
+@dataclass(frozen=True)
+class SceneRun:
+    """Outcome, and what was recorded until then."""
+
+    outcome: Outcome
+    signals: dict[str, np.ndarray] = field(default_factory=dict)
+    summary: dict[str, float] = field(default_factory=dict)
+
+
+def without_equilibrium(angle: float, residual: float) -> SceneRun:
+    """The run that could not start."""
+    message = f"no equilibrium at {np.degrees(angle):.4g} deg: {residual:.3g} N remain unbalanced"
+    return SceneRun(Outcome(Status.NO_CONVERGENCE, message))
+
+
+def check_travel(gear: SteeringGear, first: float, last: float) -> None:
+    """The rack must stay within its travel between two pinion angles [rad].
+
+    Raises:
+        InputError: it would not.
+    """
+    pair, half = GearPair.of(gear), gear.rack.travel / 2
+    farthest = max(abs(first), abs(last))
+    if pair.gain * farthest > half * (1 + 1e-9):
+        raise InputError(
+            f"test.turns and test.start_angle lead to a pinion angle of {np.degrees(farthest):.6g} deg; "
+            f"rack.travel = {gear.rack.travel * 1e3:g} mm allows {np.degrees(half / pair.gain):.6g} deg either way."
+        )

@@ -1,0 +1,49 @@
+"""Run one scene on one gear, whatever its outcome, and keep what came out."""
+
+from collections.abc import Callable
+from time import perf_counter, process_time
+from typing import Any
+
+from rps_exudyn.errors import InputError
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.gears.checks import geometry_report
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.quantities import GEOMETRY
+from rps_exudyn.result import Result
+from rps_exudyn.scenes.free_pinion_torque import free_pinion_torque
+from rps_exudyn.scenes.scene_run import SceneRun
+
+SCENES: dict[str, Callable[[SteeringGear, Fidelity], SceneRun]] = {"free-pinion-torque": free_pinion_torque}
+
+
+def run(
+    scene: str, gear: SteeringGear | None = None, *, fidelity: str | Fidelity = "full", **test: Any
+) -> Result:
+    """Simulate a scene; keyword arguments replace settings of the test, for instance `turns=1`.
+
+    Look at the result's `status` before you use its numbers.
+
+    Raises:
+        InputError: no such scene or fidelity, parameters that are not allowed, or a gear that cannot exist.
+    """
+    if scene not in SCENES:
+        raise InputError(f"SCENE is {scene!r}; it must be one of {', '.join(SCENES)}.")
+    gear = (gear or SteeringGear()).replace({f"test.{name}": value for name, value in test.items()})
+    chosen = Fidelity.preset(fidelity) if isinstance(fidelity, str) else fidelity
+    wall, cpu = perf_counter(), process_time()
+    report = geometry_report(gear)
+    done = SCENES[scene](gear, chosen)
+    return Result(
+        scene=scene,
+        gear=gear,
+        fidelity=chosen.model_dump(),
+        solver=done.outcome.settings,
+        status=done.outcome.status,
+        message=done.outcome.message,
+        signals=done.signals,
+        summary=done.summary,
+        counters=done.outcome.counters,
+        geometry={name: getattr(report, name) for name in GEOMETRY},
+        cpu_s=process_time() - cpu,
+        wall_s=perf_counter() - wall,
+    )
