@@ -16,6 +16,7 @@ in rows, and sewn to the flanks' edges; the end faces are triangulated plane pol
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Literal
 
 import manifold3d
 import numpy as np
@@ -131,7 +132,7 @@ def pinion_mesh(pair: GearPair, chord_error: float, form: FlankForm = PERFECT) -
     vertices = np.concatenate(blocks)
     lower, upper = np.concatenate(rim).T
     faces = [patch.faces for patch in flanks.values()]
-    faces += [_sewn(a, b, vertices[:, 2]) for strip in rows for a, b in pairwise(strip)]
+    faces += [_sewn(a, b, vertices[:, 2], pair.twist) for strip in rows for a, b in pairwise(strip)]
     faces += [_cap(vertices, lower)[:, ::-1], _cap(vertices, upper)]
     return PinionMesh(vertices, np.concatenate(faces), flanks)
 
@@ -177,16 +178,20 @@ def _swept(profile: np.ndarray, angle: np.ndarray, Z: np.ndarray) -> np.ndarray:
     )
 
 
-def _sewn(a: np.ndarray, b: np.ndarray, Z: np.ndarray) -> np.ndarray:
+def _sewn(a: np.ndarray, b: np.ndarray, Z: np.ndarray, twist: float) -> np.ndarray:
     """Triangles between two rows of vertices, Z ascending in both, `b` at the larger polar angle.
 
     The rows may have different stations: each edge of a row is joined to the vertex of the other row
-    that is nearest to its middle.
+    that is nearest to its middle; of two equally near ones, to that over the shorter diagonal.
     """
     middle_a, middle_b = (Z[a[1:]] + Z[a[:-1]]) / 2, (Z[b[1:]] + Z[b[:-1]]) / 2
-    along_a = np.stack([a[:-1], b[np.searchsorted(middle_b, middle_a, side="left")], a[1:]], axis=1)
-    along_b = np.stack([a[np.searchsorted(middle_a, middle_b, side="right")], b[:-1], b[1:]], axis=1)
-    return np.concatenate([along_a, along_b])
+    side_a: Literal["left", "right"] = "right" if twist > 0 else "left"
+    side_b: Literal["left", "right"] = "left" if twist > 0 else "right"
+    nearest_b = b[np.searchsorted(middle_b, middle_a, side=side_a)]
+    nearest_a = a[np.searchsorted(middle_a, middle_b, side=side_b)]
+    return np.concatenate(
+        [np.stack([a[:-1], nearest_b, a[1:]], axis=1), np.stack([nearest_a, b[:-1], b[1:]], axis=1)]
+    )
 
 
 def _cap(vertices: np.ndarray, outline: np.ndarray) -> np.ndarray:
