@@ -13,9 +13,11 @@ from shell import Command
 @pytest.fixture(autouse=True)
 def no_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
     """Wrong input must be found before anything is simulated."""
-    monkeypatch.setattr(
-        "rps_exudyn.simulate.build_model", lambda *_: pytest.fail("built in spite of wrong input")
-    )
+
+    def simulated(*_: object) -> None:
+        pytest.fail("simulated in spite of wrong input")
+
+    monkeypatch.setattr("rps_exudyn.simulate.SCENES", {"free-pinion-torque": simulated})
 
 
 MISTAKES = {
