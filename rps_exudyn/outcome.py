@@ -27,5 +27,5 @@ _REMEDIES = {
     Status.CONTACT_LOST: "The rack left the mesh: raise yoke.preload, or check yoke.clearance and the load.",
     Status.TIMEOUT: "Allow more time, or take a cheaper fidelity or fewer turns.",
     Status.CRASHED: "The solver's process ended: run this case alone to see why.",
-    Status.INVALID: "The run ended but failed the check that the message names: refine the step or the contact.",
+    Status.INVALID: "The run ended but failed the check that the message names: refine step or contact.",
 }
