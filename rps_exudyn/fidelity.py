@@ -18,7 +18,9 @@ class Fidelity(Table):
 
     name: str = parameter("full", "preset this came from, and what was changed in it", "estimate")
     mesh: Literal["general-contact"] = parameter("general-contact", "how the teeth touch", "estimate")
-    bush: Literal["chain", "condensed"] = parameter("chain", "how the bush is modelled", "estimate")
+    bush: Literal["chain", "adams-chain", "condensed"] = parameter(
+        "chain", "how the bush is modelled", "estimate"
+    )
     solver: Literal["generalized-alpha"] = parameter("generalized-alpha", "time integration", "estimate")
     step_angle: Angle = parameter("0.1 deg", "pinion rotation per time step", "estimate", gt=0, lt=0.1)
     profile_samples: int = parameter(27, "spheres along the profile of a flank", "estimate", ge=2, le=2000)

@@ -10,7 +10,7 @@ from rps_exudyn.mesh_contact.general_contact import contact_data
 from rps_exudyn.mesh_contact.sampled_contact import sampled_element
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts import pinion, plunger, sliding_fit
-from rps_exudyn.parts.bush import Chain, bush_chain
+from rps_exudyn.parts.bush import Chain, adams_chain, bush_chain
 from rps_exudyn.parts.force_element import ForceElement
 from rps_exudyn.statics import approach_under
 
@@ -47,7 +47,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity) -> GearForces:
     )
     ideal = samples._replace(friction=0.0, centres=samples.centres - pair.eccentricity)
     approach = approach_under(gear.yoke.preload, sampled_element(ideal))
-    chain = bush_chain(gear)
+    chain = adams_chain(gear) if fidelity.bush == "adams-chain" else bush_chain(gear)
     return GearForces(
         mesh=sampled_element(samples),
         seat=plunger.seat(

@@ -82,11 +82,11 @@ def build_model(gear: SteeringGear, fidelity: Fidelity, *, angle: float | None =
     SC = exu.SystemContainer()
     model = SteeringModel(gear, fidelity, forces, SC, SC.AddSystem(), start)
     _add_bodies(model)
-    if fidelity.bush == "chain":
+    if fidelity.bush == "condensed":
+        fit = forces.condensed_fit
+    else:
         _add_bush_chain(model)
         fit = forces.chain_fit
-    else:
-        fit = forces.condensed_fit
     model.elements = [forces.seat, forces.spring, forces.nut, forces.bearing, fit]
     for element in model.elements:
         element.add_to(model.mbs, model.nodes)

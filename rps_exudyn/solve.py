@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     import exudyn
 
 
+LARGEST_STATE = 1e6  # in SI: far beyond every coordinate and rate of a steering gear
+
+
 @dataclass(frozen=True)
 class SolverPlan:
     """Everything that decides how Exudyn integrates."""
@@ -29,10 +32,9 @@ class SolverPlan:
     discontinuous_tolerance: float = 1e-4
     adaptive_step: bool = True
     minimum_step: float = 1e-7  # [s]
-    time_limit: float = np.inf  # of the processor [s]
 
     def as_dict(self) -> dict[str, Any]:
-        return {key: value for key, value in asdict(self).items() if value != np.inf}
+        return {"name": "generalized-alpha", **asdict(self)}
 
 
 @dataclass
@@ -58,27 +60,34 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
     start = process_time()
     message = ""
     try:
-        finished = bool(mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.GeneralizedAlpha))
+        finished = bool(mbs.SolveDynamic(_settings(plan), solverType=exu.DynamicSolverType.GeneralizedAlpha))
     except exu.ExudynError as error:
-        finished, message = False, str(error).strip()
+        finished, message = False, " ".join(str(error).split())
     cpu = process_time() - start
-    solver = mbs.sys["dynamicSolver"]
+
+    solver = mbs.sys.get("dynamicSolver")
     reached = float(mbs.systemData.GetTime())
-    counters = {
-        "steps": int(solver.it.currentStepIndex),
-        "newton_iterations": int(solver.it.newtonStepsCount),
-        "jacobians": int(solver.it.newtonJacobiCount),
-    }
     state = np.concatenate([mbs.systemData.GetODE2Coordinates(), mbs.systemData.GetODE2Coordinates_t()])
     if not np.isfinite(state).all():
         status, message = Status.DIVERGED, f"the state is not finite at {reached:.6g} s"
+    elif np.abs(state).max() > LARGEST_STATE:
+        status, message = Status.DIVERGED, f"a coordinate or rate is {np.abs(state).max():.3g} at {reached:.6g} s"
     elif not finished:
         status = Status.NO_CONVERGENCE
-        message = f"no step down to {plan.minimum_step:g} s converged at {reached:.6g} s. {message}".strip()
+        message = f"no step down to {plan.minimum_step:g} s converged at {reached:.6g} s; {message}"
     elif reached < plan.end_time * (1 - 1e-9):
         status, message = Status.TIMEOUT, f"stopped at {reached:.6g} s of {plan.end_time:.6g} s"
     else:
         status = Status.OK
+    counters = (
+        {
+            "steps": int(solver.it.currentStepIndex),
+            "newton_iterations": int(solver.it.newtonStepsCount),
+            "jacobians": int(solver.it.newtonJacobiCount),
+        }
+        if solver
+        else {}
+    )
     return Outcome(status, message, reached, cpu, counters, plan.as_dict())
 
 

@@ -6,7 +6,8 @@
 Each connection carries the compliance of the beam between two segment centres (at the ends: from a
 centre to the end face). Taken at the middle of that piece, a Timoshenko beam's stiffness is diagonal: a
 lateral force there turns nothing, a moment shifts nothing. So the chain is made of springs that act at
-one point of both neighbours, which balances forces and moments, and its static error falls as 1/N^2.
+one point of both neighbours, which balances forces and moments; its static deflection under loads at the
+tip is exactly the beam's, whatever the number of segments.
 """
 
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from rps_exudyn.parameters import SteeringGear
 if TYPE_CHECKING:
     import exudyn
 
+RIGID_END = np.array([1e9, 1e9, 1e9, 1e5, 1e5, 1e5])  # fit on a segment that is rigid to its end [N/m, N m]
 THIN_TUBE_SHEAR = 2.0  # A / A_s of a thin-walled tube
 
 
@@ -75,7 +77,11 @@ class Connection:
     before: int
     after: int
     station: float  # distance from the held end [m]
-    stiffness: np.ndarray  # diagonal at that station, shape (6,)
+    stiffness: np.ndarray  # diagonal at that station, shape (6,); infinite where locked
+
+    @property
+    def locked(self) -> bool:
+        return bool(np.isinf(self.stiffness).all())
 
 
 @dataclass(frozen=True)
@@ -85,7 +91,7 @@ class Chain:
     length: float
     centres: np.ndarray
     connections: tuple[Connection, ...]
-    end: np.ndarray | None  # stiffness between the last centre and the end face, None: rigid
+    end: np.ndarray  # stiffness between the last centre and the end face, shape (6,)
 
     @classmethod
     def of(cls, tube: Tube, length: float, segments: int) -> "Chain":
@@ -103,7 +109,7 @@ class Chain:
         """
         h = length / segments
         locked = Connection(-1, 0, h / 2, np.full(6, np.inf))
-        return cls(length, h * (np.arange(segments) + 0.5), (locked, *_inner(tube, h, segments)), None)
+        return cls(length, h * (np.arange(segments) + 0.5), (locked, *_inner(tube, h, segments)), RIGID_END)
 
     @property
     def end_station(self) -> float:
@@ -120,11 +126,8 @@ class Chain:
 
     def tip_compliance(self) -> np.ndarray:
         """The same at the end face, with the last half piece, shape (6, 6)."""
-        total = self.compliance_at(self.length)
-        if self.end is not None:
-            carry = _carry(self.length - self.end_station)
-            total += carry @ np.diag(1 / self.end) @ carry.T
-        return total
+        carry = _carry(self.length - self.end_station)
+        return self.compliance_at(self.length) + carry @ np.diag(1 / self.end) @ carry.T
 
 
 def _inner(tube: Tube, h: float, segments: int) -> tuple[Connection, ...]:
@@ -139,8 +142,13 @@ def _carry(lever: float) -> np.ndarray:
 
 
 def bush_chain(gear: SteeringGear) -> Chain:
-    """The bush of the gear as a chain."""
+    """The bush of the gear as a chain that converges quickly to a Timoshenko beam."""
     return Chain.of(Tube.of(gear), gear.bush.length, gear.bush.segments)
+
+
+def adams_chain(gear: SteeringGear) -> Chain:
+    """The bush as the paper's discrete flexible link."""
+    return Chain.adams(Tube.of(gear), gear.bush.length, gear.bush.segments)
 
 
 def housing_station(gear: SteeringGear, station: float | np.ndarray) -> Any:
@@ -169,6 +177,8 @@ def stored_in_chain(gear: SteeringGear, chain: Chain, segments: np.ndarray) -> n
     centres = housing_station(gear, chain.centres)
     energy = np.zeros(len(segments))
     for connection in chain.connections:
+        if connection.locked:
+            continue
         x = housing_station(gear, connection.station)
         strain = segments[:, connection.after] @ _carry(x - centres[connection.after]).T
         if connection.before >= 0:
@@ -193,6 +203,7 @@ def add_chain(
     Springs sit at one point of both neighbours, so that the pair of forces has no free moment.
     """
     from exudyn.itemInterface import (
+        GenericJoint,
         MarkerBodyRigid,
         NodeRigidBodyRxyz,
         ObjectConnectorRigidBodySpringDamper,
@@ -201,33 +212,33 @@ def add_chain(
         VObjectConnectorRigidBodySpringDamper,
     )
 
-    housing = mbs.AddObject(ObjectGround())
+    centres = housing_station(gear, chain.centres)
+    moments = inertia[[0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]
     nodes, bodies = [], []
-    for i, x in enumerate(housing_station(gear, chain.centres)):
-        reference = [x, axis_height, 0, 0, 0, 0]
-        node = mbs.AddNode(NodeRigidBodyRxyz(referenceCoordinates=reference, initialCoordinates=rest[i]))
-        moments = inertia[[0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]
+    for x, start in zip(centres, rest, strict=True):
+        node = mbs.AddNode(
+            NodeRigidBodyRxyz(referenceCoordinates=[x, axis_height, 0, 0, 0, 0], initialCoordinates=start)
+        )
         nodes.append(node)
         bodies.append(mbs.AddObject(ObjectRigidBody(mass=mass, inertia=moments, nodeNumber=node)))
+
+    housing = mbs.AddObject(ObjectGround())
+
+    def marker(segment: int, x: float) -> Any:
+        body, place = (bodies[segment], [x - centres[segment], 0, 0]) if segment >= 0 else (housing, [x, axis_height, 0])
+        return mbs.AddMarker(MarkerBodyRigid(bodyNumber=body, localPosition=place))
+
     for connection in chain.connections:
         x = housing_station(gear, connection.station)
-        before, after = connection.before, connection.after
-        held = (
-            MarkerBodyRigid(bodyNumber=housing, localPosition=[x, axis_height, 0])
-            if before < 0
-            else MarkerBodyRigid(bodyNumber=bodies[before], localPosition=[x - _centre(gear, chain, before), 0, 0])
-        )
-        free = MarkerBodyRigid(bodyNumber=bodies[after], localPosition=[x - _centre(gear, chain, after), 0, 0])
-        mbs.AddObject(
-            ObjectConnectorRigidBodySpringDamper(
-                markerNumbers=[mbs.AddMarker(held), mbs.AddMarker(free)],
-                stiffness=np.diag(connection.stiffness),
-                damping=np.zeros((6, 6)),
-                visualization=VObjectConnectorRigidBodySpringDamper(show=False),
+        markers = [marker(connection.before, x), marker(connection.after, x)]
+        if connection.locked:
+            mbs.AddObject(GenericJoint(markerNumbers=markers))
+        else:
+            mbs.AddObject(
+                ObjectConnectorRigidBodySpringDamper(
+                    markerNumbers=markers,
+                    stiffness=np.diag(connection.stiffness),
+                    visualization=VObjectConnectorRigidBodySpringDamper(show=False),
+                )
             )
-        )
     return nodes, bodies
-
-
-def _centre(gear: SteeringGear, chain: Chain, segment: int) -> float:
-    return float(housing_station(gear, chain.centres[segment]))

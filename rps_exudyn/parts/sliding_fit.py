@@ -79,7 +79,6 @@ FIT_OUTPUTS = ("bush_lateral_force", "bush_drag")
 
 def chain_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float) -> ForceElement:
     """The rack in the last segment of a chain: the last half piece is the fit's elasticity."""
-    assert chain.end is not None
     data = FitData(
         stiffness=np.diag(chain.end[[1, 2, 4, 5]]),
         drag=gear.bush.drag,
@@ -96,7 +95,6 @@ def condensed_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float) -> 
 
     Axial stretch and twist of the bush are left out: only the drag loads them.
     """
-    assert chain.end is not None
     compliance = chain.compliance_at(chain.end_station) + np.diag(1 / chain.end)
     # the chain's stations run against X: lateral motion about y and z changes sign with the lever
     mirror = np.diag([1.0, 1.0, -1.0, -1.0])

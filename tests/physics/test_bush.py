@@ -1,0 +1,81 @@
+"""The bush chain against beam theory, in algebra and in Exudyn."""
+
+import exudyn as exu
+import numpy as np
+import pytest
+from exudyn.itemInterface import Force, MarkerBodyRigid
+
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parts.bush import Chain, Tube, add_chain, resting_segments, stored_in_chain
+
+GEAR = SteeringGear()
+TUBE, LENGTH = Tube.of(GEAR), GEAR.bush.length
+LATERAL = (1, 1)
+
+
+def adams_formula(n: int) -> float:
+    """Tip deflection of a discrete flexible link over that of an Euler-Bernoulli cantilever."""
+    return 1 - 1.5 / n + 0.75 / n**2 - 0.25 / n**3
+
+
+def static_tip_deflection(chain: Chain, load: float) -> float:
+    """Deflection along Y of the last segment at the end face under a load there, by Exudyn's SolveStatic."""
+    SC = exu.SystemContainer()
+    mbs = SC.AddSystem()
+    rest = np.zeros((len(chain.centres), 6))
+    _, bodies = add_chain(mbs, GEAR, chain, rest, mass=1e-3, inertia=1e-7 * np.eye(3), axis_height=0.0)
+    to_tip = -(chain.length - chain.centres[-1])
+    tip = mbs.AddMarker(MarkerBodyRigid(bodyNumber=bodies[-1], localPosition=[to_tip, 0, 0]))
+    mbs.AddLoad(Force(markerNumber=tip, loadVector=[0, load, 0]))
+    mbs.Assemble()
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    settings.staticSolver.verboseMode = 0
+    # below the round-off floor of so stiff a chain Newton stalls; the system is nearly linear, so that the
+    # two steps this takes leave an error far below it
+    settings.staticSolver.newton.relativeTolerance = 1e-5
+    mbs.SolveStatic(settings)
+    return float(
+        mbs.GetObjectOutputBody(bodies[-1], exu.OutputVariableType.Displacement, [to_tip, 0, 0])[1]
+    )
+
+
+@pytest.mark.parametrize("n", [1, 2, 5, 25])
+def test_adams_link_with_euler_springs_follows_its_formula(n: int) -> None:
+    tube = TUBE.euler_bernoulli()
+    chain = Chain.adams(tube, LENGTH, n)
+    exact = tube.tip_compliance(LENGTH)[LATERAL]
+    assert chain.compliance_at(LENGTH)[LATERAL] / exact == pytest.approx(adams_formula(n), abs=1e-12)
+
+
+def test_exudyn_reproduces_the_adams_link() -> None:
+    """1e-6: the load is small enough (2 um of deflection) that rotations are linear to 1e-8."""
+    tube = TUBE.euler_bernoulli()
+    deflection = static_tip_deflection(Chain.adams(tube, LENGTH, 25), load := 10.0)
+    exact = load * tube.tip_compliance(LENGTH)[LATERAL]
+    assert deflection / exact == pytest.approx(adams_formula(25), abs=1e-6)
+
+
+@pytest.mark.parametrize("n", [1, 3, 25])
+def test_chain_with_half_pieces_is_a_timoshenko_beam(n: int) -> None:
+    """Exact for loads at the tip, whatever N: its pieces tile the beam."""
+    assert Chain.of(TUBE, LENGTH, n).tip_compliance() == pytest.approx(
+        TUBE.tip_compliance(LENGTH), rel=1e-12, abs=1e-18
+    )
+
+
+def test_exudyn_chain_of_25_is_a_timoshenko_beam() -> None:
+    """The last segment is rigid to its end, which without the last half piece costs 1.3 %."""
+    chain = Chain.of(TUBE, LENGTH, 25)
+    deflection = static_tip_deflection(chain, load := 10.0)
+    assert deflection / (load * TUBE.tip_compliance(LENGTH)[LATERAL]) == pytest.approx(1, abs=0.015)
+    assert deflection == pytest.approx(load * chain.compliance_at(LENGTH)[LATERAL], rel=1e-6)
+
+
+def test_resting_segments_agree_with_the_compliance_and_the_energy() -> None:
+    """Clapeyron: twice the stored energy is force times displacement."""
+    chain = Chain.of(TUBE, LENGTH, 25)
+    wrench = np.array([5.0, 10.0, -7.0, 0.02, 0.05, 0.03])
+    rest = resting_segments(GEAR, chain, wrench, chain.centres[-1])
+    stored = stored_in_chain(GEAR, chain, rest[None])[0]
+    assert 2 * stored == pytest.approx(wrench @ rest[-1], rel=1e-12)

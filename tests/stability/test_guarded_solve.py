@@ -1,0 +1,74 @@
+"""Runs that Exudyn ends without an error, and that `solve` must not call ok (exudyn 1.13.6)."""
+
+import exudyn as exu
+import numpy as np
+import pytest
+from exudyn.itemInterface import Force, MarkerNodePosition, NodePoint, ObjectMassPoint
+
+from rps_exudyn.outcome import Status
+from rps_exudyn.solve import SolverPlan, solve
+
+PLAN = SolverPlan(end_time=0.1, steps=100)
+
+
+def one_mass(force) -> exu.MainSystem:  # type: ignore[no-untyped-def]
+    """A free mass of 1 kg under a force along X given as a function of time."""
+    mbs = exu.SystemContainer().AddSystem()
+    node = mbs.AddNode(NodePoint())
+    mbs.AddObject(ObjectMassPoint(mass=1.0, nodeNumber=node))
+    marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+    mbs.AddLoad(
+        Force(
+            markerNumber=marker,
+            loadVector=[1, 0, 0],
+            loadVectorUserFunction=lambda mbs, t, load: [force(t), 0, 0],
+        )
+    )
+    mbs.Assemble()
+    return mbs
+
+
+def test_a_sound_run_is_ok() -> None:
+    mbs = one_mass(lambda t: 2.0)
+    outcome = solve(mbs, PLAN)
+    assert outcome.status is Status.OK
+    assert outcome.time_reached == pytest.approx(0.1)
+    assert mbs.systemData.GetODE2Coordinates()[0] == pytest.approx(0.01, rel=1e-6)  # a t^2 / 2
+    assert outcome.counters["steps"] >= 100
+
+
+def test_a_force_that_is_not_a_number_is_no_success() -> None:
+    outcome = solve(one_mass(lambda t: float("nan") if t > 0.05 else 1.0), PLAN)
+    assert outcome.status in (Status.DIVERGED, Status.NO_CONVERGENCE)
+    assert outcome.message
+
+
+def test_a_run_that_stops_early_is_no_success() -> None:
+    """SolveDynamic returns True when a step function asks it to stop."""
+    mbs = one_mass(lambda t: 1.0)
+    mbs.SetPreStepUserFunction(lambda mbs, t: t < 0.05)
+    outcome = solve(mbs, PLAN)
+    assert outcome.status is Status.TIMEOUT
+    assert outcome.time_reached < 0.06
+
+
+def test_a_state_beyond_all_bounds_is_no_success() -> None:
+    outcome = solve(one_mass(lambda t: 1e12), PLAN)
+    assert outcome.status is Status.DIVERGED
+
+
+def test_a_python_error_in_a_force_is_told() -> None:
+    def broken(t: float) -> float:
+        raise ZeroDivisionError("broken force")
+
+    outcome = solve(one_mass(broken), PLAN)
+    assert outcome.status is not Status.OK
+    assert outcome.message
+
+
+def test_settings_are_complete() -> None:
+    """What decides the result is kept with it."""
+    settings = solve(one_mass(lambda t: 1.0), PLAN).settings
+    assert settings["name"] == "generalized-alpha"
+    assert {"steps", "end_time", "spectral_radius", "relative_tolerance"} <= set(settings)
+    assert all(np.isscalar(value) for value in settings.values())

@@ -1,0 +1,70 @@
+"""Wrong runs end with success flags and plausible torques: each kind of wrongness is named.
+
+Each test takes a sound record and spoils one thing in it, as the failure would.
+"""
+
+import numpy as np
+import pytest
+
+from rps_exudyn import judge
+from rps_exudyn.outcome import Status
+
+
+@pytest.fixture
+def signals() -> dict[str, np.ndarray]:
+    n = 50
+    return {
+        "pinion_angle": np.linspace(0, 1, n),
+        "pinion_torque": np.full(n, 0.6),
+        "rack_y": np.full(n, -16e-6),
+        "mesh_normal_force": np.full(n, 880.0),
+        "mesh_penetration": np.full(n, 8e-6),
+    }
+
+
+def test_sound_signals_pass(signals: dict[str, np.ndarray]) -> None:
+    assert not list(judge.finite(signals))
+    assert not list(judge.rack_in_mesh(signals, 1e-3))
+    assert not list(judge.teeth_loaded(signals))
+    assert not list(judge.contact_valid(signals))
+    assert not list(judge.contact_agreed(0.007))
+    assert not list(judge.work_balanced(1e-4))
+
+
+def test_not_a_number(signals: dict[str, np.ndarray]) -> None:
+    signals["pinion_torque"][7] = np.nan
+    ((status, message),) = judge.finite(signals)
+    assert status is Status.DIVERGED
+    assert "pinion_torque" in message
+
+
+def test_rack_out_of_mesh(signals: dict[str, np.ndarray]) -> None:
+    signals["rack_y"][20:] = 9e-3
+    ((status, message),) = judge.rack_in_mesh(signals, 0.9e-3)
+    assert status is Status.CONTACT_LOST
+    assert f"{np.degrees(signals['pinion_angle'][20]):.4g} deg" in message
+
+
+def test_teeth_without_load(signals: dict[str, np.ndarray]) -> None:
+    signals["mesh_normal_force"][30] = 0.0
+    ((status, _),) = judge.teeth_loaded(signals)
+    assert status is Status.CONTACT_LOST
+
+
+def test_sphere_deeper_than_the_contact_allows(signals: dict[str, np.ndarray]) -> None:
+    signals["mesh_penetration"][3] = 1.1 * judge.DEEPEST
+    ((status, message),) = judge.contact_valid(signals)
+    assert status is Status.INVALID
+    assert "um" in message
+
+
+@pytest.mark.parametrize("residual", [0.02, -0.02, float("nan")])
+def test_work_that_does_not_add_up(residual: float) -> None:
+    ((status, _),) = judge.work_balanced(residual)
+    assert status is Status.INVALID
+
+
+@pytest.mark.parametrize("disagreement", [0.5, float("nan")])
+def test_two_evaluations_that_differ(disagreement: float) -> None:
+    ((status, _),) = judge.contact_agreed(disagreement)
+    assert status is Status.INVALID
