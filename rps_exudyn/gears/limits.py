@@ -87,7 +87,7 @@ def _cutter(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
             _inward(gear, "basic_rack.dedendum", needed, +1),
         )
     if pair.root_radius <= 0.1 * m:
-        least = pair.rack_dedendum / m - pair.reference_radius / m + 0.1
+        least = max((pair.rack_dedendum - pair.reference_radius) / m + 0.1, undercut_limit(pair))
         yield Violation(
             f"The root radius is {_mm(pair.root_radius)}; it must be at least {_mm(0.1 * m)}",
             "pinion.profile_shift",
@@ -161,7 +161,7 @@ def _mesh(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
         yield Violation(
             f"The pinion's tips reach {_mm(-clearance)} into the rack's root",
             "pinion.tip_diameter",
-            _inward(gear, "pinion.tip_diameter", 2 * (pair.tip_radius + clearance), -1),
+            _inward(gear, "pinion.tip_diameter", 2 * _largest_tip_radius(pair), -1),
         )
     elif pinion_tip_interference(pair) > ROUNDING:
         yield Violation(
@@ -236,8 +236,8 @@ def _parts(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
 
 # --- nearest values --------------------------------------------------------------------------------
 def _largest_tip_radius(pair: GearPair) -> float:
-    """Bisection for the largest tip circle that keeps out of the rack's fillets [m]."""
-    inside, outside = form_point(pair).radius, pair.tip_radius
+    """Bisection for the largest tip circle that keeps out of the rack's root and fillets [m]."""
+    inside, outside = form_point(pair).radius, pair.tip_radius + min(rack_root_clearance(pair), 0)
     while outside - inside > ROUNDING:
         middle = (inside + outside) / 2
         if pinion_tip_interference(replace(pair, tip_radius=middle)) > 0:

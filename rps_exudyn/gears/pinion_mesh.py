@@ -25,6 +25,7 @@ from rps_exudyn.gears.basic_rack import arc_segments
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank, crest_profile, generator_step
+from rps_exudyn.gears.polyhedron import refuse_defects
 from rps_exudyn.gears.trochoid import root_profile
 
 PERFECT = FlankForm()
@@ -97,6 +98,9 @@ def pinion_mesh(pair: GearPair, chord_error: float, form: FlankForm = PERFECT) -
         chord_error: largest distance of flanks and root profile from the exact ones [m]. Crests, and the
             chords of root and crests along the helix, never touch the rack and are allowed ten times as much.
         form: modifications and errors of the flanks.
+
+    Raises:
+        InputError: the parameters leave no sound mesh, for instance a relief larger than the tooth.
     """
     z, land_error = pair.teeth, 10 * chord_error
     layers = arc_segments(pair.tip_radius, pair.twist * pair.face_width, land_error)
@@ -134,7 +138,9 @@ def pinion_mesh(pair: GearPair, chord_error: float, form: FlankForm = PERFECT) -
     faces = [patch.faces for patch in flanks.values()]
     faces += [_sewn(a, b, vertices[:, 2], pair.twist) for strip in rows for a, b in pairwise(strip)]
     faces += [_cap(vertices, lower)[:, ::-1], _cap(vertices, upper)]
-    return PinionMesh(vertices, np.concatenate(faces), flanks)
+    whole = np.concatenate(faces)
+    refuse_defects("pinion", vertices, whole)
+    return PinionMesh(vertices, whole, flanks)
 
 
 def _generators(corners: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:

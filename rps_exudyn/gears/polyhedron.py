@@ -43,16 +43,16 @@ class Solid:
         inertia = self.density * (np.trace(second) * np.eye(3) - second)
         return MassProperties(float(volume), float(self.density * volume), origin + centre, inertia)
 
-    def checked(self, name: str) -> "Solid":
-        """The same solid, if a contact search may rely on it.
 
-        Raises:
-            InputError: open or doubled edges, inverted normals, or faces without area.
-        """
-        problem = defect(self.vertices, self.faces)
-        if problem:
-            raise InputError(f"The mesh of the {name} is not usable: {problem}.")
-        return self
+def refuse_defects(name: str, vertices: np.ndarray, faces: np.ndarray) -> None:
+    """The guard before every contact search.
+
+    Raises:
+        InputError: open or doubled edges, inverted normals, or faces without area.
+    """
+    problem = defect(vertices, faces)
+    if problem:
+        raise InputError(f"The mesh of the {name} is not usable: {problem}.")
 
 
 def defect(vertices: np.ndarray, faces: np.ndarray, least_height: float = 1e-12) -> str | None:

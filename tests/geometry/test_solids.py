@@ -6,8 +6,10 @@ import trimesh
 
 from rps_exudyn.errors import InputError
 from rps_exudyn.gears.assembly import assembled, rack_position
+from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.polyhedron import Solid, defect, to_manifold
+from rps_exudyn.gears.pinion_mesh import pinion_mesh
+from rps_exudyn.gears.polyhedron import Solid, defect, refuse_defects, to_manifold
 from rps_exudyn.gears.solids import (
     bush_segment_solid,
     gear_solids,
@@ -134,10 +136,17 @@ def spoilt(kind: str) -> Solid:
 
 @pytest.mark.parametrize("kind", ["open", "inverted", "inwards", "slivers", "not finite"])
 def test_spoilt_meshes_are_refused_in_words(kind: str) -> None:
+    solid = spoilt(kind)
     with pytest.raises(InputError, match=rf"mesh of the brick is not usable: .*{kind}"):
-        spoilt(kind).checked("brick")
+        refuse_defects("brick", solid.vertices, solid.faces)
 
 
-def test_sound_mesh_passes_the_guard_unchanged() -> None:
+def test_sound_mesh_passes_the_guard() -> None:
     solid = brick((1e-2, 1e-2, 1e-2), (0, 0, 0))
-    assert solid.checked("brick") is solid
+    refuse_defects("brick", solid.vertices, solid.faces)
+
+
+def test_flanks_spoilt_by_their_errors_never_become_a_mesh() -> None:
+    """A deviation that is no number reaches every vertex; no contact code gets to see it."""
+    with pytest.raises(InputError, match="mesh of the pinion is not usable"):
+        pinion_mesh(GearPair.of(GEAR), 1e-6, FlankForm(profile_slope=np.nan))
