@@ -1,6 +1,6 @@
 """Equilibrium of the gear at a given pinion angle, everything sliding.
 
-Unknowns are the plunger's coordinate and the rack's six; the pinion's angle is given. The forces are the
+Unknowns are the rack's six coordinates and the plunger's; the pinion's angle is given. The forces are the
 force elements of the dynamic model, with the rates of steady turning: the rack moves along X at gain times
 pinion rate, nothing else moves, so all friction is sliding friction in its known direction.
 """
@@ -13,20 +13,20 @@ import numpy as np
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parts.force_element import ForceElement
 
-# Stacked coordinates: pinion (rotation about k), plunger, rack
-SLOTS = {"pinion": slice(0, 1), "plunger": slice(1, 2), "rack": slice(2, 8)}
+# Stacked coordinates: pinion (rotation about k), rack, plunger
+SLOTS = {"pinion": slice(0, 1), "rack": slice(1, 7), "plunger": slice(7, 8)}
 FREE = slice(1, 8)
 SIZE = 8
 
-STEPS = np.array([1e-9, 1e-9, 1e-9, 1e-9, 1e-8, 1e-8, 1e-8])  # for differences, of the free coordinates
-SCALE = np.array([1.0, 1.0, 1.0, 1.0, 1e-2, 1e-2, 1e-2])  # metres of motion per unit coordinate, for norms
+STEPS = np.array([1e-9, 1e-9, 1e-9, 1e-8, 1e-8, 1e-8, 1e-9])  # for differences, of the free coordinates
+SCALE = np.array([1.0, 1.0, 1.0, 1e-2, 1e-2, 1e-2, 1.0])  # metres of motion per unit coordinate, for norms
 
 
 @dataclass(frozen=True)
 class Equilibrium:
     """Where the gear rests, and how well."""
 
-    coordinates: np.ndarray  # (8,) pinion, plunger, rack
+    coordinates: np.ndarray  # (8,) pinion, rack, plunger
     rates: np.ndarray  # (8,)
     residual: float  # largest unbalanced force [N] (moments over 10 mm)
     iterations: int
@@ -56,7 +56,7 @@ def steady_rates(pair: GearPair, speed: float) -> np.ndarray:
     """Rates of steady turning at pinion speed [rad/s], shape (8,)."""
     rates = np.zeros(SIZE)
     rates[SLOTS["pinion"]] = -speed
-    rates[2] = pair.gain * speed
+    rates[SLOTS["rack"]][0] = pair.gain * speed
     return rates
 
 

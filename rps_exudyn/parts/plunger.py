@@ -18,9 +18,9 @@ import numpy as np
 from rps_exudyn.compiled import kernel
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.force_element import ForceElement
-from rps_exudyn.parts.motion import coulomb, cross, rotation_matrix, spin_map
+from rps_exudyn.parts.motion import coulomb, cross, dot, rotation_matrix, spin_map
 
-ARC_POINTS, LENGTH_POINTS = 8, 3  # Gauss points: exact for a seat that touches everywhere to 1e-9
+ARC_POINTS, LENGTH_POINTS = 6, 2  # Gauss points: a seat that touches everywhere is integrated to 1e-9
 
 
 class SeatData(NamedTuple):
@@ -37,41 +37,43 @@ class SeatData(NamedTuple):
 
 @kernel
 def seat_force(q, v, data):  # type: ignore[no-untyped-def]
-    """Penalty contact of the seat with the back of the bar; q = plunger (1), rack (6)."""
+    """Penalty contact of the seat with the back of the bar; q = rack (6), plunger (1)."""
     out = np.zeros(7 + 3 + 2)
-    turn, spin = rotation_matrix(q[4:7]), spin_map(q[4:7])
-    omega = spin @ v[4:7]
+    turn, spin = rotation_matrix(q[3:6]), spin_map(q[3:6])
+    omega = spin @ v[3:6]
     axis = turn[:, 0]
     moment = np.zeros(3)
     for i in range(data.arc.size):
         # the point of the bar's axis that stands at this station of the housing
-        along = (data.station[i] - q[1]) / axis[0]
+        along = (data.station[i] - q[0]) / axis[0]
         ny, nz = np.cos(data.arc[i]), np.sin(data.arc[i])
-        lift_y = q[2] + along * axis[1] - q[0] + data.rest_gap
-        lift_z = q[3] + along * axis[2]
+        lift_y = q[1] + along * axis[1] - q[6] + data.rest_gap
+        lift_z = q[2] + along * axis[2]
         depth = lift_y * ny + lift_z * nz
         if depth <= 0:
             continue
         normal_force = data.stiffness[i] * depth
-        lever = along * axis + data.bar_radius * np.array([0.0, ny, nz])
-        slip = v[1:4] + cross(omega, lever)
-        slip[1] -= v[0]
+        lever = along * axis
+        lever[1] += data.bar_radius * ny
+        lever[2] += data.bar_radius * nz
+        slip = v[0:3] + cross(omega, lever)
+        slip[1] -= v[6]
         slip_normal = slip[1] * ny + slip[2] * nz
         slip[1] -= slip_normal * ny
         slip[2] -= slip_normal * nz
-        speed = np.sqrt(slip @ slip)
+        speed = np.sqrt(dot(slip, slip))
         drag = coulomb(normal_force, data.friction, speed, data.zone)
         force = -drag * slip
         force[1] -= normal_force * ny
         force[2] -= normal_force * nz
-        out[0] -= force[1]
-        out[1:4] += force
+        out[0:3] += force
+        out[6] -= force[1]
         moment += cross(lever, force)
         out[7] += 0.5 * normal_force * depth
         out[8] += drag * speed**2
         out[10] += normal_force
         out[11] += normal_force * ny
-    out[4:7] = spin.T @ moment
+    out[3:6] = spin.T @ moment
     return out
 
 
@@ -92,7 +94,7 @@ def seat(gear: SteeringGear, *, friction_zone: float, rest_gap: float) -> ForceE
         station=np.tile(yoke.seat_length / 2 * s, arc.size),
         stiffness=yoke.seat_stiffness * np.outer(share, ws / 2).ravel(),
     )
-    return ForceElement("seat", ("plunger", "rack"), seat_force, data, ("seat_normal_force", "seat_force"))
+    return ForceElement("seat", ("rack", "plunger"), seat_force, data, ("seat_normal_force", "seat_force"))
 
 
 class SpringData(NamedTuple):
