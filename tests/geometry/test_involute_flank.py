@@ -12,7 +12,14 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from geometry.random_gears import angle_between, gear_pairs, sides
-from rps_exudyn.gears.basic_rack import crest_width, pointed_radius, tip_radius_for_crest, undercut_limit
+from rps_exudyn.gears.basic_rack import (
+    all_addendum_shift,
+    crest_width,
+    pointed_radius,
+    tip_radius_for_crest,
+    undercut_limit,
+)
+from rps_exudyn.gears.clearance import active_field
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.rack_bar import RackBar
@@ -73,6 +80,25 @@ def test_generators_are_straight_and_share_one_normal(
     limit = TOLERANCE * (pair.base_radius + pair.face_width)
     np.testing.assert_allclose(middle, (a + b) / 2, rtol=0, atol=limit)
     assert abs((b - a) @ flank.normal(psi)) <= limit
+
+
+@given(gear_pairs(), sides, fractions)
+def test_curvature_is_that_of_the_base_cylinders_unrolled_string(
+    pair: GearPair, side: int, profile: float
+) -> None:
+    """A tangent plane leaves the flank by w^2 / (2 rho), w = q dpsi being the way across the generators.
+
+    rho = q / cos beta_b. The next term is smaller by dpsi / tan(alpha): 1e-3 for 1e-5 rad at 0.01 rad.
+    """
+    flank, step = Flank(pair, 0, side), 1e-5
+    q = flank.form_tangent_length + profile * (flank.tip_tangent_length - flank.form_tangent_length)
+    assume(q > 0.01 * pair.base_radius)
+    psi = flank.generator(q, 0.0)
+    # the point beside it, straight across the generators in the tangent plane
+    across = flank.point(psi, 0.0) + q * step * np.array([np.cos(psi), np.sin(psi), 0])
+    sagitta = (q * step) ** 2 / (2 * float(flank.curvature_radius(psi, 0.0)))
+    # rounding of coordinates as large as the base radius is 1e-17 m, the sagitta above 1e-15 m
+    assert float(flank.distance(across)) == pytest.approx(sagitta, rel=0.03)
 
 
 @given(gear_pairs(), sides)
@@ -149,6 +175,14 @@ def test_undercut_begins_at_the_limit(pair: GearPair, below: float) -> None:
     on_root = np.array([x, y, 0.0])
     distance = float(Flank(under, -1, +1).distance(on_root))
     assert distance == pytest.approx(0, abs=TOLERANCE * 10 * pair.reference_radius)
+
+
+def test_all_addendum_pinion_touches_only_beyond_the_pitch_point() -> None:
+    """x = h_aP / m_n: the rack's tips lie on the pitch line, contact is all recess (b = 0 in the paper)."""
+    pair = GearPair.of(SteeringGear())
+    assert all_addendum_shift(pair) == 1.0
+    start, end = active_field(pair)
+    assert 0 <= start < 1e-6 < end  # h* = 0.99997 m_n in ISO 53, hence not 0 exactly
 
 
 @settings(max_examples=20)
