@@ -13,20 +13,26 @@ from rps_exudyn.parameters import SteeringGear
 
 @st.composite
 def gear_pairs(draw: st.DrawFn) -> GearPair:
-    """Pinions without undercut, from a spur gear to 45 degrees of helix, 4 to 30 teeth, either hand."""
-    module = draw(st.floats(0.5e-3, 5e-3))
-    helix = st.one_of(st.just(0.0), st.floats(0.05, 0.78), st.floats(-0.78, -0.05))
-    dedendum = draw(st.floats(1.1, 1.4))
+    """Pinions without undercut over what `parameters` allows.
+
+    3 to 40 teeth, either hand up to 59 degrees of helix and spur gears, pressure angles from 5 to 40 degrees,
+    any module; dedendum and rounding as far as the cutter's tip keeps a flat.
+    """
+    module = draw(st.floats(0.2e-3, 20e-3))
+    helix = st.one_of(st.just(0.0), st.floats(0.02, 1.03), st.floats(-1.03, -0.02))
+    alpha = draw(st.floats(0.09, 0.69))
+    dedendum = draw(st.floats(0.5, 1)) * min(1.5, 0.98 * np.pi / 4 / np.tan(alpha))
+    largest_fillet = (np.pi / 4 - dedendum * np.tan(alpha)) / (1 / np.cos(alpha) - np.tan(alpha))
     pair = dataclasses.replace(
         GearPair.of(SteeringGear()),
-        teeth=draw(st.integers(4, 30)),
+        teeth=draw(st.integers(3, 40)),
         module=module,
-        alpha_n=draw(st.floats(0.24, 0.42)),
+        alpha_n=alpha,
         beta_p=draw(helix),
-        beta_r=draw(st.floats(-0.4, 0.4)),
-        rack_addendum=module,
+        beta_r=draw(st.floats(-1.03, 1.03)),
+        rack_addendum=0.9 * dedendum * module,
         rack_dedendum=dedendum * module,
-        fillet_radius=draw(st.floats(0.0, 0.2)) * module,
+        fillet_radius=draw(st.floats(0, 0.99)) * min(0.5, largest_fillet, dedendum) * module,
         face_width=draw(st.floats(2, 12)) * module,
     )
     shift = max(undercut_limit(pair), -0.8) + draw(st.floats(0.001, 0.8))

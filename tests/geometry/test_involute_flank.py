@@ -166,7 +166,8 @@ def test_undercut_begins_at_the_limit(pair: GearPair, below: float) -> None:
     limit = undercut_limit(pair)
     at_limit = form_point(dataclasses.replace(pair, profile_shift=limit + 1e-9))
     assert not at_limit.undercut
-    assert at_limit.tangent_length == pytest.approx(0, abs=1e-8 * pair.module)  # 1e-9 m_n / sin(alpha_t)
+    length = 1e-9 * pair.module / np.sin(pair.alpha_t)  # (x - x_min) m_n / sin(alpha_t)
+    assert at_limit.tangent_length == pytest.approx(length, abs=TOLERANCE * pair.reference_radius)
 
     under = dataclasses.replace(pair, profile_shift=limit - below)
     form = form_point(under)
