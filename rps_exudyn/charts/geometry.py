@@ -41,7 +41,7 @@ def geometry_figure(gear: SteeringGear, force: bool = False) -> Figure:
     report, pair = geometry_report(gear, force), GearPair.of(gear)
     solids = assembled(gear, chord_error=CHORD_ERROR)
     with mpl.rc_context({"font.size": 10}):
-        figure = Figure(figsize=(13, 5.8), layout="constrained")
+        figure = Figure(figsize=(13, 5.6), layout="constrained")
         view, section, mesh = figure.subplots(1, 3, width_ratios=[1.15, 1, 1.1])
     _draw_view(view, pair, solids)
     _draw_section(section, pair, report)
@@ -114,9 +114,9 @@ def _draw_mesh(axes: Axes, pair: GearPair, solids: dict[str, Solid]) -> None:
         line = 1e3 * (np.array([0, pair.reference_radius]) + ends[:, None] * direction)
         axes.plot(*line.T, color=colour, linewidth=1.8, label=f"line of contact, {name} flanks")
         touching = 1e3 * (np.array([0, pair.reference_radius]) + _contacts(pair, side)[:, None] * direction)
-        axes.plot(*touching.T, "o", color=colour, markersize=5)
+        if len(touching):
+            axes.plot(*touching.T, "o", color=colour, markersize=5, label=f"{name} flanks touch here")
     axes.plot(0, pitch, "k+", markersize=9, label="pitch point")
-    axes.plot([], [], "o", color="#555555", markersize=5, label="flanks touching in this plane")
     axes.set_xlim(-11.5e2 * pair.tip_radius, 11.5e2 * pair.tip_radius)
     axes.set_ylim(2e2 * pair.tip_radius, 2e2 * pair.tip_radius + 17e2 * pair.tip_radius)
     _millimetres(axes, "in mesh, transverse section at pinion angle 0", "e")
