@@ -1,0 +1,190 @@
+"""Contact of plane rack flanks with involute helicoids, integrated along the lines of contact.
+
+    strip of one line                        stations: Gauss points in Z between breakpoints
+      xi ^     ____________________             nodes: Gauss points in xi between the strip's edges
+         |    /|    |     |       |\\
+         |   / |    |     |       | \\        breakpoints: where a limit (tip, form circle, rack's tips,
+       --+--/--+----+-----+-------+--\\-- Z               the bar's surface) cuts an edge of the strip
+         | /   |    |     |       |   \\      ends: face, a limit, or where the depth falls to zero
+         |/____|____|_____|_______|____\\
+
+All teeth of both sides are found without search: psi* gives q*(Z) of every tooth, and the flank is where
+q_form <= q <= q_tip. Two laws, one per `mesh.law`:
+
+"area"  pressure = stiffness * (depth + damping * its rate), never pulling: a bed of springs, the same
+        law as spheres of many samples on planes; line load ~ sqrt(rho) depth^1.5.
+"line"  load per length of line = line_stiffness * (depth + damping * its rate) at the strip's crest:
+        what ISO 6336 assumes of teeth.
+
+Friction is Coulomb's with the local sliding velocity, linear in it below the zone speed (as in Exudyn's
+GeneralContact). Loads act normal to the rack's plane, at points of the pinion's flank.
+"""
+
+import numpy as np
+
+from rps_exudyn.compiled import inlined, kernel
+from rps_exudyn.mesh_contact.flank_data import (
+    COS_BASE_HELIX,
+    DAMPING,
+    LINE_STIFFNESS,
+    N_ACROSS,
+    N_ALONG,
+    N_FIXED,
+    Q_FORM,
+    Q_TIP,
+    RELIEF,
+    RELIEF_START,
+    STIFFNESS,
+)
+from rps_exudyn.mesh_contact.flank_generator import press_area
+from rps_exudyn.mesh_contact.flank_line import (
+    DEEPEST,
+    LINES,
+    LOAD,
+    SUMS,
+    Band,
+    add_side,
+    first_tooth,
+    line_of,
+    point,
+    press,
+    side_of,
+)
+from rps_exudyn.mesh_contact.flank_rows import ROW, fill
+from rps_exudyn.mesh_contact.flank_strip import (
+    BAR,
+    BREAKS,
+    DEPTH,
+    HIGH_END,
+    LIMITS,
+    MARGIN,
+    PRESSING,
+    STRIP_SHAPE,
+    across,
+    apply_limits,
+    bound,
+    describe_strip,
+    edges,
+    is_wide,
+    touching,
+    within_band,
+)
+from rps_exudyn.mesh_contact.wrench import TOUCHING, WRENCH_SIZE
+
+COARSE, GENERATORS = 28, 32  # for the few strips that are too wide for an expansion
+NOTHING = (np.inf, -np.inf, 0.0)  # start, end, depth of a line without load
+
+
+@kernel
+def flank_contact(angle, rate, position, rotation, velocity, spin, data):  # type: ignore[no-untyped-def]
+    """The mesh contact kernel, see `wrench`; `data` from `flank_data.pack`."""
+    return flank_lines(angle, rate, position, rotation, velocity, spin, data, np.empty((0, ROW)))
+
+
+@kernel
+def flank_lines(angle, rate, position, rotation, velocity, spin, data, rows):  # type: ignore[no-untyped-def]
+    """As `flank_contact`; also fills one of `rows`, shape (n, ROW), per line as far as there is room."""
+    out, sums = np.zeros(WRENCH_SIZE), np.empty(SUMS)
+    strip, cuts, breaks = np.empty(STRIP_SHAPE), np.empty((LIMITS, 4)), np.empty(BREAKS)
+    for sign in (-1.0, 1.0):
+        side = side_of(sign, angle, rate, position, rotation, velocity, spin, data)
+        first, last, turn = first_tooth(angle, side, data)
+        sums[:] = 0.0
+        for tooth in range(first, last + 1):
+            line, rack_tooth = line_of(tooth, turn, side, data)
+            before = sums[LOAD]
+            plain = Band(data[Q_FORM], min(data[Q_TIP], data[RELIEF_START]), 0.0, 0.0)
+            describe_strip(strip, line, plain, side, data)
+            start, end, depth = _integrate(strip, cuts, breaks, plain, line, side, data, sums)
+            if data[RELIEF] > 0:
+                relieved = Band(data[RELIEF_START], data[Q_TIP], data[RELIEF], data[RELIEF_START])
+                describe_strip(strip, line, relieved, side, data)
+                also = _integrate(strip, cuts, breaks, relieved, line, side, data, sums)
+                start, end, depth = min(start, also[0]), max(end, also[1]), max(depth, also[2])
+            if not sums[LOAD] > before:
+                continue
+            count = int(out[TOUCHING] + sums[LINES])
+            if count < len(rows):
+                load = sums[LOAD] - before
+                fill(rows[count], angle, tooth, rack_tooth, start, end, depth, load, line, side, data)
+            sums[LINES] += 1
+            sums[DEEPEST] = max(sums[DEEPEST], depth)
+        add_side(sums, angle, position, side, data, out)
+    return out
+
+
+@inlined
+def _integrate(strip, cuts, breaks, band, line, side, data, sums):  # type: ignore[no-untyped-def]
+    """Add the loads along one strip; where it begins and ends (Z), how deep it is."""
+    low, high = within_band(line, band, data)
+    if not low < high:
+        return NOTHING
+    if is_wide(strip, low, high) and data[LINE_STIFFNESS] == 0:
+        before, deepest, sums[DEEPEST] = sums[LOAD], sums[DEEPEST], 0.0
+        press_area(COARSE, GENERATORS, band, line, side, data, sums)
+        depth, sums[DEEPEST] = sums[DEEPEST], deepest
+        return (low, high, depth) if sums[LOAD] > before else NOTHING
+    low, high, low_ends, high_ends = touching(strip, low, high)
+    if not low < high:
+        return NOTHING
+    by_line, n = data[LINE_STIFFNESS] > 0, int(data[N_ALONG])
+    count, low_ends, high_ends = apply_limits(strip, low, high, low_ends, high_ends, by_line, cuts, breaks)
+    deepest = 0.0
+    for i in range(count - 1):
+        z_0, length = breaks[i], breaks[i + 1] - breaks[i]
+        rule = int(low_ends and i == 0) + 2 * int(high_ends and i == count - 2)
+        nodes = N_FIXED + 2 * n * rule
+        for k in range(nodes, nodes + n):
+            z, share = z_0 + length * data[k], length * data[k + n] / data[COS_BASE_HELIX]
+            if by_line:
+                depth = _line_station(strip, z, share, line, side, data, sums)
+            else:
+                depth = _area_station(strip, z, share, cuts, line, side, data, sums)
+            deepest = max(deepest, depth)
+    return (breaks[0], breaks[count - 1], deepest) if count > 0 else NOTHING
+
+
+@inlined
+def _area_station(strip, z, length, cuts, line, side, data, sums):  # type: ignore[no-untyped-def]
+    """Law "area": add the pressure across the strip at Z; the depth at its deepest place."""
+    c_0, c_1, c_2 = across(strip, PRESSING, z)
+    c_3 = strip[DEPTH, 9]
+    low, high = edges(c_0, c_1, c_2, c_3)
+    rule = 3  # the pressure vanishes at both ends
+    if data[DAMPING] > 0:  # but not where it is the flanks that part
+        c_0, c_1, c_2 = across(strip, DEPTH, z)
+        from_, to = edges(c_0, c_1, c_2, c_3)
+        if from_ > low:
+            low, rule = from_, rule & 2
+        if to < high:
+            high, rule = to, rule & 1
+    for i in range(LIMITS):
+        if cuts[i, 0] <= z <= cuts[i, 1]:
+            xi, rise = bound(strip, min(HIGH_END + i, BAR), z)
+            if rise > 0 and xi > low:
+                low, rule = xi, rule & 2
+            elif rise < 0 and xi < high:
+                high, rule = xi, rule & 1
+    if not low < high:
+        return 0.0
+    n = int(data[N_ACROSS])
+    nodes = N_FIXED + 8 * int(data[N_ALONG]) + 2 * n * rule
+    scale = data[STIFFNESS] * length * (high - low)
+    for k in range(nodes, nodes + n):
+        xi = low + (high - low) * data[k]
+        p_r, p_t, q = point(xi, z, line, side, data)
+        depth = c_0 + xi * (c_1 + xi * (c_2 * (1 - xi * xi / 12) + xi * c_3))
+        press(depth, scale * data[k + n] * q, p_r, p_t, z, side, data, sums)
+    deepest = min(max(-c_1 / (2 * c_2), low), high)
+    return c_0 + deepest * (c_1 + deepest * c_2)
+
+
+@inlined
+def _line_station(strip, z, length, line, side, data, sums):  # type: ignore[no-untyped-def]
+    """Law "line": add the load at the strip's crest; the depth there."""
+    c_0, c_1, c_2 = across(strip, DEPTH, z)
+    xi = min(max(-c_1 / (2 * c_2), -MARGIN), MARGIN) if c_2 < 0 else 0.0
+    depth = c_0 + xi * (c_1 + xi * c_2)
+    p_r, p_t, _ = point(xi, z, line, side, data)
+    press(depth, data[LINE_STIFFNESS] * length, p_r, p_t, z, side, data, sums)
+    return depth
