@@ -15,8 +15,10 @@ from rps_exudyn.recording import Record, mesh_disagreement
 from rps_exudyn.solve import Outcome
 
 ENERGY_BOUND = 5e-3  # of the drive's work
-AGREEMENT_BOUND = 5e-2  # of Exudyn's contact forces with the compiled samples; below 1 % is usual
-DEEPEST = 0.5 * SPHERE_RADIUS  # penetration allowed [m]: a sphere deeper than its radius passes through unnoticed
+AGREEMENT_BOUND = 1e-6  # of Exudyn's contact forces with the compiled samples; 1e-9 is usual
+DEEPEST = (
+    0.5 * SPHERE_RADIUS
+)  # penetration allowed [m]: a sphere deeper than its radius passes through unnoticed
 
 
 def judged(
@@ -70,8 +72,8 @@ def contact_valid(signals: dict[str, np.ndarray]) -> Failure:
     if (deep > DEEPEST).any():
         yield (
             Status.INVALID,
-            f"the teeth penetrate {1e6 * deep.max():.4g} um, first above the contact's {1e6 * DEEPEST:.4g} um "
-            f"at {_first(signals, deep > DEEPEST)}",
+            f"the teeth penetrate {1e6 * deep.max():.4g} um, first above the contact's "
+            f"{1e6 * DEEPEST:.4g} um at {_first(signals, deep > DEEPEST)}",
         )
 
 
@@ -79,7 +81,8 @@ def contact_agreed(disagreement: float) -> Failure:
     if not disagreement <= AGREEMENT_BOUND:
         yield (
             Status.INVALID,
-            f"two evaluations of the contact forces differ by {disagreement:.2%}, allowed are {AGREEMENT_BOUND:.0%}",
+            f"two evaluations of the contact forces differ by {disagreement:.2g}, "
+            f"allowed is {AGREEMENT_BOUND:.0g}",
         )
 
 

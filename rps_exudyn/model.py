@@ -54,6 +54,7 @@ class SteeringModel:
     bodies: dict[str, Any] = field(default_factory=dict)
     sensors: dict[str, Any] = field(default_factory=dict)
     segments: list[Any] = field(default_factory=list)  # nodes of the bush's segments
+    drive: Any = None  # the constraint that turns the pinion; its multiplier is the drive's torque
 
     def coordinates(self, name: str) -> slice:
         """Where a body's coordinates stand in the system's vector; the system must be assembled."""

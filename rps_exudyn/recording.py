@@ -12,7 +12,13 @@ import numpy as np
 
 from rps_exudyn.model import SteeringModel
 from rps_exudyn.parts.bush import stored_in_chain
-from rps_exudyn.parts.force_element import DAMPING_POWER, ELASTIC_ENERGY, FRICTION_POWER, LEDGER_SIZE, ForceElement
+from rps_exudyn.parts.force_element import (
+    DAMPING_POWER,
+    ELASTIC_ENERGY,
+    FRICTION_POWER,
+    LEDGER_SIZE,
+    ForceElement,
+)
 
 
 @dataclass
@@ -34,7 +40,9 @@ class Recorder:
 
     def _before(self, mbs: Any, t: float) -> bool:
         if self.model.contacts is not None:
-            self.model.contacts.gate(float(mbs.systemData.GetODE2Coordinates()[self.model.coordinates("pinion")][0]))
+            self.model.contacts.gate(
+                float(mbs.systemData.GetODE2Coordinates()[self.model.coordinates("pinion")][0])
+            )
         return True
 
     def _after(self, mbs: Any, t: float) -> bool:
@@ -42,8 +50,11 @@ class Recorder:
         self.time.append(t)
         self.coordinates.append(np.array(system.GetODE2Coordinates()))
         self.rates.append(np.array(system.GetODE2Coordinates_t()))
-        self.drive.append(float(system.GetAECoordinates()[0]))
+        (multiplier,) = system.GetObjectLTGAE(self.model.drive)
+        self.drive.append(float(system.GetAECoordinates()[multiplier]))
         if self.model.contacts is not None:
+            # Newton's last evaluation was made before its last correction, on the contacts it began with
+            mbs.sys["dynamicSolver"].ComputeODE2RHS(mbs)
             self.mesh.append(self.model.contacts.force()[self.model.columns(["pinion", "rack"])])
         return True
 
@@ -73,8 +84,11 @@ class Record:
     mass_matrix: np.ndarray  # at the end; all rotations but the pinion's are small
 
     def since(self, time: float) -> "Record":
-        """The part that begins at a time [s]."""
-        kept = self.time >= time
+        """The part that covers what comes after a time [s]: it begins with the last step until then.
+
+        A solver that had to reduce its step does not meet given times any more.
+        """
+        kept = self.time >= self.time[self.time <= time].max(initial=-np.inf)
         rows = {
             name: getattr(self, name)[kept]
             for name in ("time", "coordinates", "rates", "drive", "mesh")
@@ -85,7 +99,9 @@ class Record:
     def of_bodies(self, element: ForceElement) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates and rates that an element reads, one row per step."""
         columns = self.model.columns(element.bodies)
-        return np.ascontiguousarray(self.coordinates[:, columns]), np.ascontiguousarray(self.rates[:, columns])
+        return np.ascontiguousarray(self.coordinates[:, columns]), np.ascontiguousarray(
+            self.rates[:, columns]
+        )
 
     def outputs(self, element: ForceElement) -> np.ndarray:
         """An element's output at every step: forces, ledger, own values."""
@@ -149,7 +165,7 @@ SHOWN = {
 
 
 def mesh_disagreement(record: Record) -> float:
-    """Largest difference between Exudyn's contact forces and those of the compiled samples, over the largest."""
+    """Largest difference between Exudyn's contact forces and the compiled samples', over the largest."""
     element = record.model.forces.mesh
     own = record.outputs(element)[:, : element.size]
     return float(np.abs(own - record.mesh).max() / np.abs(own).max())

@@ -8,7 +8,7 @@ from rps_exudyn.model import SteeringModel
 def turn_pinion(model: SteeringModel) -> None:
     """Prescribe the pinion's rotation, from where the model stands, at the test's speed and direction.
 
-    A rheonomic constraint on the pinion's coordinate; its multiplier is the drive's torque.
+    A rheonomic constraint on the pinion's coordinate, kept as `model.drive`.
     """
     from exudyn.itemInterface import CoordinateConstraint, MarkerNodeCoordinate, NodePointGround
 
@@ -27,8 +27,6 @@ def turn_pinion(model: SteeringModel) -> None:
         mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
         for node in (ground, model.nodes["pinion"])
     ]
-    mbs.AddObject(
-        CoordinateConstraint(
-            markerNumbers=markers, offsetUserFunction=angle, offsetUserFunction_t=angle_rate
-        )
+    model.drive = mbs.AddObject(
+        CoordinateConstraint(markerNumbers=markers, offsetUserFunction=angle, offsetUserFunction_t=angle_rate)
     )

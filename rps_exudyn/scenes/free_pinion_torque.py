@@ -43,7 +43,7 @@ def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
     model.mbs.Assemble()
     outcome = solve(model.mbs, SolverPlan(end_time=(lead + steps) * step / test.speed, steps=lead + steps))
 
-    record = recorder.record().since((lead - 0.5) * step / test.speed)
+    record = recorder.record().since(lead * step / test.speed * (1 + 1e-9))
     if len(record.time) < 2:
         return SceneRun(outcome)
     signals = signals_of(record)

@@ -27,7 +27,7 @@ def test_sound_signals_pass(signals: dict[str, np.ndarray]) -> None:
     assert not list(judge.rack_in_mesh(signals, 1e-3))
     assert not list(judge.teeth_loaded(signals))
     assert not list(judge.contact_valid(signals))
-    assert not list(judge.contact_agreed(0.007))
+    assert not list(judge.contact_agreed(1e-9))
     assert not list(judge.work_balanced(1e-4))
 
 
