@@ -36,6 +36,7 @@ def check_travel(gear: SteeringGear, first: float, last: float) -> None:
     farthest = max(abs(first), abs(last))
     if pair.gain * farthest > half * (1 + 1e-9):
         raise InputError(
-            f"test.turns and test.start_angle lead to a pinion angle of {np.degrees(farthest):.6g} deg; rack.travel "
-            f"= {gear.rack.travel * 1e3:g} mm allows {np.degrees(half / pair.gain):.6g} deg either way."
+            f"test.turns and test.start_angle lead to a pinion angle of {np.degrees(farthest):.6g} deg; "
+            f"rack.travel = {gear.rack.travel * 1e3:g} mm allows {np.degrees(half / pair.gain):.6g} deg "
+            "either way."
         )
