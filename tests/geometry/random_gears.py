@@ -3,6 +3,7 @@
 import dataclasses
 
 import numpy as np
+from hypothesis import assume
 from hypothesis import strategies as st
 
 from rps_exudyn.gears.basic_rack import pointed_radius, undercut_limit
@@ -37,8 +38,9 @@ def gear_pairs(draw: st.DrawFn) -> GearPair:
     )
     shift = max(undercut_limit(pair), -0.8) + draw(st.floats(0.001, 0.8))
     pair = dataclasses.replace(pair, profile_shift=shift)
-    share = draw(st.floats(0.3, 0.97))
     form, pointed = form_point(pair).radius, pointed_radius(pair)
+    assume(pointed > 1.01 * form)  # else the teeth are pointed before their involute begins
+    share = draw(st.floats(0.3, 0.97))
     return dataclasses.replace(pair, tip_radius=form + share * (pointed - form))
 
 
