@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from numba.core.caching import FunctionCache
 
 
 def _fingerprint() -> str:
@@ -20,7 +21,7 @@ def _fingerprint() -> str:
     digest = hashlib.sha256(numba.__version__.encode())
     for source in sorted(package.rglob("*.py")):
         text = source.read_bytes()
-        if b"@kernel" in text or b"@inlined" in text:
+        if b"rps_exudyn.compiled import" in text:
             digest.update(source.relative_to(package).as_posix().encode() + b"\0" + text)
     return digest.hexdigest()[:16]
 
@@ -51,3 +52,23 @@ def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     Multiply-adds may be fused, which rounds once instead of twice.
     """
     return numba.njit(function, cache=True, error_model="numpy", forceinline=True, fastmath={"contract"})  # type: ignore[no-any-return]
+
+
+class _FingerprintedCache(FunctionCache):  # type: ignore[misc]
+    """numba's cache without the closure in its key: that key is new in every process when the closure holds
+    other kernels. What it guards against, changed sources, the folder's fingerprint covers."""
+
+    def _index_key(self, sig: Any, codegen: Any) -> Any:
+        return sig, codegen.magic_tuple()
+
+
+def kernel_over(function: Callable[..., Any], *kernels: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a function that closes over other kernels, for instance a loop over any force law.
+
+    Its name becomes the function's and the kernels', by which the cache tells the copies apart.
+    """
+    name = "_".join([function.__name__, *(kernel.__name__ for kernel in kernels)])
+    function.__name__ = function.__qualname__ = name
+    compiled = numba.njit(function, error_model="numpy")
+    compiled._cache = _FingerprintedCache(function)
+    return compiled  # type: ignore[no-any-return]

@@ -2,8 +2,11 @@
 
     full           what the paper models, all of it: general contact between the gear meshes, bush as a
                    chain of segments, plunger body, seat and yokenut contact, in Exudyn
+    flank          analytic flank contact, bush condensed to its exact stiffness, the rest the same
+    quasi-static   the same forces, in equilibrium at each pinion angle
+    closed-form    formulas
 
-Each part can be chosen alone, for instance `Fidelity.preset("full").replace({"bush": "condensed"})`.
+Each part can be chosen alone, for instance `Fidelity.preset("flank").replace({"bush": "chain"})`.
 """
 
 from collections.abc import Mapping
@@ -16,15 +19,25 @@ from rps_exudyn.errors import InputError
 class Fidelity(Table):
     """One way to model and solve the gear."""
 
-    name: str = parameter("full", "preset this came from, and what was changed in it", "estimate")
-    mesh: Literal["general-contact"] = parameter("general-contact", "how the teeth touch", "estimate")
-    bush: Literal["chain", "adams-chain", "condensed"] = parameter(
-        "chain", "how the bush is modelled", "estimate"
+    name: str = parameter("flank", "preset this came from, and what was changed in it", "estimate")
+    mesh: Literal["general-contact", "flank", "ratio", "ratio-with-loss"] = parameter(
+        "flank", "how the teeth touch", "estimate"
     )
-    solver: Literal["generalized-alpha"] = parameter("generalized-alpha", "time integration", "estimate")
-    step_angle: Angle = parameter("0.1 deg", "pinion rotation per time step", "estimate", gt=0, lt=0.1)
-    profile_samples: int = parameter(27, "spheres along the profile of a flank", "estimate", ge=2, le=2000)
-    axial_samples: int = parameter(18, "rows of spheres along the face width", "estimate", ge=2, le=2000)
+    bush: Literal["chain", "adams-chain", "condensed", "rigid"] = parameter(
+        "condensed", "how the bush is modelled", "estimate"
+    )
+    solver: Literal["generalized-alpha", "equilibrium", "closed-form"] = parameter(
+        "generalized-alpha", "how the motion is found", "estimate"
+    )
+    step_angle: Angle = parameter(
+        "0.3 deg", "pinion rotation per time step or equilibrium", "estimate", gt=0, lt=0.2
+    )
+    profile_samples: int = parameter(
+        27, "general contact: spheres along the profile of a flank", "estimate", ge=2, le=2000
+    )
+    axial_samples: int = parameter(
+        18, "general contact: rows of spheres along the face width", "estimate", ge=2, le=2000
+    )
     zone_ratio: Number = parameter(
         0.1, "friction zone over the smallest sliding speed of the teeth", "estimate", gt=0, le=1
     )
@@ -53,4 +66,9 @@ class Fidelity(Table):
         return super().replace({**settings, "name": f"{self.name}{separator}{changes}"})
 
 
-PRESETS: dict[str, dict[str, Any]] = {"full": {}}
+PRESETS: dict[str, dict[str, Any]] = {
+    "full": {"mesh": "general-contact", "bush": "chain", "step_angle": "0.1 deg"},
+    "flank": {},
+    "quasi-static": {"solver": "equilibrium", "step_angle": "1 deg"},
+    "closed-form": {"solver": "closed-form", "step_angle": "5 deg"},
+}

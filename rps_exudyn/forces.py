@@ -1,11 +1,14 @@
 """All force elements of a gear, for one way of modelling it: what `statics` balances and `model` integrates."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.gear_kernel import GearData, Kernel, chain_gear_force, gear_force
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.mesh_contact.flank_element import flank_element
 from rps_exudyn.mesh_contact.general_contact import contact_data
 from rps_exudyn.mesh_contact.sampled_contact import sampled_element
 from rps_exudyn.parameters import SteeringGear
@@ -26,41 +29,76 @@ class GearForces:
     spring: ForceElement
     nut: ForceElement
     bearing: ForceElement
+    fit: ForceElement  # of the rack in the bush, as modelled
+    condensed_fit: ForceElement  # the same in a bush whose static stiffness is condensed into it
     chain: Chain
-    chain_fit: ForceElement
-    condensed_fit: ForceElement
     friction_zone: float  # [m/s]
 
     @property
-    def condensed(self) -> list[ForceElement]:
-        """The whole gear, with the bush condensed into the fit."""
-        return [self.mesh, self.seat, self.spring, self.nut, self.bearing, self.condensed_fit]
+    def elements(self) -> list[ForceElement]:
+        """The whole gear."""
+        return [self.mesh, self.seat, self.spring, self.nut, self.bearing, self.fit]
+
+    @property
+    def statics(self) -> tuple[Kernel, GearData]:
+        """Compiled sum of all forces on pinion, rack and plunger, with the bush condensed."""
+        return gear_force(self.mesh.kernel), self._data(self.condensed_fit)
+
+    @property
+    def dynamics(self) -> tuple[Kernel, GearData]:
+        """Compiled sum of all forces, with the bush as modelled."""
+        total = chain_gear_force if "segment" in self.fit.bodies else gear_force
+        return total(self.mesh.kernel), self._data(self.fit)
+
+    def _data(self, fit: ForceElement) -> GearData:
+        parts = (self.mesh, self.seat, self.spring, self.nut, self.bearing, fit)
+        return GearData(*(part.data for part in parts))
 
 
 def gear_forces(gear: SteeringGear, fidelity: Fidelity) -> GearForces:
     """Set up the force laws; the yoke is adjusted so that the preload acts at rest on a gear without runout."""
     pair = GearPair.of(gear)
     zone = fidelity.zone_ratio * least_sliding(pair) * gear.test.speed
+    mesh = mesh_element(gear, fidelity, zone)
+    approach = approach_under(gear.yoke.preload, *ideal_mesh(gear, fidelity, zone))
+    rest_gap = approach + gear.yoke.preload / gear.yoke.seat_stiffness
 
-    samples = contact_data(
-        gear, profile=fidelity.profile_samples, axial=fidelity.axial_samples, friction_zone=zone
-    )
-    ideal = samples._replace(friction=0.0, centres=samples.centres - pair.eccentricity)
-    approach = approach_under(gear.yoke.preload, sampled_element(ideal))
     chain = adams_chain(gear) if fidelity.bush == "adams-chain" else bush_chain(gear)
+    condensed = sliding_fit.condensed_fit(gear, chain, friction_zone=zone)
+    fits = {
+        "chain": lambda: sliding_fit.chain_fit(gear, chain, friction_zone=zone),
+        "adams-chain": lambda: sliding_fit.chain_fit(gear, chain, friction_zone=zone),
+        "condensed": lambda: condensed,
+        "rigid": lambda: sliding_fit.rigid_fit(gear, friction_zone=zone),
+    }
+    fit = fits[fidelity.bush]()
     return GearForces(
-        mesh=sampled_element(samples),
-        seat=plunger.seat(
-            gear, friction_zone=zone, rest_gap=approach + gear.yoke.preload / gear.yoke.seat_stiffness
-        ),
+        mesh=mesh,
+        seat=plunger.seat(gear, friction_zone=zone, rest_gap=rest_gap),
         spring=plunger.spring(gear),
         nut=plunger.nut_contact(gear),
         bearing=pinion.bearing(gear, friction_zone=fidelity.zone_ratio * gear.test.speed),
+        fit=fit,
+        condensed_fit=fit if fidelity.bush == "rigid" else condensed,
         chain=chain,
-        chain_fit=sliding_fit.chain_fit(gear, chain, friction_zone=zone),
-        condensed_fit=sliding_fit.condensed_fit(gear, chain, friction_zone=zone),
         friction_zone=zone,
     )
+
+
+def mesh_element(gear: SteeringGear, fidelity: Fidelity, zone: float) -> ForceElement:
+    """The contact of the teeth; for general contact its compiled samples."""
+    if fidelity.mesh == "flank":
+        return flank_element(gear, friction_zone=zone)
+    return sampled_element(
+        contact_data(gear, profile=fidelity.profile_samples, axial=fidelity.axial_samples, friction_zone=zone)
+    )
+
+
+def ideal_mesh(gear: SteeringGear, fidelity: Fidelity, zone: float) -> tuple[Kernel, Any]:
+    """Kernel and data of the mesh without friction and runout."""
+    ideal = gear.replace({"pinion.runout": 0.0, "mesh.friction": 0.0})
+    element = mesh_element(ideal, fidelity, zone)
+    return element.kernel, element.data
 
 
 def least_sliding(pair: GearPair) -> float:

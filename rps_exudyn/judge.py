@@ -11,7 +11,8 @@ import numpy as np
 
 from rps_exudyn.mesh_contact.general_contact import SPHERE_RADIUS
 from rps_exudyn.outcome import Status
-from rps_exudyn.recording import Record, mesh_disagreement
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.record import Record, contact_disagreement
 from rps_exudyn.solve import Outcome
 
 ENERGY_BOUND = 5e-3  # of the drive's work
@@ -22,17 +23,20 @@ DEEPEST = (
 
 
 def judged(
-    outcome: Outcome, record: Record, signals: dict[str, np.ndarray], summary: dict[str, float]
+    outcome: Outcome,
+    gear: SteeringGear,
+    record: Record,
+    signals: dict[str, np.ndarray],
+    summary: dict[str, float],
 ) -> Outcome:
     """The outcome of a run that reached its end, after all checks: the first that fails is its cause."""
-    gear = record.model.gear
     in_mesh = gear.basic_rack.addendum * gear.pinion.normal_module / 2
     checks = (
         finite(signals),
         rack_in_mesh(signals, in_mesh),
         teeth_loaded(signals),
         contact_valid(signals),
-        contact_agreed(mesh_disagreement(record)),
+        contact_agreed(contact_disagreement(record)),
         work_balanced(summary["energy_residual"]),
     )
     for check in checks:

@@ -24,13 +24,15 @@ import numpy as np
 
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.forces import GearForces, gear_forces
+from rps_exudyn.gear_kernel import STACK, stacked, tangent
 from rps_exudyn.gears import solids
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.general_contact import GeneralContacts, add_general_contacts, add_tangent
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.bush import add_chain, resting_segments
-from rps_exudyn.parts.force_element import COORDINATES, ForceElement
-from rps_exudyn.statics import SLOTS, Equilibrium, equilibrium, stacked, steady_rates
+from rps_exudyn.parts.force_element import COORDINATES, ForceElement, add_forces
+from rps_exudyn.parts.motion import rotation_matrix, spin_map
+from rps_exudyn.statics import EquilibriumPath, equilibrium_path
 
 if TYPE_CHECKING:
     import exudyn
@@ -47,8 +49,7 @@ class SteeringModel:
     forces: GearForces
     SC: Any
     mbs: "exudyn.MainSystem"
-    start: Equilibrium
-    elements: list[ForceElement] = field(default_factory=list)
+    start: EquilibriumPath  # its only row is where the model starts
     contacts: GeneralContacts | None = None
     nodes: dict[str, Any] = field(default_factory=dict)
     bodies: dict[str, Any] = field(default_factory=dict)
@@ -82,32 +83,42 @@ def build_model(gear: SteeringGear, fidelity: Fidelity, *, angle: float | None =
     start = starting_point(gear, forces, gear.test.start_angle if angle is None else angle)
     SC = exu.SystemContainer()
     model = SteeringModel(gear, fidelity, forces, SC, SC.AddSystem(), start)
+    if not start.converged:
+        return model
     _add_bodies(model)
-    if fidelity.bush == "condensed":
-        fit = forces.condensed_fit
-    else:
+    if "segment" in forces.fit.bodies:
         _add_bush_chain(model)
-        fit = forces.chain_fit
-    model.elements = [forces.seat, forces.spring, forces.nut, forces.bearing, fit]
-    for element in model.elements:
-        element.add_to(model.mbs, model.nodes)
-    model.contacts = add_general_contacts(
-        model.mbs, gear, forces.mesh.data, pinion=model.bodies["pinion"], rack=model.bodies["rack"]
-    )
-    add_tangent(model.mbs, forces.mesh.data, [model.nodes["pinion"], model.nodes["rack"]])
+    if fidelity.mesh == "general-contact":
+        _add_forces_apart(model)
+    else:
+        _add_forces_at_once(model)
     return model
 
 
-def starting_point(gear: SteeringGear, forces: GearForces, angle: float) -> Equilibrium:
-    """Static equilibrium of steady turning at a pinion angle [rad]."""
-    pair, test = GearPair.of(gear), gear.test
-    guess = np.zeros(8)
-    guess[SLOTS["pinion"]] = -angle
-    lift = pair.axis_offset + pair.runout * np.cos(angle + pair.runout_angle)
-    swing = pair.runout * np.sin(angle + pair.runout_angle) * np.cos(pair.beta_p) / np.cos(pair.beta_r)
-    guess[SLOTS["plunger"]] = lift
-    guess[SLOTS["rack"]][:2] = pair.gain * angle + swing, lift - 10e-6
-    return equilibrium(forces.condensed, guess, steady_rates(pair, test.direction * test.speed))
+def starting_point(gear: SteeringGear, forces: GearForces, angle: float) -> EquilibriumPath:
+    """Static equilibrium of steady turning at one pinion angle [rad]."""
+    speed = gear.test.direction * gear.test.speed
+    return equilibrium_path(*forces.statics, GearPair.of(gear), np.array([angle]), speed)
+
+
+def _add_forces_apart(model: SteeringModel) -> None:
+    """Every force element as an object of its own, the teeth in Exudyn's general contact."""
+    mbs, forces, nodes = model.mbs, model.forces, model.nodes
+    for element in forces.elements:
+        if element is not forces.mesh:
+            element.add_to(mbs, nodes)
+    model.contacts = add_general_contacts(
+        mbs, model.gear, forces.mesh.data, pinion=model.bodies["pinion"], rack=model.bodies["rack"]
+    )
+    add_tangent(mbs, forces.mesh.data, [nodes["pinion"], nodes["rack"]])
+
+
+def _add_forces_at_once(model: SteeringModel) -> None:
+    """All forces of the gear in one compiled object, with its Jacobian."""
+    kernel, data = model.forces.dynamics
+    bodies = [body for body in STACK if body in model.nodes]
+    nodes = [model.nodes[body] for body in bodies]
+    add_forces(model.mbs, nodes, kernel, data, len(stacked(bodies)), tangent(kernel))
 
 
 def _add_bodies(model: SteeringModel) -> None:
@@ -127,14 +138,14 @@ def _add_bodies(model: SteeringModel) -> None:
 
     gear, mbs, start = model.gear, model.mbs, model.start
     pair = GearPair.of(gear)
-    q, v = start.coordinates, start.rates
+    q, v = start.coordinates[0], start.rates[0]
 
     def node_1d(name: str) -> Any:
         return mbs.AddNode(
             Node1D(
                 referenceCoordinates=[0.0],
-                initialCoordinates=q[SLOTS[name]],
-                initialVelocities=v[SLOTS[name]],
+                initialCoordinates=q[STACK[name]],
+                initialVelocities=v[STACK[name]],
             )
         )
 
@@ -161,8 +172,8 @@ def _add_bodies(model: SteeringModel) -> None:
     model.nodes["rack"] = mbs.AddNode(
         NodeRigidBodyRxyz(
             referenceCoordinates=[*axis, 0, 0, 0],
-            initialCoordinates=q[SLOTS["rack"]],
-            initialVelocities=v[SLOTS["rack"]],
+            initialCoordinates=q[STACK["rack"]],
+            initialVelocities=v[STACK["rack"]],
         )
     )
     bar = parts["rack"].mass_properties
@@ -198,10 +209,8 @@ def _add_bodies(model: SteeringModel) -> None:
 
 def _add_bush_chain(model: SteeringModel) -> None:
     """The segments, resting under the wrench of the fit at the start."""
-    gear, chain, start = model.gear, model.forces.chain, model.start
-    fit = model.forces.condensed_fit
-    on_rack = fit.evaluate(stacked(fit, start.coordinates), stacked(fit, start.rates))[:6]
-    rest = resting_segments(gear, chain, _wrench_at_fit(fit, start, on_rack), chain.end_station)
+    gear, chain = model.gear, model.forces.chain
+    rest = resting_segments(gear, chain, _wrench_at_fit(model), chain.end_station)
     segment = solids.bush_segment_solid(gear).mass_properties
     nodes, bodies = add_chain(
         model.mbs,
@@ -216,12 +225,15 @@ def _add_bush_chain(model: SteeringModel) -> None:
     model.nodes["segment"], model.bodies["segment"] = nodes[-1], bodies[-1]
 
 
-def _wrench_at_fit(fit: ForceElement, start: Equilibrium, on_rack: np.ndarray) -> np.ndarray:
-    """Reaction on the bush at the fit, from the forces on the rack (small rotations)."""
-    force = on_rack[:3]
-    lever = np.array([fit.data.station, 0.0, 0.0]) - start.coordinates[SLOTS["rack"]][:3]
-    moment = on_rack[3:] - np.cross(lever, force)
-    return -np.concatenate([force, moment])
+def _wrench_at_fit(model: SteeringModel) -> np.ndarray:
+    """Force and moment of the rack on the bush at the fit, where the model starts."""
+    fit = model.forces.condensed_fit
+    q, v = (rows[0, STACK["rack"]] for rows in (model.start.coordinates, model.start.rates))
+    on_rack = fit.evaluate(q, v)[:6]
+    moment = np.linalg.solve(spin_map(q[3:]).T, on_rack[3:])  # about the rack's reference point
+    axis = rotation_matrix(q[3:])[:, 0]
+    to_fit = (fit.data.station - q[0]) / axis[0] * axis
+    return -np.concatenate([on_rack[:3], moment - np.cross(to_fit, on_rack[:3])])
 
 
 def _drawn(solid: "Solid", color: str, rotation: np.ndarray | None = None) -> list[Any]:

@@ -1,111 +1,202 @@
-"""Equilibrium of the gear at a given pinion angle, everything sliding.
+"""Equilibrium of the gear from pinion angle to pinion angle, everything sliding.
 
-Unknowns are the rack's six coordinates and the plunger's; the pinion's angle is given. The forces are the
-force elements of the dynamic model, with the rates of steady turning: the rack moves along X at gain times
-pinion rate, nothing else moves, so all friction is sliding friction in its known direction.
+Unknowns are the rack's six coordinates and the plunger's; the pinion's angle is given. The forces are those
+of the dynamic model (`gear_kernel`) without inertia; the rates that friction needs are the path's own,
+(q_k - q_k-1) / dt, so that this is the limit of slow dynamics and not a model of its own. At the first angle
+they are those of steady turning: the rack moves along X at gain times pinion rate, nothing else moves.
+
+Newton's method with Broyden's update of the inverse tangent: along a smooth path one angle costs three or
+four evaluations of the forces, and a new tangent is rare.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
+from typing import Any
 
 import numpy as np
 
+from rps_exudyn.compiled import kernel, kernel_over
+from rps_exudyn.gear_kernel import STACK
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parts.force_element import ForceElement
 
-# Stacked coordinates: pinion (rotation about k), rack, plunger
-SLOTS = {"pinion": slice(0, 1), "rack": slice(1, 7), "plunger": slice(7, 8)}
-FREE = slice(1, 8)
-SIZE = 8
+SIZE = 8  # coordinates of pinion, rack and plunger
 
-STEPS = np.array([1e-9, 1e-9, 1e-9, 1e-8, 1e-8, 1e-8, 1e-9])  # for differences, of the free coordinates
-SCALE = np.array([1.0, 1.0, 1.0, 1e-2, 1e-2, 1e-2, 1.0])  # metres of motion per unit coordinate, for norms
+TOLERANCE = 1e-4  # largest unbalanced force accepted [N]; moments count over 10 mm
+MAX_ITERATIONS = 60
 
 
-@dataclass(frozen=True)
-class Equilibrium:
-    """Where the gear rests, and how well."""
+@dataclass(frozen=True, eq=False)
+class EquilibriumPath:
+    """Equilibria at given pinion angles; arrays have one row per angle, up to the first without one."""
 
-    coordinates: np.ndarray  # (8,) pinion, rack, plunger
-    rates: np.ndarray  # (8,)
-    residual: float  # largest unbalanced force [N] (moments over 10 mm)
+    coordinates: np.ndarray  # (n, 8) pinion, rack, plunger
+    rates: np.ndarray  # (n, 8)
+    forces: np.ndarray  # (n, 8) generalised forces: the first is what the drive must overcome
+    evaluations: int  # of the gear's forces
     iterations: int
-    converged: bool
-
-
-def stacked(element: ForceElement, coordinates: np.ndarray) -> np.ndarray:
-    """An element's own coordinates out of the stack."""
-    return np.concatenate([coordinates[SLOTS[body]] for body in element.bodies])
-
-
-def generalised_force(elements: Sequence[ForceElement], q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Sum over the elements on the stacked coordinates, shape (8,)."""
-    total = np.zeros(SIZE)
-    for element in elements:
-        out = element.evaluate(stacked(element, q), stacked(element, v))
-        start = 0
-        for body in element.bodies:
-            slot = SLOTS[body]
-            n = slot.stop - slot.start
-            total[slot] += out[start : start + n]
-            start += n
-    return total
+    tangents: int
+    residual: float  # largest unbalanced force at the last angle tried [N]
+    converged: bool  # at all angles
 
 
 def steady_rates(pair: GearPair, speed: float) -> np.ndarray:
     """Rates of steady turning at pinion speed [rad/s], shape (8,)."""
     rates = np.zeros(SIZE)
-    rates[SLOTS["pinion"]] = -speed
-    rates[SLOTS["rack"]][0] = pair.gain * speed
+    rates[STACK["pinion"]] = -speed
+    rates[STACK["rack"].start] = pair.gain * speed
     return rates
 
 
-def equilibrium(
-    elements: Sequence[ForceElement],
-    start: np.ndarray,
-    rates: np.ndarray,
-    *,
-    tolerance: float = 1e-7,
-    max_iterations: int = 60,
-) -> Equilibrium:
-    """Newton's method with a line search from the stacked coordinates `start`.
+def starting_guess(pair: GearPair, angle: float) -> np.ndarray:
+    """Stacked coordinates near the equilibrium at pinion angle `angle` [rad]: the rack follows the runout."""
+    phase = angle + pair.runout_angle
+    lift = pair.axis_offset + pair.runout * np.cos(phase)
+    swing = pair.runout * np.sin(phase) * np.cos(pair.beta_p) / np.cos(pair.beta_r)
+    guess = np.zeros(SIZE)
+    guess[STACK["pinion"]] = -angle
+    guess[STACK["rack"]][:2] = pair.gain * angle + swing, lift - 10e-6
+    guess[STACK["plunger"]] = lift
+    return guess
 
-    `tolerance` is the largest unbalanced force [N] accepted.
+
+def equilibrium_path(
+    force: Callable[..., Any], data: Any, pair: GearPair, angles: np.ndarray, speed: float
+) -> EquilibriumPath:
+    """Equilibria at pinion angles [rad] in the order in which they are reached, at pinion speed [rad/s].
+
+    `force` (q, v, data) -> (8,) is a kernel of `gear_kernel`; the sign of `speed` is the sense of rotation.
     """
-    q = start.copy()
+    angles = np.asarray(angles, dtype=float)
+    coordinates = np.empty((len(angles), SIZE))
+    rates = np.empty_like(coordinates)
+    forces = np.empty_like(coordinates)
+    coordinates[0], rates[0] = starting_guess(pair, angles[0]), steady_rates(pair, speed)
+    found, evaluations, iterations, tangents, residual = _follower(force)(
+        -angles, coordinates, rates, forces, data
+    )
+    return EquilibriumPath(
+        coordinates[:found],
+        rates[:found],
+        forces[:found],
+        evaluations,
+        iterations,
+        tangents,
+        residual,
+        found == len(angles),
+    )
 
-    def residual(q: np.ndarray) -> np.ndarray:
-        return generalised_force(elements, q, rates)[FREE] / SCALE
 
-    r = residual(q)
-    for iteration in range(max_iterations):
-        norm = float(np.abs(r).max())
-        if norm <= tolerance:
-            return Equilibrium(q, rates, norm, iteration, True)
+@kernel
+def unbalance(forces):  # type: ignore[no-untyped-def]
+    """Largest unbalanced force on rack and plunger [N]; moments over 10 mm."""
+    largest = 0.0
+    for i in range(1, 8):
+        scale = 0.01 if 4 <= i <= 6 else 1.0
+        size = abs(forces[i]) / scale
+        if not size <= largest:  # also a nan
+            largest = size
+    return largest
+
+
+@kernel
+def limited(move):  # type: ignore[no-untyped-def]
+    """The step, shortened so that the contact stays the same contact: 0.1 mm, or 10 mrad."""
+    largest = 0.0
+    for i in range(7):
+        largest = max(largest, abs(move[i]) * (0.01 if 3 <= i <= 5 else 1.0))
+    return move * (1e-4 / largest) if largest > 1e-4 else move
+
+
+@cache
+def _follower(force: Callable[..., Any]) -> Callable[..., Any]:
+    def evaluate(q, v, base, per_time, data):  # type: ignore[no-untyped-def]
+        # the rates follow the coordinates, from the previous angle's
+        if per_time != 0:
+            v[1:8] = (q[1:8] - base[1:8]) * per_time
+        return force(q, v, data)
+
+    evaluate = kernel_over(evaluate, force)
+
+    def inverse_tangent(q, v, base, per_time, data):  # type: ignore[no-untyped-def]
         tangent = np.empty((7, 7))
+        trial = q.copy()
         for j in range(7):
-            up, down = q.copy(), q.copy()
-            up[1 + j] += STEPS[j]
-            down[1 + j] -= STEPS[j]
-            tangent[:, j] = (residual(up) - residual(down)) / (2 * STEPS[j])
-        try:
-            move = -np.linalg.solve(tangent, r)
-        except np.linalg.LinAlgError:
-            break
-        move *= min(1.0, 1e-4 / float(np.abs(move * SCALE).max()))  # stay where the contact is the same contact
-        for fraction in 0.5 ** np.arange(8):
-            trial = q.copy()
-            trial[FREE] += fraction * move
-            r_trial = residual(trial)
-            if np.abs(r_trial).max() < norm * (1 - 0.1 * fraction):
-                break
-        q, r = trial, r_trial
-    norm = float(np.abs(r).max())
-    return Equilibrium(q, rates, norm, max_iterations, norm <= tolerance)
+            step = 1e-8 if 3 <= j <= 5 else 1e-9
+            trial[1 + j] = q[1 + j] + step
+            up = evaluate(trial, v, base, per_time, data)[1:8]
+            trial[1 + j] = q[1 + j] - step
+            tangent[:, j] = (up - evaluate(trial, v, base, per_time, data)[1:8]) / (2 * step)
+            trial[1 + j] = q[1 + j]
+        return np.linalg.inv(tangent)
+
+    inverse_tangent = kernel_over(inverse_tangent, force)
+
+    def follow(angles, coordinates, rates, forces, data):  # type: ignore[no-untyped-def]
+        evaluations, iterations, tangents = 0, 0, 0
+        inverse = np.empty((7, 7))
+        norm = np.inf
+        for k in range(angles.size):
+            q, v = coordinates[k], rates[k]
+            base, per_time = q, 0.0
+            if k > 0:
+                base = coordinates[k - 1]
+                per_time = rates[0, 0] / (angles[k] - angles[k - 1])
+                stretch = (angles[k] - angles[k - 1]) / (angles[k - 1] - angles[k - 2]) if k > 1 else 0.0
+                q[:] = base + stretch * (base - coordinates[k - 2]) if k > 1 else base
+                if k == 1:
+                    q[1] += rates[0, 1] / per_time
+                v[:] = rates[0]
+            q[0] = angles[k]
+            r = evaluate(q, v, base, per_time, data)
+            evaluations += 1
+            norm = unbalance(r)
+            fresh = False
+            for _ in range(MAX_ITERATIONS):
+                if norm <= TOLERANCE:
+                    break
+                if tangents == 0:
+                    inverse[:] = inverse_tangent(q, v, base, per_time, data)
+                    tangents, evaluations, fresh = tangents + 1, evaluations + 14, True
+                iterations += 1
+                move = limited(-inverse @ r[1:8])
+                trial = q.copy()
+                trial[1:8] += move
+                r_trial = evaluate(trial, v, base, per_time, data)
+                evaluations += 1
+                norm_trial = unbalance(r_trial)
+                if not norm_trial < 0.5 * norm:
+                    if not fresh:  # an old tangent: try again with a new one
+                        inverse[:] = inverse_tangent(q, v, base, per_time, data)
+                        tangents, evaluations, fresh = tangents + 1, evaluations + 14, True
+                        continue
+                    share = 1.0
+                    while not norm_trial < (1 - 0.1 * share) * norm and share > 0.02:
+                        share *= 0.5
+                        trial[1:8] = q[1:8] + share * move
+                        r_trial = evaluate(trial, v, base, per_time, data)
+                        evaluations += 1
+                        norm_trial = unbalance(r_trial)
+                    move = share * move
+                # Broyden: the inverse tangent that explains this step
+                change = inverse @ (r_trial[1:8] - r[1:8])
+                size = move @ change
+                if size != 0 and np.isfinite(size):
+                    inverse += np.outer(move - change, move @ inverse) / size
+                fresh = False
+                q[:], r, norm = trial, r_trial, norm_trial
+            if not norm <= TOLERANCE:
+                return k, evaluations, iterations, tangents, norm
+            if per_time != 0:
+                v[1:8] = (q[1:8] - base[1:8]) * per_time
+            forces[k] = r
+        return angles.size, evaluations, iterations, tangents, norm
+
+    return kernel_over(follow, force)
 
 
-def approach_under(load: float, mesh: ForceElement) -> float:
-    """How far a load [N] along -Y presses the guided rack into the frictionless mesh, at pinion angle 0 [m].
+def approach_under(load: float, mesh_force: Callable[..., Any], data: Any) -> float:
+    """How far a load [N] along -Y presses the guided rack into a frictionless mesh, at pinion angle 0 [m].
 
     The rack keeps its direction; it finds its place along X between the flanks by itself.
     """
@@ -116,7 +207,7 @@ def approach_under(load: float, mesh: ForceElement) -> float:
 
     def residual(place: np.ndarray) -> np.ndarray:
         q[1:3] = place
-        return mesh.evaluate(q, still)[1:3] - np.array([0.0, load])
+        return np.asarray(mesh_force(q, still, data)[1:3] - np.array([0.0, load]))
 
     for _ in range(50):
         r = residual(place)

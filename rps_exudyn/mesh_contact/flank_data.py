@@ -55,8 +55,7 @@ from rps_exudyn.parameters import SteeringGear
     N_FIXED,
 ) = range(35)
 
-ALONG = 3  # (STATIONS, NODES) of a strip: see flank_contact; three stations, two nodes across
-ACROSS = 2
+ALONG, ACROSS = 3, 2  # Gauss points: stations in each segment of a line, nodes across the strip
 
 
 def pack(
@@ -68,7 +67,7 @@ def pack(
         gear: the steering gear; its `mesh.law` chooses the contact law.
         zone: sliding speed below which friction falls linearly to zero [m/s]; default `sliding_zone`.
         along: Gauss points along each segment of a contact line.
-        across: Gauss points across the contact strip; for `flank_quadrature` both are panels' orders.
+        across: Gauss points across the contact strip.
 
     Raises:
         ValueError: no involute is left between form and tip circle.
@@ -106,6 +105,15 @@ def pack(
     data[LINE_STIFFNESS] = gear.mesh.line_stiffness if gear.mesh.law == "line" else 0.0
     data[N_ALONG], data[N_ACROSS] = along, across
     return np.concatenate([data, _tables(along, _ALONG_END), _tables(across, _ACROSS_END)])
+
+
+def pack_generators(
+    gear: SteeringGear, *, zone: float | None = None, generators: int = 640, along: int = 4
+) -> np.ndarray:
+    """The array for `flank_quadrature`: number of generators, and Gauss points on each."""
+    data = pack(gear, zone=zone, along=along)
+    data[N_ACROSS] = generators
+    return data
 
 
 def sliding_zone(gear: SteeringGear, share: float = 0.01) -> float:

@@ -25,6 +25,7 @@ from rps_exudyn.gears.rack_bar import RackBar, RackFlank
 from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, angle_from_mesh, sampled_tangent
 from rps_exudyn.mesh_contact.samples import FlankSamples, onto_mesh, sample_flank
 from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parts.force_element import add_forces
 
 if TYPE_CHECKING:
     import exudyn
@@ -175,27 +176,10 @@ def add_tangent(mbs: "exudyn.MainSystem", data: SampledContactData, nodes: list[
     """The contact's Jacobian, as a massless object without forces; `nodes`: pinion, rack.
 
     It comes from the compiled samples. GeneralContact itself contributes none: without contact between
-    spheres its own derivative is exactly zero (test_upstream pins this).
+    spheres its own derivative is exactly zero (tests/upstream pins this).
     """
-    from exudyn.itemInterface import ObjectGenericODE2, VObjectGenericODE2
+    add_forces(mbs, nodes, no_force, data, 7, sampled_tangent)
 
-    nothing = np.zeros(7)
 
-    def force(mbs: Any, t: float, item: int, q: list[float], v: list[float]) -> np.ndarray:
-        return nothing
-
-    def jacobian(
-        mbs: Any, t: float, item: int, q: list[float], v: list[float], factor_q: float, factor_v: float
-    ) -> np.ndarray:
-        return -sampled_tangent(np.asarray(q), np.asarray(v), data, factor_q, factor_v)
-
-    mbs.AddObject(
-        ObjectGenericODE2(
-            name="mesh_tangent",
-            nodeNumbers=nodes,
-            massMatrix=np.zeros((7, 7)),
-            forceUserFunction=force,
-            jacobianUserFunction=jacobian,
-            visualization=VObjectGenericODE2(show=False),
-        )
-    )
+def no_force(q: np.ndarray, v: np.ndarray, data: SampledContactData) -> np.ndarray:
+    return np.zeros(7)

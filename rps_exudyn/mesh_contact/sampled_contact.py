@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.compiled import kernel
-from rps_exudyn.mesh_contact.wrench import MESH_OUTPUTS, WRENCH_SIZE
+from rps_exudyn.mesh_contact.wrench import MESH_OUTPUTS, WRENCH_SIZE, on_coordinates
 from rps_exudyn.parts.force_element import ForceElement
-from rps_exudyn.parts.motion import coulomb, cross, dot, rotation_matrix, spin_map
+from rps_exudyn.parts.motion import coulomb, cross, dot, rotation_matrix, spin_map, times
 
 
 
@@ -96,16 +96,9 @@ def sampled_force(q, v, data):  # type: ignore[no-untyped-def]
     """The same on the coordinates; q = pinion (1), rack (6)."""
     map_ = spin_map(q[4:7])
     wrench = sampled_wrench(
-        q[0], v[0], data.rack_reference + q[1:4], rotation_matrix(q[4:7]), v[1:4], map_ @ v[4:7], data
+        q[0], v[0], data.rack_reference + q[1:4], rotation_matrix(q[4:7]), v[1:4], times(map_, v[4:7]), data
     )
-    out = np.empty(7 + 3 + 4)
-    out[0] = wrench[0]
-    out[1:4] = wrench[1:4]
-    out[4:7] = map_.T @ wrench[4:7]
-    out[7:10] = wrench[9:12]
-    out[10:12] = wrench[7:9]
-    out[12:14] = wrench[12:14]
-    return out
+    return on_coordinates(wrench, map_)
 
 
 def sampled_element(data: SampledContactData) -> ForceElement:

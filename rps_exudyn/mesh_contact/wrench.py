@@ -11,6 +11,11 @@ housing, shape (3, 3), `velocity` [m/s] and angular velocity `spin` [rad/s], all
 displacement 0. Forces on the pinion are the exact opposite, so that momentum and moment balance.
 """
 
+import numpy as np
+
+from rps_exudyn.compiled import kernel
+from rps_exudyn.parts.motion import times_transposed
+
 TORQUE = 0  # moment of the contact on the pinion about k, at its axis of rotation [N m]
 FORCE = slice(1, 4)  # on the rack, housing frame [N]
 MOMENT = slice(4, 7)  # on the rack about its reference point, housing frame [N m]
@@ -25,3 +30,18 @@ WRENCH_SIZE = 14
 
 # What a mesh contact's force element tells behind the ledger
 MESH_OUTPUTS = ("mesh_normal_force_drive", "mesh_normal_force_coast", "mesh_penetration", "mesh_touching")
+
+
+@kernel
+def on_coordinates(wrench, map_):  # type: ignore[no-untyped-def]
+    """A force element's output from a wrench: forces on pinion (1) and rack (6), ledger, MESH_OUTPUTS.
+
+    `map_` is the rack's G, angle rates -> angular velocity.
+    """
+    out = np.empty(7 + 3 + 4)
+    out[0:4] = wrench[0:4]
+    out[4:7] = times_transposed(map_, wrench[4:7])
+    out[7:10] = wrench[9:12]
+    out[10:12] = wrench[7:9]
+    out[12:14] = wrench[12:14]
+    return out

@@ -6,7 +6,7 @@ then values of its own, named in `outputs`. In Exudyn it is a massless `ObjectGe
 connector between separated markers it carries its own lever arms, so moments balance exactly.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -50,19 +50,44 @@ class ForceElement:
 
     def add_to(self, mbs: "exudyn.MainSystem", nodes: Mapping[str, Any]) -> Any:
         """Put the element into an Exudyn system; `nodes` maps body names to node numbers."""
-        from exudyn.itemInterface import ObjectGenericODE2, VObjectGenericODE2
+        return add_forces(mbs, [nodes[body] for body in self.bodies], self.kernel, self.data, self.size)
 
-        kernel, data, size = self.kernel, self.data, self.size
 
-        def force(mbs: Any, t: float, item: int, q: list[float], v: list[float]) -> np.ndarray:
-            return kernel(np.asarray(q), np.asarray(v), data)[:size]
+def add_forces(
+    mbs: "exudyn.MainSystem",
+    nodes: Sequence[Any],
+    kernel: Callable[..., Any],
+    data: Any,
+    size: int,
+    tangent: Callable[..., Any] | None = None,
+) -> Any:
+    """A massless object with a compiled force law over the coordinates of some nodes.
 
-        return mbs.AddObject(
-            ObjectGenericODE2(
-                name=self.name,
-                nodeNumbers=[nodes[body] for body in self.bodies],
-                massMatrix=np.zeros((size, size)),
-                forceUserFunction=force,
-                visualization=VObjectGenericODE2(show=False),
-            )
+    Args:
+        kernel: (q, v, data) -> the forces (size,), and possibly more behind them.
+        tangent: (q, v, data, factor_q, factor_v) -> factor_q dF/dq + factor_v dF/dv, shape (size, size);
+            without it Exudyn takes differences through Python.
+    """
+    from exudyn.itemInterface import ObjectGenericODE2, VObjectGenericODE2
+
+    def force(mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]) -> np.ndarray:
+        return kernel(np.asarray(q), np.asarray(v), data)[:size]
+
+    functions: dict[str, Any] = {"forceUserFunction": force}
+    if tangent is not None:
+        derivative = tangent
+
+        def jacobian(
+            mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float], fq: float, fv: float
+        ) -> np.ndarray:
+            return -derivative(np.asarray(q), np.asarray(v), data, fq, fv)  # of the left-hand side
+
+        functions["jacobianUserFunction"] = jacobian
+    return mbs.AddObject(
+        ObjectGenericODE2(
+            nodeNumbers=list(nodes),
+            massMatrix=np.zeros((size, size)),
+            **functions,
+            visualization=VObjectGenericODE2(show=False),
         )
+    )

@@ -38,6 +38,18 @@ def dot(a, b):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def times(m, x):  # type: ignore[no-untyped-def]
+    """m x; for three by three numbers a library call would cost more than the sum."""
+    return np.array([dot(m[0], x), dot(m[1], x), dot(m[2], x)])
+
+
+@kernel
+def times_transposed(m, x):  # type: ignore[no-untyped-def]
+    """m^T x."""
+    return x[0] * m[0] + x[1] * m[1] + x[2] * m[2]
+
+
+@kernel
 def cross(a, b):  # type: ignore[no-untyped-def]
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 

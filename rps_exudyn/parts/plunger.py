@@ -18,7 +18,7 @@ import numpy as np
 from rps_exudyn.compiled import kernel
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.force_element import ForceElement
-from rps_exudyn.parts.motion import coulomb, cross, dot, rotation_matrix, spin_map
+from rps_exudyn.parts.motion import coulomb, rotation_matrix, spin_map, times, times_transposed
 
 ARC_POINTS, LENGTH_POINTS = 6, 2  # Gauss points: a seat that touches everywhere is integrated to 1e-9
 
@@ -30,7 +30,8 @@ class SeatData(NamedTuple):
     friction: float
     zone: float  # friction zone [m/s]
     rest_gap: float  # Y of the plunger's zero above that of the rack, so that both rest at the preload [m]
-    arc: np.ndarray  # angle of each point from the yoke axis [rad]
+    arc_y: np.ndarray  # outward normal of the bar at each point: along the yoke axis ...
+    arc_z: np.ndarray  # ... and across
     station: np.ndarray  # its position along the rack [m]
     stiffness: np.ndarray  # its share [N/m]
 
@@ -40,40 +41,39 @@ def seat_force(q, v, data):  # type: ignore[no-untyped-def]
     """Penalty contact of the seat with the back of the bar; q = rack (6), plunger (1)."""
     out = np.zeros(7 + 3 + 2)
     turn, spin = rotation_matrix(q[3:6]), spin_map(q[3:6])
-    omega = spin @ v[3:6]
-    axis = turn[:, 0]
-    moment = np.zeros(3)
-    for i in range(data.arc.size):
+    omega = times(spin, v[3:6])
+    axis_x, axis_y, axis_z = turn[0, 0], turn[1, 0], turn[2, 0]
+    moment_x = moment_y = moment_z = 0.0
+    for i in range(data.arc_y.size):
+        ny, nz = data.arc_y[i], data.arc_z[i]
         # the point of the bar's axis that stands at this station of the housing
-        along = (data.station[i] - q[0]) / axis[0]
-        ny, nz = np.cos(data.arc[i]), np.sin(data.arc[i])
-        lift_y = q[1] + along * axis[1] - q[6] + data.rest_gap
-        lift_z = q[2] + along * axis[2]
-        depth = lift_y * ny + lift_z * nz
+        along = (data.station[i] - q[0]) / axis_x
+        depth = (q[1] + along * axis_y - q[6] + data.rest_gap) * ny + (q[2] + along * axis_z) * nz
         if depth <= 0:
             continue
-        normal_force = data.stiffness[i] * depth
-        lever = along * axis
-        lever[1] += data.bar_radius * ny
-        lever[2] += data.bar_radius * nz
-        slip = v[0:3] + cross(omega, lever)
-        slip[1] -= v[6]
-        slip_normal = slip[1] * ny + slip[2] * nz
-        slip[1] -= slip_normal * ny
-        slip[2] -= slip_normal * nz
-        speed = np.sqrt(dot(slip, slip))
-        drag = coulomb(normal_force, data.friction, speed, data.zone)
-        force = -drag * slip
-        force[1] -= normal_force * ny
-        force[2] -= normal_force * nz
-        out[0:3] += force
-        out[6] -= force[1]
-        moment += cross(lever, force)
-        out[7] += 0.5 * normal_force * depth
+        load = data.stiffness[i] * depth
+        lx, ly, lz = along * axis_x, along * axis_y + data.bar_radius * ny, along * axis_z + data.bar_radius * nz
+        # slip of the bar's surface over the seat: its velocity less the part along the normal
+        vx = v[0] + omega[1] * lz - omega[2] * ly
+        vy = v[1] - v[6] + omega[2] * lx - omega[0] * lz
+        vz = v[2] + omega[0] * ly - omega[1] * lx
+        parting = vy * ny + vz * nz
+        vy, vz = vy - parting * ny, vz - parting * nz
+        speed = np.sqrt(vx * vx + vy * vy + vz * vz)
+        drag = coulomb(load, data.friction, speed, data.zone)
+        fx, fy, fz = -drag * vx, -drag * vy - load * ny, -drag * vz - load * nz
+        out[0] += fx
+        out[1] += fy
+        out[2] += fz
+        moment_x += ly * fz - lz * fy
+        moment_y += lz * fx - lx * fz
+        moment_z += lx * fy - ly * fx
+        out[7] += 0.5 * load * depth
         out[8] += drag * speed**2
-        out[10] += normal_force
-        out[11] += normal_force * ny
-    out[3:6] = spin.T @ moment
+        out[10] += load
+        out[11] += load * ny
+    out[3:6] = times_transposed(spin, (moment_x, moment_y, moment_z))
+    out[6] = -out[1]
     return out
 
 
@@ -90,7 +90,8 @@ def seat(gear: SteeringGear, *, friction_zone: float, rest_gap: float) -> ForceE
         friction=yoke.friction,
         zone=friction_zone,
         rest_gap=rest_gap,
-        arc=np.repeat(arc, s.size),
+        arc_y=np.cos(np.repeat(arc, s.size)),
+        arc_z=np.sin(np.repeat(arc, s.size)),
         station=np.tile(yoke.seat_length / 2 * s, arc.size),
         stiffness=yoke.seat_stiffness * np.outer(share, ws / 2).ravel(),
     )

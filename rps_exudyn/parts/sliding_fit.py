@@ -10,9 +10,9 @@ import numpy as np
 
 from rps_exudyn.compiled import kernel
 from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.parts.bush import Chain, housing_station
+from rps_exudyn.parts.bush import RIGID_END, Chain, housing_station
 from rps_exudyn.parts.force_element import ForceElement
-from rps_exudyn.parts.motion import coulomb, cross, dot, rotation_matrix, spin_map
+from rps_exudyn.parts.motion import coulomb, cross, dot, rotation_matrix, spin_map, times, times_transposed
 
 
 class FitData(NamedTuple):
@@ -36,7 +36,7 @@ def fit_force(q, v, data):  # type: ignore[no-untyped-def]
     out = np.zeros(12 + 3 + 2)
     turn_s, spin_s = rotation_matrix(q[3:6]), spin_map(q[3:6])
     turn_r, spin_r = rotation_matrix(q[9:12]), spin_map(q[9:12])
-    omega_s, omega_r = spin_s @ v[3:6], spin_r @ v[9:12]
+    omega_s, omega_r = times(spin_s, v[3:6]), times(spin_r, v[9:12])
     axis_s, axis_r = turn_s[:, 0], turn_r[:, 0]
 
     lever_s = data.lever * axis_s
@@ -51,15 +51,19 @@ def fit_force(q, v, data):  # type: ignore[no-untyped-def]
     speed = np.sqrt(slide**2 + roll**2)
     rub = coulomb(1.0, data.drag, speed, data.zone)
 
-    strain = np.array([offset[1], offset[2], tilt[1], tilt[2]])
-    stress = data.stiffness @ strain
+    strain = (offset[1], offset[2], tilt[1], tilt[2])
+    stress = np.zeros(4)
+    for i in range(4):
+        for j in range(4):
+            stress[i] += data.stiffness[i, j] * strain[j]
     force = np.array([0.0, -stress[0], -stress[1]]) - rub * slide * axis_r
     moment = np.array([0.0, -stress[2], -stress[3]]) - rub * roll * data.radius * axis_r
     out[0:3] = -force
-    out[3:6] = spin_s.T @ -(moment + cross(lever_s + offset, force))
+    out[3:6] = -times_transposed(spin_s, moment + cross(lever_s + offset, force))
     out[6:9] = force
-    out[9:12] = spin_r.T @ (moment + cross(lever_r, force))
-    out[12] = 0.5 * (strain @ stress)
+    out[9:12] = times_transposed(spin_r, moment + cross(lever_r, force))
+    for i in range(4):
+        out[12] += 0.5 * strain[i] * stress[i]
     out[13] = rub * speed**2
     out[15] = np.sqrt(stress[0] ** 2 + stress[1] ** 2)
     out[16] = rub * slide
@@ -105,6 +109,19 @@ def condensed_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float) -> 
         zone=friction_zone,
         radius=gear.rack.bar_diameter / 2,
         station=housing_station(gear, chain.end_station),
+        lever=0.0,
+    )
+    return ForceElement("bush", ("rack",), held_fit_force, data, FIT_OUTPUTS)
+
+
+def rigid_fit(gear: SteeringGear, *, friction_zone: float) -> ForceElement:
+    """The rack in a bush that does not give: stiff in place of rigid, at the bush's free end."""
+    data = FitData(
+        stiffness=np.diag(RIGID_END[[1, 2, 4, 5]]),
+        drag=gear.bush.drag,
+        zone=friction_zone,
+        radius=gear.rack.bar_diameter / 2,
+        station=housing_station(gear, gear.bush.length),
         lever=0.0,
     )
     return ForceElement("bush", ("rack",), held_fit_force, data, FIT_OUTPUTS)

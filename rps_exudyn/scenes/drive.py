@@ -14,7 +14,7 @@ def turn_pinion(model: SteeringModel) -> None:
 
     mbs, test = model.mbs, model.gear.test
     rate = -test.direction * test.speed
-    start = float(model.start.coordinates[0])
+    start = float(model.start.coordinates[0, 0])
 
     def angle(mbs: Any, t: float, item: int, offset: float) -> float:
         return start + rate * t

@@ -1,55 +1,86 @@
 """Free pinion torque: the rig turns the pinion at the test's speed, the rack carries no load.
 
-Signals are recorded over `test.turns` from `test.start_angle`. The model starts a little earlier, in its
-static equilibrium, so that what the start stirs up has died when the record begins.
+Signals are recorded over `test.turns` from `test.start_angle`. Solvers start a little earlier, from the
+static equilibrium of steady turning, so that what the start stirs up has died when the record begins.
 """
+
+from collections.abc import Callable
+from time import process_time
 
 import numpy as np
 
 from rps_exudyn.analysis.torque import describe_torque
 from rps_exudyn.analysis.work_balance import energy_residual
 from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.forces import gear_forces
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.judge import judged
-from rps_exudyn.model import build_model
 from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.recording import Recorder, signals_of
-from rps_exudyn.scenes.drive import turn_pinion
-from rps_exudyn.scenes.scene_run import SceneRun, check_travel, without_equilibrium
-from rps_exudyn.solve import SolverPlan, solve
-
-RUN_IN = np.deg2rad(0.5)  # pinion angle turned before the record starts, at least
+from rps_exudyn.record import Record, signals_of
+from rps_exudyn.scenes.scene_run import SceneRun, Turning, without_equilibrium
+from rps_exudyn.solve import Outcome, SolverPlan, solve
+from rps_exudyn.statics import equilibrium_path
 
 
 def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
-    """Turn the pinion in Exudyn and record.
+    """Turn the pinion and record.
 
     Raises:
         InputError: the test leaves the rack's travel.
     """
-    test = gear.test
-    angle = 2 * np.pi * test.turns
-    check_travel(gear, test.start_angle, test.start_angle + test.direction * angle)
+    turning = Turning.of(gear, fidelity.step_angle)
+    return SOLVERS[fidelity.solver](gear, fidelity, turning)
 
-    steps = int(np.ceil(angle / fidelity.step_angle))
-    step = angle / steps
-    lead = int(np.ceil(RUN_IN / step))
-    first = test.start_angle - test.direction * lead * step
-    model = build_model(gear, fidelity, angle=first)
+
+def by_dynamics(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> SceneRun:
+    """In Exudyn."""
+    from rps_exudyn.model import build_model
+    from rps_exudyn.recording import Recorder
+    from rps_exudyn.scenes.drive import turn_pinion
+
+    model = build_model(gear, fidelity, angle=turning.first)
     if not model.start.converged:
-        return without_equilibrium(first, model.start.residual)
+        return without_equilibrium(turning.first, model.start.residual)
     turn_pinion(model)
     recorder = Recorder(model).attach()
     model.mbs.Assemble()
-    outcome = solve(model.mbs, SolverPlan(end_time=(lead + steps) * step / test.speed, steps=lead + steps))
+    steps = turning.lead + turning.steps
+    outcome = solve(model.mbs, SolverPlan(end_time=steps * turning.time_step, steps=steps))
+    record = recorder.record().since(turning.lead * turning.time_step * (1 + 1e-9))
+    return _told(gear, outcome, record)
 
-    record = recorder.record().since(lead * step / test.speed * (1 + 1e-9))
+
+def by_equilibrium(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> SceneRun:
+    """From equilibrium to equilibrium."""
+    start = process_time()
+    forces = gear_forces(gear, fidelity)
+    angles = turning.angles
+    path = equilibrium_path(*forces.statics, GearPair.of(gear), angles, gear.test.direction * gear.test.speed)
+    found = len(path.coordinates)
+    counters = {
+        "steps": found,
+        "newton_iterations": path.iterations,
+        "jacobians": path.tangents,
+        "force_evaluations": path.evaluations,
+    }
+    outcome = Outcome(Status.OK, "", found * turning.time_step, process_time() - start, counters)
+    if not path.converged:
+        failed = without_equilibrium(angles[found], path.residual).outcome
+        outcome = Outcome(failed.status, failed.message, outcome.time_reached, outcome.cpu_s, counters)
+    time = turning.time_step * np.arange(found)
+    record = Record(forces.elements, time, path.coordinates, path.rates, path.forces[:, 0], np.zeros(found))
+    return _told(gear, outcome, record.since(turning.lead * turning.time_step * (1 + 1e-9)))
+
+
+def _told(gear: SteeringGear, outcome: Outcome, record: Record) -> SceneRun:
+    """Signals and figures of a record, and whether it may be called ok."""
     if len(record.time) < 2:
         return SceneRun(outcome)
     signals = signals_of(record)
     summary = summarise(signals, gear)
     if outcome.status is Status.OK:
-        outcome = judged(outcome, record, signals, summary)
+        outcome = judged(outcome, gear, record, signals, summary)
     return SceneRun(outcome, signals, summary)
 
 
@@ -61,3 +92,9 @@ def summarise(signals: dict[str, np.ndarray], gear: SteeringGear) -> dict[str, f
         "rack_gain": float((place[-1] - place[0]) / (angle[-1] - angle[0]) * 2 * np.pi),
         "energy_residual": energy_residual(signals),
     }
+
+
+SOLVERS: dict[str, Callable[[SteeringGear, Fidelity, Turning], SceneRun]] = {
+    "generalized-alpha": by_dynamics,
+    "equilibrium": by_equilibrium,
+}

@@ -1,0 +1,115 @@
+"""The whole gear's forces in one compiled function: what the fast models evaluate thousands of times.
+
+The coordinates are stacked [pinion (about k), rack (6), plunger]; with the bush as a chain its last segment
+(6) follows. The same force laws as everywhere (`parts`, `mesh_contact`), without a trip through Python
+between them. The mesh's law is chosen by handing in its kernel; every function made here is compiled for it.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rps_exudyn.compiled import kernel_over
+from rps_exudyn.parts.pinion import BearingData, bearing_force
+from rps_exudyn.parts.plunger import NutData, SeatData, SpringData, nut_force, seat_force, spring_force
+from rps_exudyn.parts.sliding_fit import FitData, fit_force, held_fit_force
+
+Kernel = Callable[..., Any]
+
+STACK = {"pinion": slice(0, 1), "rack": slice(1, 7), "plunger": slice(7, 8), "segment": slice(8, 14)}
+
+
+def stacked(bodies: Sequence[str]) -> np.ndarray:
+    """Where the coordinates of some bodies stand in the stack, in the order of the bodies."""
+    return np.concatenate([np.r_[STACK[body]] for body in bodies])
+
+
+class GearData(NamedTuple):
+    """Constants of all force laws."""
+
+    mesh: Any
+    seat: SeatData
+    spring: SpringData
+    nut: NutData
+    bearing: BearingData
+    fit: FitData
+
+
+@cache
+def gear_force(mesh_force: Kernel) -> Kernel:
+    """Generalised forces (8,) with the bush condensed into the fit."""
+
+    def force(q, v, data):  # type: ignore[no-untyped-def]
+        total = np.zeros(8)
+        total[0:7] += mesh_force(q[0:7], v[0:7], data.mesh)[0:7]
+        total[1:8] += seat_force(q[1:8], v[1:8], data.seat)[0:7]
+        total[1:7] += held_fit_force(q[1:7], v[1:7], data.fit)[0:6]
+        total[7] += spring_force(q[7:8], v[7:8], data.spring)[0] + nut_force(q[7:8], v[7:8], data.nut)[0]
+        total[0] += bearing_force(q[0:1], v[0:1], data.bearing)[0]
+        return total
+
+    return kernel_over(force, mesh_force)
+
+
+@cache
+def chain_gear_force(mesh_force: Kernel) -> Kernel:
+    """Generalised forces (14,) with the rack in the last segment of a chain."""
+
+    def chain_force(q, v, data):  # type: ignore[no-untyped-def]
+        total = np.zeros(14)
+        total[0:7] += mesh_force(q[0:7], v[0:7], data.mesh)[0:7]
+        total[1:8] += seat_force(q[1:8], v[1:8], data.seat)[0:7]
+        fit = fit_force(
+            np.concatenate((q[8:14], q[1:7])), np.concatenate((v[8:14], v[1:7])), data.fit
+        )
+        total[8:14] += fit[0:6]
+        total[1:7] += fit[6:12]
+        total[7] += spring_force(q[7:8], v[7:8], data.spring)[0] + nut_force(q[7:8], v[7:8], data.nut)[0]
+        total[0] += bearing_force(q[0:1], v[0:1], data.bearing)[0]
+        return total
+
+    return kernel_over(chain_force, mesh_force)
+
+
+@cache
+def tangent(force: Kernel) -> Kernel:
+    """factor_q dF/dq + factor_v dF/dv by central differences, as a function (q, v, data, factor_q, factor_v).
+
+    The steps stay far below penetrations (micrometres) and sliding speeds (mm/s); rotations act on levers
+    of centimetres.
+    """
+
+    def difference_tangent(q, v, data, factor_q, factor_v):  # type: ignore[no-untyped-def]
+        n = q.size
+        result = np.zeros((n, n))
+        for j in range(n):
+            step = 1e-9 if 1 <= j <= 3 or 7 <= j <= 10 else 1e-8
+            up, down = q.copy(), q.copy()
+            up[j] += step
+            down[j] -= step
+            result[:, j] = factor_q / (2 * step) * (force(up, v, data) - force(down, v, data))
+            if factor_v != 0:
+                up[:], down[:] = v, v
+                up[j] += 1e3 * step
+                down[j] -= 1e3 * step
+                result[:, j] += factor_v / (2e3 * step) * (force(q, up, data) - force(q, down, data))
+        return result
+
+    return kernel_over(difference_tangent, force)
+
+
+@cache
+def along(force: Kernel) -> Kernel:
+    """The kernel's outputs for many states (n, .), as a function (coordinates, rates, data) -> (n, .)."""
+
+    def each(coordinates, rates, data):  # type: ignore[no-untyped-def]
+        first = force(coordinates[0], rates[0], data)
+        out = np.empty((coordinates.shape[0], first.size))
+        out[0] = first
+        for i in range(1, coordinates.shape[0]):
+            out[i] = force(coordinates[i], rates[i], data)
+        return out
+
+    return kernel_over(each, force)

@@ -1,0 +1,115 @@
+"""A recorded motion, of whatever solver, and what it tells: signals, work, checks.
+
+From coordinates and rates the force elements (see `parts.force_element`) give normal forces, stored energy
+and what each contact dissipates, independently of the sums that the solver used: a balance that closes is
+therefore evidence.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rps_exudyn.gear_kernel import STACK, along, stacked
+from rps_exudyn.parts.force_element import (
+    DAMPING_POWER,
+    ELASTIC_ENERGY,
+    FRICTION_POWER,
+    LEDGER_SIZE,
+    ForceElement,
+)
+
+WORK = {
+    "work_mesh_friction",
+    "work_mesh_damping",
+    "work_seat_friction",
+    "work_bush_friction",
+    "work_bearing_friction",
+}
+# Signal -> the output of a force element that it shows
+SHOWN = {
+    "mesh_normal_force_drive": "mesh_normal_force_drive",
+    "mesh_normal_force_coast": "mesh_normal_force_coast",
+    "mesh_penetration": "mesh_penetration",
+    "seat_force": "seat_force",
+    "yokenut_force": "yokenut_force",
+    "bush_force": "bush_lateral_force",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A recorded motion; arrays have one row per step."""
+
+    elements: list[ForceElement]
+    time: np.ndarray  # [s]
+    coordinates: np.ndarray  # (n, 8 or 14) stacked as in `gear_kernel`
+    rates: np.ndarray  # the same
+    drive: np.ndarray  # torque on the pinion in the sense of its angle [N m]
+    energy: np.ndarray  # kinetic, and elastic of what is no force element [J]
+    contact: np.ndarray | None = None  # the solver's own contact forces on pinion and rack, (n, 7)
+
+    def since(self, time: float) -> "Record":
+        """The part that covers what comes after a time [s]: it begins with the last step until then.
+
+        A solver that had to reduce its step does not meet given times any more.
+        """
+        kept = self.time >= self.time[self.time <= time].max(initial=-np.inf)
+        rows = {name: getattr(self, name)[kept] for name in ("time", "coordinates", "rates", "drive", "energy")}
+        return replace(self, **rows, contact=None if self.contact is None else self.contact[kept])
+
+    def of(self, body: str) -> np.ndarray:
+        """Coordinates of one body, (n, .)."""
+        return self.coordinates[:, STACK[body]]
+
+    def outputs(self, element: ForceElement) -> np.ndarray:
+        """An element's output at every step: forces, ledger, own values."""
+        columns = stacked(element.bodies)
+        q, v = (np.ascontiguousarray(rows[:, columns]) for rows in (self.coordinates, self.rates))
+        return np.asarray(along(element.kernel)(q, v, element.data))
+
+
+def signals_of(record: Record) -> dict[str, np.ndarray]:
+    """All signals of a run, by the names of `quantities`."""
+    time, rack = record.time, record.of("rack")
+    speed = -record.rates[:, 0]
+    signals = {
+        "time": time - time[0],
+        "pinion_angle": -record.of("pinion")[:, 0],
+        "pinion_torque": record.drive,
+        "rack_displacement": rack[:, 0],
+        "rack_y": rack[:, 1],
+        "rack_z": rack[:, 2],
+        "rack_roll": rack[:, 3],
+        "rack_yaw": rack[:, 4],
+        "rack_pitch": rack[:, 5],
+        "plunger_displacement": record.of("plunger")[:, 0],
+        "work_drive": _work(record.drive * speed, time),
+    }
+    energy = record.energy.copy()
+    for element in record.elements:
+        out = record.outputs(element)
+        ledger = out[:, element.size : element.size + LEDGER_SIZE]
+        own = dict(zip(element.outputs, out[:, element.size + LEDGER_SIZE :].T, strict=True))
+        energy += ledger[:, ELASTIC_ENERGY]
+        for loss, column in (("friction", FRICTION_POWER), ("damping", DAMPING_POWER)):
+            if f"work_{element.name}_{loss}" in WORK:
+                signals[f"work_{element.name}_{loss}"] = _work(ledger[:, column], time)
+        signals |= {name: own[source] for name, source in SHOWN.items() if source in own}
+    if "mesh_normal_force_drive" in signals:
+        signals["mesh_normal_force"] = signals["mesh_normal_force_drive"] + signals["mesh_normal_force_coast"]
+    signals["stored_energy"] = energy - energy[0]
+    return signals
+
+
+def contact_disagreement(record: Record) -> float:
+    """Largest difference of the solver's own contact forces from the elements', over the largest; 0 without."""
+    if record.contact is None:
+        return 0.0
+    mesh = next(element for element in record.elements if element.name == "mesh")
+    ours = record.outputs(mesh)[:, : mesh.size]
+    return float(np.abs(ours - record.contact).max() / np.abs(ours).max())
+
+
+def _work(power: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """Trapezoidal integral from the start [J]."""
+    return np.concatenate([[0.0], np.cumsum(np.diff(time) * (power[1:] + power[:-1]) / 2)])
