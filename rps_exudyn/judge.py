@@ -15,11 +15,10 @@ from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.record import Record, contact_disagreement
 from rps_exudyn.solve import Outcome
 
-ENERGY_BOUND = 5e-3  # of the drive's work
+ENERGY_BOUND = 5e-3  # of the drive's work ...
+MISSED_TORQUE = 1e-3  # ... or what a torque that small would do: a gear without friction takes no work [N m]
 AGREEMENT_BOUND = 1e-6  # of Exudyn's contact forces with the compiled samples; 1e-9 is usual
-DEEPEST = (
-    0.5 * SPHERE_RADIUS
-)  # penetration allowed [m]: a sphere deeper than its radius passes through unnoticed
+DEEPEST = 0.5 * SPHERE_RADIUS  # allowed [m]: a sphere deeper than its radius passes through unnoticed
 
 
 def judged(
@@ -37,7 +36,7 @@ def judged(
         teeth_loaded(signals),
         contact_valid(signals),
         contact_agreed(contact_disagreement(record)),
-        work_balanced(summary["energy_residual"]),
+        work_balanced(summary["energy_residual"], summary["torque_mean"]),
     )
     for check in checks:
         for status, message in check:
@@ -90,8 +89,9 @@ def contact_agreed(disagreement: float) -> Failure:
         )
 
 
-def work_balanced(residual: float) -> Failure:
-    if not abs(residual) <= ENERGY_BOUND:
+def work_balanced(residual: float, torque: float) -> Failure:
+    """The work that is missing, as a share of that of the drive at its mean torque [N m], is small."""
+    if not abs(residual * torque) <= max(ENERGY_BOUND * abs(torque), MISSED_TORQUE):
         yield Status.INVALID, f"the work balance misses {residual:.2%}, allowed are {ENERGY_BOUND:.1%}"
 
 

@@ -28,7 +28,7 @@ def test_sound_signals_pass(signals: dict[str, np.ndarray]) -> None:
     assert not list(judge.teeth_loaded(signals))
     assert not list(judge.contact_valid(signals))
     assert not list(judge.contact_agreed(1e-9))
-    assert not list(judge.work_balanced(1e-4))
+    assert not list(judge.work_balanced(1e-4, 0.6))
 
 
 def test_not_a_number(signals: dict[str, np.ndarray]) -> None:
@@ -60,8 +60,12 @@ def test_sphere_deeper_than_the_contact_allows(signals: dict[str, np.ndarray]) -
 
 @pytest.mark.parametrize("residual", [0.02, -0.02, float("nan")])
 def test_work_that_does_not_add_up(residual: float) -> None:
-    ((status, _),) = judge.work_balanced(residual)
+    ((status, _),) = judge.work_balanced(residual, 0.6)
     assert status is Status.INVALID
+
+
+def test_a_gear_without_friction_may_miss_a_large_share_of_nothing() -> None:
+    assert not list(judge.work_balanced(-0.3, 1e-4))
 
 
 @pytest.mark.parametrize("disagreement", [0.5, float("nan")])
