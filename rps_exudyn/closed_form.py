@@ -1,11 +1,11 @@
 """Mean torques of the steering gear by formula: no angle, no ripple, no dynamics.
 
 A rack pressed by P into the mesh rests on both flanks of the teeth, N_1 + N_2 ~ P / sin(alpha_n). Rubbing
-costs mu N |v_s|, with the sliding speed over the pinion speed as the friction's lever (`GearPair.friction_lever`,
-the lever arm of crossed gears). Two levels:
+costs mu N |v_s|, with the sliding speed over the pinion speed as the friction's lever
+(`GearPair.friction_lever`). Two levels, s' being the rack's travel per radian:
 
 `first_order_torque`  the sum of the losses, flanks equally loaded and friction small:
-    T_0 = mu P / sin(alpha_n) * mean lever + s' (D_bush + kappa mu_p P) + T_bearing,   s' = rack travel per radian
+    T_0 = mu P / sin(alpha_n) * mean lever + s' (D_bush + kappa mu_p P) + T_bearing
 `closed_form`         the rack's balance along X and Y with the mean forces of both flanks, friction included,
                       and the torque from the power they take; the means weighted as the contact law
                       shares the load along a line (derived here).
@@ -15,6 +15,7 @@ friction across the rack does to its guides is left out, as is the installation'
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -282,8 +283,8 @@ def _field_rule(pair: GearPair, side: int, n: int = 24) -> tuple[np.ndarray, np.
     x, w = np.polynomial.legendre.leggauss(n)
     q_0, q_a = pair.field
     ends = sorted({q_0, q_a, min(max(0.0, q_0), q_a)})
-    q = np.concatenate([(b + a) / 2 + (b - a) / 2 * x for a, b in zip(ends, ends[1:], strict=False)])
-    weight = np.concatenate([(b - a) / 2 * w for a, b in zip(ends, ends[1:], strict=False)])
+    q = np.concatenate([(b + a) / 2 + (b - a) / 2 * x for a, b in pairwise(ends)])
+    weight = np.concatenate([(b - a) / 2 * w for a, b in pairwise(ends)])
     height = pair.reference_radius + q * np.sin(pair.alpha_t) - pair.bar_axis_height
     chord = np.sqrt(np.maximum(pair.bar_radius**2 - height**2, 0.0))
     shift, cos_delta, b = q * _transverse(pair, side)[2], np.cos(pair.delta), pair.face_width

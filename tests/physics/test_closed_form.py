@@ -1,0 +1,140 @@
+"""The closed form against independent numbers, limits, and the laws of the load test.
+
+The reference torques are those of an independent quasi-static model of two gears (uniform load along the
+lines, 300 N, mu = 0.1, 20 N bush drag, 30 N mm bearing, plunger friction 0.1 in all): A with profile shift
+0.65, B all-recess. They know nothing of the bar's round surface, which shortens the face here: 0.5 %.
+"""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from rps_exudyn.closed_form import (
+    closed_form,
+    first_order_torque,
+    load_test,
+    mean_lever,
+    mean_state,
+    runout_harmonics,
+    seat_wedge_factor,
+    torque_per_preload,
+)
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters import SteeringGear
+
+PAPER = SteeringGear()
+FLAT = 0.1 / seat_wedge_factor(PAPER.yoke.seat_angle)  # plunger friction that makes kappa mu_p 0.1
+SET_B = PAPER.replace({"mesh.law": "line", "yoke.friction": FLAT})
+SET_A = SET_B.replace({"pinion.profile_shift": 0.65, "pinion.tip_diameter": "17.6 mm"})
+LOSSLESS = {"mesh.friction": 0.0, "yoke.friction": 0.0, "bush.drag": 0.0, "bearing.friction_torque": 0.0}
+
+
+@pytest.mark.parametrize(("gear", "torque", "lever"), [(SET_A, 0.5462, 2.699e-3), (SET_B, 0.5933, 3.229e-3)])
+def test_reference_torques(gear: SteeringGear, torque: float, lever: float) -> None:
+    assert closed_form(gear).free_torque == pytest.approx(torque, rel=5e-3)
+    assert first_order_torque(gear) == pytest.approx(torque, rel=5e-3)
+    assert mean_lever(GearPair.of(gear)) == pytest.approx(lever, rel=2e-4)  # four digits are given
+
+
+@pytest.mark.parametrize(
+    ("settings", "torque"), [({"mesh.friction": 0.0}, 0.3087), ({"yoke.preload": "150 N"}, 0.3441)]
+)
+def test_reference_sensitivities(settings: dict[str, object], torque: float) -> None:
+    assert closed_form(SET_A.replace(settings)).free_torque == pytest.approx(torque, rel=5e-3)
+
+
+def test_reference_normal_forces() -> None:
+    """455 and 425 N, given to the newton."""
+    state = closed_form(SET_A).forward
+    assert (state.normal_drive, state.normal_coast) == pytest.approx((455, 425), abs=1)
+
+
+def test_no_friction_no_torque_and_wedge_forces() -> None:
+    """Law: without losses T = 0 and N_1 = N_2 = P / (2 sin alpha_n)."""
+    state = closed_form(PAPER.replace(LOSSLESS)).forward
+    wedge = PAPER.yoke.preload / (2 * np.sin(PAPER.pinion.pressure_angle))
+    assert state.torque == pytest.approx(0, abs=1e-15)
+    assert (state.normal_drive, state.normal_coast) == pytest.approx((wedge, wedge), rel=1e-12)
+
+
+@pytest.mark.parametrize("law", ["area", "line"])
+@pytest.mark.parametrize("direction", [-1, 1])
+@pytest.mark.parametrize("load", [0.0, 300.0, 5000.0])
+def test_power_balance(law: str, direction: int, load: float) -> None:
+    """Law: what the pinion gives is the load's work and the losses; also with one flank lifted."""
+    gear = PAPER.replace({"mesh.law": law})
+    state = mean_state(gear, direction, load)
+    work = load * GearPair.of(gear).gain
+    assert state.torque - work == pytest.approx(direction * state.losses, rel=1e-9)
+
+
+def test_linear_in_preload_and_nearly_in_friction() -> None:
+    """T_0 is affine in P exactly; in mu up to the friction's own part in the balance, 1 % up to 0.2."""
+    torque = [closed_form(PAPER.replace({"yoke.preload": p})).free_torque for p in (200.0, 400.0, 600.0)]
+    assert torque[2] - torque[1] == pytest.approx(torque[1] - torque[0], rel=1e-9)
+    mesh = [closed_form(PAPER.replace({"mesh.friction": mu})).forward.mesh_loss for mu in (0.05, 0.2)]
+    assert mesh[1] / 0.2 == pytest.approx(mesh[0] / 0.05, rel=1e-2)
+
+
+def test_direction_does_not_matter_without_load() -> None:
+    c = closed_form(PAPER)
+    assert c.backward.torque == pytest.approx(-c.forward.torque, rel=1e-12)
+
+
+@pytest.mark.parametrize("law", ["area", "line"])
+def test_load_test_sum_and_difference(law: str) -> None:
+    """Law: while both flanks touch, half the sum is the ideal torque and half the difference T_0.
+
+    Up to the part of the friction that grows with the load: second order in mu, some 1.3 %.
+    """
+    test = load_test(PAPER.replace({"mesh.law": law}), 10.0)
+    assert test.half_sum == pytest.approx(test.ideal_torque, rel=2e-2)
+    assert test.half_difference == pytest.approx(test.free_torque, rel=2e-2)
+    assert test.efficiency_forward == pytest.approx(1 / (1 + test.free_torque / test.ideal_torque), rel=2e-2)
+    assert test.efficiency_forward_net == pytest.approx(1, abs=5e-2)
+
+
+def test_one_flank_lifts_above_the_unloading_force() -> None:
+    """There the coast flanks carry nothing; without friction at P cot(alpha_n) cos(beta_r) - D."""
+    c = closed_form(PAPER)
+    assert mean_state(PAPER, 1, c.unloading_force).normal_coast == pytest.approx(0, abs=1e-9)
+    assert mean_state(PAPER, 1, 0.99 * c.unloading_force).normal_coast > 0
+    above = mean_state(PAPER, 1, 1.5 * c.unloading_force)
+    assert above.normal_coast == 0
+    assert above.plunger_force > PAPER.yoke.preload
+    pair, yoke = GearPair.of(PAPER), PAPER.yoke
+    lossless = PAPER.replace({**LOSSLESS, "bush.drag": 20.0})
+    expected = yoke.preload / np.tan(pair.alpha_n) * np.cos(pair.beta_r) - 20.0
+    assert closed_form(lossless).unloading_force == pytest.approx(expected, rel=1e-12)
+
+
+def test_parallel_axes_take_the_limit() -> None:
+    """Rack angle = helix angle, all recess: the lever is |q|, its mean q_a / 2, and nothing is singular."""
+    parallel = PAPER.replace({"pinion.helix_angle": "10 deg", "pinion.tip_diameter": "18 mm"})
+    pair = GearPair.of(parallel)
+    assert pair.field[0] == 0
+    assert mean_lever(pair) == pytest.approx(pair.field[1] / 2, rel=1e-12)
+    nearly = PAPER.replace({"pinion.helix_angle": "10.001 deg", "pinion.tip_diameter": "18 mm"})
+    assert closed_form(parallel).free_torque == pytest.approx(closed_form(nearly).free_torque, rel=1e-4)
+
+
+def test_runout_is_conservative_apart_from_friction() -> None:
+    """Law: without losses the once-per-revolution torque is -P e sin(phi), whose mean is zero."""
+    gear = PAPER.replace({**LOSSLESS, "pinion.runout": "40 um"})
+    assert runout_harmonics(gear) == pytest.approx((0, -300 * 40e-6), abs=1e-12)
+    stiff = PAPER.replace({"pinion.runout": "40 um", "yoke.spring_rate": 1e6})
+    soft = stiff.replace({"yoke.spring_rate": 0.0})
+    rise = runout_harmonics(stiff)[0] - runout_harmonics(soft)[0]
+    assert rise == pytest.approx(torque_per_preload(PAPER) * 1e6 * 40e-6, rel=1e-12)
+
+
+def test_seat_wedge_factor() -> None:
+    """A flat seat has none; a half cylinder 4 / pi."""
+    assert seat_wedge_factor(1e-4) == pytest.approx(1, abs=1e-8)
+    assert seat_wedge_factor(np.pi / 2) == pytest.approx(4 / np.pi, rel=1e-12)
+
+
+def test_results_are_plain_numbers() -> None:
+    for value in dataclasses.asdict(closed_form(PAPER).forward).values():
+        assert type(value) is float

@@ -1,0 +1,339 @@
+"""The flank contact against mechanics, symmetry, and two slower ways to the same integral.
+
+Poses are near the aligned one, pressed by 10 um, with the rack turned by up to 1 mrad: what the teeth see
+in use. Where two evaluators are compared, the tolerance is 1e-4 of the sum of normal forces (times the base
+radius for moments), the accuracy that the kernel promises.
+"""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.mesh_contact.flank_contact import flank_contact, flank_lines
+from rps_exudyn.mesh_contact.flank_data import pack, pack_generators
+from rps_exudyn.mesh_contact.flank_jacobian import flank_jacobian
+from rps_exudyn.mesh_contact.flank_quadrature import flank_quadrature
+from rps_exudyn.mesh_contact.flank_rows import ROW, ContactLine
+from rps_exudyn.mesh_contact.wrench import (
+    DAMPING_POWER,
+    ELASTIC_ENERGY,
+    FORCE,
+    FRICTION_POWER,
+    MOMENT,
+    NORMAL_COAST,
+    NORMAL_DRIVE,
+    TORQUE,
+)
+from rps_exudyn.parameters import SteeringGear
+
+PAPER = SteeringGear()
+ZONE = 1e-5  # [m/s], far below all sliding here
+ANGLES = np.linspace(0, 1.0, 9)  # one tooth pitch is 2 pi / 6
+POSES: dict[str, dict[str, Any]] = {
+    "aligned": {},
+    "rolled": {"turn": (1e-3, 0, 0)},
+    "skewed": {"turn": (2e-4, 3e-4, -2e-4), "press": 12e-6},
+}
+
+
+def state(gear: SteeringGear, angle: float, press: float = 10e-6, turn: tuple[float, ...] = (0, 0, 0)) -> Any:
+    """A kernel's arguments at steering angle `angle`: the rack where it belongs, pressed and turned."""
+    pair = GearPair.of(gear)
+    rotation = Rotation.from_rotvec(turn).as_matrix()
+    to_mesh = np.array([0, pair.reference_radius - pair.bar_axis_height, 0])
+    position = np.array([pair.gain * angle, pair.bar_axis_height - press, 0]) + to_mesh - rotation @ to_mesh
+    return -angle, -1.0, position, rotation, np.array([pair.gain, 0, 0]), np.zeros(3)
+
+
+def changed(**settings: object) -> SteeringGear:
+    return PAPER.replace({path.replace("__", "."): value for path, value in settings.items()})
+
+
+def difference(a: np.ndarray, b: np.ndarray, gear: SteeringGear) -> float:
+    """Largest difference of torque, force and moment over the sum of normal forces (and base radius)."""
+    normal = b[NORMAL_DRIVE] + b[NORMAL_COAST]
+    lengths = np.array([1, 0, 0, 0, 1, 1, 1]) * GearPair.of(gear).base_radius
+    return float(np.max(np.abs(a - b)[:7] / (normal * np.where(lengths > 0, lengths, 1.0))))
+
+
+# --- three ways to one integral ----------------------------------------------------------------
+@pytest.mark.parametrize("pose", POSES)
+def test_strip_agrees_with_fine_quadrature(pose: str) -> None:
+    """Six stations per segment: 1e-4; the three of the default: 4e-4 at the worst angle of a rolled rack."""
+    fast, fine, reference = (
+        pack(PAPER, zone=ZONE),
+        pack(PAPER, zone=ZONE, along=6, across=3),
+        pack_generators(PAPER, zone=ZONE),
+    )
+    for angle in ANGLES:
+        args = state(PAPER, angle, **POSES[pose])
+        expected = flank_quadrature(*args, reference)
+        assert difference(flank_contact(*args, fine), expected, PAPER) < 1e-4
+        assert difference(flank_contact(*args, fast), expected, PAPER) < 4e-4
+
+
+@pytest.mark.parametrize("pose", POSES)
+def test_quadrature_agrees_with_points_on_the_flanks(pose: str) -> None:
+    """900 000 points per flank, each an independent spring with its own exact position and normal."""
+    args = state(PAPER, 0.31, **POSES[pose])
+    assert (
+        difference(flank_quadrature(*args, pack_generators(PAPER, zone=ZONE)), by_points(PAPER, *args), PAPER)
+        < 1.5e-4
+    )
+
+
+@pytest.mark.parametrize(
+    ("settings", "tolerance"),
+    [
+        ({"pinion__tip_relief": "20 um"}, 3e-4),
+        ({"pinion__profile_slope": "5 um"}, 3e-4),
+        ({"pinion__pitch_error": "3 um"}, 3e-4),
+        ({"mesh__damping": "1e-3 s"}, 3e-4),
+        ({"rack__reference_height": "10 mm"}, 1e-3),  # the bar's surface cuts most of the teeth away
+        ({"pinion__helix_angle": 0.0, "rack__tooth_angle": 0.0}, 5e-4),
+        (
+            {"pinion__profile_shift": 0.65, "pinion__tip_diameter": "17.6 mm"},
+            2e-3,
+        ),  # strips at the form circle
+        ({"pinion__crowning": "5 um"}, 5e-3),  # a kink between stations at one angle
+    ],
+)
+def test_strip_agrees_with_fine_quadrature_for_other_gears(
+    settings: dict[str, object], tolerance: float
+) -> None:
+    gear = changed(**settings)
+    fast, reference = pack(gear, zone=ZONE), pack_generators(gear, zone=ZONE)
+    for angle in ANGLES[::2]:
+        args = state(gear, angle, press=12e-6)
+        expected = flank_quadrature(*args, reference)
+        assert difference(flank_contact(*args, fast), expected, gear) < tolerance
+
+
+def by_points(gear: SteeringGear, *args: Any, shape: tuple[int, int] = (3000, 300)) -> np.ndarray:
+    """The wrench by brute force: midpoints of equal cells of tangent length and Z on every flank."""
+    angle, rate, position, rotation, velocity, spin = args
+    pair, mesh, out = GearPair.of(gear), gear.mesh, np.zeros(14)
+    cos, sin = np.cos(angle), np.sin(angle)
+    frame = pair.pinion_frame @ np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
+    k, axis = pair.pinion_frame[:, 2], pair.pinion_origin
+    for side in (-1, 1):
+        normal = rotation @ pair.rack_flank_normal(side)
+        offset = pair.normal_base_pitch / 4 + np.sin(pair.alpha_n) * pair.reference_height
+        for tooth in range(pair.teeth):
+            flank = Flank(pair, tooth, side)
+            q_0, q_a = flank.form_tangent_length, flank.tip_tangent_length
+            dq, dz = (q_a - q_0) / shape[0], pair.face_width / shape[1]
+            q = (q_0 + dq * (np.arange(shape[0]) + 0.5))[:, None]
+            z = (-pair.face_width / 2 + dz * (np.arange(shape[1]) + 0.5))[None]
+            psi = flank.generator(q, z)
+            facing = flank.normal(psi) @ frame.T @ normal < -0.9
+            if not facing.any():
+                continue
+            points = axis + flank.point(psi, z)[facing] @ frame.T
+            area = (
+                np.broadcast_to(flank.area_element(psi, z), facing.shape)[facing] * dq / pair.base_radius * dz
+            )
+            in_rack = (points - position) @ rotation
+            depth = offset - in_rack @ pair.rack_flank_normal(side)
+            depth -= pair.normal_base_pitch * np.round(depth / pair.normal_base_pitch)
+            meets = (
+                (depth > 0) & (depth < 1e-4) & (in_rack[:, 1] > -pair.reference_height - pair.rack_addendum)
+            )
+            meets &= np.hypot(in_rack[:, 1], in_rack[:, 2]) < pair.bar_radius
+            x, depth, area = points[meets], depth[meets], area[meets]
+            slip = velocity + np.cross(spin, x - position) - rate * np.cross(k, x - axis)
+            approach = slip @ normal
+            load = np.maximum(mesh.stiffness * (depth + mesh.damping * approach), 0) * area
+            slip -= approach[:, None] * normal
+            drag = mesh.friction * load / np.maximum(np.linalg.norm(slip, axis=1), ZONE)
+            forces = -load[:, None] * normal - drag[:, None] * slip
+            out[FORCE] += forces.sum(axis=0)
+            out[MOMENT] += np.cross(x - position, forces).sum(axis=0)
+            out[TORQUE] -= np.cross(x - axis, forces).sum(axis=0) @ k
+            out[NORMAL_DRIVE if side < 0 else NORMAL_COAST] += load.sum()
+    return out
+
+
+# --- mechanics -----------------------------------------------------------------------------------
+@pytest.mark.parametrize(("law", "tolerance"), [("area", 1e-4), ("line", 1e-2)])
+def test_power_of_all_forces_is_stored_or_dissipated(law: str, tolerance: float) -> None:
+    """Law: the power of the forces on both bodies is minus (friction + damping + d energy / dt).
+
+    Central differences over 2e-5 s, bodies moving arbitrarily. Where material leaves the contact at an edge
+    of the rack, what it stored is lost; so the gear here has only edges of the pinion. The line law loses
+    energy at those too, since its line wanders over the flank: 0.5 % here.
+    """
+    gear = inner_contact(law)
+    data = pack(gear, zone=ZONE, along=8, across=4)
+    a, w, p, r, v, s = state(gear, 0.2, turn=(2e-4, 0, 1e-4))
+    v, s = v + np.array([1e-4, -2e-4, 3e-4]), np.array([0.01, -0.02, 0.015])
+
+    def at(time: float) -> np.ndarray:
+        turned = Rotation.from_rotvec(s * time).as_matrix() @ r
+        return flank_contact(a + w * time, w, p + v * time, turned, v, s, data)
+
+    out, dt = at(0.0), 1e-5
+    stored = (at(dt)[ELASTIC_ENERGY] - at(-dt)[ELASTIC_ENERGY]) / (2 * dt)
+    power = out[TORQUE] * w + out[FORCE] @ v + out[MOMENT] @ s
+    assert power == pytest.approx(-(out[FRICTION_POWER] + out[DAMPING_POWER] + stored), rel=tolerance)
+
+
+def inner_contact(law: str = "area", **more: object) -> SteeringGear:
+    """Narrow pinion in a wide rack with high teeth: only the pinion's own limits end the contact."""
+    return changed(
+        mesh__law=law,
+        pinion__face_width="6 mm",
+        rack__bar_diameter="30 mm",
+        bush__inner_diameter="31 mm",
+        bush__outer_diameter="36 mm",
+        basic_rack__addendum=1.3,
+        yoke__plunger_diameter="34 mm",
+        **more,
+    )
+
+
+def test_frictionless_force_is_minus_the_gradient_of_the_energy() -> None:
+    """Law: virtual work. Central differences of the energy over 2e-8 m (2e-6 rad); gear as above."""
+    gear = inner_contact(mesh__friction=0.0)
+    data = pack(gear, along=8, across=4)
+    a, w, p, r, v, s = state(gear, 0.2, turn=(2e-4, 0, 1e-4))
+    out = flank_contact(a, w, p, r, v, s, data)
+    normal = out[NORMAL_DRIVE] + out[NORMAL_COAST]
+
+    def energy(angle: float, shift: np.ndarray, turn: np.ndarray) -> float:
+        turned = Rotation.from_rotvec(turn).as_matrix() @ r
+        return float(flank_contact(a + angle, w, p + shift, turned, v, s, data)[ELASTIC_ENERGY])
+
+    none = np.zeros(3)
+    gradient = [(energy(1e-6, none, none) - energy(-1e-6, none, none)) / 2e-6]
+    gradient += [(energy(0, 1e-8 * e, none) - energy(0, -1e-8 * e, none)) / 2e-8 for e in np.eye(3)]
+    gradient += [(energy(0, none, 1e-6 * e) - energy(0, none, -1e-6 * e)) / 2e-6 for e in np.eye(3)]
+    scale = normal * np.array([6e-3, 1, 1, 1, 1e-2, 1e-2, 1e-2])
+    np.testing.assert_allclose(out[:7] / scale, -np.array(gradient) / scale, atol=1e-4)
+
+
+def test_moment_and_force_balance_between_the_bodies() -> None:
+    """Law: a common rigid motion of pinion and rack takes no power. Rounding only."""
+    pair = GearPair.of(PAPER)
+    a, w, p, r, _, _ = state(PAPER, 0.37, turn=(5e-4, 2e-4, 0))
+    k = pair.pinion_frame[:, 2]
+    rotates_together = flank_contact(a, w, p, r, np.cross(w * k, p), w * k, pack(PAPER, zone=ZONE))
+    power = rotates_together[TORQUE] * w + rotates_together[FORCE] @ np.cross(w * k, p)
+    power += rotates_together[MOMENT] @ (w * k)
+    assert abs(power) < 1e-12
+    assert rotates_together[FRICTION_POWER] == pytest.approx(0, abs=1e-12)
+
+
+def test_friction_is_linear_in_the_zone_and_coulomb_outside() -> None:
+    """Law: force = mu N v / max(v, zone). The whole field slides faster than 1e-5 and slower than 1 m/s."""
+    args = state(PAPER, 0.2)
+    coulomb, viscous = (
+        flank_contact(*args, pack(PAPER, zone=1e-5)),
+        flank_contact(*args, pack(PAPER, zone=1.0)),
+    )
+    softer = flank_contact(*args, pack(PAPER, zone=2.0))
+    no_friction = flank_contact(*args, pack(changed(mesh__friction=0.0)))
+    assert coulomb[FRICTION_POWER] > 50 * viscous[FRICTION_POWER]
+    np.testing.assert_allclose(
+        viscous[:7] - no_friction[:7], 2 * (softer - no_friction)[:7], rtol=1e-9, atol=1e-12
+    )
+
+
+def test_damping_never_pulls() -> None:
+    """Law: pressure >= 0. Parting at 1 m/s with a long damping time leaves no force."""
+    gear = changed(mesh__damping="1e-3 s")
+    a, w, p, r, v, s = state(gear, 0.2)
+    out = flank_contact(a, w, p, r, v + np.array([0, 1.0, 0]), s, pack(gear))
+    assert out[NORMAL_DRIVE] == out[NORMAL_COAST] == 0
+
+
+def test_out_of_mesh_is_no_contact() -> None:
+    a, w, p, r, v, s = state(PAPER, 0.2)
+    assert not flank_contact(a, w, p + np.array([0, 0.02, 0]), r, v, s, pack(PAPER)).any()
+
+
+# --- symmetry ------------------------------------------------------------------------------------
+def test_tooth_numbers_do_not_matter() -> None:
+    """Law: one pinion tooth and one rack pitch further on everything repeats. Rounding of angle and place."""
+    pair, data = GearPair.of(PAPER), pack(PAPER, zone=ZONE)
+    a, w, p, r, v, s = state(PAPER, 0.2, turn=(5e-4, 0, 0))
+    here = flank_contact(a, w, p, r, v, s, data)
+    teeth, shift = 5 * 2 * np.pi / pair.teeth, 5 * pair.rack_pitch * r[:, 0]
+    there = flank_contact(a - teeth, w, p + shift, r, v, s, data)
+    there[MOMENT] += np.cross(shift, there[FORCE])
+    assert difference(there, here, PAPER) < 1e-8
+
+
+def test_mirrored_gear_mirrors_the_forces() -> None:
+    """Law: with both helix angles reversed and the state mirrored in Z, forces and torque are mirrored."""
+    mirrored = changed(pinion__helix_angle="-25 deg", rack__tooth_angle="-10 deg")
+    mirror = np.diag([1.0, 1.0, -1.0])
+    a, w, p, r, v, s = state(PAPER, 0.2, turn=(5e-4, 2e-4, 0))
+    p = p + np.array([0, 0, 1e-4])
+    out = flank_contact(a, w, p, r, v, s, pack(PAPER, zone=ZONE))
+    image = flank_contact(
+        a, w, mirror @ p, mirror @ r @ mirror, mirror @ v, -mirror @ s, pack(mirrored, zone=ZONE)
+    )
+    image[FORCE], image[MOMENT] = mirror @ image[FORCE], -mirror @ image[MOMENT]
+    assert difference(image, out, PAPER) < 1e-8
+
+
+def test_reversed_motion_reverses_friction_only() -> None:
+    """Law: Coulomb friction is odd in the motion; normal forces do not depend on it."""
+    a, w, p, r, v, s = state(PAPER, 0.2)
+    data, free = pack(PAPER, zone=ZONE), pack(changed(mesh__friction=0.0))
+    forward, backward = flank_contact(a, w, p, r, v, s, data), flank_contact(a, -w, p, r, -v, s, data)
+    np.testing.assert_allclose(
+        (forward + backward)[:7] / 2, flank_contact(a, w, p, r, v, s, free)[:7], atol=1e-9
+    )
+
+
+# --- other views ----------------------------------------------------------------------------------
+def test_jacobian_agrees_with_central_differences() -> None:
+    """Forward differences over 1e-9 m against central ones over 2e-8 m: 1 % of the largest entry in a row."""
+    data = pack(PAPER, zone=ZONE, along=6)
+    a, w, p, r, v, s = state(PAPER, 0.2, turn=(5e-4, 0, 0))
+    jacobian, wrench = flank_jacobian(a, w, p, r, v, s, data)
+    np.testing.assert_array_equal(wrench, flank_contact(a, w, p, r, v, s, data))
+    for i, e in enumerate(np.eye(7)):
+        h = 1e-8 if 1 <= i <= 3 else 1e-6
+
+        def moved(step: float, e: np.ndarray = e) -> np.ndarray:
+            turned = Rotation.from_rotvec(step * e[4:]).as_matrix() @ r
+            return flank_contact(a + step * e[0], w, p + step * e[1:4], turned, v, s, data)[:7]
+
+        column = (moved(h) - moved(-h)) / (2 * h)
+        assert np.max(np.abs(jacobian[:, i] - column)) < 0.01 * np.max(np.abs(column))
+
+
+def test_single_lines_add_up() -> None:
+    """The lines' forces add up to the sums, and none is longer than the face allows."""
+    rows = np.zeros((8, ROW))
+    out = flank_lines(*state(PAPER, 0.2), pack(PAPER), rows)
+    lines = [ContactLine.of(row) for row in rows if row[0]]
+    assert sum(line.normal_force for line in lines) == pytest.approx(out[NORMAL_DRIVE] + out[NORMAL_COAST])
+    pair = GearPair.of(PAPER)
+    assert all(0 < line.length < pair.face_width / np.cos(pair.beta_b) for line in lines)
+    assert {line.side for line in lines} == {-1, 1}
+
+
+def test_eccentric_gear_carries_the_rack_along() -> None:
+    """With the rack displaced as far as the gear centre, (e sin phi cos beta_p / cos beta_r, e cos phi), the
+    normal forces are those of the gear without runout; second order in e is 1e-5 of the module."""
+    e, angle = 40e-6, 0.7
+    gear = changed(pinion__runout=e)
+    pair = GearPair.of(gear)
+    a, w, p, r, v, s = state(gear, angle)
+    along = e * np.sin(angle) * np.cos(pair.beta_p) / np.cos(pair.beta_r)
+    moved = p + np.array([along, e * np.cos(angle), 0])
+    plain, out = (
+        flank_contact(*state(PAPER, angle), pack(PAPER)),
+        flank_contact(a, w, moved, r, v, s, pack(gear)),
+    )
+    np.testing.assert_allclose(
+        out[[NORMAL_DRIVE, NORMAL_COAST]], plain[[NORMAL_DRIVE, NORMAL_COAST]], rtol=2e-2
+    )
