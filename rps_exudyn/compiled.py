@@ -43,7 +43,7 @@ numba.config.CACHE_DIR = str(_cache_root() / _fingerprint())
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function of floats and arrays; division by zero gives inf or nan, as in numpy."""
-    return numba.njit(function, cache=True, error_model="numpy")  # type: ignore[no-any-return]
+    return numba.njit(function, cache=True, error_model="numpy")
 
 
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -51,10 +51,10 @@ def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
 
     Multiply-adds may be fused, which rounds once instead of twice.
     """
-    return numba.njit(function, cache=True, error_model="numpy", forceinline=True, fastmath={"contract"})  # type: ignore[no-any-return]
+    return numba.njit(function, cache=True, error_model="numpy", forceinline=True, fastmath={"contract"})
 
 
-class _FingerprintedCache(FunctionCache):  # type: ignore[misc]
+class _FingerprintedCache(FunctionCache):
     """numba's cache without the closure in its key: that key is new in every process when the closure holds
     other kernels. What it guards against, changed sources, the folder's fingerprint covers."""
 
@@ -71,4 +71,4 @@ def kernel_over(function: Callable[..., Any], *kernels: Callable[..., Any]) -> C
     function.__name__ = function.__qualname__ = name
     compiled = numba.njit(function, error_model="numpy")
     compiled._cache = _FingerprintedCache(function)
-    return compiled  # type: ignore[no-any-return]
+    return compiled

@@ -1,4 +1,4 @@
-"""All force elements of a gear, for one way of modelling it: what `statics` balances and `model` integrates."""
+"""All force elements of a gear, as modelled: what `statics` balances and `model` integrates."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +10,7 @@ from rps_exudyn.gear_kernel import GearData, Kernel, chain_gear_force, gear_forc
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.flank_element import flank_element
 from rps_exudyn.mesh_contact.general_contact import contact_data
+from rps_exudyn.mesh_contact.ratio import ratio_element, ratio_element_with_loss
 from rps_exudyn.mesh_contact.sampled_contact import sampled_element
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts import pinion, plunger, sliding_fit
@@ -56,7 +57,10 @@ class GearForces:
 
 
 def gear_forces(gear: SteeringGear, fidelity: Fidelity) -> GearForces:
-    """Set up the force laws; the yoke is adjusted so that the preload acts at rest on a gear without runout."""
+    """Set up the force laws.
+
+    The yoke is adjusted so that the preload acts at rest on a gear without runout.
+    """
     pair = GearPair.of(gear)
     zone = fidelity.zone_ratio * least_sliding(pair) * gear.test.speed
     mesh = mesh_element(gear, fidelity, zone)
@@ -89,6 +93,10 @@ def mesh_element(gear: SteeringGear, fidelity: Fidelity, zone: float) -> ForceEl
     """The contact of the teeth; for general contact its compiled samples."""
     if fidelity.mesh == "flank":
         return flank_element(gear, friction_zone=zone)
+    if fidelity.mesh == "ratio":
+        return ratio_element(gear)
+    if fidelity.mesh == "ratio-with-loss":
+        return ratio_element_with_loss(gear)
     return sampled_element(
         contact_data(gear, profile=fidelity.profile_samples, axial=fidelity.axial_samples, friction_zone=zone)
     )

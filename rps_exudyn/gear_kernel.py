@@ -61,9 +61,7 @@ def chain_gear_force(mesh_force: Kernel) -> Kernel:
         total = np.zeros(14)
         total[0:7] += mesh_force(q[0:7], v[0:7], data.mesh)[0:7]
         total[1:8] += seat_force(q[1:8], v[1:8], data.seat)[0:7]
-        fit = fit_force(
-            np.concatenate((q[8:14], q[1:7])), np.concatenate((v[8:14], v[1:7])), data.fit
-        )
+        fit = fit_force(np.concatenate((q[8:14], q[1:7])), np.concatenate((v[8:14], v[1:7])), data.fit)
         total[8:14] += fit[0:6]
         total[1:7] += fit[6:12]
         total[7] += spring_force(q[7:8], v[7:8], data.spring)[0] + nut_force(q[7:8], v[7:8], data.nut)[0]

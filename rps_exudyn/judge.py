@@ -9,16 +9,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from rps_exudyn.mesh_contact.general_contact import SPHERE_RADIUS
 from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parts.force_element import ForceElement
+from rps_exudyn.quantities import SIGNALS
 from rps_exudyn.record import Record, contact_disagreement
 from rps_exudyn.solve import Outcome
 
 ENERGY_BOUND = 5e-3  # of the drive's work ...
 MISSED_TORQUE = 1e-3  # ... or what a torque that small would do: a gear without friction takes no work [N m]
 AGREEMENT_BOUND = 1e-6  # of Exudyn's contact forces with the compiled samples; 1e-9 is usual
-DEEPEST = 0.5 * SPHERE_RADIUS  # allowed [m]: a sphere deeper than its radius passes through unnoticed
 
 
 def judged(
@@ -34,7 +34,7 @@ def judged(
         finite(signals),
         rack_in_mesh(signals, in_mesh),
         teeth_loaded(signals),
-        contact_valid(signals),
+        *(law_valid(element, signals) for element in record.elements),
         contact_agreed(contact_disagreement(record)),
         work_balanced(summary["energy_residual"], summary["torque_mean"]),
     )
@@ -65,19 +65,22 @@ def rack_in_mesh(signals: dict[str, np.ndarray], allowed: float) -> Failure:
 
 
 def teeth_loaded(signals: dict[str, np.ndarray]) -> Failure:
-    free = signals["mesh_normal_force"] <= 0
+    free = signals.get("mesh_normal_force", np.ones(1)) <= 0
     if free.any():
         yield Status.CONTACT_LOST, f"the teeth carry no load, first at {_first(signals, free)}"
 
 
-def contact_valid(signals: dict[str, np.ndarray]) -> Failure:
-    deep = signals["mesh_penetration"]
-    if (deep > DEEPEST).any():
-        yield (
-            Status.INVALID,
-            f"the teeth penetrate {1e6 * deep.max():.4g} um, first above the contact's "
-            f"{1e6 * DEEPEST:.4g} um at {_first(signals, deep > DEEPEST)}",
-        )
+def law_valid(element: ForceElement, signals: dict[str, np.ndarray]) -> Failure:
+    """No force element beyond the range in which its law holds."""
+    for name, bound in element.valid_to.items():
+        beyond = signals[name] > bound
+        if beyond.any():
+            quantity = SIGNALS[name]
+            yield (
+                Status.INVALID,
+                f"{name} is {quantity.show(signals[name].max())}, first above the {quantity.show(bound)} to which "
+                f"the contact's law holds at {_first(signals, beyond)}",
+            )
 
 
 def contact_agreed(disagreement: float) -> Failure:

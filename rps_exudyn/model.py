@@ -30,7 +30,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.general_contact import GeneralContacts, add_general_contacts, add_tangent
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.bush import add_chain, resting_segments
-from rps_exudyn.parts.force_element import COORDINATES, ForceElement, add_forces
+from rps_exudyn.parts.force_element import COORDINATES, add_forces
 from rps_exudyn.parts.motion import rotation_matrix, spin_map
 from rps_exudyn.statics import EquilibriumPath, equilibrium_path
 

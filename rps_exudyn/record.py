@@ -54,7 +54,9 @@ class Record:
         A solver that had to reduce its step does not meet given times any more.
         """
         kept = self.time >= self.time[self.time <= time].max(initial=-np.inf)
-        rows = {name: getattr(self, name)[kept] for name in ("time", "coordinates", "rates", "drive", "energy")}
+        rows = {
+            name: getattr(self, name)[kept] for name in ("time", "coordinates", "rates", "drive", "energy")
+        }
         return replace(self, **rows, contact=None if self.contact is None else self.contact[kept])
 
     def of(self, body: str) -> np.ndarray:

@@ -56,7 +56,6 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
     """
     import exudyn as exu
 
-    settings = _settings(plan)
     start = process_time()
     message = ""
     try:
@@ -71,7 +70,10 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
     if not np.isfinite(state).all():
         status, message = Status.DIVERGED, f"the state is not finite at {reached:.6g} s"
     elif np.abs(state).max() > LARGEST_STATE:
-        status, message = Status.DIVERGED, f"a coordinate or rate is {np.abs(state).max():.3g} at {reached:.6g} s"
+        status, message = (
+            Status.DIVERGED,
+            f"a coordinate or rate is {np.abs(state).max():.3g} at {reached:.6g} s",
+        )
     elif not finished:
         status = Status.NO_CONVERGENCE
         message = f"no step down to {plan.minimum_step:g} s converged at {reached:.6g} s; {message}"

@@ -14,6 +14,9 @@ from rps_exudyn.parts.force_element import ForceElement
 from rps_exudyn.parts.motion import rotation_matrix, spin_map, times
 
 
+DEEPEST = 0.1e-3  # penetration [m]: the strip's half width is then a sixth of the radius of curvature
+
+
 class FlankContactData(NamedTuple):
     """A gear as the flank contact kernel knows it."""
 
@@ -36,4 +39,6 @@ def flank_element(gear: SteeringGear, *, friction_zone: float) -> ForceElement:
     """Contact of the pinion's helicoids with the rack's planes."""
     reference = np.array([0.0, GearPair.of(gear).bar_axis_height, 0.0])
     data = FlankContactData(pack(gear, zone=friction_zone), reference)
-    return ForceElement("mesh", ("pinion", "rack"), flank_force, data, MESH_OUTPUTS)
+    return ForceElement(
+        "mesh", ("pinion", "rack"), flank_force, data, MESH_OUTPUTS, {"mesh_penetration": DEEPEST}
+    )

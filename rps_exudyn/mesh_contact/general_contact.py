@@ -32,15 +32,15 @@ if TYPE_CHECKING:
 
 CHORD_ERROR = 0.1e-6  # of the pinion's mesh [m]
 SIDES = (-1, +1)  # drive, coast
-SPHERE_RADIUS = 0.1e-3  # [m]; the torque's bias grows with it (-0.1 % per 0.1 mm), the deepest contact allowed too
+SPHERE_RADIUS = (
+    0.1e-3  # [m]; the torque's bias grows with it (-0.1 % per 0.1 mm), the deepest contact allowed too
+)
 RIGID_SIDE = 1e6  # stiffness of the triangles over that of all spheres: GeneralContact puts both in series
 FLANK_MARGIN = 1e-3  # by which a triangle is larger than its flank [m]
 GATE_MARGIN = np.deg2rad(25.0)  # beyond the angle at which a tooth space's flanks leave the rack
 
 
-def contact_data(
-    gear: SteeringGear, *, profile: int, axial: int, friction_zone: float
-) -> SampledContactData:
+def contact_data(gear: SteeringGear, *, profile: int, axial: int, friction_zone: float) -> SampledContactData:
     """Spheres on the triangulated flanks of all tooth spaces, and the planes they meet."""
     pair, form, bar = GearPair.of(gear), FlankForm.of(gear), RackBar.of(gear)
     mesh = pinion_mesh(pair, CHORD_ERROR, form)

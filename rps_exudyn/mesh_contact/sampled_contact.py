@@ -16,11 +16,12 @@ from rps_exudyn.parts.force_element import ForceElement
 from rps_exudyn.parts.motion import coulomb, cross, dot, rotation_matrix, spin_map, times
 
 
-
 class SampledContactData(NamedTuple):
     """Spheres of every tooth space's two flanks, and the planes they meet."""
 
-    centres: np.ndarray  # (z, 2, n, 3) by tooth space, drive and coast flank; pinion frame, pinion angle 0 [m]
+    centres: (
+        np.ndarray
+    )  # (z, 2, n, 3) by tooth space, drive and coast flank; pinion frame, pinion angle 0 [m]
     stiffness: np.ndarray  # (z, 2, n) [N/m]
     radius: float
     damping: float  # damping over stiffness [s]
@@ -102,8 +103,11 @@ def sampled_force(q, v, data):  # type: ignore[no-untyped-def]
 
 
 def sampled_element(data: SampledContactData) -> ForceElement:
-    """The contact as a force element."""
-    return ForceElement("mesh", ("pinion", "rack"), sampled_force, data, MESH_OUTPUTS)
+    """The contact as a force element, valid to half the spheres' radius: one deeper than its radius passes
+    through GeneralContact's triangles unnoticed."""
+    return ForceElement(
+        "mesh", ("pinion", "rack"), sampled_force, data, MESH_OUTPUTS, {"mesh_penetration": data.radius / 2}
+    )
 
 
 @kernel
@@ -124,6 +128,8 @@ def sampled_tangent(q, v, data, factor_q, factor_v):  # type: ignore[no-untyped-
             up, down = v.copy(), v.copy()
             up[j] += dv
             down[j] -= dv
-            column += factor_v * (sampled_force(q, up, data)[:7] - sampled_force(q, down, data)[:7]) / (2 * dv)
+            column += (
+                factor_v * (sampled_force(q, up, data)[:7] - sampled_force(q, down, data)[:7]) / (2 * dv)
+            )
         tangent[:, j] = column
     return tangent

@@ -225,7 +225,11 @@ def add_chain(
     housing = mbs.AddObject(ObjectGround())
 
     def marker(segment: int, x: float) -> Any:
-        body, place = (bodies[segment], [x - centres[segment], 0, 0]) if segment >= 0 else (housing, [x, axis_height, 0])
+        body, place = (
+            (bodies[segment], [x - centres[segment], 0, 0])
+            if segment >= 0
+            else (housing, [x, axis_height, 0])
+        )
         return mbs.AddMarker(MarkerBodyRigid(bodyNumber=body, localPosition=place))
 
     for connection in chain.connections:

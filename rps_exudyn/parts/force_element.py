@@ -7,7 +7,7 @@ connector between separated markers it carries its own lever arms, so moments ba
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,6 +32,7 @@ class ForceElement:
         kernel: (q, v, data) -> forces (n,), ledger (3,), own outputs.
         data: the law's constants, a NamedTuple.
         outputs: names of the values behind the ledger.
+        valid_to: outputs above which the law does not hold any more, and their bounds.
     """
 
     name: str
@@ -39,6 +40,7 @@ class ForceElement:
     kernel: Callable[[np.ndarray, np.ndarray, Any], np.ndarray]
     data: Any
     outputs: tuple[str, ...] = ()
+    valid_to: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def size(self) -> int:

@@ -52,7 +52,11 @@ def seat_force(q, v, data):  # type: ignore[no-untyped-def]
         if depth <= 0:
             continue
         load = data.stiffness[i] * depth
-        lx, ly, lz = along * axis_x, along * axis_y + data.bar_radius * ny, along * axis_z + data.bar_radius * nz
+        lx, ly, lz = (
+            along * axis_x,
+            along * axis_y + data.bar_radius * ny,
+            along * axis_z + data.bar_radius * nz,
+        )
         # slip of the bar's surface over the seat: its velocity less the part along the normal
         vx = v[0] + omega[1] * lz - omega[2] * ly
         vy = v[1] - v[6] + omega[2] * lx - omega[0] * lz

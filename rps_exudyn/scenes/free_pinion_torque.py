@@ -11,6 +11,7 @@ import numpy as np
 
 from rps_exudyn.analysis.torque import describe_torque
 from rps_exudyn.analysis.work_balance import energy_residual
+from rps_exudyn.closed_form import closed_form
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.forces import gear_forces
 from rps_exudyn.gears.gear_pair import GearPair
@@ -73,28 +74,58 @@ def by_equilibrium(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> 
     return _told(gear, outcome, record.since(turning.lead * turning.time_step * (1 + 1e-9)))
 
 
+def by_formula(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> SceneRun:
+    """In closed form: mean torque and its losses, once-per-turn share of the runout, no ripple."""
+    start = process_time()
+    formula, direction = closed_form(gear), gear.test.direction
+    mean = formula.forward if direction > 0 else formula.backward
+    angle = turning.angles[turning.lead :]
+    phase = angle + gear.pinion.runout_angle
+    # what the runout does to friction turns with the direction, what it stores in the spring does not
+    torque = mean.torque + direction * formula.runout_cosine * np.cos(phase) + formula.runout_sine * np.sin(phase)
+    turned = np.abs(angle - angle[0])
+    signals = {
+        "time": turned / gear.test.speed,
+        "pinion_angle": angle,
+        "pinion_torque": torque,
+        "rack_displacement": formula.rack_gain * angle,
+        "mesh_normal_force_drive": np.full_like(angle, mean.normal_drive),
+        "mesh_normal_force_coast": np.full_like(angle, mean.normal_coast),
+        "mesh_normal_force": np.full_like(angle, mean.normal_drive + mean.normal_coast),
+        "seat_force": np.full_like(angle, mean.plunger_force),
+        "work_mesh_friction": mean.mesh_loss * turned,
+        "work_seat_friction": mean.plunger_loss * turned,
+        "work_bush_friction": mean.bush_loss * turned,
+        "work_bearing_friction": mean.bearing_loss * turned,
+    }
+    outcome = Outcome(Status.OK, "", float(signals["time"][-1]), process_time() - start)
+    return SceneRun(outcome, signals, figures(signals, gear))
+
+
 def _told(gear: SteeringGear, outcome: Outcome, record: Record) -> SceneRun:
     """Signals and figures of a record, and whether it may be called ok."""
     if len(record.time) < 2:
         return SceneRun(outcome)
     signals = signals_of(record)
-    summary = summarise(signals, gear)
+    summary = {**figures(signals, gear), "energy_residual": energy_residual(signals)}
     if outcome.status is Status.OK:
         outcome = judged(outcome, gear, record, signals, summary)
     return SceneRun(outcome, signals, summary)
 
 
-def summarise(signals: dict[str, np.ndarray], gear: SteeringGear) -> dict[str, float]:
+def figures(signals: dict[str, np.ndarray], gear: SteeringGear) -> dict[str, float]:
     """The scene's figures, by the names of `quantities.SUMMARY`."""
     angle, place = signals["pinion_angle"], signals["rack_displacement"]
+    mean = closed_form(gear)
     return {
         **describe_torque(angle, signals["pinion_torque"], gear.pinion.teeth),
+        "torque_closed_form": (mean.forward if gear.test.direction > 0 else mean.backward).torque,
         "rack_gain": float((place[-1] - place[0]) / (angle[-1] - angle[0]) * 2 * np.pi),
-        "energy_residual": energy_residual(signals),
     }
 
 
 SOLVERS: dict[str, Callable[[SteeringGear, Fidelity, Turning], SceneRun]] = {
     "generalized-alpha": by_dynamics,
     "equilibrium": by_equilibrium,
+    "closed-form": by_formula,
 }

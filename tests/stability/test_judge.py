@@ -8,6 +8,10 @@ import pytest
 
 from rps_exudyn import judge
 from rps_exudyn.outcome import Status
+from rps_exudyn.parts.force_element import ForceElement
+
+DEEPEST = 50e-6
+MESH = ForceElement("mesh", ("pinion", "rack"), np.add, None, (), {"mesh_penetration": DEEPEST})
 
 
 @pytest.fixture
@@ -26,7 +30,7 @@ def test_sound_signals_pass(signals: dict[str, np.ndarray]) -> None:
     assert not list(judge.finite(signals))
     assert not list(judge.rack_in_mesh(signals, 1e-3))
     assert not list(judge.teeth_loaded(signals))
-    assert not list(judge.contact_valid(signals))
+    assert not list(judge.law_valid(MESH, signals))
     assert not list(judge.contact_agreed(1e-9))
     assert not list(judge.work_balanced(1e-4, 0.6))
 
@@ -51,11 +55,11 @@ def test_teeth_without_load(signals: dict[str, np.ndarray]) -> None:
     assert status is Status.CONTACT_LOST
 
 
-def test_sphere_deeper_than_the_contact_allows(signals: dict[str, np.ndarray]) -> None:
-    signals["mesh_penetration"][3] = 1.1 * judge.DEEPEST
-    ((status, message),) = judge.contact_valid(signals)
+def test_teeth_deeper_than_their_law_allows(signals: dict[str, np.ndarray]) -> None:
+    signals["mesh_penetration"][3] = 1.1 * DEEPEST
+    ((status, message),) = judge.law_valid(MESH, signals)
     assert status is Status.INVALID
-    assert "um" in message
+    assert "µm" in message
 
 
 @pytest.mark.parametrize("residual", [0.02, -0.02, float("nan")])

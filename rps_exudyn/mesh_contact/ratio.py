@@ -1,0 +1,57 @@
+"""The kinematic ratio: the ready-made gear joint, which knows the gain and nothing else of the teeth.
+
+A stiff coupling x = gain phi between rack and pinion, the rack guided by it in all other directions. No
+losses in the mesh, no ripple, no backlash; a constant loss torque can be added, for instance the closed
+form's. It is here to show what such a joint misses, and where it suffices.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rps_exudyn.closed_form import closed_form
+from rps_exudyn.compiled import kernel
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parts.force_element import ForceElement
+
+COUPLING = 1e9  # stiffness in place of rigidity [N/m]
+GUIDE = 1e5  # against rotations of the rack [N m/rad]
+
+
+class RatioData(NamedTuple):
+    gain: float  # rack travel per radian [m]
+    loss: float  # constant loss torque [N m]
+    zone: float  # pinion rate below which it falls linearly to zero [rad/s]
+
+
+@kernel
+def ratio_force(q, v, data):  # type: ignore[no-untyped-def]
+    """Coupling, guide and loss; q = pinion (1), rack (6)."""
+    out = np.zeros(7 + 3)
+    slip = q[1] + data.gain * q[0]  # the pinion's coordinate counts about k, against the steering angle
+    loss = data.loss * v[0] / max(abs(v[0]), data.zone)
+    out[0] = -data.gain * COUPLING * slip - loss
+    out[1] = -COUPLING * slip
+    out[2:4] = -COUPLING * q[2:4]
+    out[4:7] = -GUIDE * q[4:7]
+    out[7] = 0.5 * COUPLING * (slip**2 + q[2] ** 2 + q[3] ** 2)
+    out[7] += 0.5 * GUIDE * (q[4] ** 2 + q[5] ** 2 + q[6] ** 2)
+    out[8] = loss * v[0]
+    return out
+
+
+def ratio_element(gear: SteeringGear) -> ForceElement:
+    """The ratio alone."""
+    return _element(gear, 0.0)
+
+
+def ratio_element_with_loss(gear: SteeringGear) -> ForceElement:
+    """The ratio with the mesh's loss by the closed form."""
+    mean = closed_form(gear)
+    return _element(gear, (mean.forward if gear.test.direction > 0 else mean.backward).mesh_loss)
+
+
+def _element(gear: SteeringGear, loss: float) -> ForceElement:
+    data = RatioData(float(GearPair.of(gear).gain), loss, 0.01 * gear.test.speed)
+    return ForceElement("mesh", ("pinion", "rack"), ratio_force, data)
