@@ -8,6 +8,8 @@
          | /   |    |     |       |   \\      ends: face, a limit, or where the depth falls to zero
          |/____|____|_____|_______|____\\
 
+The few strips that become too wide for this, near the form circle, are integrated along their generators.
+
 All teeth of both sides are found without search: psi* gives q*(Z) of every tooth, and the flank is where
 q_form <= q <= q_tip. Two laws, one per `mesh.law`:
 

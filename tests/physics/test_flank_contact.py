@@ -321,6 +321,16 @@ def test_single_lines_add_up() -> None:
     assert {line.side for line in lines} == {-1, 1}
 
 
+def test_line_law_is_stiffness_times_depth_times_length() -> None:
+    """Law: an aligned line is equally deep all along. Without expansions in its width: rounding."""
+    gear, rows = changed(mesh__law="line"), np.zeros((8, ROW))
+    flank_lines(*state(gear, 0.2), pack(gear), rows)
+    for line in (ContactLine.of(row) for row in rows if row[0]):
+        assert line.normal_force == pytest.approx(
+            gear.mesh.line_stiffness * line.depth * line.length, rel=1e-9
+        )
+
+
 def test_eccentric_gear_carries_the_rack_along() -> None:
     """With the rack displaced as far as the gear centre, (e sin phi cos beta_p / cos beta_r, e cos phi), the
     normal forces are those of the gear without runout; second order in e is 1e-5 of the module."""
