@@ -1,0 +1,148 @@
+"""Laws of the single force elements: action and reaction, energy, Coulomb.
+
+Random states around the working point: micrometres, tenths of a milliradian, the test's speeds. Positions are
+taken from the rack's reference point at rest; rotation coordinates turn generalised moments into moments
+by G^-T (`parts.motion`).
+"""
+
+import numpy as np
+import pytest
+
+from rps_exudyn.closed_form import seat_wedge_factor
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.forces import GearForces, gear_forces
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parts.force_element import ELASTIC_ENERGY, FRICTION_POWER, ForceElement
+from rps_exudyn.parts.motion import spin_map
+from rps_exudyn.statics import starting_guess, steady_rates
+
+GEAR = SteeringGear()
+PAIR = GearPair.of(GEAR)
+FULL = Fidelity.preset("full").replace({"profile_samples": 20, "axial_samples": 14})
+PLACE, TILT, SPEED, SPIN = 2e-6, 1e-4, 1e-3, 1e-2
+SPREAD = {  # of coordinates, of rates
+    "pinion": ([0.0], [0.1]),
+    "rack": ([PLACE] * 3 + [TILT] * 3, [SPEED] * 3 + [SPIN] * 3),
+    "plunger": ([PLACE], [SPEED]),
+    "segment": ([PLACE] * 3 + [TILT] * 3, [SPEED] * 3 + [SPIN] * 3),
+}
+ANGLES = np.deg2rad([-47.0, 0.0, 13.0, 31.0, 90.0])
+
+
+@pytest.fixture(scope="module")
+def forces() -> GearForces:
+    return gear_forces(GEAR, FULL)
+
+
+@pytest.fixture(scope="module")
+def frictionless() -> GearForces:
+    return gear_forces(GEAR.replace({"mesh.friction": 0}), FULL)
+
+
+def state_near(
+    element: ForceElement, angle: float, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates and rates of an element's bodies, scattered around steady turning at a pinion angle."""
+    middle, rates = starting_guess(PAIR, angle), steady_rates(PAIR, GEAR.test.speed)
+    still = np.zeros(6)
+    bodies_q = {"pinion": middle[:1], "rack": middle[1:7], "plunger": middle[7:], "segment": still}
+    bodies_v = {"pinion": rates[:1], "rack": rates[1:7], "plunger": rates[7:], "segment": still}
+    q, v = (np.concatenate([source[body] for body in element.bodies]) for source in (bodies_q, bodies_v))
+    spread_q, spread_v = (np.concatenate([SPREAD[body][i] for body in element.bodies]) for i in (0, 1))
+    return q + spread_q * rng.standard_normal(q.size), v + spread_v * rng.standard_normal(v.size)
+
+
+def moment(generalised: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """Moment about the reference point, from what acts on the rotation coordinates."""
+    return np.linalg.solve(spin_map(angles).T, generalised)
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+def test_sliding_fit_acts_as_it_is_acted_upon(forces: GearForces, angle: float) -> None:
+    """Rack and segment: forces and moments about one point cancel, to round-off (moments of 10 N m)."""
+    fit = forces.fit
+    q, v = state_near(fit, angle, np.random.default_rng(1))
+    out = fit.evaluate(q, v)
+    on_segment, on_rack = out[0:6], out[6:12]
+    segment_at = q[0:3] + np.array([fit.data.station - fit.data.lever, 0, 0])
+    about_origin = [
+        moment(on_body[3:], angles) + np.cross(place, on_body[:3])
+        for on_body, angles, place in ((on_segment, q[3:6], segment_at), (on_rack, q[9:12], q[6:9]))
+    ]
+    assert np.abs(on_rack[:3]).max() > 1
+    assert on_segment[:3] == pytest.approx(-on_rack[:3], rel=1e-14)
+    assert about_origin[0] == pytest.approx(-about_origin[1], abs=1e-11)
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+def test_teeth_act_as_they_are_acted_upon(forces: GearForces, angle: float) -> None:
+    """The pinion's torque is minus the moment about its axis of what acts on the rack."""
+    mesh = forces.mesh
+    q, v = state_near(mesh, angle, np.random.default_rng(2))
+    out = mesh.evaluate(q, v)
+    from_axis = mesh.data.rack_reference + q[1:4] - PAIR.pinion_origin
+    about_axis = PAIR.pinion_frame[:, 2] @ (moment(out[4:7], q[4:7]) + np.cross(from_axis, out[1:4]))
+    assert abs(out[0]) > 0.01
+    assert out[0] == pytest.approx(-about_axis, abs=1e-11)
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+def test_seat_acts_as_it_is_acted_upon(forces: GearForces, angle: float) -> None:
+    """Along the yoke's axis; the plunger's guide takes the rest."""
+    out = forces.seat.evaluate(*state_near(forces.seat, angle, np.random.default_rng(3)))
+    assert out[1] < -10
+    assert out[6] == -out[1]
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+def test_teeth_without_friction_are_conservative(frictionless: GearForces, angle: float) -> None:
+    """Forces are minus the gradient of the stored energy, by central differences of a nanometre. Pressure
+    grows from zero, so that samples which touch or part in between change it by 1e-6 only."""
+    mesh = frictionless.mesh
+    q, v = state_near(mesh, angle, np.random.default_rng(4))
+
+    def energy(q: np.ndarray) -> float:
+        return float(mesh.evaluate(q, v)[mesh.size + ELASTIC_ENERGY])
+
+    steps = np.array([1e-7, 1e-9, 1e-9, 1e-9, 1e-7, 1e-7, 1e-7])
+    gradient = np.array([(energy(q + step) - energy(q - step)) for step in np.diag(steps)]) / (2 * steps)
+    acting = mesh.evaluate(q, v)[: mesh.size]
+    scale = np.array([1e-2, 1, 1, 1, 1e-2, 1e-2, 1e-2]) * np.abs(acting[1:4]).max()  # moments over 10 mm
+    assert -gradient / scale == pytest.approx(acting / scale, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("name", "share"), [("mesh", 1e-5), ("bearing", 1e-9), ("seat", 3 * TILT), ("fit", 3 * TILT)]
+)
+def test_friction_takes_what_the_forces_do(forces: GearForces, name: str, share: float) -> None:
+    """Power of the forces = - friction - d/dt of the stored energy, by differences along the motion: two ways
+    through each law. Seat and fit press in the housing's directions, not in those of the tilted bar, so that
+    they conserve energy only up to the tilt (0.1 mrad here, less in a gear)."""
+    element = getattr(forces, name)
+    q, v = state_near(element, 0.0, np.random.default_rng(5))
+    out = element.evaluate(q, v)
+    dt = 1e-7
+    later, earlier = (
+        element.evaluate(q + sign * dt * v, v)[element.size + ELASTIC_ENERGY] for sign in (1, -1)
+    )
+    lost = out[element.size + FRICTION_POWER]
+    powers = out[: element.size] * v
+    assert lost > 0
+    assert powers.sum() == pytest.approx(
+        -lost - (later - earlier) / (2 * dt), abs=share * np.abs(powers).sum()
+    )
+
+
+@pytest.mark.parametrize("half_angle", ["10 deg", "50 deg", "80 deg"])
+def test_seat_rubs_by_its_wedge_factor(half_angle: str) -> None:
+    """A bar that slides in a seat it touches everywhere: friction = kappa mu times the load along the yoke,
+    kappa = 2 sin(phi) / (phi + sin(phi) cos(phi)); the points' quadrature is good to 1e-9."""
+    gear = GEAR.replace({"yoke.seat_angle": half_angle})
+    seat = gear_forces(gear, FULL.replace({"profile_samples": 2, "axial_samples": 2})).seat
+    q, v = np.array([0, 2e-6, 0, 0, 0, 0, 0.0]), np.array([0.01, 0, 0, 0, 0, 0, 0])
+    out = seat.evaluate(q, v)
+    load = -out[1]
+    assert load > 100
+    kappa = seat_wedge_factor(gear.yoke.seat_angle)
+    assert -out[0] / (gear.yoke.friction * load) == pytest.approx(kappa, rel=1e-6)
