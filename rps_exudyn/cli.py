@@ -250,7 +250,7 @@ def _verdict(result: "Result") -> int:
 
     if result.status is Status.OK:
         return DONE
-    _say(f"the simulation failed ({result.status}): {result.message} {result.status.remedy}")
+    _say(f"the simulation failed ({result.status}): {result.message.rstrip('.')}. {result.status.remedy}")
     return FAILED
 
 

@@ -146,7 +146,7 @@ def _new_contact(mbs: "exudyn.MainSystem", data: SampledContactData, pair: GearP
     contact.verboseMode = 0
     contact.frictionProportionalZone = data.zone
     contact.sphereSphereContact = False
-    contact.keepContactWhilePenetrating = True  # never pulls at separation, in any solver
+    contact.keepContactWhilePenetrating = True  # one law in all solvers; where it is damped, spheres can pull
     contact.computeContactForces = True  # kept for the second opinion of `sampled_contact`
     contact.SetFrictionPairings(data.friction * np.eye(1))
     reach, half = pair.tip_radius + 2e-3, pair.face_width / 2 + 4e-3

@@ -72,9 +72,8 @@ def sampled_wrench(angle, rate, position, rotation, velocity, spin, data):  # ty
                 lever = lever - height * normal
                 slip = rate * cross(axis, lever) - velocity - cross(spin, place)
                 approach = -(slip @ normal)
+                # with much damping a receding sphere pulls, as GeneralContact's do
                 normal_force = data.stiffness[space, side, i] * (depth + data.damping * approach)
-                if normal_force <= 0:
-                    continue
                 slip += approach * normal
                 speed = np.sqrt(slip @ slip)
                 drag = coulomb(normal_force, data.friction, speed, data.zone)

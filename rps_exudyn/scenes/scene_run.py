@@ -57,7 +57,8 @@ class Turning:
 
 def without_equilibrium(angle: float, residual: float) -> SceneRun:
     """The run that could not start."""
-    message = f"no equilibrium at {np.degrees(angle):.4g} deg: {residual:.3g} N remain unbalanced"
+    message = f"no equilibrium at {np.degrees(angle):.4g} deg: {residual:.3g} N remain unbalanced; "
+    message += "yoke.preload may be more than teeth of mesh.stiffness can carry"
     return SceneRun(Outcome(Status.NO_CONVERGENCE, message))
 
 
