@@ -1,24 +1,22 @@
-"""The command line `rps-exudyn`: run, show, geometry, describe.
+"""The command line `rps-exudyn`: run, show, diff, geometry, describe.
 
 Exit status: 0 done; 1 the simulation failed (its file says how); 2 wrong input, one sentence for each problem
 on standard error. What a command needs is imported by the command, so that `--help` and `describe` are quick.
 """
 
 import sys
-import tomllib
 from collections.abc import Iterable, Sequence
 from contextlib import redirect_stdout
-from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
 from rps_exudyn.errors import InputError
+from rps_exudyn.options import GearOptions, SetupOptions
 
 if TYPE_CHECKING:
-    from rps_exudyn.parameters import SteeringGear
     from rps_exudyn.result import Result
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -47,34 +45,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return INTERRUPTED
 
 
-@Parameter(name="*")
-@dataclass(frozen=True)
-class GearOptions:
-    """Which gear."""
-
-    gear: Path | None = None
-    """TOML file of the gear; without it the paper's gear."""
-    settings: Annotated[tuple[str, ...], Parameter(name="--set", negative=(), show_default=False)] = ()
-    """PATH=VALUE: one parameter replaced, for instance --set yoke.preload="400 N"; may be repeated."""
-
-    def load(self) -> "SteeringGear":
-        """The gear, or an InputError with everything that is wrong with it."""
-        from rps_exudyn.parameters import SteeringGear
-
-        settings, malformed = _settings(self.settings)
-        try:
-            if self.gear is None:
-                gear = SteeringGear.from_tables({}, settings)
-            else:
-                gear = SteeringGear.from_toml(self.gear, settings)
-        except InputError as error:
-            raise InputError(malformed + error.problems) from None
-        if malformed:
-            raise InputError(malformed)
-        return gear
-
-
 PAPER_GEAR = GearOptions()
+PAPER_SETUP = SetupOptions()
 
 
 @app.command
@@ -82,11 +54,7 @@ def run(
     scene: str = "free-pinion-torque",
     /,
     *,
-    gear: GearOptions = PAPER_GEAR,
-    fidelity: str = "full",
-    mesh: str | None = None,
-    bush: str | None = None,
-    solver: str | None = None,
+    setup: SetupOptions = PAPER_SETUP,
     out: Path | None = None,
     plot: Path | None = None,
     json: Flag = False,
@@ -96,26 +64,19 @@ def run(
     A failed run never replaces an existing file: it is written beside it as NAME.failed.
 
     Args:
-        scene: what the test rig does.
-        fidelity: what is modelled how.
-        mesh: contact of the teeth, if other than the fidelity's.
-        bush: model of the bush, if other than the fidelity's.
-        solver: solver, if other than the fidelity's.
+        scene: what the test rig does: free-pinion-torque.
         out: HDF5 file; without it SCENE.h5 in the current folder.
         plot: picture (.png, .svg, .pdf); without it a .png beside the HDF5 file.
         json: print the summary as JSON.
     """
     from rps_exudyn import simulate
     from rps_exudyn.charts.style import PICTURES
-    from rps_exudyn.fidelity import Fidelity
 
-    chosen = gear.load()
-    parts = {"mesh": mesh, "bush": bush, "solver": solver}
-    model = Fidelity.preset(fidelity).replace({part: name for part, name in parts.items() if name})
+    chosen = setup.load()
     out = _checked_output(out or Path(f"{scene}.h5"), RESULT_FILES)
     plot = _checked_output(plot or out.with_suffix(".png"), PICTURES)
     with redirect_stdout(sys.stderr):  # what libraries say; standard output is for the result
-        result = simulate.run(scene, chosen, fidelity=model)
+        result = simulate.run(scene, chosen.steering_gear, fidelity=chosen.fidelity)
     _print_result(result, json, files=_keep(result, out, plot))
     return _verdict(result)
 
@@ -131,6 +92,36 @@ def show(file: Path, /, *, json: Flag = False) -> int:
     from rps_exudyn.result import load
 
     _print_result(load(file), json)
+    return DONE
+
+
+@app.command
+def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Flag = False) -> int:
+    """Compare two results: settings that differ, summary side by side, signals over the pinion angle.
+
+    Args:
+        first: HDF5 file that `run` wrote.
+        second: another one; differences are second minus first.
+        plot: picture (.png, .svg, .pdf) of both torques and their difference.
+        json: print the comparison as JSON.
+    """
+    from rps_exudyn import printed
+    from rps_exudyn.analysis.comparison import compare
+    from rps_exudyn.charts.comparison import draw_comparison
+    from rps_exudyn.charts.style import PICTURES
+    from rps_exudyn.result import load
+
+    if plot:
+        _checked_output(plot, PICTURES)
+    comparison = compare(load(first), load(second))
+    names = (first.stem, second.stem) if first.stem != second.stem else (str(first), str(second))
+    if plot:
+        draw_comparison(comparison, names, plot)
+    files = [plot] if plot else []
+    if json:
+        printed.print_json(printed.comparison_as_dict(comparison, files))
+    else:
+        printed.print_comparison(comparison, names, files)
     return DONE
 
 
@@ -168,46 +159,25 @@ def geometry(
 
 
 @app.command
-def describe(path: str = "", /, *, gear: GearOptions = PAPER_GEAR, json: Flag = False) -> int:
-    """Print parameters: value, unit, meaning, and where the value is from.
+def describe(path: str = "", /, *, setup: SetupOptions = PAPER_SETUP, json: Flag = False) -> int:
+    """Print parameters of gear, test and fidelity: value, unit, meaning, and where the value is from.
 
     Args:
-        path: a parameter such as yoke.preload, or a table such as yoke; without it all.
+        path: a parameter such as yoke.preload, or a table such as yoke or fidelity; without it all.
         json: print them as JSON.
     """
     from rps_exudyn import printed
-    from rps_exudyn.parameters import SteeringGear
+    from rps_exudyn.setup import Setup
 
-    items = SteeringGear.declared_at(path)
+    items = Setup.declared_at(path)
     if json:
-        printed.print_json(printed.parameters_as_dict(gear.load(), items))
+        printed.print_json(printed.parameters_as_dict(setup.load(), items))
     else:
-        printed.print_parameters(gear.load(), items)
+        printed.print_parameters(setup.load(), items)
     return DONE
 
 
 # --- input -------------------------------------------------------------------------------------
-
-
-def _settings(texts: Iterable[str]) -> tuple[dict[str, Any], list[str]]:
-    """Path -> value from PATH=VALUE texts, and a sentence for each text that is not of this form."""
-    settings, malformed = {}, []
-    for text in texts:
-        path, _, value = text.partition("=")
-        if path.strip() and value.strip():
-            settings[path.strip()] = _value(value.strip())
-        else:
-            malformed.append(f"--set {text} is no setting; write PATH=VALUE, for instance yoke.preload=400.")
-    return settings, malformed
-
-
-def _value(text: str) -> Any:
-    """What reads as a TOML value (6, -1, true) is that, anything else is text ("400 N")."""
-    try:
-        tables = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
-        return text
-    return tables["value"] if len(tables) == 1 else text
 
 
 def _checked_output(path: Path, suffixes: tuple[str, ...]) -> Path:

@@ -88,7 +88,7 @@ class Table(BaseModel):
         try:
             return cls.model_validate(merged)
         except ValidationError as error:
-            problems = _field_problems(cls, error, merged) + _misfit_problems(cls, error, merged)
+            problems = _problems(cls, error, merged)
         raise InputError(
             problem.sentence
             if problem.concerns(settings or {})
@@ -225,9 +225,40 @@ def _merged(tables: Mapping[str, Any], settings: Mapping[str, object]) -> dict[s
     return merged
 
 
-def _field_problems(table: type[Table], error: ValidationError, given: Mapping[str, Any]) -> list[Problem]:
-    """What is wrong with single parameters."""
-    return [_problem(table, item, given) for item in error.errors() if item["loc"]]
+def _problems(table: type[Table], error: ValidationError, given: Mapping[str, Any]) -> list[Problem]:
+    """Everything that is wrong: single parameters first, then what does not fit between right ones.
+
+    Validation stops at wrong single values; they are left out (their defaults stand in) to go on, and a
+    misfit that involves one of them is not reported, because it may vanish with the first correction.
+    """
+    found: list[Problem] = []
+    wrong: list[tuple[int | str, ...]] = []
+    remaining: ValidationError | None = error
+    while remaining:
+        items = remaining.errors()
+        for item in items:
+            found += [problem for problem in _told(table, item, given) if not problem.concerns(_paths(wrong))]
+        wrong += [item["loc"] for item in items]
+        remaining = _error_of(table, _without(given, wrong)) if () not in wrong else None
+    return found
+
+
+def _error_of(table: type[Table], given: Mapping[str, Any]) -> ValidationError | None:
+    try:
+        table.model_validate(given)
+    except ValidationError as error:
+        return error
+    return None
+
+
+def _paths(places: Iterable[tuple[int | str, ...]]) -> list[str]:
+    return [".".join(map(str, loc)) for loc in places]
+
+
+def _told(table: type[Table], item: Any, given: Mapping[str, Any]) -> list[Problem]:
+    """What one of validation's errors means."""
+    misfit = item.get("ctx", {}).get("error")
+    return misfit.problems if isinstance(misfit, MisfitError) else [_problem(table, item, given)]
 
 
 def _problem(table: type[Table], item: Any, given: Mapping[str, Any]) -> Problem:
@@ -245,23 +276,6 @@ def _problem(table: type[Table], item: Any, given: Mapping[str, Any]) -> Problem
     else:
         sentence = f"{path} is {value!r}; it must be {table.declared_at(path)[0].allowed}."
     return Problem((path,), sentence)
-
-
-def _misfit_problems(table: type[Table], error: ValidationError, given: Mapping[str, Any]) -> list[Problem]:
-    """What is wrong between the parameters that are right alone.
-
-    Validation stops at wrong single values; they are left out (their defaults stand in), and a misfit
-    that involves one of them is not reported, because it may vanish with the first correction.
-    """
-    wrong = [item["loc"] for item in error.errors() if item["loc"]]
-    try:
-        table.model_validate(_without(given, wrong))
-    except ValidationError as rest:
-        misfits = rest.errors()[0]["ctx"]["error"].problems
-        return [
-            problem for problem in misfits if not problem.concerns(".".join(map(str, loc)) for loc in wrong)
-        ]
-    return []
 
 
 def _without(given: Mapping[str, Any], wrong: list[tuple[int | str, ...]]) -> dict[str, Any]:
@@ -283,4 +297,5 @@ def _nearest(table: type[Table], path: str) -> str:
     close = difflib.get_close_matches(path, [item.path for item in table.declared()], n=3, cutoff=0.6)
     if close:
         return f"the nearest {'one is' if len(close) == 1 else 'ones are'} {', '.join(close)}"
-    return f"there are {', '.join(table.model_fields)}"
+    known = dict.fromkeys(item.path.partition(".")[0] for item in table.declared())
+    return f"there are {', '.join(known)}"

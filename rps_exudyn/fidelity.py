@@ -9,10 +9,20 @@
 Each part can be chosen alone, for instance `Fidelity.preset("flank").replace({"bush": "chain"})`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal, Self
 
-from rps_exudyn.declaration import Angle, Number, Table, parameter
+from pydantic import model_validator
+
+from rps_exudyn.declaration import (
+    Angle,
+    Declared,
+    MisfitError,
+    Number,
+    Problem,
+    Table,
+    parameter,
+)
 from rps_exudyn.errors import InputError
 
 
@@ -30,7 +40,18 @@ class Fidelity(Table):
         "generalized-alpha", "how the motion is found", "estimate"
     )
     step_angle: Angle = parameter(
-        "0.3 deg", "pinion rotation per time step or equilibrium", "estimate", gt=0, lt=0.2
+        "1 deg", "pinion rotation per time step or equilibrium", "estimate", gt=0, le=0.7
+    )
+    torque_tolerance: Number = parameter(
+        0.0,
+        "equilibrium: angles are added until the torque is known between them to this share of its mean; "
+        "0 keeps the even steps",
+        "estimate",
+        ge=0,
+        lt=1,
+    )
+    tolerance: Number = parameter(
+        1e-4, "relative tolerance of Newton's method in time steps", "estimate", gt=0, lt=0.1
     )
     profile_samples: int = parameter(
         27, "general contact: spheres along the profile of a flank", "estimate", ge=2, le=2000
@@ -41,6 +62,18 @@ class Fidelity(Table):
     zone_ratio: Number = parameter(
         0.1, "friction zone over the smallest sliding speed of the teeth", "estimate", gt=0, le=1
     )
+
+    @model_validator(mode="after")
+    def _choices_fit(self) -> Self:
+        misfits = list(_misfits(self))
+        if misfits:
+            raise MisfitError(misfits)
+        return self
+
+    @classmethod
+    def declared(cls) -> Iterator[Declared]:
+        """All choices; the name follows from them."""
+        return (item for item in super().declared() if item.path != "name")
 
     @classmethod
     def preset(cls, name: str) -> Self:
@@ -59,16 +92,48 @@ class Fidelity(Table):
         Raises:
             InputError: an unknown choice, or a value that is not allowed.
         """
-        changes = ", ".join(f"{choice} {value}" for choice, value in settings.items())
-        if not changes:
-            return self
-        separator = ", " if " with " in self.name else " with "
-        return super().replace({**settings, "name": f"{self.name}{separator}{changes}"})
+        return super().replace({**settings, "name": name_of(self.name, settings)})
 
+
+def name_of(base: str, changes: Mapping[str, object]) -> str:
+    """A fidelity's name after these choices were changed in the one called `base`."""
+    if not changes:
+        return base
+    told = ", ".join(f"{choice} {value}" for choice, value in changes.items())
+    return f"{base}{', ' if ' with ' in base else ' with '}{told}"
+
+
+def _misfits(chosen: Fidelity) -> Iterator[Problem]:
+    """Choices that are each fine alone, but not with the solver."""
+    for choice, solver, understood, reason in _SOLVER_LIMITS:
+        value = getattr(chosen, choice)
+        if chosen.solver == solver and value not in understood:
+            yield Problem(
+                ("solver", choice),
+                f"fidelity.{choice} is {value}, but fidelity.solver is {solver}, {reason}.",
+            )
+
+
+# What a solver cannot do: choice, solver, what it understands, and why
+_SOLVER_LIMITS = (
+    ("mesh", "closed-form", ("flank",), "whose formulas are those of flank contact"),
+    (
+        "bush",
+        "closed-form",
+        ("condensed",),
+        "whose formulas know of the bush only its drag: leave it condensed",
+    ),
+    (
+        "bush",
+        "equilibrium",
+        ("condensed", "rigid"),
+        "where nothing swings: condensed is the chain's exact static stiffness",
+    ),
+)
 
 PRESETS: dict[str, dict[str, Any]] = {
-    "full": {"mesh": "general-contact", "bush": "chain", "step_angle": "0.1 deg"},
+    "full": {"mesh": "general-contact", "bush": "chain", "step_angle": "0.1 deg", "tolerance": 1e-5},
     "flank": {},
-    "quasi-static": {"solver": "equilibrium", "step_angle": "1 deg"},
+    "quasi-static": {"solver": "equilibrium"},
     "closed-form": {"solver": "closed-form", "step_angle": "5 deg"},
 }

@@ -77,9 +77,9 @@ SIGNALS = {
     ),
     "rack_displacement": _length("displacement of the rack's reference point along X"),
     "rack_y": _deflection(
-        "lift of the rack's reference point along Y, away from the pinion, from the design position"
+        "lift of the bar's axis above the pitch point along Y, away from the pinion, from the design position"
     ),
-    "rack_z": _deflection("displacement of the rack's reference point along Z"),
+    "rack_z": _deflection("displacement of the bar's axis above the pitch point along Z"),
     "rack_roll": _tilt("rotation of the rack about X"),
     "rack_yaw": _tilt("rotation of the rack about Y"),
     "rack_pitch": _tilt("rotation of the rack about Z"),

@@ -73,14 +73,15 @@ class Record:
 def signals_of(record: Record) -> dict[str, np.ndarray]:
     """All signals of a run, by the names of `quantities`."""
     time, rack = record.time, record.of("rack")
+    lift = axis_at_pitch_point(rack)
     speed = -record.rates[:, 0]
     signals = {
         "time": time - time[0],
         "pinion_angle": -record.of("pinion")[:, 0],
         "pinion_torque": record.drive,
         "rack_displacement": rack[:, 0],
-        "rack_y": rack[:, 1],
-        "rack_z": rack[:, 2],
+        "rack_y": lift[:, 0],
+        "rack_z": lift[:, 1],
         "rack_roll": rack[:, 3],
         "rack_yaw": rack[:, 4],
         "rack_pitch": rack[:, 5],
@@ -101,6 +102,29 @@ def signals_of(record: Record) -> dict[str, np.ndarray]:
         signals["mesh_normal_force"] = signals["mesh_normal_force_drive"] + signals["mesh_normal_force_coast"]
     signals["stored_energy"] = energy - energy[0]
     return signals
+
+
+def axis_at_pitch_point(rack: np.ndarray) -> np.ndarray:
+    """Y and Z of the bar's axis where it passes above the pitch point, from coordinates (n, 6); (n, 2) [m].
+
+    The reference point travels with the rack, and with it along a tilted axis.
+    """
+    a, b, c = rack[:, 3:].T
+    along = np.cos(b) * np.cos(c)
+    rise = np.cos(a) * np.sin(c) + np.sin(a) * np.sin(b) * np.cos(c)
+    swing = np.sin(a) * np.sin(c) - np.cos(a) * np.sin(b) * np.cos(c)
+    return rack[:, 1:3] - rack[:, :1] * np.column_stack([rise, swing]) / along[:, None]
+
+
+def repeated(signals: dict[str, np.ndarray], times: int) -> dict[str, np.ndarray]:
+    """Signals of one period, its first instant again at its end, continued over several."""
+    grows = {"time", "pinion_angle", "rack_displacement"}
+    whole = {}
+    for name, values in signals.items():
+        rise = values[-1] - values[0] if name in grows or name.startswith("work_") else 0.0
+        periods = values[:-1] + rise * np.arange(times)[:, None]
+        whole[name] = np.append(periods.ravel(), values[-1] + rise * (times - 1))
+    return whole
 
 
 def contact_disagreement(record: Record) -> float:

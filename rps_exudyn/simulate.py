@@ -17,7 +17,7 @@ SCENES: dict[str, Callable[[SteeringGear, Fidelity], SceneRun]] = {"free-pinion-
 
 
 def run(
-    scene: str, gear: SteeringGear | None = None, *, fidelity: str | Fidelity = "full", **test: Any
+    scene: str, gear: SteeringGear | None = None, *, fidelity: str | Fidelity = "flank", **test: Any
 ) -> Result:
     """Simulate a scene; keyword arguments replace settings of the test, for instance `turns=1`.
 

@@ -42,7 +42,7 @@ class Outcome:
     """How a run ended, and what it cost."""
 
     status: Status
-    message: str
+    message: str = ""
     time_reached: float = 0.0
     cpu_s: float = 0.0
     counters: dict[str, int] = field(default_factory=dict)

@@ -2,7 +2,7 @@
 
 Unknowns are the rack's six coordinates and the plunger's; the pinion's angle is given. The forces are those
 of the dynamic model (`gear_kernel`) without inertia; the rates that friction needs are the path's own,
-(q_k - q_k-1) / dt, so that this is the limit of slow dynamics and not a model of its own. At the first angle
+by backward differences, so that this is the limit of slow dynamics and not a model of its own. At the first angle
 they are those of steady turning: the rack moves along X at gain times pinion rate, nothing else moves.
 
 Newton's method with Broyden's update of the inverse tangent: along a smooth path one angle costs three or
@@ -10,7 +10,7 @@ four evaluations of the forces, and a new tangent is rare.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -22,8 +22,10 @@ from rps_exudyn.gears.gear_pair import GearPair
 
 SIZE = 8  # coordinates of pinion, rack and plunger
 
-TOLERANCE = 1e-4  # largest unbalanced force accepted [N]; moments count over 10 mm
+TOLERANCE = 1e-3  # largest unbalanced force accepted [N], moments over 10 mm: 1e-5 of the torque
 MAX_ITERATIONS = 60
+MAX_HALVINGS = 8
+SLOW = 0.9  # a step that leaves more of the unbalance than this asks for a new tangent
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +89,62 @@ def equilibrium_path(
     )
 
 
+def adaptive_path(
+    force: Callable[..., Any],
+    data: Any,
+    pair: GearPair,
+    angles: np.ndarray,
+    speed: float,
+    tolerance: float,
+) -> EquilibriumPath:
+    """As `equilibrium_path`, with angles put between those given where the torque bends.
+
+    An angle is missed by as much as its torque differs from the cubic through its four neighbours; the
+    intervals beside one that is missed by more than `tolerance` [N m] are halved, until none is.
+    """
+    path = equilibrium_path(force, data, pair, angles, speed)
+    evaluations, iterations, tangents = path.evaluations, path.iterations, path.tangents
+    for _ in range(MAX_HALVINGS):
+        if not path.converged:
+            break
+        missed = _missed(angles, path.forces[:, 0]) > tolerance
+        halved = missed[:-1] | missed[1:]
+        if not halved.any():
+            break
+        angles = np.insert(angles, np.flatnonzero(halved) + 1, ((angles[:-1] + angles[1:]) / 2)[halved])
+        path = equilibrium_path(force, data, pair, angles, speed)
+        evaluations += path.evaluations
+        iterations += path.iterations
+        tangents += path.tangents
+    return replace(path, evaluations=evaluations, iterations=iterations, tangents=tangents)
+
+
+def _missed(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Distance of each value from the cubic through its four neighbours; 0 at the two ends each way."""
+    missed = np.zeros(len(x))
+    at = x[2:-2]
+    nodes = [x[:-4], x[1:-3], x[3:-1], x[4:]]
+    values = [y[:-4], y[1:-3], y[3:-1], y[4:]]
+    cubic = np.zeros(len(at))
+    for i, value in enumerate(values):
+        weight = np.ones(len(at))
+        for j, node in enumerate(nodes):
+            if j != i:
+                weight *= (at - node) / (nodes[i] - node)
+        cubic += weight * value
+    missed[2:-2] = np.abs(y[2:-2] - cubic)
+    return missed
+
+
+@kernel
+def backward_difference(x, y, k):  # type: ignore[no-untyped-def]
+    """y'(x_k) = factor (y_k - base) for the parabola through the last three points: factor and base."""
+    h, g = x[k] - x[k - 1], x[k - 1] - x[k - 2]
+    factor = (2 * h + g) / (h * (h + g))
+    base = ((h + g) / (h * g) * y[k - 1] - h / (g * (h + g)) * y[k - 2]) / factor
+    return factor, base
+
+
 @kernel
 def unbalance(forces):  # type: ignore[no-untyped-def]
     """Largest unbalanced force on rack and plunger [N]; moments over 10 mm."""
@@ -139,14 +197,17 @@ def _follower(force: Callable[..., Any]) -> Callable[..., Any]:
         for k in range(angles.size):
             q, v = coordinates[k], rates[k]
             base, per_time = q, 0.0
-            if k > 0:
-                base = coordinates[k - 1]
-                per_time = rates[0, 0] / (angles[k] - angles[k - 1])
-                stretch = (angles[k] - angles[k - 1]) / (angles[k - 1] - angles[k - 2]) if k > 1 else 0.0
-                q[:] = base + stretch * (base - coordinates[k - 2]) if k > 1 else base
-                if k == 1:
-                    q[1] += rates[0, 1] / per_time
-                v[:] = rates[0]
+            if k == 1:
+                base = coordinates[0]
+                per_time = rates[0, 0] / (angles[1] - angles[0])
+                q[:] = base
+                q[1] += rates[0, 1] / per_time
+            elif k > 1:
+                per_time, base = backward_difference(angles, coordinates, k)
+                per_time *= rates[0, 0]
+                stretch = (angles[k] - angles[k - 1]) / (angles[k - 1] - angles[k - 2])
+                q[:] = coordinates[k - 1] + stretch * (coordinates[k - 1] - coordinates[k - 2])
+            v[:] = rates[0]
             q[0] = angles[k]
             r = evaluate(q, v, base, per_time, data)
             evaluations += 1
@@ -165,7 +226,7 @@ def _follower(force: Callable[..., Any]) -> Callable[..., Any]:
                 r_trial = evaluate(trial, v, base, per_time, data)
                 evaluations += 1
                 norm_trial = unbalance(r_trial)
-                if not norm_trial < 0.5 * norm:
+                if not norm_trial < SLOW * norm:
                     if not fresh:  # an old tangent: try again with a new one
                         inverse[:] = inverse_tangent(q, v, base, per_time, data)
                         tangents, evaluations, fresh = tangents + 1, evaluations + 14, True

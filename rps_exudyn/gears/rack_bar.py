@@ -59,9 +59,13 @@ class RackBar:
         """The bar ends `PAST_THE_BUSH` outside the bush; teeth for the travel and the pinion's reach."""
         pair, bush, rack = GearPair.of(gear), gear.bush, gear.rack
         x_max = bush.distance + bush.length + rack.travel / 2 + PAST_THE_BUSH
-        skew = pair.face_width / 2 * (abs(np.sin(pair.delta)) + abs(np.tan(pair.beta_r)))
-        needed = rack.travel / 2 + pair.tip_radius + skew
+        needed = rack.travel / 2 + pinion_reach(pair)
         return cls(pair, x_max - rack.length, x_max, int(np.ceil(needed / pair.rack_pitch)))
+
+    @property
+    def largest_displacement(self) -> float:
+        """How far the rack may move either way until the pinion leaves its teeth [m]."""
+        return self.teeth_each_way * self.pair.rack_pitch - pinion_reach(self.pair)
 
     @property
     def teeth(self) -> range:
@@ -125,3 +129,9 @@ class RackBar:
         segments = arc_segments(pair.bar_radius, 2 * np.pi, chord_error)
         bar = cylinder(pair.bar_radius, np.array([self.x_min, 0, 0]), np.array([self.x_max, 0, 0]), segments)
         return from_manifold(bar - cutter)
+
+
+def pinion_reach(pair: GearPair) -> float:
+    """Length of rack on either side of the pitch point that the pinion may touch [m]."""
+    skew = pair.face_width / 2 * (abs(np.sin(pair.delta)) + abs(np.tan(pair.beta_r)))
+    return float(pair.tip_radius + skew)

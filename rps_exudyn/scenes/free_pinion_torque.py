@@ -5,6 +5,7 @@ static equilibrium of steady turning, so that what the start stirs up has died w
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from time import process_time
 
 import numpy as np
@@ -18,10 +19,12 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.judge import judged
 from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.record import Record, signals_of
-from rps_exudyn.scenes.scene_run import SceneRun, Turning, without_equilibrium
+from rps_exudyn.record import Record, repeated, signals_of
+from rps_exudyn.scenes.scene_run import SceneRun, Turning, whole_periods, without_equilibrium
 from rps_exudyn.solve import Outcome, SolverPlan, solve
-from rps_exudyn.statics import equilibrium_path
+from rps_exudyn.statics import adaptive_path, equilibrium_path
+
+CLOSED = 1e-3  # of the torque: how well a period must end where it began to stand for all
 
 
 def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
@@ -47,29 +50,51 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> Sce
     recorder = Recorder(model).attach()
     model.mbs.Assemble()
     steps = turning.lead + turning.steps
-    outcome = solve(model.mbs, SolverPlan(end_time=steps * turning.time_step, steps=steps))
+    plan = SolverPlan(end_time=steps * turning.time_step, steps=steps, relative_tolerance=fidelity.tolerance)
+    outcome = solve(model.mbs, plan)
     record = recorder.record().since(turning.lead * turning.time_step * (1 + 1e-9))
     return _told(gear, outcome, record)
 
 
 def by_equilibrium(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> SceneRun:
-    """From equilibrium to equilibrium."""
+    """From equilibrium to equilibrium; a curve that repeats is followed over one period only."""
+    periods = whole_periods(gear) or 1
+    once = replace(turning, steps=turning.steps // periods)
+    run = _along_equilibria(gear, fidelity, once)
+    if periods == 1 or run.outcome.status is not Status.OK:
+        return run
+    torque = run.signals["pinion_torque"]
+    if abs(torque[-1] - torque[0]) > CLOSED * np.abs(torque).max():
+        return _along_equilibria(gear, fidelity, turning)
+    signals = repeated(run.signals, periods)
+    return SceneRun(run.outcome, signals, {**run.summary, **figures(signals, gear)})
+
+
+def _along_equilibria(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> SceneRun:
     start = process_time()
     forces = gear_forces(gear, fidelity)
-    angles = turning.angles
-    path = equilibrium_path(*forces.statics, GearPair.of(gear), angles, gear.test.direction * gear.test.speed)
+    pair, speed = GearPair.of(gear), gear.test.direction * gear.test.speed
+    if fidelity.torque_tolerance > 0:
+        allowed = fidelity.torque_tolerance * abs(closed_form(gear).free_torque)
+        path = adaptive_path(*forces.statics, pair, turning.angles, speed, allowed)
+    else:
+        path = equilibrium_path(*forces.statics, pair, turning.angles, speed)
     found = len(path.coordinates)
-    counters = {
-        "steps": found,
-        "newton_iterations": path.iterations,
-        "jacobians": path.tangents,
-        "force_evaluations": path.evaluations,
-    }
-    outcome = Outcome(Status.OK, "", found * turning.time_step, process_time() - start, counters)
+    time = (turning.first + path.coordinates[:, 0]) / path.rates[0, 0] if found else np.zeros(0)
+    outcome = Outcome(
+        Status.OK,
+        time_reached=float(time[-1]) if found else 0.0,
+        cpu_s=process_time() - start,
+        counters={
+            "steps": found,
+            "newton_iterations": path.iterations,
+            "jacobians": path.tangents,
+            "force_evaluations": path.evaluations,
+        },
+    )
     if not path.converged:
-        failed = without_equilibrium(angles[found], path.residual).outcome
-        outcome = Outcome(failed.status, failed.message, outcome.time_reached, outcome.cpu_s, counters)
-    time = turning.time_step * np.arange(found)
+        failed = without_equilibrium(turning.angles[found], path.residual).outcome
+        outcome = replace(outcome, status=failed.status, message=failed.message)
     record = Record(forces.elements, time, path.coordinates, path.rates, path.forces[:, 0], np.zeros(found))
     return _told(gear, outcome, record.since(turning.lead * turning.time_step * (1 + 1e-9)))
 
@@ -82,7 +107,9 @@ def by_formula(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> Scen
     angle = turning.angles[turning.lead :]
     phase = angle + gear.pinion.runout_angle
     # what the runout does to friction turns with the direction, what it stores in the spring does not
-    torque = mean.torque + direction * formula.runout_cosine * np.cos(phase) + formula.runout_sine * np.sin(phase)
+    torque = (
+        mean.torque + direction * formula.runout_cosine * np.cos(phase) + formula.runout_sine * np.sin(phase)
+    )
     turned = np.abs(angle - angle[0])
     signals = {
         "time": turned / gear.test.speed,

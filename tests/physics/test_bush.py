@@ -35,9 +35,7 @@ def static_tip_deflection(chain: Chain, load: float) -> float:
     # two steps this takes leave an error far below it
     settings.staticSolver.newton.relativeTolerance = 1e-5
     mbs.SolveStatic(settings)
-    return float(
-        mbs.GetObjectOutputBody(bodies[-1], exu.OutputVariableType.Displacement, [to_tip, 0, 0])[1]
-    )
+    return float(mbs.GetObjectOutputBody(bodies[-1], exu.OutputVariableType.Displacement, [to_tip, 0, 0])[1])
 
 
 @pytest.mark.parametrize("n", [1, 2, 5, 25])

@@ -1,0 +1,114 @@
+"""How the command line says which gear, and how it is modelled."""
+
+import tomllib
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from rps_exudyn.errors import InputError
+
+if TYPE_CHECKING:
+    from rps_exudyn.parameters import SteeringGear
+    from rps_exudyn.setup import Setup
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class GearOptions:
+    """Which gear."""
+
+    gear: Path | None = None
+    """TOML file of the gear; without it the paper's gear."""
+    settings: Annotated[tuple[str, ...], Parameter(name="--set", negative=(), show_default=False)] = ()
+    """PATH=VALUE: one parameter replaced, for instance --set yoke.preload="400 N"; may be repeated."""
+
+    def load(self) -> "SteeringGear":
+        """The gear, or an InputError with everything that is wrong with it."""
+        from rps_exudyn.parameters import SteeringGear
+
+        settings, malformed = parse_settings(self.settings)
+        with _all_at_once(malformed):
+            return SteeringGear.from_tables(self.tables(), settings, where=str(self.gear or ""))
+
+    def tables(self) -> dict[str, Any]:
+        """What the gear's file says."""
+        from rps_exudyn.declaration import read_toml
+
+        return read_toml(self.gear) if self.gear else {}
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class SetupOptions(GearOptions):
+    """Which gear, and how it is modelled."""
+
+    fidelity: str = "flank"
+    """What is modelled how: full, flank, quasi-static or closed-form; see `describe fidelity`."""
+    mesh: str | None = None
+    """How the teeth touch, if other than in the fidelity: general-contact, flank, ratio or ratio-with-loss."""
+    bush: str | None = None
+    """Model of the bush, likewise: chain, adams-chain, condensed or rigid."""
+    solver: str | None = None
+    """How the motion is found, likewise: generalized-alpha, equilibrium or closed-form."""
+
+    def load(self) -> "Setup":
+        """Gear and fidelity, or an InputError with everything that is wrong with both."""
+        from rps_exudyn.fidelity import PRESETS, name_of
+        from rps_exudyn.setup import Setup
+
+        settings, problems = parse_settings(self.settings)
+        parts = {"mesh": self.mesh, "bush": self.bush, "solver": self.solver}
+        settings |= {f"fidelity.{part}": choice for part, choice in parts.items() if choice is not None}
+        tables = self.tables()
+        if "fidelity" in tables:
+            problems.append(
+                f"{self.gear}: fidelity is no table of a gear; choose it by --fidelity and --set."
+            )
+        if settings.pop("fidelity.name", None):
+            problems.append("fidelity.name cannot be set: it says what was chosen.")
+        if self.fidelity not in PRESETS:
+            problems.append(f"--fidelity is {self.fidelity!r}; it must be one of {', '.join(PRESETS)}.")
+        changes = {
+            path[len("fidelity.") :]: value
+            for path, value in settings.items()
+            if path.startswith("fidelity.")
+        }
+        preset = {"name": name_of(self.fidelity, changes), **PRESETS.get(self.fidelity, {})}
+        with _all_at_once(problems):
+            return Setup.from_tables(tables | {"fidelity": preset}, settings, where=str(self.gear or ""))
+
+
+def parse_settings(texts: Iterable[str]) -> tuple[dict[str, Any], list[str]]:
+    """Path -> value from PATH=VALUE texts, and a sentence for each text that is not of this form."""
+    settings, malformed = {}, []
+    for text in texts:
+        path, _, value = text.partition("=")
+        if path.strip() and value.strip():
+            settings[path.strip()] = _value(value.strip())
+        else:
+            malformed.append(f"--set {text} is no setting; write PATH=VALUE, for instance yoke.preload=400.")
+    return settings, malformed
+
+
+def _value(text: str) -> Any:
+    """What reads as a TOML value (6, -1, true) is that, anything else is text ("400 N")."""
+    try:
+        tables = tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        return text
+    return tables["value"] if len(tables) == 1 else text
+
+
+@contextmanager
+def _all_at_once(problems: list[str]) -> Iterator[None]:
+    """What the block finds wrong is told together with these problems."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(problems + error.problems) from None
+    if problems:
+        raise InputError(problems)

@@ -1,0 +1,15 @@
+"""A gear and how it is modelled, as one set of parameters: what `--set` reaches and `describe` lists."""
+
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.parameters import SteeringGear
+
+
+class Setup(SteeringGear):
+    """The gear's tables, and the choices of its model as the table `fidelity`."""
+
+    fidelity: Fidelity = Fidelity()
+
+    @property
+    def steering_gear(self) -> SteeringGear:
+        """The gear alone."""
+        return SteeringGear.model_validate(self.model_dump(exclude={"fidelity"}))
