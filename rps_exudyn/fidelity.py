@@ -83,7 +83,7 @@ class Fidelity(Table):
             InputError: there is no such preset.
         """
         if name not in PRESETS:
-            raise InputError(f"--fidelity is {name!r}; it must be one of {', '.join(PRESETS)}.")
+            raise InputError(unknown_preset(name))
         return cls.model_validate({"name": name, **PRESETS[name]})
 
     def replace(self, settings: Mapping[str, object]) -> Self:
@@ -93,6 +93,11 @@ class Fidelity(Table):
             InputError: an unknown choice, or a value that is not allowed.
         """
         return super().replace({**settings, "name": name_of(self.name, settings)})
+
+
+def unknown_preset(name: str) -> str:
+    """The sentence about it."""
+    return f"--fidelity is {name!r}; it must be one of {', '.join(PRESETS)}."
 
 
 def name_of(base: str, changes: Mapping[str, object]) -> str:

@@ -49,15 +49,15 @@ class SetupOptions(GearOptions):
     fidelity: str = "flank"
     """What is modelled how: full, flank, quasi-static or closed-form; see `describe fidelity`."""
     mesh: str | None = None
-    """How the teeth touch, if other than in the fidelity: general-contact, flank, ratio or ratio-with-loss."""
+    """How the teeth touch, if not as in the fidelity: general-contact, flank, ratio, ratio-with-loss."""
     bush: str | None = None
-    """Model of the bush, likewise: chain, adams-chain, condensed or rigid."""
+    """Model of the bush, likewise: chain, adams-chain, condensed, rigid."""
     solver: str | None = None
-    """How the motion is found, likewise: generalized-alpha, equilibrium or closed-form."""
+    """How the motion is found, likewise: generalized-alpha, equilibrium, closed-form."""
 
     def load(self) -> "Setup":
         """Gear and fidelity, or an InputError with everything that is wrong with both."""
-        from rps_exudyn.fidelity import PRESETS, name_of
+        from rps_exudyn.fidelity import PRESETS, name_of, unknown_preset
         from rps_exudyn.setup import Setup
 
         settings, problems = parse_settings(self.settings)
@@ -71,7 +71,7 @@ class SetupOptions(GearOptions):
         if settings.pop("fidelity.name", None):
             problems.append("fidelity.name cannot be set: it says what was chosen.")
         if self.fidelity not in PRESETS:
-            problems.append(f"--fidelity is {self.fidelity!r}; it must be one of {', '.join(PRESETS)}.")
+            problems.append(unknown_preset(self.fidelity))
         changes = {
             path[len("fidelity.") :]: value
             for path, value in settings.items()

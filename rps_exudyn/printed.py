@@ -10,8 +10,11 @@ from rich.console import Console
 from rich.table import Table as Grid
 
 from rps_exudyn.declaration import Declared, Table
+from rps_exudyn.quantities import GEOMETRY, SIGNALS, SUMMARY
+from rps_exudyn.setup import Setup
 
 if TYPE_CHECKING:
+    from rps_exudyn.analysis.comparison import Comparison
     from rps_exudyn.gears.checks import GeometryReport
     from rps_exudyn.result import Result
 
@@ -52,10 +55,56 @@ def result_as_dict(result: "Result", files: Iterable[Path] = ()) -> dict[str, An
     }
 
 
+def print_comparison(comparison: "Comparison", names: tuple[str, str], files: Iterable[Path] = ()) -> None:
+    """Settings that differ, summaries side by side, and how far each signal's curves lie apart."""
+    console = _console()
+    for name, *told in zip(names, comparison.scene, comparison.status, strict=True):
+        console.print(f"{name}: {' · status '.join(told)}", style="bold")
+    settings = [(path, *_both_shown(path, pair)) for path, pair in comparison.settings.items()]
+    if settings:
+        console.print(_grid(("setting", *names), settings))
+    else:
+        console.print("No setting differs.")
+    console.print()
+    console.print(_grid(("quantity", *names, "difference"), _summary_differences(comparison)))
+    console.print()
+    if comparison.signals:
+        low, high = (SIGNALS["pinion_angle"].show(comparison.angle[end]) for end in (0, -1))
+        console.print(f"Signals over pinion angles of {low} to {high}, the torque's in % of its mean:")
+        rows = (
+            (name, pair.shown(pair.rms), pair.shown(pair.largest), SIGNALS["pinion_angle"].show(pair.angle))
+            for name, pair in comparison.signals.items()
+        )
+        console.print(_grid(("quantity", "RMS difference", "largest", "at"), rows))
+    else:
+        console.print("The results share no range of the pinion angle: no signals are compared.")
+    _print_files(console, files)
+
+
+def comparison_as_dict(comparison: "Comparison", files: Iterable[Path] = ()) -> dict[str, Any]:
+    """All of a comparison but the curves, in SI units; pairs are [first, second]."""
+    return {
+        "scene": comparison.scene,
+        "status": comparison.status,
+        "settings": comparison.settings,
+        "summary": comparison.summary,
+        "common_angle": comparison.angle[[0, -1]].tolist() if comparison.angle.size else None,
+        "signals": {
+            name: {
+                "unit": SIGNALS[name].unit,
+                "mean": pair.mean,
+                "rms": pair.rms,
+                "largest": pair.largest,
+                "pinion_angle": pair.angle,
+            }
+            for name, pair in comparison.signals.items()
+        },
+        "files": [str(file) for file in files],
+    }
+
+
 def print_geometry(report: "GeometryReport", files: Iterable[Path] = ()) -> None:
     """Every number with its unit and definition, masses, and what the designer should be told."""
-    from rps_exudyn.quantities import GEOMETRY
-
     rows = [(name, item.show(getattr(report, name)), item.long_name) for name, item in GEOMETRY.items()]
     rows += [
         (f"mass of {part}", f"{properties.mass:.4g} kg", "")
@@ -99,7 +148,6 @@ def print_json(content: Mapping[str, Any]) -> None:
 
 def _summary_rows(result: "Result") -> Iterable[tuple[str, str, str]]:
     from rps_exudyn.analysis.work_balance import work_shares
-    from rps_exudyn.quantities import SIGNALS, SUMMARY
 
     for name, value in result.summary.items():
         yield name, SUMMARY[name].show(value), SUMMARY[name].long_name
@@ -108,6 +156,20 @@ def _summary_rows(result: "Result") -> Iterable[tuple[str, str, str]]:
             yield f"mean of {name}", SIGNALS[name].show(float(result[name].mean())), SIGNALS[name].long_name
     for name, share in work_shares(result.signals).items():
         yield name, f"{share:.1%}", "share of work_drive"
+
+
+def _both_shown(path: str, pair: tuple[Any, Any]) -> tuple[str, str]:
+    """Two values of a setting for a reader; those of a parameter in its unit."""
+    item = {item.path: item for item in Setup.declared()}.get(path)
+    first, second = ("-" if value is None else item.show(value) if item else str(value) for value in pair)
+    return first, second
+
+
+def _summary_differences(comparison: "Comparison") -> Iterable[tuple[str, ...]]:
+    for name, (first, second) in comparison.summary.items():
+        values = ["-" if value is None else SUMMARY[name].show(value) for value in (first, second)]
+        known = first is not None and second is not None
+        yield name, *values, SUMMARY[name].show(second - first) if known else "-"
 
 
 def _print_files(console: Console, files: Iterable[Path]) -> None:

@@ -8,12 +8,14 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from rps_exudyn.atomic import replacing
-from rps_exudyn.quantities import Quantity
+from rps_exudyn.quantities import SIGNALS, Quantity
 
 COLOURS = {
     "torque": "#0b5394",
+    "other": "#e69138",
     "lift": "#38761d",
     "roll": "#b45f06",
     "reference": "#777777",
@@ -28,7 +30,6 @@ _LOOK: Any = {
     "axes.formatter.useoffset": False,
     "grid.color": "#e4e4e4",
     "lines.linewidth": 1.4,
-    "legend.frameon": False,
 }
 
 REFERENCE_LINE: Any = {"color": COLOURS["reference"], "linewidth": 1, "linestyle": "--", "zorder": 1}
@@ -46,18 +47,50 @@ def panels(heights: list[float], width: float = 8.0) -> tuple[Figure, list[Axes]
     return figure, list(axes)
 
 
-def line(axes: Axes, x: np.ndarray, y: np.ndarray, quantity: Quantity, name: str, colour: str) -> None:
-    """One signal over x (display units), shape (n,) both; y is SI and drawn in its display unit."""
-    axes.plot(x, quantity.displayed(y), color=COLOURS[colour], linewidth=_LOOK["lines.linewidth"])
+def line(
+    axes: Axes,
+    x: np.ndarray,
+    y: np.ndarray,
+    quantity: Quantity,
+    name: str,
+    colour: str,
+    label: str | None = None,
+) -> None:
+    """One signal over x (display units), shape (n,) both; y is SI and drawn in its display unit.
+
+    `name` stands at the axis, `label` in the legend.
+    """
+    width = _LOOK["lines.linewidth"]
+    axes.plot(x, quantity.displayed(y), color=COLOURS[colour], linewidth=width, label=label)
     axes.set_ylabel(quantity.axis_label(name))
+
+
+def legend_above(axes: Axes) -> None:
+    """The legend in one row over the axes, where it hides no curve."""
+    axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=4, borderpad=0, frameon=False)
+
+
+def angle_axis(axes: Axes) -> None:
+    """The pinion angle [deg] as the common abscissa, with ticks that suit turns and teeth."""
+    axes.set_xlabel(SIGNALS["pinion_angle"].axis_label("pinion angle"))
+    low, high = axes.dataLim.intervalx
+    steps = [1, 1.8, 3.6, 9, 10] if high - low > 400 else [1, 1.5, 3, 6, 10]
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=9, steps=steps))
+    axes.margins(x=0)
 
 
 def title(figure: Figure, headline: str, failure: str = "") -> None:
     """What the picture shows, and below it, in the colour of failure, why not to trust it."""
-    figure.suptitle(headline, x=0.01, ha="left", fontsize=11)
+    figure.suptitle(_wrapped(headline), x=0.01, ha="left", fontsize=11)
     if failure:
         text = "\n".join(textwrap.wrap(failure, width=100))
         figure.axes[0].set_title(text, loc="left", fontsize=10, color=COLOURS["failure"])
+
+
+def _wrapped(headline: str) -> str:
+    """Too long for one line, it is broken between its parts."""
+    unbroken = headline.replace(" ", "\xa0").replace("\xa0·\xa0", "\xa0· ")
+    return textwrap.fill(unbroken, width=100).replace("\xa0", " ")
 
 
 def widen(axes: Axes, least: float) -> None:

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from rps_exudyn.charts import style
 from rps_exudyn.outcome import Status
@@ -38,10 +37,8 @@ def torque_figure(result: Result) -> Figure:
     if "torque_mean" in result.summary:
         mean = SUMMARY["torque_mean"].displayed(result.summary["torque_mean"])
         axes[0].axhline(mean, **style.REFERENCE_LINE, label="mean")
-        axes[0].legend(loc="best")
-    axes[-1].set_xlabel(SIGNALS["pinion_angle"].axis_label("pinion angle"))
-    axes[-1].xaxis.set_major_locator(MaxNLocator(nbins=9, steps=[1, 1.5, 3, 6, 10]))
-    axes[-1].margins(x=0)
+        style.legend_above(axes[0])
+    style.angle_axis(axes[-1])
     style.title(
         figure, _headline(result), "" if result.status is Status.OK else f"{result.status}: {result.message}"
     )

@@ -1,16 +1,21 @@
 """Each command once, on a made-up result where a simulation would take time."""
 
+import dataclasses
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
+from rps_exudyn.fidelity import PRESETS, Fidelity
 from rps_exudyn.outcome import Status
-from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.quantities import GEOMETRY
 from rps_exudyn.result import Result, load
+from rps_exudyn.setup import Setup
+from rps_exudyn.simulate import SCENES
 from shell import Command
 
 
@@ -107,6 +112,61 @@ def test_show_prints_what_run_printed(command: Command, simulated: Result) -> No
     assert command(["show", "a.h5", "--json"]).json["summary"] == simulated.summary
 
 
+def test_run_hands_over_the_fidelity(
+    command: Command, monkeypatch: pytest.MonkeyPatch, simulated: Result
+) -> None:
+    seen = []
+
+    def record(*_: object, fidelity: Fidelity) -> Result:
+        seen.append(fidelity)
+        return simulated
+
+    monkeypatch.setattr("rps_exudyn.simulate.run", record)
+    step = ["--set", "fidelity.step_angle=0.5 deg"]
+    assert command(["run"]).status == 0
+    assert command(["run", "--fidelity", "full", "--bush", "rigid", *step]).status == 0
+    assert seen[0] == Fidelity.preset("flank")
+    assert seen[1] == Fidelity.preset("full").replace({"step_angle": "0.5 deg", "bush": "rigid"})
+    assert seen[1].name == "full with step_angle 0.5 deg, bush rigid"
+
+
+def test_help_of_run_names_every_scene_preset_and_choice(command: Command) -> None:
+    shown = command(["run", "--help"]).out
+    choices = [str(choice) for item in Fidelity.declared() for choice in get_args(item.field.annotation)]
+    for name in [*SCENES, *PRESETS, *choices]:
+        assert re.search(rf"\b{name}\b", shown), name
+
+
+def test_diff_prints_what_differs(command: Command, made_up_result: Result) -> None:
+    made_up_result.save("a.h5")
+    torque = made_up_result["pinion_torque"] + 0.006
+    other = dataclasses.replace(
+        made_up_result,
+        gear=made_up_result.gear.replace({"yoke.preload": 310}),
+        signals=made_up_result.signals | {"pinion_torque": torque},
+        summary=made_up_result.summary | {"torque_mean": 0.606},
+    )
+    other.save("b.h5")
+    answer = command(["diff", "a.h5", "b.h5", "--plot", "c.png"])
+    assert answer.status == 0
+    assert re.search(r"yoke.preload +300 N +310 N", answer.out)
+    assert re.search(r"torque_mean +0.6 N m +0.606 N m +0.006 N m", answer.out)
+    assert re.search(r"pinion_torque +1 % +1 %", answer.out)
+    assert Path("c.png").read_bytes().startswith(b"\x89PNG")
+    assert "pinion.teeth" not in answer.out
+
+
+def test_diff_prints_json(command: Command, made_up_result: Result, failed_result: Result) -> None:
+    made_up_result.save("a.h5")
+    failed_result.save("b.h5")
+    compared = command(["diff", "a.h5", "b.h5", "--json"]).json
+    assert compared["status"] == ["ok", "diverged"]
+    assert compared["settings"] == {}
+    assert compared["summary"]["torque_mean"] == [0.6, 0.6]
+    assert compared["signals"]["pinion_torque"]["rms"] == 0
+    assert compared["signals"]["pinion_torque"]["unit"] == "N*m"
+
+
 def test_geometry_prints_every_number_and_the_masses(command: Command) -> None:
     answer = command(["geometry"])
     assert answer.status == 0
@@ -138,13 +198,20 @@ def test_geometry_builds_an_undercut_gear_only_by_force(command: Command) -> Non
 def test_describe_names_every_parameter(command: Command) -> None:
     answer = command(["describe"])
     assert answer.status == 0
-    assert all(item.path in answer.out and item.meaning in answer.out for item in SteeringGear.declared())
+    assert all(item.path in answer.out and item.meaning in answer.out for item in Setup.declared())
 
 
 def test_describe_one_says_what_is_allowed(command: Command) -> None:
     answer = command(["describe", "yoke.preload", "--set", "yoke.preload=350 N"])
     assert "350 N" in answer.out
     assert "at least 0 N" in answer.out
+
+
+def test_describe_the_fidelity_of_a_preset(command: Command) -> None:
+    described = command(["describe", "fidelity", "--fidelity", "full", "--json"]).json
+    assert described["fidelity.mesh"]["value"] == "general-contact"
+    assert "fidelity.name" not in described
+    assert list(command(["describe", "--json"]).json)[-len(described) :] == list(described)
 
 
 def test_describe_a_table_as_json(command: Command) -> None:

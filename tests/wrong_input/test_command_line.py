@@ -1,5 +1,6 @@
 """A user's mistake on the command line: status 2, one sentence on standard error, no file touched."""
 
+import dataclasses
 import os
 from pathlib import Path
 
@@ -36,6 +37,16 @@ MISTAKES = {
     "run --out .": ". cannot be written: its name must end in .h5 or .hdf5.",
     "run --out a.txt": "a.txt cannot be written: its name must end in .h5 or .hdf5.",
     "run --plot a.doc": "a.doc cannot be written: its name must end in .png or .svg or .pdf.",
+    "run --mesh ratio --solver closed-form": "fidelity.mesh is ratio, but fidelity.solver is closed-form",
+    "run --fidelity closed-form --bush chain": "fidelity.bush is chain, but fidelity.solver is closed-form",
+    "run --fidelity full --solver equilibrium": "fidelity.bush is chain, but fidelity.solver is equilibrium",
+    "run --set fidelity.step_angle=1mm": "fidelity.step_angle is '1mm', which is no quantity in rad",
+    "run --set fidelity.step_angel=1": "fidelity.step_angel is no parameter; the nearest ones are fidelity.step_angle,",
+    "run --set fidelity.name=mine": "fidelity.name cannot be set",
+    "geometry --set fidelity.mesh=flank": "fidelity is no table of parameters",
+    "diff a.h5": "requires an argument",
+    "diff missing.h5 other.h5": "missing.h5 cannot be read: there is no such file.",
+    "diff a.h5 b.h5 --plot a.doc": "a.doc cannot be written: its name must end in .png",
     "show": "requires an argument",
     "show missing.h5": "missing.h5 cannot be read: there is no such file.",
     "show .": ". cannot be read: it is a folder.",
@@ -63,6 +74,23 @@ def test_all_mistakes_of_the_settings_at_once(command: Command) -> None:
     assert [line.split()[1] for line in answer.err.splitlines()] == ["--set", "bush.drag", "foo"]
 
 
+def test_mistakes_of_gear_and_fidelity_at_once(command: Command) -> None:
+    wrong = ["yoke.preload=-1", "bush.inner_diameter=40mm", "fidelity.zone_ratio=0"]
+    settings = [word for setting in wrong for word in ("--set", setting)]
+    answer = command(["run", *settings, "--fidelity", "closed-form", "--mesh", "ratio"])
+    assert answer.status == 2
+    assert [line.split()[1] for line in answer.err.splitlines()] == [
+        "yoke.preload", "fidelity.zone_ratio", "fidelity.mesh", "bush.inner_diameter",
+    ]  # fmt: skip
+
+
+def test_fidelity_is_no_matter_of_the_gears_file(command: Command) -> None:
+    Path("gear.toml").write_text('[fidelity]\nmesh = "ratio"\n')
+    answer = command(["run", "--gear", "gear.toml"])
+    assert answer.status == 2
+    assert "gear.toml: fidelity is no table of a gear" in answer.err
+
+
 def test_show_refuses_what_is_no_result(command: Command) -> None:
     Path("text.h5").write_text("no HDF5")
     assert "text.h5 is no HDF5 file, or it is damaged." in command(["show", "text.h5"]).err
@@ -76,6 +104,15 @@ def test_read_only_folder_is_refused(command: Command, tmp_path: Path) -> None:
     locked = tmp_path / "locked"
     locked.mkdir(mode=0o500)
     assert "locked/a.h5 cannot be written: Permission denied." in command(["run", "--out", "locked/a.h5"]).err
+
+
+def test_diff_draws_no_picture_without_common_angles(command: Command, made_up_result: Result) -> None:
+    made_up_result.save("a.h5")
+    dataclasses.replace(made_up_result, signals={}).save("b.h5")
+    answer = command(["diff", "a.h5", "b.h5", "--plot", "c.png"])
+    assert answer.status == 2
+    assert "c.png is not drawn: the two results share no range of the pinion angle." in answer.err
+    assert sorted(os.listdir()) == ["a.h5", "b.h5"]
 
 
 def test_wrong_input_leaves_an_existing_result(command: Command, made_up_result: Result) -> None:

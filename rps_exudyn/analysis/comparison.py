@@ -1,0 +1,137 @@
+"""Two results held against each other: what was set differently, and how far their curves lie apart.
+
+    from rps_exudyn.analysis.comparison import compare
+
+    comparison = compare(rps.load("full.h5"), rps.load("flank.h5"))
+    comparison.signals["pinion_torque"].rms  # [N m]
+
+Signals are compared over the pinion angle that both results cover, at every angle that either of them
+recorded; between its own angles a result is interpolated linearly. Differences are second minus first.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.analysis.torque import mean
+from rps_exudyn.quantities import SIGNALS
+from rps_exudyn.result import Result
+
+ABSENT = None
+"""Stands for a setting or a number that one of the results does not have."""
+
+Pair = tuple[Any, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class SignalPair:
+    """One signal of both results, over the common angles; SI units."""
+
+    name: str
+    first: np.ndarray
+    second: np.ndarray
+    mean: float  # of the first over the angle
+    rms: float  # of the difference over the angle
+    largest: float  # difference by magnitude, with its sign
+    angle: float  # where it is [rad]
+
+    @property
+    def difference(self) -> np.ndarray:
+        return self.second - self.first
+
+    def shown(self, difference: float) -> str:
+        """For a reader: the torque's in % of its mean, others in their display unit."""
+        if self.name == "pinion_torque" and self.mean:
+            return f"{100 * difference / abs(self.mean):.3g} %"
+        return SIGNALS[self.name].show(difference)
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """What differs between two results."""
+
+    settings: dict[str, Pair]  # where they differ: path such as yoke.preload, fidelity.mesh, solver.steps
+    scene: Pair
+    status: Pair
+    summary: dict[str, Pair]  # every number that one of them has
+    angle: np.ndarray  # common pinion angles, rising [rad]; empty if there are none
+    signals: dict[str, SignalPair]  # what both have, but for the angle
+
+
+def compare(first: Result, second: Result) -> Comparison:
+    """Hold two results against each other, whatever their scenes and fidelities."""
+    angle = _common_angles(first, second)
+    common = [name for name in first.signals if name in second.signals and name != "pinion_angle"]
+    return Comparison(
+        settings=_differing(_settings(first), _settings(second)),
+        scene=(first.scene, second.scene),
+        status=(first.status, second.status),
+        summary={
+            name: (first.summary.get(name, ABSENT), second.summary.get(name, ABSENT))
+            for name in dict.fromkeys([*first.summary, *second.summary])
+        },
+        angle=angle,
+        signals={name: _signal_pair(name, first, second, angle) for name in common} if angle.size else {},
+    )
+
+
+def _settings(result: Result) -> dict[str, Any]:
+    return {**result.gear.model_dump(), "fidelity": result.fidelity, "solver": result.solver}
+
+
+def _differing(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Pair]:
+    """Path -> both values, where they differ."""
+    a, b = dict(_leaves(first)), dict(_leaves(second))
+    return {path: (a.get(path, ABSENT), b.get(path, ABSENT)) for path in a | b if a.get(path) != b.get(path)}
+
+
+def _leaves(tables: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    for name, value in tables.items():
+        if isinstance(value, Mapping):
+            yield from _leaves(value, f"{above}{name}.")
+        else:
+            yield f"{above}{name}", value
+
+
+def _common_angles(first: Result, second: Result) -> np.ndarray:
+    """All recorded angles in the range that both cover; none if a pinion stands still or turns back."""
+    if not (_turns_one_way(first) and _turns_one_way(second)):
+        return np.zeros(0)
+    a, b = first["pinion_angle"], second["pinion_angle"]
+    both = np.unique(np.concatenate([a, b]))
+    low, high = max(a.min(), b.min()), min(a.max(), b.max())
+    common = both[(both >= low) & (both <= high)]
+    return common if common.size > 1 else np.zeros(0)
+
+
+def _turns_one_way(result: Result) -> bool:
+    angle = result.signals.get("pinion_angle", np.zeros(0))
+    steps = np.diff(angle)
+    return bool(steps.size and np.isfinite(angle).all() and ((steps > 0).all() or (steps < 0).all()))
+
+
+def _signal_pair(name: str, first: Result, second: Result, angle: np.ndarray) -> SignalPair:
+    a, b = (_over(angle, result, name) for result in (first, second))
+    difference = b - a
+    at = int(np.argmax(np.abs(difference)))
+    return SignalPair(
+        name=name,
+        first=a,
+        second=b,
+        mean=mean(angle, a),
+        rms=float(np.sqrt(mean(angle, difference**2))),
+        largest=float(difference[at]),
+        angle=float(angle[at]),
+    )
+
+
+def _over(angle: np.ndarray, result: Result, name: str) -> np.ndarray:
+    """A signal at given pinion angles; what counts from the start of recording counts from theirs."""
+    own = result["pinion_angle"]
+    rising = slice(None) if own[-1] > own[0] else slice(None, None, -1)
+    values = np.interp(angle, own[rising], result[name][rising])
+    if name == "time" or name.startswith("work_") or name == "stored_energy":
+        values = values - values[0 if own[-1] > own[0] else -1]
+    return values
