@@ -20,7 +20,7 @@ from rps_exudyn.parameters import SteeringGear
 if TYPE_CHECKING:
     import exudyn
 
-RIGID_END = np.array([1e9, 1e9, 1e9, 1e5, 1e5, 1e5])  # fit on a segment that is rigid to its end [N/m, N m]
+RIGID_END = np.array([1e8, 1e8, 1e8, 1e4, 1e4, 1e4])  # fit on a segment that is rigid to its end [N/m, N m]
 THIN_TUBE_SHEAR = 2.0  # A / A_s of a thin-walled tube
 
 
