@@ -41,7 +41,7 @@ MISTAKES = {
     "run --fidelity closed-form --bush chain": "fidelity.bush is chain, but fidelity.solver is closed-form",
     "run --fidelity full --solver equilibrium": "fidelity.bush is chain, but fidelity.solver is equilibrium",
     "run --set fidelity.step_angle=1mm": "fidelity.step_angle is '1mm', which is no quantity in rad",
-    "run --set fidelity.step_angel=1": "fidelity.step_angel is no parameter; the nearest ones are fidelity.step_angle,",
+    "run --set fidelity.step_angel=1": "fidelity.step_angel is no parameter; the nearest ones are",
     "run --set fidelity.name=mine": "fidelity.name cannot be set",
     "geometry --set fidelity.mesh=flank": "fidelity is no table of parameters",
     "diff a.h5": "requires an argument",

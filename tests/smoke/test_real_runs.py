@@ -1,0 +1,48 @@
+"""Each preset through the command line, without stand-ins; the full model over a toy share of a turn."""
+
+import pytest
+
+from rps_exudyn.fidelity import PRESETS
+from rps_exudyn.result import load
+from shell import Command
+
+TOY = ["test.turns=0.00833333", "fidelity.profile_samples=8", "fidelity.axial_samples=6"]
+PRESET_SETTINGS: dict[str, list[str]] = {
+    "full": TOY,
+    "flank": ["test.turns=0.05"],
+    "quasi-static": ["test.turns=0.05"],
+    "closed-form": [],
+}
+
+
+def test_every_preset_is_run_here() -> None:
+    assert set(PRESET_SETTINGS) == set(PRESETS)
+
+
+@pytest.mark.parametrize("preset", PRESET_SETTINGS)
+def test_preset_runs_and_its_file_holds_what_was_asked(preset: str, command: Command) -> None:
+    settings = [word for setting in PRESET_SETTINGS[preset] for word in ("--set", setting)]
+    answer = command(["run", "--fidelity", preset, *settings, "--json"])
+    assert answer.status == 0, answer.err
+    assert answer.json["files"] == ["free-pinion-torque.h5", "free-pinion-torque.png"]
+    result = load("free-pinion-torque.h5")
+    assert result.fidelity["name"].split(" with ")[0] == preset
+    # within what a toy gear mesh and a part of a tooth pitch leave of the mean
+    assert result.summary["torque_mean"] == pytest.approx(result.summary["torque_closed_form"], rel=0.05)
+
+
+@pytest.mark.parametrize("mesh", ["ratio", "ratio-with-loss"])
+def test_ratio_turns_without_ripple(mesh: str, command: Command) -> None:
+    answer = command(["run", "--mesh", mesh, "--set", "test.turns=0.1", "--json"])
+    assert answer.status == 0, answer.err
+    summary = answer.json["summary"]
+    assert summary["torque_peak_to_peak"] < 1e-3 * summary["torque_mean"]
+
+
+def test_preset_and_its_parts_can_be_compared(command: Command) -> None:
+    """Slow dynamics and equilibrium of the same forces."""
+    short = ["--set", "test.turns=0.05"]
+    assert command(["run", *short, "--out", "a.h5"]).status == 0
+    assert command(["run", *short, "--solver", "equilibrium", "--out", "b.h5"]).status == 0
+    torque = command(["diff", "a.h5", "b.h5", "--json"]).json["signals"]["pinion_torque"]
+    assert torque["rms"] < 1e-3 * torque["mean"]
