@@ -57,11 +57,11 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
     import exudyn as exu
 
     start = process_time()
-    message = ""
+    message, cause = "", None
     try:
         finished = bool(mbs.SolveDynamic(_settings(plan), solverType=exu.DynamicSolverType.GeneralizedAlpha))
     except exu.ExudynError as error:
-        finished, message = False, " ".join(str(error).split())
+        finished, cause = False, error.__cause__  # what a force in Python raised, or None
     cpu = process_time() - start
 
     solver = mbs.sys.get("dynamicSolver")
@@ -74,9 +74,11 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
             Status.DIVERGED,
             f"a coordinate or rate is {np.abs(state).max():.3g} at {reached:.6g} s",
         )
+    elif cause is not None:
+        status, message = Status.NO_CONVERGENCE, f"{type(cause).__name__} at {reached:.6g} s: {cause}"
     elif not finished:
         status = Status.NO_CONVERGENCE
-        message = f"no step down to {plan.minimum_step:g} s converged at {reached:.6g} s; {message}"
+        message = f"no step down to {plan.minimum_step:g} s converged at {reached:.6g} s"
     elif reached < plan.end_time * (1 - 1e-9):
         status, message = Status.TIMEOUT, f"stopped at {reached:.6g} s of {plan.end_time:.6g} s"
     else:

@@ -14,6 +14,14 @@ from rps_exudyn.result import Result
 from shell import Answer, Command
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--update-references",
+        action="store_true",
+        help="write the values of tests/regression anew and print what changed",
+    )
+
+
 @pytest.fixture
 def made_up_result() -> Result:
     """One revolution with plausible torque, lift and roll; no simulation behind it."""

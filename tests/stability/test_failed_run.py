@@ -1,0 +1,52 @@
+"""A run that fails midway keeps what it recorded until then, and says how it failed."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from exudyn.itemInterface import Force, MarkerNodePosition
+
+from rps_exudyn.model import SteeringModel
+from rps_exudyn.outcome import Status
+from rps_exudyn.result import load
+from rps_exudyn.scenes import drive
+from shell import Command
+
+TURNS = 1 / 36
+SETTINGS = ["--set", f"test.turns={TURNS}", "--set", "test.speed=60 rpm"]
+BREAKS_AT = TURNS / 2  # [s] at one turn per second
+
+
+@pytest.fixture
+def breaking_load(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A load on the rack that fails halfway."""
+    turn_pinion = drive.turn_pinion
+
+    def load(mbs: object, t: float, vector: list[float]) -> list[float]:
+        if t > BREAKS_AT:
+            raise ZeroDivisionError("broken load")
+        return [0.0, 0.0, 0.0]
+
+    def turn_and_break(model: SteeringModel) -> None:
+        turn_pinion(model)
+        marker = model.mbs.AddMarker(MarkerNodePosition(nodeNumber=model.nodes["rack"]))
+        model.mbs.AddLoad(Force(markerNumber=marker, loadVector=[0, 0, 0], loadVectorUserFunction=load))
+
+    monkeypatch.setattr(drive, "turn_pinion", turn_and_break)
+
+
+@pytest.mark.usefixtures("breaking_load")
+@pytest.mark.parametrize("fidelity", ["full", "flank"])
+def test_run_that_fails_midway_keeps_its_signals(command: Command, fidelity: str) -> None:
+    answer = command(["run", "--fidelity", fidelity, *SETTINGS, "--out", "a.h5"])
+    assert answer.status == 1
+    result = load("a.h5")
+    assert result.status is Status.NO_CONVERGENCE
+    assert "broken load" in result.message
+    reached = result["pinion_angle"][-1]
+    # broken after five degrees of ten, of which the run-in took half a degree or a step
+    assert np.deg2rad(2) < reached < np.deg2rad(6)
+    assert result["pinion_torque"] == pytest.approx(0.63, rel=0.1)  # sound until then
+    assert Path("a.png").exists()
+    assert "broken load" in answer.err
+    assert "Traceback" not in answer.err
