@@ -69,10 +69,11 @@ CASES = {
     # forces balance to 1e-4 N of some hundred; friction hangs on displacements of nanometres
     "equilibrium, flank": Case(lambda: equilibrium("flank"), lambda _: 1e-5),
     "equilibrium, samples": Case(lambda: equilibrium("general-contact"), lambda _: 1e-5),
-    # a sample may come into contact a step earlier or later: 10 % of a torque's ripple, 0.1 % of its mean
+    # a sample may come into contact a step earlier or later, and a step may be reduced there, so that others
+    # follow: 10 % of the torque's ripple, 0.1 % of its mean; the elastic ripple is 1e-3 of so short a travel
     "full model": Case(
         full_model,
-        {"torque_mean": 1e-3, "torque_peak_to_peak": 0.1, "rack_gain": 1e-5}.__getitem__,
+        {"torque_mean": 1e-3, "torque_peak_to_peak": 0.1, "rack_gain": 5e-4}.__getitem__,
     ),
 }
 
