@@ -137,7 +137,7 @@ _SOLVER_LIMITS = (
 )
 
 PRESETS: dict[str, dict[str, Any]] = {
-    "full": {"mesh": "general-contact", "bush": "chain", "step_angle": "0.1 deg", "tolerance": 1e-5},
+    "full": {"mesh": "general-contact", "bush": "chain", "step_angle": "0.3 deg", "tolerance": 1e-5},
     "flank": {},
     "quasi-static": {"solver": "equilibrium"},
     "closed-form": {"solver": "closed-form", "step_angle": "5 deg"},

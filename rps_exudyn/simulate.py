@@ -42,7 +42,7 @@ def run(
         message=done.outcome.message,
         signals=done.signals,
         summary=done.summary,
-        counters=done.outcome.counters,
+        counters={**done.outcome.counters, "solver_cpu": done.outcome.cpu_s},
         geometry={name: getattr(report, name) for name in GEOMETRY},
         cpu_s=process_time() - cpu,
         wall_s=perf_counter() - wall,

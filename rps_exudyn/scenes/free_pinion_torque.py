@@ -75,20 +75,21 @@ def by_equilibrium(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> 
 
 
 def _along_equilibria(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> SceneRun:
-    start = process_time()
     forces = gear_forces(gear, fidelity)
+    start = process_time()
     pair, speed = GearPair.of(gear), gear.test.direction * gear.test.speed
     if fidelity.torque_tolerance > 0:
         allowed = fidelity.torque_tolerance * abs(closed_form(gear).free_torque)
         path = adaptive_path(*forces.statics, pair, turning.angles, speed, allowed)
     else:
         path = equilibrium_path(*forces.statics, pair, turning.angles, speed)
+    cpu = process_time() - start
     found = len(path.coordinates)
     time = (turning.first + path.coordinates[:, 0]) / path.rates[0, 0] if found else np.zeros(0)
     outcome = Outcome(
         Status.OK,
         time_reached=float(time[-1]) if found else 0.0,
-        cpu_s=process_time() - start,
+        cpu_s=cpu,
         counters={
             "steps": found,
             "newton_iterations": path.iterations,
