@@ -24,6 +24,7 @@ SIZE = 8  # coordinates of pinion, rack and plunger
 
 TOLERANCE = 1e-3  # largest unbalanced force accepted [N], moments over 10 mm: 1e-5 of the torque
 MAX_ITERATIONS = 60
+TYPICAL_APPROACH = 15e-6  # of the rack under the yoke's preload [m]
 MAX_HALVINGS = 8
 SLOW = 0.9  # a step that leaves more of the unbalance than this asks for a new tangent
 
@@ -51,13 +52,14 @@ def steady_rates(pair: GearPair, speed: float) -> np.ndarray:
 
 
 def starting_guess(pair: GearPair, angle: float) -> np.ndarray:
-    """Stacked coordinates near the equilibrium at pinion angle `angle` [rad]: the rack follows the runout."""
+    """Stacked coordinates near the equilibrium at pinion angle `angle` [rad]: the rack follows the runout,
+    pressed a little into the mesh."""
     phase = angle + pair.runout_angle
     lift = pair.axis_offset + pair.runout * np.cos(phase)
     swing = pair.runout * np.sin(phase) * np.cos(pair.beta_p) / np.cos(pair.beta_r)
     guess = np.zeros(SIZE)
     guess[STACK["pinion"]] = -angle
-    guess[STACK["rack"]][:2] = pair.gain * angle + swing, lift - 10e-6
+    guess[STACK["rack"]][:2] = pair.gain * angle + swing, lift - TYPICAL_APPROACH
     guess[STACK["plunger"]] = lift
     return guess
 
@@ -176,15 +178,14 @@ def _follower(force: Callable[..., Any]) -> Callable[..., Any]:
 
     evaluate = kernel_over(evaluate, force)
 
-    def inverse_tangent(q, v, base, per_time, data):  # type: ignore[no-untyped-def]
+    def inverse_tangent(q, v, base, per_time, data, r):  # type: ignore[no-untyped-def]
+        # one-sided differences: Broyden's updates refine what they miss
         tangent = np.empty((7, 7))
         trial = q.copy()
         for j in range(7):
             step = 1e-8 if 3 <= j <= 5 else 1e-9
             trial[1 + j] = q[1 + j] + step
-            up = evaluate(trial, v, base, per_time, data)[1:8]
-            trial[1 + j] = q[1 + j] - step
-            tangent[:, j] = (up - evaluate(trial, v, base, per_time, data)[1:8]) / (2 * step)
+            tangent[:, j] = (evaluate(trial, v, base, per_time, data)[1:8] - r[1:8]) / step
             trial[1 + j] = q[1 + j]
         return np.linalg.inv(tangent)
 
@@ -217,8 +218,8 @@ def _follower(force: Callable[..., Any]) -> Callable[..., Any]:
                 if norm <= TOLERANCE:
                     break
                 if tangents == 0:
-                    inverse[:] = inverse_tangent(q, v, base, per_time, data)
-                    tangents, evaluations, fresh = tangents + 1, evaluations + 14, True
+                    inverse[:] = inverse_tangent(q, v, base, per_time, data, r)
+                    tangents, evaluations, fresh = tangents + 1, evaluations + 7, True
                 iterations += 1
                 move = limited(-inverse @ r[1:8])
                 trial = q.copy()
@@ -228,8 +229,8 @@ def _follower(force: Callable[..., Any]) -> Callable[..., Any]:
                 norm_trial = unbalance(r_trial)
                 if not norm_trial < SLOW * norm:
                     if not fresh:  # an old tangent: try again with a new one
-                        inverse[:] = inverse_tangent(q, v, base, per_time, data)
-                        tangents, evaluations, fresh = tangents + 1, evaluations + 14, True
+                        inverse[:] = inverse_tangent(q, v, base, per_time, data, r)
+                        tangents, evaluations, fresh = tangents + 1, evaluations + 7, True
                         continue
                     share = 1.0
                     while not norm_trial < (1 - 0.1 * share) * norm and share > 0.02:
@@ -264,7 +265,7 @@ def approach_under(load: float, mesh_force: Callable[..., Any], data: Any) -> fl
     if load == 0:
         return 0.0
     q, still = np.zeros(7), np.zeros(7)
-    place = np.array([0.0, -10e-6])  # along X and Y
+    place = np.array([0.0, -TYPICAL_APPROACH])  # along X and Y
 
     def residual(place: np.ndarray) -> np.ndarray:
         q[1:3] = place
