@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table as Grid
 
 from rps_exudyn.declaration import Declared, Table
-from rps_exudyn.quantities import GEOMETRY, SIGNALS, SUMMARY
+from rps_exudyn.quantities import COUNTERS, GEOMETRY, SIGNALS, SUMMARY
 from rps_exudyn.setup import Setup
 
 if TYPE_CHECKING:
@@ -28,8 +28,7 @@ def print_result(result: "Result", files: Iterable[Path] = ()) -> None:
     if result.message:
         console.print(result.message)
     console.print(_grid(("quantity", "value", "definition"), _summary_rows(result)))
-    counts = [f"{value} {name.replace('_', ' ')}" for name, value in result.counters.items()]
-    console.print(", ".join([f"{result.cpu_s:.3g} s of processor time", *counts]))
+    console.print(", ".join([f"{result.cpu_s:.3g} s of processor time", *_counts(result)]))
     _print_files(console, files)
 
 
@@ -170,6 +169,15 @@ def _summary_differences(comparison: "Comparison") -> Iterable[tuple[str, ...]]:
         values = ["-" if value is None else SUMMARY[name].show(value) for value in (first, second)]
         known = first is not None and second is not None
         yield name, *values, SUMMARY[name].show(second - first) if known else "-"
+
+
+def _counts(result: "Result") -> Iterable[str]:
+    """What the solver had to do, and its own share of the time."""
+    for name, value in result.counters.items():
+        if name == "solver_cpu":
+            yield f"{COUNTERS[name].show(value)} of it in the solver"
+        else:
+            yield f"{value} {name.replace('_', ' ')}"
 
 
 def _print_files(console: Console, files: Iterable[Path]) -> None:
