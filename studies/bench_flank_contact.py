@@ -19,7 +19,6 @@ from scipy.spatial.transform import Rotation
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.flank_contact import flank_contact
 from rps_exudyn.mesh_contact.flank_data import pack, pack_generators
-from rps_exudyn.mesh_contact.flank_jacobian import flank_jacobian
 from rps_exudyn.mesh_contact.flank_quadrature import flank_quadrature
 from rps_exudyn.parameters import SteeringGear
 
@@ -110,9 +109,6 @@ def main() -> None:
         data = packed(paper)
         torque, wrench = errors(kernel, paper, (0, 0, 0), data)
         print(f"| {name} | {microseconds(kernel, aligned, data):.2g} | {torque:.2g} | {wrench:.2g} |")
-    cost = microseconds(flank_jacobian, aligned, pack(paper))
-    print(f"| Jacobian by 14 coordinates and rates, 3 x 2 | {cost:.2g} | - | - |")
-
     print(
         "\n| case, default strip | us per evaluation | torque RMS % | wrench, largest % |\n|---|---|---|---|"
     )

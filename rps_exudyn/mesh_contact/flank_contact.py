@@ -1,12 +1,12 @@
 """Contact of plane rack flanks with involute helicoids, integrated along the lines of contact.
 
-    strip of one line                        stations: Gauss points in Z between breakpoints
+    strip of one line                        stations: Gauss points along the line between breakpoints
       xi ^     ____________________             nodes: Gauss points in xi between the strip's edges
-         |    /|    |     |       |\\
-         |   / |    |     |       | \\        breakpoints: where a limit (tip, form circle, rack's tips,
-       --+--/--+----+-----+-------+--\\-- Z               the bar's surface) cuts an edge of the strip
-         | /   |    |     |       |   \\      ends: face, a limit, or where the depth falls to zero
-         |/____|____|_____|_______|____\\
+         |    /    /    |     \\    \\        ends: face, a limit (tip, form circle, rack's tips, the bar's
+         |   /    /     |      \\    \\             surface), or where the depth falls to zero; stations
+       --+--/----/------|-------\\----\\-- Z      lean as the ends do
+         | /    /       |        \\  |       breakpoints: where another limit cuts a corner off
+         |/____/________|_________\\_|
 
 The few strips that become too wide for this, near the form circle, are integrated along their generators.
 
@@ -54,21 +54,22 @@ from rps_exudyn.mesh_contact.flank_line import (
 )
 from rps_exudyn.mesh_contact.flank_rows import ROW, fill
 from rps_exudyn.mesh_contact.flank_strip import (
-    BAR,
     BREAKS,
     DEPTH,
-    HIGH_END,
     LIMITS,
     MARGIN,
     PRESSING,
     STRIP_SHAPE,
     across,
-    apply_limits,
     bound,
     describe_strip,
     edges,
+    ends_of,
+    greatest_width,
     is_wide,
+    slanted,
     touching,
+    watch_limits,
     within_band,
 )
 from rps_exudyn.mesh_contact.wrench import TOUCHING, WRENCH_SIZE
@@ -87,7 +88,7 @@ def flank_contact(angle, rate, position, rotation, velocity, spin, data):  # typ
 def flank_lines(angle, rate, position, rotation, velocity, spin, data, rows):  # type: ignore[no-untyped-def]
     """As `flank_contact`; also fills one of `rows`, shape (n, ROW), per line as far as there is room."""
     out, sums = np.zeros(WRENCH_SIZE), np.empty(SUMS)
-    strip, cuts, breaks = np.empty(STRIP_SHAPE), np.empty((LIMITS, 4)), np.empty(BREAKS)
+    strip, cuts, breaks = np.empty(STRIP_SHAPE), np.empty((LIMITS, 5)), np.empty(BREAKS)
     for sign in (-1.0, 1.0):
         side = side_of(sign, angle, rate, position, rotation, velocity, spin, data)
         first, last, turn = first_tooth(angle, side, data)
@@ -130,7 +131,10 @@ def _integrate(strip, cuts, breaks, band, line, side, data, sums):  # type: igno
     if not low < high:
         return NOTHING
     by_line, n = data[LINE_STIFFNESS] > 0, int(data[N_ALONG])
-    count, low_ends, high_ends = apply_limits(strip, low, high, low_ends, high_ends, by_line, cuts, breaks)
+    half = 0.0 if by_line else greatest_width(strip, low, high)
+    ends = ends_of(strip, low, high, half)
+    low_ends, high_ends = low_ends and ends.limit_low < 0, high_ends and ends.limit_high < 0
+    watched, count, low_ends, high_ends = watch_limits(strip, ends, half, low_ends, high_ends, cuts, breaks)
     deepest = 0.0
     for i in range(count - 1):
         z_0, length = breaks[i], breaks[i + 1] - breaks[i]
@@ -141,28 +145,28 @@ def _integrate(strip, cuts, breaks, band, line, side, data, sums):  # type: igno
             if by_line:
                 depth = _line_station(strip, z, share, line, side, data, sums)
             else:
-                depth = _area_station(strip, z, share, cuts, line, side, data, sums)
+                depth = _area_station(strip, z, ends, share, cuts[:watched], line, side, data, sums)
             deepest = max(deepest, depth)
     return (breaks[0], breaks[count - 1], deepest) if count > 0 else NOTHING
 
 
 @inlined
-def _area_station(strip, z, length, cuts, line, side, data, sums):  # type: ignore[no-untyped-def]
-    """Law "area": add the pressure across the strip at Z; the depth at its deepest place."""
-    c_0, c_1, c_2 = across(strip, PRESSING, z)
-    c_3 = strip[DEPTH, 9]
+def _area_station(strip, z, ends, length, cuts, line, side, data, sums):  # type: ignore[no-untyped-def]
+    """Law "area": add the pressure on the leaning station at Z; the depth at its deepest place."""
+    lean = ends.lean + ends.turn * (z - ends.low)
+    c_0, c_1, c_2, c_3 = slanted(strip, PRESSING, z, lean)
     low, high = edges(c_0, c_1, c_2, c_3)
     rule = 3  # the pressure vanishes at both ends
     if data[DAMPING] > 0:  # but not where it is the flanks that part
-        c_0, c_1, c_2 = across(strip, DEPTH, z)
+        c_0, c_1, c_2, c_3 = slanted(strip, DEPTH, z, lean)
         from_, to = edges(c_0, c_1, c_2, c_3)
         if from_ > low:
             low, rule = from_, rule & 2
         if to < high:
             high, rule = to, rule & 1
-    for i in range(LIMITS):
-        if cuts[i, 0] <= z <= cuts[i, 1]:
-            xi, rise = bound(strip, min(HIGH_END + i, BAR), z)
+    for cut in cuts:
+        if cut[0] <= z <= cut[1]:
+            xi, rise = bound(strip, int(cut[4]), z, lean)
             if rise > 0 and xi > low:
                 low, rule = xi, rule & 2
             elif rise < 0 and xi < high:
@@ -174,9 +178,11 @@ def _area_station(strip, z, length, cuts, line, side, data, sums):  # type: igno
     scale = data[STIFFNESS] * length * (high - low)
     for k in range(nodes, nodes + n):
         xi = low + (high - low) * data[k]
-        p_r, p_t, q = point(xi, z, line, side, data)
+        place = z + lean * xi
+        p_r, p_t, q = point(xi, place, line, side, data)
         depth = c_0 + xi * (c_1 + xi * (c_2 * (1 - xi * xi / 12) + xi * c_3))
-        press(depth, scale * data[k + n] * q, p_r, p_t, z, side, data, sums)
+        area = scale * data[k + n] * q * (1 + ends.turn * xi)
+        press(depth, area, p_r, p_t, place, side, data, sums)
     deepest = min(max(-c_1 / (2 * c_2), low), high)
     return c_0 + deepest * (c_1 + deepest * c_2)
 

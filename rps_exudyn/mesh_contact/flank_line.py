@@ -73,6 +73,14 @@ class Side(NamedTuple):
     w_r: float  # rack's angular velocity relative to the pinion
     w_t: float
     w_z: float
+    slip: float  # the same motion along B = N x e_r: slip + slip_r P_r + slip_t P_t + slip_z Z
+    slip_r: float
+    slip_t: float
+    slip_z: float
+    part: float  # and along N, which parts the flanks when negative
+    part_r: float
+    part_t: float
+    part_z: float
     y_0: float  # rack's own y and z coordinate of a point: y_0 + y_r P_r + y_t P_t + y_z Z
     y_r: float
     y_t: float
@@ -102,10 +110,9 @@ class Band(NamedTuple):
 
 
 # What the loads of one side add up to, in the line frame about the gear's centre.
-LOAD = 0  # sum of normal loads
-ARM = slice(1, 4)  # sum of normal load * P
-PULL = slice(4, 7)  # sum of friction (on the pinion: along the rack's slip)
-TURN = slice(7, 10)  # its moment
+LOAD, LOAD_R, LOAD_T, LOAD_Z = 0, 1, 2, 3  # normal loads, and times P_r, P_t, Z
+DRAG_R, DRAG_R_T, DRAG_R_Z = 4, 5, 6  # friction on the pinion along e_r, and times P_t, Z
+DRAG_B, DRAG_B_R, DRAG_B_N = 7, 8, 9  # along B = N x e_r, and times P_r, times P . N
 ENERGY, FRICTION_LOSS, DAMPING_LOSS, DEEPEST, LINES = 10, 11, 12, 13, 14
 SUMS = 15
 
@@ -139,6 +146,9 @@ def side_of(sign, angle, rate, position, rotation, velocity, spin, data):  # typ
     r01, r11, r21 = rotation[0, 1], rotation[1, 1], rotation[2, 1]
     r02, r12, r22 = rotation[0, 2], rotation[1, 2], rotation[2, 2]
     y_e, z_e = cd * r01 - sd * r21, cd * r02 - sd * r22
+    v_r, v_t = cos * v_e + sin * v_y, cos * v_y - sin * v_e
+    w_r, w_t = cos * w_e + sin * w_y, cos * w_y - sin * w_e
+    n_t = -sign * n_p
     return Side(
         sign,
         np.arctan2(sin, cos),
@@ -147,12 +157,20 @@ def side_of(sign, angle, rate, position, rotation, velocity, spin, data):  # typ
         n_p,
         n_k,
         data[FLANK_OFFSET] - (nx * gx + ny * gy + nz * gz),
-        cos * v_e + sin * v_y,
-        cos * v_y - sin * v_e,
+        v_r,
+        v_t,
         v_z,
-        cos * w_e + sin * w_y,
-        cos * w_y - sin * w_e,
+        w_r,
+        w_t,
         w_z,
+        n_k * v_t - n_t * v_z,
+        n_k * w_z + n_t * w_t,
+        -n_t * w_r,
+        -n_k * w_r,
+        n_t * v_t + n_k * v_z,
+        n_t * w_z - n_k * w_t,
+        n_k * w_r,
+        -n_t * w_r,
         r01 * gx + r11 * gy + r21 * gz,
         cos * y_e + sin * r11,
         cos * r11 - sin * y_e,
@@ -211,33 +229,31 @@ def point(xi, z, line, side, data):  # type: ignore[no-untyped-def]
 @inlined
 def press(depth, stiffness, p_r, p_t, z, side, data, sums):  # type: ignore[no-untyped-def]
     """Add the load stiffness * (depth + d * its rate) at a point, with its friction."""
-    n_t, n_z = -side.sign * side.n_p, side.n_z
-    v_r = side.v_r + side.w_t * z - side.w_z * p_t
-    v_t = side.v_t + side.w_z * p_r - side.w_r * z
-    v_z = side.v_z + side.w_r * p_t - side.w_t * p_r
-    v_n = n_t * v_t + n_z * v_z
-    pressing = depth + data[DAMPING] * v_n
-    if not pressing > 0:
-        return
+    slip_r = side.v_r + side.w_t * z - side.w_z * p_t
+    slip_b = side.slip + side.slip_r * p_r + side.slip_t * p_t + side.slip_z * z
+    pressing = depth
+    if data[DAMPING] > 0:
+        approach = side.part + side.part_r * p_r + side.part_t * p_t + side.part_z * z
+        pressing += data[DAMPING] * approach
+        if not pressing > 0:
+            return
+        sums[DAMPING_LOSS] += stiffness * (pressing - depth) * approach
     load = stiffness * pressing
-    v_t -= n_t * v_n
-    v_z -= n_z * v_n
-    slip = np.sqrt(v_r * v_r + v_t * v_t + v_z * v_z)
+    slip = np.sqrt(slip_r * slip_r + slip_b * slip_b)
     drag = data[FRICTION] * load / max(slip, data[ZONE])
-    f_r, f_t, f_z = drag * v_r, drag * v_t, drag * v_z
-    sums[0] += load
-    sums[1] += load * p_r
-    sums[2] += load * p_t
-    sums[3] += load * z
-    sums[4] += f_r
-    sums[5] += f_t
-    sums[6] += f_z
-    sums[7] += p_t * f_z - z * f_t
-    sums[8] += z * f_r - p_r * f_z
-    sums[9] += p_r * f_t - p_t * f_r
+    f_r, f_b = drag * slip_r, drag * slip_b
+    sums[LOAD] += load
+    sums[LOAD_R] += load * p_r
+    sums[LOAD_T] += load * p_t
+    sums[LOAD_Z] += load * z
+    sums[DRAG_R] += f_r
+    sums[DRAG_R_T] += f_r * p_t
+    sums[DRAG_R_Z] += f_r * z
+    sums[DRAG_B] += f_b
+    sums[DRAG_B_R] += f_b * p_r
+    sums[DRAG_B_N] += f_b * (side.n_z * z - side.sign * side.n_p * p_t)
     sums[ENERGY] += stiffness * depth * depth / 2
     sums[FRICTION_LOSS] += drag * slip * slip
-    sums[DAMPING_LOSS] += (load - stiffness * depth) * v_n
 
 
 @inlined
@@ -245,12 +261,13 @@ def add_side(sums, angle, position, side, data, out):  # type: ignore[no-untyped
     """Add one side's loads to `out` (`wrench` layout): line frame -> housing frame."""
     cd, sd, cos, sin = data[COS_DELTA], data[SIN_DELTA], side.cos, side.sin
     ca, sa = np.cos(angle), np.sin(angle)
-    n_t, n_z, load = -side.sign * side.n_p, side.n_z, sums[0]
+    n_t, n_z = -side.sign * side.n_p, side.n_z  # N, and B = (0, n_z, -n_t)
+    load, drag = sums[LOAD], sums[DRAG_B]
     # on the pinion, line frame, about the gear's centre; on the rack the opposite
-    f_r, f_t, f_z = sums[4], n_t * load + sums[5], n_z * load + sums[6]
-    m_r = sums[2] * n_z - sums[3] * n_t + sums[7]
-    m_t = -sums[1] * n_z + sums[8]
-    m_z = sums[1] * n_t + sums[9]
+    f_r, f_t, f_z = sums[DRAG_R], n_t * load + n_z * drag, n_z * load - n_t * drag
+    m_r = n_z * sums[LOAD_T] - n_t * sums[LOAD_Z] - sums[DRAG_B_N]
+    m_t = -n_z * sums[LOAD_R] + n_t * sums[DRAG_B_R] + sums[DRAG_R_Z]
+    m_z = n_t * sums[LOAD_R] + n_z * sums[DRAG_B_R] - sums[DRAG_R_T]
     f_e, f_y = cos * f_r - sin * f_t, sin * f_r + cos * f_t
     m_e, m_y = cos * m_r - sin * m_t, sin * m_r + cos * m_t
     ecc_e = ca * data[ECCENTRIC_E] - sa * data[ECCENTRIC_Y]

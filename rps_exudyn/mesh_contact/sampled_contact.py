@@ -70,7 +70,7 @@ def sampled_wrench(angle, rate, position, rotation, velocity, spin, data):  # ty
                 # touching point on the plane: below the sphere's centre
                 place = place - height * normal
                 lever = lever - height * normal
-                slip = rate * cross(axis, lever) - velocity - cross(spin, place)
+                slip = rate * np.array(cross(axis, lever)) - velocity - np.array(cross(spin, place))
                 approach = -(slip @ normal)
                 # with much damping a receding sphere pulls, as GeneralContact's do
                 normal_force = data.stiffness[space, side, i] * (depth + data.damping * approach)
@@ -79,7 +79,7 @@ def sampled_wrench(angle, rate, position, rotation, velocity, spin, data):  # ty
                 drag = coulomb(normal_force, data.friction, speed, data.zone)
                 force = drag * slip - normal_force * normal  # on the rack
                 out[1:4] += force
-                out[4:7] += cross(place, force)
+                out[4:7] += np.array(cross(place, force))
                 torque -= dot(axis, cross(lever, force))
                 out[7 + side] += normal_force
                 out[9] += 0.5 * data.stiffness[space, side, i] * depth**2

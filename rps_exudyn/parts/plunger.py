@@ -18,7 +18,7 @@ import numpy as np
 from rps_exudyn.compiled import kernel
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.force_element import ForceElement
-from rps_exudyn.parts.motion import coulomb, rotation_matrix, spin_map, times, times_transposed
+from rps_exudyn.parts.motion import coulomb, on_angles, spin_of, turn_of
 
 ARC_POINTS, LENGTH_POINTS = 6, 2  # Gauss points: a seat that touches everywhere is integrated to 1e-9
 
@@ -40,9 +40,9 @@ class SeatData(NamedTuple):
 def seat_force(q, v, data):  # type: ignore[no-untyped-def]
     """Penalty contact of the seat with the back of the bar; q = rack (6), plunger (1)."""
     out = np.zeros(7 + 3 + 2)
-    turn, spin = rotation_matrix(q[3:6]), spin_map(q[3:6])
-    omega = times(spin, v[3:6])
-    axis_x, axis_y, axis_z = turn[0, 0], turn[1, 0], turn[2, 0]
+    turn = turn_of(q[3:6])
+    omega = spin_of(turn, v[3:6])
+    axis_x, axis_y, axis_z = turn.axis
     moment_x = moment_y = moment_z = 0.0
     for i in range(data.arc_y.size):
         ny, nz = data.arc_y[i], data.arc_z[i]
@@ -76,7 +76,7 @@ def seat_force(q, v, data):  # type: ignore[no-untyped-def]
         out[8] += drag * speed**2
         out[10] += load
         out[11] += load * ny
-    out[3:6] = times_transposed(spin, (moment_x, moment_y, moment_z))
+    out[3], out[4], out[5] = on_angles(turn, (moment_x, moment_y, moment_z))
     out[6] = -out[1]
     return out
 

@@ -8,11 +8,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.compiled import kernel
+from rps_exudyn.compiled import inlined, kernel
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.bush import RIGID_END, Chain, housing_station
 from rps_exudyn.parts.force_element import ForceElement
-from rps_exudyn.parts.motion import coulomb, cross, dot, rotation_matrix, spin_map, times, times_transposed
+from rps_exudyn.parts.motion import (
+    coulomb,
+    cross,
+    dot,
+    minus,
+    on_angles,
+    plus,
+    scaled,
+    spin_of,
+    turn_of,
+    vector,
+)
 
 
 class FitData(NamedTuple):
@@ -26,56 +37,103 @@ class FitData(NamedTuple):
     lever: float  # from the carrier's reference point to the fit along X [m]
 
 
-@kernel
-def fit_force(q, v, data):  # type: ignore[no-untyped-def]
-    """The rack slides and rolls in its carrier and swivels with it; q = segment (6), rack (6).
+class Held(NamedTuple):
+    """A body of the fit: reference point in the housing, its velocity, the x axis, angular velocity."""
+
+    place: tuple[float, float, float]
+    velocity: tuple[float, float, float]
+    axis: tuple[float, float, float]
+    spin: tuple[float, float, float]
+
+
+class FitLoads(NamedTuple):
+    """What the fit does to the rack; the opposite, at the same place, to the carrier."""
+
+    force: tuple[float, float, float]
+    moment: tuple[float, float, float]  # about the place of the fit
+    lever_carrier: tuple[float, float, float]  # from each body's reference point to that place
+    lever_rack: tuple[float, float, float]
+    stored: float
+    lost: float
+    lateral: float
+    drag: float
+
+
+@inlined
+def fit_loads(carrier, rack, data):  # type: ignore[no-untyped-def]
+    """The rack slides and rolls in its carrier and swivels with it.
 
     The elastic connection sits at one place: on the carrier a fixed point, on the rack the point of its
     axis that passes there. Force and moment act at that place on both bodies.
     """
-    out = np.zeros(12 + 3 + 2)
-    turn_s, spin_s = rotation_matrix(q[3:6]), spin_map(q[3:6])
-    turn_r, spin_r = rotation_matrix(q[9:12]), spin_map(q[9:12])
-    omega_s, omega_r = times(spin_s, v[3:6]), times(spin_r, v[9:12])
-    axis_s, axis_r = turn_s[:, 0], turn_r[:, 0]
+    lever_carrier = scaled(data.lever, carrier.axis)
+    fit = plus(plus(carrier.place, lever_carrier), (data.station - data.lever, 0.0, 0.0))
+    lever_rack = scaled(dot(minus(fit, rack.place), rack.axis), rack.axis)
+    offset = minus(plus(rack.place, lever_rack), fit)
+    tilt = cross(carrier.axis, rack.axis)
 
-    lever_s = data.lever * axis_s
-    fit = q[0:3] + lever_s
-    fit[0] += data.station - data.lever
-    lever_r = dot(fit - q[6:9], axis_r) * axis_r
-    offset = q[6:9] + lever_r - fit
-    tilt = cross(axis_s, axis_r)
-
-    slide = dot(v[6:9] + cross(omega_r, lever_r) - v[0:3] - cross(omega_s, lever_s), axis_r)
-    roll = data.radius * dot(omega_r - omega_s, axis_r)
+    of_rack = plus(rack.velocity, cross(rack.spin, lever_rack))
+    of_carrier = plus(carrier.velocity, cross(carrier.spin, lever_carrier))
+    slide = dot(minus(of_rack, of_carrier), rack.axis)
+    roll = data.radius * dot(minus(rack.spin, carrier.spin), rack.axis)
     speed = np.sqrt(slide**2 + roll**2)
     rub = coulomb(1.0, data.drag, speed, data.zone)
 
-    strain = (offset[1], offset[2], tilt[1], tilt[2])
-    stress = np.zeros(4)
-    for i in range(4):
-        for j in range(4):
-            stress[i] += data.stiffness[i, j] * strain[j]
-    force = np.array([0.0, -stress[0], -stress[1]]) - rub * slide * axis_r
-    moment = np.array([0.0, -stress[2], -stress[3]]) - rub * roll * data.radius * axis_r
-    out[0:3] = -force
-    out[3:6] = -times_transposed(spin_s, moment + cross(lever_s + offset, force))
-    out[6:9] = force
-    out[9:12] = times_transposed(spin_r, moment + cross(lever_r, force))
-    for i in range(4):
-        out[12] += 0.5 * strain[i] * stress[i]
-    out[13] = rub * speed**2
-    out[15] = np.sqrt(stress[0] ** 2 + stress[1] ** 2)
-    out[16] = rub * slide
+    k = data.stiffness
+    y, z, b, c = offset[1], offset[2], tilt[1], tilt[2]
+    p_y = k[0, 0] * y + k[0, 1] * z + k[0, 2] * b + k[0, 3] * c
+    p_z = k[1, 0] * y + k[1, 1] * z + k[1, 2] * b + k[1, 3] * c
+    m_y = k[2, 0] * y + k[2, 1] * z + k[2, 2] * b + k[2, 3] * c
+    m_z = k[3, 0] * y + k[3, 1] * z + k[3, 2] * b + k[3, 3] * c
+    return FitLoads(
+        minus((0.0, -p_y, -p_z), scaled(rub * slide, rack.axis)),
+        minus((0.0, -m_y, -m_z), scaled(rub * roll * data.radius, rack.axis)),
+        plus(lever_carrier, offset),
+        lever_rack,
+        0.5 * (y * p_y + z * p_z + b * m_y + c * m_z),
+        rub * speed**2,
+        np.sqrt(p_y**2 + p_z**2),
+        rub * slide,
+    )
+
+
+@inlined
+def _held(q, v):  # type: ignore[no-untyped-def]
+    turn = turn_of(q[3:6])
+    return Held(vector(q), vector(v), turn.axis, spin_of(turn, v[3:6])), turn
+
+
+@inlined
+def _fill(out, loads, turn):  # type: ignore[no-untyped-def]
+    """The forces on the rack, the ledger, and the outputs."""
+    moment = plus(loads.moment, cross(loads.lever_rack, loads.force))
+    out[0], out[1], out[2] = loads.force
+    out[3], out[4], out[5] = on_angles(turn, moment)
+    out[6], out[7], out[8] = loads.stored, loads.lost, 0.0
+    out[9], out[10] = loads.lateral, loads.drag
+
+
+@kernel
+def fit_force(q, v, data):  # type: ignore[no-untyped-def]
+    """The fit in a moving carrier; q = segment (6), rack (6)."""
+    out = np.empty(12 + 3 + 2)
+    (carrier, turn_carrier), (rack, turn_rack) = _held(q[0:6], v[0:6]), _held(q[6:12], v[6:12])
+    loads = fit_loads(carrier, rack, data)
+    moment = plus(loads.moment, cross(loads.lever_carrier, loads.force))
+    out[0], out[1], out[2] = scaled(-1.0, loads.force)
+    out[3], out[4], out[5] = on_angles(turn_carrier, scaled(-1.0, moment))
+    _fill(out[6:], loads, turn_rack)
     return out
 
 
 @kernel
 def held_fit_force(q, v, data):  # type: ignore[no-untyped-def]
     """The same fit in a carrier that is part of the housing; q = rack (6)."""
-    still = np.zeros(6)
-    out = fit_force(np.concatenate((still, q)), np.concatenate((still, v)), data)
-    return out[6:]
+    out = np.empty(6 + 3 + 2)
+    still = (0.0, 0.0, 0.0)
+    rack, turn = _held(q, v)
+    _fill(out, fit_loads(Held(still, still, (1.0, 0.0, 0.0), still), rack, data), turn)
+    return out
 
 
 FIT_OUTPUTS = ("bush_lateral_force", "bush_drag")
