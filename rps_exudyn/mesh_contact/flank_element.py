@@ -13,7 +13,6 @@ from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.force_element import ForceElement
 from rps_exudyn.parts.motion import rotation_matrix, spin_map, times
 
-
 DEEPEST = 0.1e-3  # penetration [m]: the strip's half width is then a sixth of the radius of curvature
 
 
