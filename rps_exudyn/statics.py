@@ -138,13 +138,17 @@ def _missed(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return missed
 
 
+# Loops in place of array expressions: numba compiles those much slower, with all their broadcasting.
+
+
 @kernel
-def backward_difference(x, y, k):  # type: ignore[no-untyped-def]
-    """y'(x_k) = factor (y_k - base) for the parabola through the last three points: factor and base."""
+def backward_difference(x, y, k, base):  # type: ignore[no-untyped-def]
+    """y'(x_k) = factor (y_k - base) for the parabola through the last three points: fills base, returns factor."""
     h, g = x[k] - x[k - 1], x[k - 1] - x[k - 2]
     factor = (2 * h + g) / (h * (h + g))
-    base = ((h + g) / (h * g) * y[k - 1] - h / (g * (h + g)) * y[k - 2]) / factor
-    return factor, base
+    for i in range(base.size):
+        base[i] = ((h + g) / (h * g) * y[k - 1, i] - h / (g * (h + g)) * y[k - 2, i]) / factor
+    return factor
 
 
 @kernel
@@ -160,32 +164,64 @@ def unbalance(forces):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def limited(move):  # type: ignore[no-untyped-def]
-    """The step, shortened so that the contact stays the same contact: 0.1 mm, or 10 mrad."""
+def newton_move(inverse, forces, move):  # type: ignore[no-untyped-def]
+    """Fill the step of the free coordinates, shortened to where the contact stays the same contact: 0.1 mm,
+    or 10 mrad."""
     largest = 0.0
     for i in range(7):
+        move[i] = 0.0
+        for j in range(7):
+            move[i] -= inverse[i, j] * forces[1 + j]
         largest = max(largest, abs(move[i]) * (0.01 if 3 <= i <= 5 else 1.0))
-    return move * (1e-4 / largest) if largest > 1e-4 else move
+    if largest > 1e-4:
+        for i in range(7):
+            move[i] *= 1e-4 / largest
+
+
+@kernel
+def explain_step(inverse, move, before, after):  # type: ignore[no-untyped-def]
+    """Broyden's update: the inverse tangent that maps the change of the forces onto the step made."""
+    mapped, row, size = np.zeros(7), np.zeros(7), 0.0
+    for i in range(7):
+        for j in range(7):
+            mapped[i] += inverse[i, j] * (after[1 + j] - before[1 + j])
+            row[i] += move[j] * inverse[j, i]
+        size += move[i] * mapped[i]
+    if size == 0 or not np.isfinite(size):
+        return
+    for i in range(7):
+        for j in range(7):
+            inverse[i, j] += (move[i] - mapped[i]) * row[j] / size
+
+
+@kernel
+def shifted(q, move, share, trial):  # type: ignore[no-untyped-def]
+    """Fill the coordinates a share of the step away."""
+    trial[0] = q[0]
+    for i in range(7):
+        trial[1 + i] = q[1 + i] + share * move[i]
+
+
+@kernel
+def rates_from(q, base, per_time, v):  # type: ignore[no-untyped-def]
+    """Fill the rates of rack and plunger that the path has at q; per_time 0 keeps those given."""
+    if per_time != 0:
+        for i in range(1, 8):
+            v[i] = (q[i] - base[i]) * per_time
 
 
 @cache
 def _follower(force: Callable[..., Any]) -> Callable[..., Any]:
-    def evaluate(q, v, base, per_time, data):  # type: ignore[no-untyped-def]
-        # the rates follow the coordinates, from the previous angle's
-        if per_time != 0:
-            v[1:8] = (q[1:8] - base[1:8]) * per_time
-        return force(q, v, data)
-
-    evaluate = kernel_over(evaluate, force)
-
     def inverse_tangent(q, v, base, per_time, data, r):  # type: ignore[no-untyped-def]
         # one-sided differences: Broyden's updates refine what they miss
-        tangent = np.empty((7, 7))
-        trial = q.copy()
+        tangent, trial = np.empty((7, 7)), q.copy()
         for j in range(7):
             step = 1e-8 if 3 <= j <= 5 else 1e-9
             trial[1 + j] = q[1 + j] + step
-            tangent[:, j] = (evaluate(trial, v, base, per_time, data)[1:8] - r[1:8]) / step
+            rates_from(trial, base, per_time, v)
+            moved = force(trial, v, data)
+            for i in range(7):
+                tangent[i, j] = (moved[1 + i] - r[1 + i]) / step
             trial[1 + j] = q[1 + j]
         return np.linalg.inv(tangent)
 
@@ -193,24 +229,23 @@ def _follower(force: Callable[..., Any]) -> Callable[..., Any]:
 
     def follow(angles, coordinates, rates, forces, data):  # type: ignore[no-untyped-def]
         evaluations, iterations, tangents = 0, 0, 0
-        inverse = np.empty((7, 7))
+        inverse, move = np.empty((7, 7)), np.empty(7)
+        q, v, base, trial = coordinates[0].copy(), rates[0].copy(), np.empty(8), np.empty(8)
         norm = np.inf
         for k in range(angles.size):
-            q, v = coordinates[k], rates[k]
-            base, per_time = q, 0.0
+            per_time = 0.0
             if k == 1:
-                base = coordinates[0]
+                base[:] = coordinates[0]
                 per_time = rates[0, 0] / (angles[1] - angles[0])
-                q[:] = base
                 q[1] += rates[0, 1] / per_time
             elif k > 1:
-                per_time, base = backward_difference(angles, coordinates, k)
-                per_time *= rates[0, 0]
+                per_time = backward_difference(angles, coordinates, k, base) * rates[0, 0]
                 stretch = (angles[k] - angles[k - 1]) / (angles[k - 1] - angles[k - 2])
-                q[:] = coordinates[k - 1] + stretch * (coordinates[k - 1] - coordinates[k - 2])
-            v[:] = rates[0]
+                for i in range(1, 8):
+                    q[i] += stretch * (q[i] - coordinates[k - 2, i])
             q[0] = angles[k]
-            r = evaluate(q, v, base, per_time, data)
+            rates_from(q, base, per_time, v)
+            r = force(q, v, data)
             evaluations += 1
             norm = unbalance(r)
             fresh = False
@@ -218,40 +253,34 @@ def _follower(force: Callable[..., Any]) -> Callable[..., Any]:
                 if norm <= TOLERANCE:
                     break
                 if tangents == 0:
-                    inverse[:] = inverse_tangent(q, v, base, per_time, data, r)
+                    inverse = inverse_tangent(q, v, base, per_time, data, r)
                     tangents, evaluations, fresh = tangents + 1, evaluations + 7, True
                 iterations += 1
-                move = limited(-inverse @ r[1:8])
-                trial = q.copy()
-                trial[1:8] += move
-                r_trial = evaluate(trial, v, base, per_time, data)
-                evaluations += 1
-                norm_trial = unbalance(r_trial)
-                if not norm_trial < SLOW * norm:
-                    if not fresh:  # an old tangent: try again with a new one
-                        inverse[:] = inverse_tangent(q, v, base, per_time, data, r)
-                        tangents, evaluations, fresh = tangents + 1, evaluations + 7, True
-                        continue
-                    share = 1.0
-                    while not norm_trial < (1 - 0.1 * share) * norm and share > 0.02:
-                        share *= 0.5
-                        trial[1:8] = q[1:8] + share * move
-                        r_trial = evaluate(trial, v, base, per_time, data)
-                        evaluations += 1
-                        norm_trial = unbalance(r_trial)
-                    move = share * move
-                # Broyden: the inverse tangent that explains this step
-                change = inverse @ (r_trial[1:8] - r[1:8])
-                size = move @ change
-                if size != 0 and np.isfinite(size):
-                    inverse += np.outer(move - change, move @ inverse) / size
+                share = 1.0
+                newton_move(inverse, r, move)
+                while True:
+                    shifted(q, move, share, trial)
+                    rates_from(trial, base, per_time, v)
+                    r_trial = force(trial, v, data)
+                    evaluations += 1
+                    norm_trial = unbalance(r_trial)
+                    enough = SLOW if share == 1.0 else 1 - 0.1 * share
+                    if norm_trial < enough * norm or share < 0.02 or not fresh:
+                        break
+                    share *= 0.5
+                if not fresh and not norm_trial < SLOW * norm:  # an old tangent: try again with a new one
+                    inverse = inverse_tangent(q, v, base, per_time, data, r)
+                    tangents, evaluations, fresh = tangents + 1, evaluations + 7, True
+                    continue
+                for i in range(7):
+                    move[i] *= share
+                explain_step(inverse, move, r, r_trial)
                 fresh = False
                 q[:], r, norm = trial, r_trial, norm_trial
             if not norm <= TOLERANCE:
                 return k, evaluations, iterations, tangents, norm
-            if per_time != 0:
-                v[1:8] = (q[1:8] - base[1:8]) * per_time
-            forces[k] = r
+            rates_from(q, base, per_time, v)
+            coordinates[k], rates[k], forces[k] = q, v, r
         return angles.size, evaluations, iterations, tangents, norm
 
     return kernel_over(follow, force)

@@ -117,7 +117,9 @@ def draw(rows: list[Row], path: Path) -> None:
 def main(folder: Path) -> None:
     """Measure, print, draw."""
     curve, spread, bias = reference()
-    print(f"reference: equilibrium at 0.1 deg; slow dynamics differ by {spread:.4f} % RMS, {bias:+.4f} % bias\n")
+    print(
+        f"reference: equilibrium at 0.1 deg; slow dynamics differ by {spread:.4f} % RMS, {bias:+.4f} % bias\n"
+    )
     for name in CASES:  # compile everything first
         if CASES[name][0] != "full":
             measured(name, curve)

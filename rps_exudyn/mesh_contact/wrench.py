@@ -39,9 +39,12 @@ def on_coordinates(wrench, map_):  # type: ignore[no-untyped-def]
     `map_` is the rack's G, angle rates -> angular velocity.
     """
     out = np.empty(7 + 3 + 4)
-    out[0:4] = wrench[0:4]
-    out[4:7] = times_transposed(map_, wrench[4:7])
-    out[7:10] = wrench[9:12]
-    out[10:12] = wrench[7:9]
-    out[12:14] = wrench[12:14]
+    for i in range(4):
+        out[i] = wrench[i]
+    moment = times_transposed(map_, wrench[4:7])
+    for i in range(3):
+        out[4 + i] = moment[i]
+        out[7 + i] = wrench[9 + i]
+    out[10], out[11] = wrench[7], wrench[8]
+    out[12], out[13] = wrench[12], wrench[13]
     return out

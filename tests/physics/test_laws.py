@@ -20,7 +20,9 @@ PITCH = 1 / GEAR.pinion.teeth  # [turns]
 FRICTIONLESS = {"mesh.friction": 0.0, "yoke.friction": 0.0, "bush.drag": 0.0, "bearing.friction_torque": 0.0}
 
 
-def turned(settings: dict[str, object], fidelity: str | Fidelity = "quasi-static", turns: float = PITCH) -> Result:
+def turned(
+    settings: dict[str, object], fidelity: str | Fidelity = "quasi-static", turns: float = PITCH
+) -> Result:
     """The gear with some parameters changed, turned over whole tooth pitches."""
     result = rps.run("free-pinion-torque", GEAR.replace(settings), fidelity=fidelity, turns=turns)
     assert result.status is Status.OK, result.message
@@ -53,7 +55,9 @@ def test_preset_means_agree_with_the_closed_form() -> None:
         assert turned({}, fidelity).summary["torque_mean"] == pytest.approx(exact, rel=0.01)
 
 
-@pytest.mark.parametrize(("path", "values"), [("yoke.preload", [150, 300, 600]), ("mesh.friction", [0.05, 0.1, 0.15])])
+@pytest.mark.parametrize(
+    ("path", "values"), [("yoke.preload", [150, 300, 600]), ("mesh.friction", [0.05, 0.1, 0.15])]
+)
 def test_torque_is_linear(path: str, values: list[float]) -> None:
     """Equal steps to 1 %: the middle value lies on the line through the outer ones."""
     low, middle, high = (turned({path: value}).summary["torque_mean"] for value in values)
@@ -80,7 +84,9 @@ def test_power_of_the_drive_is_what_friction_takes_and_springs_store() -> None:
     taken by differences over 0.1 degrees, which leaves 0.5 %."""
     fine = Fidelity.preset("quasi-static").replace({"step_angle": "0.1 deg"})
     result = turned({}, fine)
-    spent = sum(values for name, values in result.signals.items() if name.startswith("work_") and name != "work_drive")
+    spent = sum(
+        values for name, values in result.signals.items() if name.startswith("work_") and name != "work_drive"
+    )
     balance = result["work_drive"] - spent - result["stored_energy"]
     rate = np.gradient(balance, result["work_drive"])
     assert np.abs(rate).max() < 0.005
