@@ -78,8 +78,8 @@ def law_valid(element: ForceElement, signals: dict[str, np.ndarray]) -> Failure:
             quantity = SIGNALS[name]
             yield (
                 Status.INVALID,
-                f"{name} is {quantity.show(signals[name].max())}, first above the {quantity.show(bound)} to which "
-                f"the contact's law holds at {_first(signals, beyond)}",
+                f"{name} is {quantity.show(signals[name].max())}, first above the {quantity.show(bound)} "
+                f"to which the contact's law holds at {_first(signals, beyond)}",
             )
 
 

@@ -71,7 +71,12 @@ def print_comparison(comparison: "Comparison", names: tuple[str, str], files: It
         low, high = (SIGNALS["pinion_angle"].show(comparison.angle[end]) for end in (0, -1))
         console.print(f"Signals over pinion angles of {low} to {high}, the torque's in % of its mean:")
         rows = (
-            (name, pair.shown(pair.rms), pair.shown(pair.largest), SIGNALS["pinion_angle"].show(pair.angle))
+            (
+                name,
+                pair.shown(pair.rms),
+                pair.shown(pair.largest),
+                SIGNALS["pinion_angle"].show(round(pair.angle, 9) + 0.0),
+            )
             for name, pair in comparison.signals.items()
         )
         console.print(_grid(("quantity", "RMS difference", "largest", "at"), rows))

@@ -128,7 +128,7 @@ def repeated(signals: dict[str, np.ndarray], times: int) -> dict[str, np.ndarray
 
 
 def contact_disagreement(record: Record) -> float:
-    """Largest difference of the solver's own contact forces from the elements', over the largest; 0 without."""
+    """Largest difference of the solver's own contact forces from the elements', over the largest, or 0."""
     if record.contact is None:
         return 0.0
     mesh = next(element for element in record.elements if element.name == "mesh")

@@ -2,8 +2,8 @@
 
 Unknowns are the rack's six coordinates and the plunger's; the pinion's angle is given. The forces are those
 of the dynamic model (`gear_kernel`) without inertia; the rates that friction needs are the path's own,
-by backward differences, so that this is the limit of slow dynamics and not a model of its own. At the first angle
-they are those of steady turning: the rack moves along X at gain times pinion rate, nothing else moves.
+by backward differences, so that this is the limit of slow dynamics and not a model of its own. At the first
+angle they are those of steady turning: the rack moves along X at gain times pinion rate, nothing else moves.
 
 Newton's method with Broyden's update of the inverse tangent: along a smooth path one angle costs three or
 four evaluations of the forces, and a new tangent is rare.
@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.compiled import kernel, kernel_over
+from rps_exudyn.errors import InputError
 from rps_exudyn.gear_kernel import STACK
 from rps_exudyn.gears.gear_pair import GearPair
 
@@ -24,6 +25,8 @@ SIZE = 8  # coordinates of pinion, rack and plunger
 
 TOLERANCE = 1e-3  # largest unbalanced force accepted [N], moments over 10 mm: 1e-5 of the torque
 MAX_ITERATIONS = 60
+SETTLING_STEPS = 600
+LEVERS = np.array([1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0])  # free coordinates to lengths [m]
 TYPICAL_APPROACH = 15e-6  # of the rack under the yoke's preload [m]
 MAX_HALVINGS = 8
 SLOW = 0.9  # a step that leaves more of the unbalance than this asks for a new tangent
@@ -76,9 +79,18 @@ def equilibrium_path(
     rates = np.empty_like(coordinates)
     forces = np.empty_like(coordinates)
     coordinates[0], rates[0] = starting_guess(pair, angles[0]), steady_rates(pair, speed)
-    found, evaluations, iterations, tangents, residual = _follower(force)(
-        -angles, coordinates, rates, forces, data
-    )
+    follow = _follower(force)
+    found, evaluations, iterations, tangents, residual = follow(-angles, coordinates, rates, forces, data)
+    if found == 0:  # the guess was too far off: let the gear settle there first
+        guess, steady = starting_guess(pair, angles[0]), steady_rates(pair, speed)
+
+        def unbalanced(free: np.ndarray) -> np.ndarray:
+            return np.asarray(force(np.append(guess[0], free), steady, data)[1:8])
+
+        coordinates[0, 0] = guess[0]
+        coordinates[0, 1:], _ = settled(unbalanced, guess[1:], LEVERS)
+        rates[0] = steady
+        found, evaluations, iterations, tangents, residual = follow(-angles, coordinates, rates, forces, data)
     return EquilibriumPath(
         coordinates[:found],
         rates[:found],
@@ -143,7 +155,7 @@ def _missed(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 @kernel
 def backward_difference(x, y, k, base):  # type: ignore[no-untyped-def]
-    """y'(x_k) = factor (y_k - base) for the parabola through the last three points: fills base, returns factor."""
+    """y'(x_k) = factor (y_k - base) of the parabola through the last three points; fills base."""
     h, g = x[k] - x[k - 1], x[k - 1] - x[k - 2]
     factor = (2 * h + g) / (h * (h + g))
     for i in range(base.size):
@@ -286,27 +298,55 @@ def _follower(force: Callable[..., Any]) -> Callable[..., Any]:
     return kernel_over(follow, force)
 
 
-def approach_under(load: float, mesh_force: Callable[..., Any], data: Any) -> float:
+def approach_under(load: float, mesh_force: Callable[..., Any], data: Any, offset: float) -> float:
     """How far a load [N] along -Y presses the guided rack into a frictionless mesh, at pinion angle 0 [m].
 
-    The rack keeps its direction; it finds its place along X between the flanks by itself.
+    The rack keeps its direction; it finds its place along X between the flanks by itself. `offset` [m] is
+    where it would stand without load.
+
+    Raises:
+        InputError: the teeth cannot carry the load within the range of their contact law.
     """
     if load == 0:
-        return 0.0
+        return -offset
     q, still = np.zeros(7), np.zeros(7)
-    place = np.array([0.0, -TYPICAL_APPROACH])  # along X and Y
 
-    def residual(place: np.ndarray) -> np.ndarray:
+    def unbalanced(place: np.ndarray) -> np.ndarray:
         q[1:3] = place
         return np.asarray(mesh_force(q, still, data)[1:3] - np.array([0.0, load]))
 
-    for _ in range(50):
-        r = residual(place)
-        if np.abs(r).max() <= 1e-9 * max(load, 1.0):
-            break
-        tangent = np.column_stack(
-            [(residual(place + step) - residual(place - step)) / 2e-9 for step in 1e-9 * np.eye(2)]
+    place, rest = settled(unbalanced, np.array([0.0, offset - TYPICAL_APPROACH]), np.ones(2))
+    if rest > 1e-3 * load:
+        raise InputError(
+            f"yoke.preload is {load:g} N, more than teeth of mesh.stiffness carry within the range of their contact law."
         )
-        move = np.linalg.solve(tangent, -r)
-        place = place + move * min(1.0, 10e-6 / float(np.abs(move).max()))
     return float(-place[1])
+
+
+def settled(
+    force: Callable[[np.ndarray], np.ndarray], start: np.ndarray, levers: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """Let the coordinates creep to where the force vanishes; the place, and what remains unbalanced [N].
+
+    Pseudo-transient continuation: implicit Euler steps of levers^2 dq/dt = force, which cannot overshoot far,
+    longer the smaller the force has become until they are Newton's. `levers` turn rotations into lengths [m].
+    """
+    q, r = start.copy(), force(start)
+    stretch = 1e-9  # [m/N]
+    for _ in range(SETTLING_STEPS):
+        norm = float(np.abs(r / levers).max())
+        if norm <= TOLERANCE / 10:
+            break
+        tangent = np.empty((q.size, q.size))
+        for j, step in enumerate(1e-9 / levers):
+            moved = q.copy()
+            moved[j] += step
+            tangent[:, j] = (force(moved) - r) / step
+        move = np.linalg.lstsq(np.diag(levers**2) / stretch - tangent, r, rcond=None)[0]
+        move *= min(1.0, 20e-6 / float(np.abs(move * levers).max() or 1.0))
+        r_next = force(q + move)
+        growth = norm / float(np.abs(r_next / levers).max() or norm)
+        stretch *= min(max(growth, 1.3), 10.0) if growth > 0.9 else 0.2
+        if growth > 0.2:
+            q, r = q + move, r_next
+    return q, float(np.abs(r / levers).max())

@@ -13,7 +13,6 @@ import numpy as np
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 
-
 EDGE = 1e-9  # barycentric tolerance: a ray through a common edge belongs to both triangles
 
 

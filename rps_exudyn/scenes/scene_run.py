@@ -70,8 +70,7 @@ def whole_periods(gear: SteeringGear) -> int | None:
 
 def without_equilibrium(angle: float, residual: float) -> SceneRun:
     """The run that could not start."""
-    message = f"no equilibrium at {np.degrees(angle):.4g} deg: {residual:.3g} N remain unbalanced; "
-    message += "yoke.preload may be more than teeth of mesh.stiffness can carry"
+    message = f"no equilibrium was found at {np.degrees(angle):.4g} deg, {residual:.3g} N remain unbalanced"
     return SceneRun(Outcome(Status.NO_CONVERGENCE, message))
 
 
@@ -86,6 +85,7 @@ def check_travel(gear: SteeringGear, first: float, last: float) -> None:
     farthest = max(abs(first), abs(last))
     if farthest > allowed:
         raise InputError(
-            f"test.turns and test.start_angle lead to a pinion angle of {np.degrees(farthest):.6g} deg; the teeth for "
-            f"rack.travel = {gear.rack.travel * 1e3:g} mm allow {np.degrees(allowed):.6g} deg either way."
+            f"test.turns and test.start_angle lead to a pinion angle of {np.degrees(farthest):.6g} deg; "
+            f"the teeth for rack.travel = {gear.rack.travel * 1e3:g} mm allow "
+            f"{np.degrees(allowed):.6g} deg either way."
         )

@@ -31,8 +31,8 @@ def turned(
 
 @pytest.mark.parametrize("fidelity", ["quasi-static", "flank"])
 def test_without_friction_it_turns_by_itself(fidelity: str) -> None:
-    """The mean is zero but for what the contact loses where loaded material passes an edge of the rack, 0.01 %
-    of the torque with friction; within a pitch the elastic energy of contact and bush swings."""
+    """The mean is zero but for what the contact loses where loaded material passes an edge of the rack,
+    0.01 % of the torque with friction; within a pitch the elastic energy of contact and bush swings."""
     result = turned(FRICTIONLESS, fidelity)
     assert abs(result.summary["torque_mean"]) < 2e-4
     assert np.abs(result["pinion_torque"]).max() < 5e-3
@@ -80,8 +80,8 @@ def test_direction_changes_the_sign() -> None:
 
 
 def test_power_of_the_drive_is_what_friction_takes_and_springs_store() -> None:
-    """At every instant: torque times rate = dissipated power + rate of the stored energy. The energy's rate is
-    taken by differences over 0.1 degrees, which leaves 0.5 %."""
+    """At every instant: torque times rate = dissipated power + rate of the stored energy. The energy's rate
+    is taken by differences over 0.1 degrees, which leaves 0.5 %."""
     fine = Fidelity.preset("quasi-static").replace({"step_angle": "0.1 deg"})
     result = turned({}, fine)
     spent = sum(
@@ -114,8 +114,8 @@ def test_seat_friction_has_the_wedge_factor() -> None:
 
 @pytest.mark.parametrize("runout", [20e-6, 40e-6])
 def test_runout_makes_one_wave_per_turn(runout: float) -> None:
-    """First order to 5 %. The formula's stiffness is the yoke spring's, so the bush is made too soft to add to
-    it; it leaves out that the friction's lever changes with the centre distance, 6 % of the amplitude in
+    """First order to 5 %. The formula's stiffness is the yoke spring's, so the bush is made too soft to add
+    to it; it leaves out that the friction's lever changes with the centre distance, 6 % of the amplitude in
     the cosine."""
     settings = {"pinion.runout": runout, "bush.youngs_modulus": "0.1 MPa"}
     result = turned(settings, turns=1.0)
