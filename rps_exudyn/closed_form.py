@@ -139,6 +139,26 @@ def load_test(gear: SteeringGear, mass: float | None = None) -> LoadTest:
     )
 
 
+def beyond_formulas(gear: SteeringGear) -> str:
+    """Why the formulas do not hold for this gear, in words; empty where they do."""
+    pinion, lift = gear.pinion, gear.pinion.runout + abs(gear.installation.axis_offset)
+    if lift >= gear.yoke.clearance:
+        return (
+            f"the formulas know no yokenut, and a lift of {1e6 * lift:.4g} um uses up "
+            f"yoke.clearance = {1e6 * gear.yoke.clearance:.4g} um"
+        )
+    unknown = {
+        "installation.angle_error": gear.installation.angle_error,
+        "installation.axis_offset": gear.installation.axis_offset,
+        "pinion.tip_relief": pinion.tip_relief,
+        "pinion.crowning": pinion.crowning,
+        "pinion.pitch_error": pinion.pitch_error,
+        "pinion.profile_slope": pinion.profile_slope,
+    }
+    given = [path for path, value in unknown.items() if value]
+    return f"the formulas know nothing of {', '.join(given)}" if given else ""
+
+
 # --- parts ---------------------------------------------------------------------------------------
 def seat_wedge_factor(half_angle: float) -> float:
     """kappa: sum of the seat's normal forces over the force along the yoke axis.

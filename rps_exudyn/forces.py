@@ -64,7 +64,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity) -> GearForces:
     pair = GearPair.of(gear)
     zone = fidelity.zone_ratio * least_sliding(pair) * gear.test.speed
     mesh = mesh_element(gear, fidelity, zone)
-    approach = approach_under(gear.yoke.preload, *ideal_mesh(gear, fidelity, zone))
+    approach = approach_under(gear.yoke.preload, *ideal_mesh(gear, fidelity, zone), pair.axis_offset)
     rest_gap = approach + gear.yoke.preload / gear.yoke.seat_stiffness
 
     chain = adams_chain(gear) if fidelity.bush == "adams-chain" else bush_chain(gear)

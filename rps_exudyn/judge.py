@@ -16,7 +16,9 @@ from rps_exudyn.quantities import SIGNALS
 from rps_exudyn.record import Record, contact_disagreement
 from rps_exudyn.solve import Outcome
 
-ENERGY_BOUND = 2e-3  # of the drive's work ...
+# What loaded material takes along or leaves behind where it passes an edge of the rack belongs to no account:
+# 0.02 % on the paper's gear, up to 0.3 % on sound gears with short teeth or high loads.
+ENERGY_BOUND = 5e-3  # of the drive's work ...
 MISSED_TORQUE = 1e-3  # ... or what a torque that small would do: a gear without friction takes no work [N m]
 AGREEMENT_BOUND = 1e-6  # of Exudyn's contact forces with the compiled samples; 1e-9 is usual
 

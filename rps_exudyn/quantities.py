@@ -103,7 +103,9 @@ SIGNALS = {
     ),
     "work_bush_friction": _energy("work lost to the bush's drag from the start of recording"),
     "work_bearing_friction": _energy("work lost to the pinion's bearings from the start of recording"),
-    "stored_energy": _energy("kinetic energy, and elastic energy of springs and contacts"),
+    "stored_energy": _energy(
+        "kinetic energy, and elastic energy of springs and contacts, from the start of recording"
+    ),
 }
 
 SUMMARY = {

@@ -63,7 +63,7 @@ def measured(name: str, reference: CubicSpline) -> Row:
     preset, changes = CASES[name]
     fidelity = Fidelity.preset(preset).replace(changes)
     slow = fidelity.mesh == "general-contact"
-    turns, repeats = (PITCH, 1) if slow else (1.0, 5)
+    turns, repeats = (PITCH, 1) if slow else (1.0, 20)
     results = [rps.run("free-pinion-torque", GEAR, fidelity=fidelity, turns=turns) for _ in range(repeats)]
     result = min(results, key=lambda each: each.counters["solver_cpu"])
     angle = np.linspace(0, 2 * np.pi * PITCH, 721)

@@ -6,6 +6,8 @@ recorded beyond the last whole tooth pitch (or revolution), nothing enters.
 
 import numpy as np
 
+LEAST_PER_PITCH = 6  # points in a tooth pitch without which its ripple is not seen
+
 
 def mean(angle: np.ndarray, values: np.ndarray) -> float:
     """Mean over the angle, by the trapezoidal rule."""
@@ -33,11 +35,10 @@ def order_amplitude(angle: np.ndarray, values: np.ndarray, order: int) -> float 
 
 
 def describe_torque(angle: np.ndarray, torque: np.ndarray, teeth: int) -> dict[str, float]:
-    """The summary's torque figures, by their names there; orders only where they can be told."""
-    figures = {
-        "torque_mean": mean(angle, torque),
-        "torque_peak_to_peak": float(np.ptp(torque)),
-        "torque_tooth_order": order_amplitude(angle, torque, teeth),
-        "torque_first_order": order_amplitude(angle, torque, 1),
-    }
+    """The summary's torque figures, by their names there; ripple and orders only where they can be told."""
+    figures: dict[str, float | None] = {"torque_mean": mean(angle, torque)}
+    if np.abs(np.diff(angle)).max() <= 2 * np.pi / teeth / LEAST_PER_PITCH * (1 + 1e-9):
+        figures["torque_peak_to_peak"] = float(np.ptp(torque))
+        figures["torque_tooth_order"] = order_amplitude(angle, torque, teeth)
+    figures["torque_first_order"] = order_amplitude(angle, torque, 1)
     return {name: value for name, value in figures.items() if value is not None}

@@ -11,6 +11,7 @@ import numpy as np
 
 from rps_exudyn.closed_form import closed_form
 from rps_exudyn.compiled import kernel
+from rps_exudyn.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.force_element import ForceElement
@@ -53,5 +54,10 @@ def ratio_element_with_loss(gear: SteeringGear) -> ForceElement:
 
 
 def _element(gear: SteeringGear, loss: float) -> ForceElement:
+    if gear.pinion.runout > 0:
+        raise InputError(
+            f"pinion.runout is {1e6 * gear.pinion.runout:g} um; the kinematic ratio knows no runout: it must be 0, or "
+            "fidelity.mesh another."
+        )
     data = RatioData(float(GearPair.of(gear).gain), loss, 0.01 * gear.test.speed)
     return ForceElement("mesh", ("pinion", "rack"), ratio_force, data)

@@ -9,10 +9,11 @@ from dataclasses import replace
 from time import process_time
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from rps_exudyn.analysis.torque import describe_torque
 from rps_exudyn.analysis.work_balance import energy_residual
-from rps_exudyn.closed_form import closed_form
+from rps_exudyn.closed_form import beyond_formulas, closed_form
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.forces import gear_forces
 from rps_exudyn.gears.gear_pair import GearPair
@@ -22,11 +23,8 @@ from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.record import Record, repeated, signals_of
 from rps_exudyn.scenes.scene_run import SceneRun, Turning, whole_periods, without_equilibrium
 from rps_exudyn.solve import Outcome, SolverPlan, solve
-from rps_exudyn.statics import adaptive_path, equilibrium_path
+from rps_exudyn.statics import TOLERANCE, adaptive_path, equilibrium_path
 
-# Newton measures against the largest residual, and in a chain that is its own stiff springs': at 1 degree per
-# step and 15 rpm a tolerance of 1e-4 misses 0.3 % of the torque, this 0.007 %
-CHAIN_TOLERANCE = 1e-6
 CLOSED = 1e-3  # of the torque: how well a period must end where it began to stand for all
 
 
@@ -53,8 +51,7 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> Sce
     recorder = Recorder(model).attach()
     model.mbs.Assemble()
     steps = turning.lead + turning.steps
-    tolerance = min(fidelity.tolerance, CHAIN_TOLERANCE) if model.segments else fidelity.tolerance
-    plan = SolverPlan(end_time=steps * turning.time_step, steps=steps, relative_tolerance=tolerance)
+    plan = SolverPlan(end_time=steps * turning.time_step, steps=steps, relative_tolerance=fidelity.tolerance)
     outcome = solve(model.mbs, plan)
     record = recorder.record().since(turning.lead * turning.time_step * (1 + 1e-9))
     return _told(gear, outcome, record)
@@ -71,7 +68,8 @@ def by_equilibrium(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> 
     if abs(torque[-1] - torque[0]) > CLOSED * np.abs(torque).max():
         return _along_equilibria(gear, fidelity, turning)
     signals = repeated(run.signals, periods)
-    return SceneRun(run.outcome, signals, {**run.summary, **figures(signals, gear)})
+    outcome = replace(run.outcome, settings={**run.outcome.settings, "periods_alike": periods})
+    return SceneRun(outcome, signals, {**run.summary, **figures(signals, gear)})
 
 
 def _along_equilibria(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> SceneRun:
@@ -96,6 +94,7 @@ def _along_equilibria(gear: SteeringGear, fidelity: Fidelity, turning: Turning) 
             "jacobians": path.tangents,
             "force_evaluations": path.evaluations,
         },
+        settings={"name": "equilibrium", "tolerance": TOLERANCE, "residual": path.residual, "angles": found},
     )
     if not path.converged:
         failed = without_equilibrium(turning.angles[found], path.residual).outcome
@@ -108,6 +107,7 @@ def by_formula(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> Scen
     """In closed form: mean torque and its losses, once-per-turn share of the runout, no ripple."""
     start = process_time()
     formula, direction = closed_form(gear), gear.test.direction
+    beyond = beyond_formulas(gear)
     mean = formula.forward if direction > 0 else formula.backward
     angle = turning.angles[turning.lead :]
     phase = angle + gear.pinion.runout_angle
@@ -125,12 +125,19 @@ def by_formula(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> Scen
         "mesh_normal_force_coast": np.full_like(angle, mean.normal_coast),
         "mesh_normal_force": np.full_like(angle, mean.normal_drive + mean.normal_coast),
         "seat_force": np.full_like(angle, mean.plunger_force),
+        "work_drive": cumulative_trapezoid(torque, angle, initial=0.0),
         "work_mesh_friction": mean.mesh_loss * turned,
         "work_seat_friction": mean.plunger_loss * turned,
         "work_bush_friction": mean.bush_loss * turned,
         "work_bearing_friction": mean.bearing_loss * turned,
     }
-    outcome = Outcome(Status.OK, "", float(signals["time"][-1]), process_time() - start)
+    outcome = Outcome(
+        Status.INVALID if beyond else Status.OK,
+        beyond,
+        time_reached=float(signals["time"][-1]),
+        cpu_s=process_time() - start,
+        settings={"name": "closed-form"},
+    )
     return SceneRun(outcome, signals, figures(signals, gear))
 
 
@@ -148,10 +155,13 @@ def _told(gear: SteeringGear, outcome: Outcome, record: Record) -> SceneRun:
 def figures(signals: dict[str, np.ndarray], gear: SteeringGear) -> dict[str, float]:
     """The scene's figures, by the names of `quantities.SUMMARY`."""
     angle, place = signals["pinion_angle"], signals["rack_displacement"]
-    mean = closed_form(gear)
+    formula = {}
+    if not beyond_formulas(gear):
+        mean = closed_form(gear)
+        formula["torque_closed_form"] = (mean.forward if gear.test.direction > 0 else mean.backward).torque
     return {
         **describe_torque(angle, signals["pinion_torque"], gear.pinion.teeth),
-        "torque_closed_form": (mean.forward if gear.test.direction > 0 else mean.backward).torque,
+        **formula,
         "rack_gain": float((place[-1] - place[0]) / (angle[-1] - angle[0]) * 2 * np.pi),
     }
 
