@@ -26,7 +26,6 @@ from rps_exudyn.declaration import (
 )
 from rps_exudyn.errors import InputError
 
-
 CHAINS = ("chain", "adams-chain")
 
 
@@ -74,8 +73,8 @@ class Fidelity(Table):
     @model_validator(mode="before")
     @classmethod
     def _chain_needs_more(cls, choices: Any) -> Any:
-        """Newton measures against the largest residual, and in a chain that is its own stiff springs': at 1 degree
-        per step and 15 rpm a tolerance of 1e-4 misses 0.3 % of the torque, 1e-6 0.007 %."""
+        """Newton measures against the largest residual, and in a chain that is its own stiff springs': at
+        1 degree per step and 15 rpm a tolerance of 1e-4 misses 0.3 % of the torque, 1e-6 0.007 %."""
         if isinstance(choices, Mapping) and choices.get("bush") in CHAINS and "tolerance" not in choices:
             return {**choices, "tolerance": 1e-6}
         return choices

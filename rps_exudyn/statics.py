@@ -318,7 +318,8 @@ def approach_under(load: float, mesh_force: Callable[..., Any], data: Any, offse
     place, rest = settled(unbalanced, np.array([0.0, offset - TYPICAL_APPROACH]), np.ones(2))
     if rest > 1e-3 * load:
         raise InputError(
-            f"yoke.preload is {load:g} N, more than teeth of mesh.stiffness carry within the range of their contact law."
+            f"yoke.preload is {load:g} N, more than teeth of mesh.stiffness carry "
+            "within the range of their contact law."
         )
     return float(-place[1])
 

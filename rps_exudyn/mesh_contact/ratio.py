@@ -56,8 +56,8 @@ def ratio_element_with_loss(gear: SteeringGear) -> ForceElement:
 def _element(gear: SteeringGear, loss: float) -> ForceElement:
     if gear.pinion.runout > 0:
         raise InputError(
-            f"pinion.runout is {1e6 * gear.pinion.runout:g} um; the kinematic ratio knows no runout: it must be 0, or "
-            "fidelity.mesh another."
+            f"pinion.runout is {1e6 * gear.pinion.runout:g} um; the kinematic ratio knows no runout: "
+            "it must be 0, or fidelity.mesh another."
         )
     data = RatioData(float(GearPair.of(gear).gain), loss, 0.01 * gear.test.speed)
     return ForceElement("mesh", ("pinion", "rack"), ratio_force, data)
