@@ -4,11 +4,20 @@ Inside the package every number is SI. Text from a TOML file or the command line
 `to_si`; numbers for a reader go out through `show`.
 """
 
+import re
 from functools import cache
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import pint
+
+
+# Pint evaluates arithmetic in what it is given ("9**9**9 N" for hours), so only this reaches it
+_UNIT = r"(?:[^\W\d_]+|[%°])(?:(?:\^|\*\*)[+-]?\d{1,2}|[²³])?"  # mm, %, m^3, s**-1, m³
+_QUANTITY = re.compile(
+    r"\s*(?P<number>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
+    rf"\s*(?P<unit>(?:1\s*/\s*|/\s*)?{_UNIT}(?:(?:\s*[*/.·]\s*|\s+){_UNIT}){{0,7}})\s*",
+)
 
 
 @cache
@@ -33,21 +42,27 @@ def to_si(value: object, si_unit: str) -> float:
         ValueError: the text is no quantity, or its unit does not measure `si_unit`.
     """
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise ValueError(f"is {value!r}; a number or a quantity such as {_example(si_unit)} is expected")
-    if isinstance(value, int | float):
-        return float(value)
+        raise ValueError(
+            f"is {short(repr(value))}; a number or a quantity such as {_example(si_unit)} is expected"
+        )
     try:
         return float(value)
     except ValueError:
         pass
+    except OverflowError:
+        raise ValueError("is too large a number") from None
     try:
-        quantity = _registry().Quantity(value)
+        parts = _QUANTITY.fullmatch(str(value))
+        if parts is None:
+            raise ValueError("not a number and its unit")
+        unit = re.sub(r"[.·]", "*", parts["unit"]).replace("°", "deg")
+        quantity = _registry().Quantity(float(parts["number"]), f"1{unit}" if unit[0] == "/" else unit)
         if _misleading(str(quantity.units), si_unit):
             raise ValueError(f"{quantity.units} are not meant")
         return float(quantity.to(si_unit or "dimensionless").magnitude)
     except Exception as error:  # pint, tokenizer and arithmetic errors alike: the text is no such quantity
         raise ValueError(
-            f"is {value!r}, which is no quantity in {si_unit or 'plain numbers'}; "
+            f"is {short(repr(value))}, which is no quantity in {si_unit or 'plain numbers'}; "
             f"write for instance {_example(si_unit)}"
         ) from error
 
@@ -56,6 +71,11 @@ def show(value: float, si_unit: str, display: str) -> str:
     """The value in the unit a reader expects, for instance "1.83 mm"."""
     number = value if display == si_unit else value / factor(display, si_unit)
     return f"{number:.6g} {display}".strip()
+
+
+def short(text: str, most: int = 100) -> str:
+    """The text for a sentence: its middle left out if it is too long for one."""
+    return text if len(text) <= most else f"{text[: most // 2]}...{text[-10:]}"
 
 
 def pretty(unit: str) -> str:
