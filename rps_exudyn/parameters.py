@@ -77,18 +77,20 @@ class Pinion(Table):
         "direction of the eccentricity at pinion angle 0, from the pitch point in the sense of rotation",
         "estimate",
     )
-    tip_relief: Length = parameter(0.0, "tip relief: taken off the flanks at the tip", "estimate", ge=0)
+    tip_relief: Length = parameter(
+        0.0, "tip relief: taken off the flanks at the tip", "estimate", ge=0, le=1e-4
+    )
     tip_relief_length: Length = parameter(
         "1 mm", "length of roll from the tip over which the relief fades out", "estimate", gt=0
     )
     crowning: Length = parameter(
-        0.0, "lengthwise crowning: taken off the flanks at both end faces", "estimate", ge=0
+        0.0, "lengthwise crowning: taken off the flanks at both end faces", "estimate", ge=0, le=1e-4
     )
     pitch_error: Length = parameter(
-        0.0, "single pitch error f_pt: one tooth is displaced by it", "estimate", gt=-0.001, lt=0.001
+        0.0, "single pitch error f_pt: one tooth is displaced by it", "estimate", ge=-1e-4, le=1e-4
     )
     profile_slope: Length = parameter(
-        0.0, "profile slope deviation f_Halpha: surplus at the tip", "estimate", gt=-0.001, lt=0.001
+        0.0, "profile slope deviation f_Halpha: surplus at the tip", "estimate", ge=-1e-4, le=1e-4
     )
     density: Density = parameter(7850.0, "density of the pinion", "estimate", gt=0)
 
@@ -199,7 +201,7 @@ class Test(Table):
     __test__ = False  # not a test class of pytest
 
     speed: Speed = parameter("15 rpm", "speed of the pinion", "estimate", gt=0)
-    turns: Number = parameter(1.0, "revolutions recorded", "estimate", gt=0)
+    turns: Number = parameter(1.0, "revolutions recorded", "estimate", ge=0.001)
     direction: Literal[-1, 1] = parameter(1, "sense of rotation; +1 moves the rack along +X", "estimate")
     start_angle: Angle = parameter(
         0.0, "pinion angle from the centre position at which recording starts", "estimate"
@@ -230,7 +232,13 @@ class SteeringGear(Table):
 
 def _misfits(gear: SteeringGear) -> Iterator[Problem]:
     """What is wrong between parameters that are each fine alone."""
-    bush, rack, yoke = gear.bush, gear.rack, gear.yoke
+    bush, rack, yoke, pinion = gear.bush, gear.rack, gear.yoke, gear.pinion
+    if pinion.shaft_length < pinion.face_width:
+        yield Problem(
+            ("pinion.shaft_length", "pinion.face_width"),
+            f"pinion.shaft_length is {_mm(pinion.shaft_length)}; it carries the whole gear and must be "
+            f"at least as long as pinion.face_width = {_mm(pinion.face_width)}.",
+        )
     if bush.inner_diameter >= bush.outer_diameter:
         yield Problem(
             ("bush.inner_diameter", "bush.outer_diameter"),

@@ -205,6 +205,12 @@ def _contact(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
             "pinion.face_width",
             _inward(gear, "pinion.face_width", width, +1) if width < 10 * pair.tip_radius else None,
         )
+    elif gear.pinion.tip_relief > 0 and gear.pinion.tip_relief_length > qa - q0 + ROUNDING:
+        yield Violation(
+            f"The tip relief reaches beyond the active flank, which is {_mm(qa - q0)} of roll long",
+            "pinion.tip_relief_length",
+            _inward(gear, "pinion.tip_relief_length", qa - q0, -1),
+        )
 
 
 def _parts(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:

@@ -28,7 +28,16 @@ WRONG: dict[str, tuple[dict[str, Any], str, str]] = {
     ),
     "pointed": ({"pinion.tip_diameter": "19 mm"}, "pinion.tip_diameter", "the crest is -0.3369 mm wide"),
     "no involute": ({"pinion.tip_diameter": "11 mm"}, "pinion.tip_diameter", "the form diameter 12.12 mm"),
-    "relief": ({"pinion.tip_relief": "0.3 mm"}, "pinion.tip_relief", "more than the crest"),
+    "relief": (
+        {"pinion.tip_relief": "0.1 mm", "pinion.tip_diameter": "18.6 mm"},
+        "pinion.tip_relief",
+        "more than the crest",
+    ),
+    "relief too long": (
+        {"pinion.tip_relief": "20 um", "pinion.tip_relief_length": "20 mm"},
+        "pinion.tip_relief_length",
+        "beyond the active flank, which is 4.899 mm of roll long",
+    ),
     "pointed rack": (
         {"basic_rack.addendum": 1.5, "pinion.pressure_angle": "27 deg", "basic_rack.dedendum": 1.5,
          "basic_rack.fillet_radius": 0.0},

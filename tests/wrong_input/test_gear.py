@@ -29,6 +29,16 @@ ONE_PROBLEM = [
     ("test.direction", 3, "is 3; it must be -1 or 1."),
     ("mesh.friction", "6 deg", "is '6 deg', which is no quantity in plain numbers; write for instance 0.1."),
     ("test.speed", "1 Hz", "is '1 Hz', which is no quantity in rad/s; write for instance \"15 rpm\"."),
+    ("test.turns", 1e-4, "is 0.0001; it must be at least 0.001."),
+    ("pinion.tip_relief", "1 mm", "is '1 mm'; it must be at least 0 mm and at most 0.1 mm."),
+    ("pinion.crowning", "1 mm", "is '1 mm'; it must be at least 0 mm and at most 0.1 mm."),
+    ("pinion.pitch_error", "1 mm", "is '1 mm'; it must be at least -0.1 mm and at most 0.1 mm."),
+    ("pinion.profile_slope", "-1 mm", "is '-1 mm'; it must be at least -0.1 mm and at most 0.1 mm."),
+    (
+        "pinion.shaft_length",
+        "5 mm",
+        "is 5 mm; it carries the whole gear and must be at least as long as pinion.face_width = 14 mm.",
+    ),
     ("bush.inner_diameter", 0.04, "is 40 mm; it must be smaller than bush.outer_diameter = 30 mm."),
     (
         "bush.distance",
