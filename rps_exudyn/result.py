@@ -21,6 +21,7 @@ from rps_exudyn.errors import InputError
 from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.quantities import GROUPS
+from rps_exudyn.units import short
 
 FILETYPE = "rps_exudyn-result"
 VERSION = (1, 0)
@@ -139,8 +140,12 @@ def _plain(value: Any) -> Any:
 
 @contextmanager
 def _opened(path: str | Path) -> Iterator[h5py.File]:
-    if not Path(path).is_file():
-        reason = "it is a folder" if Path(path).is_dir() else "there is no such file"
+    try:
+        is_file, is_folder = Path(path).is_file(), Path(path).is_dir()
+    except OSError as error:  # a name too long for a file
+        raise InputError(f"{short(str(path))} cannot be read: {error.strerror or error}.") from None
+    if not is_file:
+        reason = "it is a folder" if is_folder else "there is no such file"
         raise InputError(f"{path} cannot be read: {reason}.")
     try:
         file = h5py.File(path, "r")
@@ -166,26 +171,53 @@ def _check_format(file: h5py.File, path: str | Path) -> None:
 
 def _read(file: h5py.File, path: str | Path) -> Result:
     try:
-        attributes = dict(file.attrs)
+        fidelity = _tables(file, "fidelity")
+        if not isinstance(fidelity.get("name"), str):
+            raise ValueError("fidelity has no name")
         return Result(
-            scene=attributes["scene"],
-            gear=SteeringGear.from_tables(json.loads(attributes["parameters"]), where=str(path)),
-            fidelity=json.loads(attributes["fidelity"]),
-            solver=json.loads(attributes["solver"]),
-            status=Status(attributes["status"]),
-            message=attributes["message"],
-            signals={name: dataset[:] for name, dataset in _known(file, "signals")},
-            summary={name: dataset[()].item() for name, dataset in _known(file, "summary")},
-            counters={name: dataset[()].item() for name, dataset in _known(file, "counters")},
-            geometry={name: dataset[()].item() for name, dataset in _known(file, "geometry")},
-            cpu_s=float(attributes["cpu_s"]),
-            wall_s=float(attributes["wall_s"]),
-            provenance={name: attributes[name] for name in origin.FIELDS},
+            scene=_text(file, "scene"),
+            gear=SteeringGear.from_tables(_tables(file, "parameters"), where=str(path)),
+            fidelity=fidelity,
+            solver=_tables(file, "solver"),
+            status=Status(_text(file, "status")),
+            message=_text(file, "message"),
+            signals={name: _numbers(dataset, 1) for name, dataset in _known(file, "signals")},
+            summary={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "summary")},
+            counters={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "counters")},
+            geometry={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "geometry")},
+            cpu_s=float(file.attrs["cpu_s"]),
+            wall_s=float(file.attrs["wall_s"]),
+            provenance={name: _text(file, name) for name in origin.FIELDS},
         )
     except InputError:
         raise
     except (KeyError, ValueError, TypeError, OSError, RuntimeError) as error:
-        raise InputError(f"{path} is damaged: {error}.") from None
+        reason = str(error.args[0] if isinstance(error, KeyError) and error.args else error)
+        raise InputError(f"{path} is damaged: {reason.rstrip('.')}.") from None
+
+
+def _text(file: h5py.File, name: str) -> str:
+    text = file.attrs[name]
+    if not isinstance(text, str):
+        raise ValueError(f"{name} is no text")
+    return text
+
+
+def _tables(file: h5py.File, name: str) -> dict[str, Any]:
+    """What an attribute holds as JSON."""
+    tables = json.loads(_text(file, name))
+    if not isinstance(tables, dict):
+        raise ValueError(f"{name} is no set of tables")
+    return tables
+
+
+def _numbers(dataset: Any, dimensions: int) -> np.ndarray:
+    """The dataset's numbers, if they are that: one value (0), or one per time (1)."""
+    if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in "iuf":
+        raise ValueError(f"{dataset.name} holds no numbers")
+    if dataset.shape is None or len(dataset.shape) != dimensions:
+        raise ValueError(f"{dataset.name} is {'no row of numbers' if dimensions else 'not one number'}")
+    return np.asarray(dataset[()])
 
 
 def _known(file: h5py.File, group: str) -> Iterator[tuple[str, h5py.Dataset]]:

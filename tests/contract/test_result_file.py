@@ -178,6 +178,45 @@ def test_missing_group_is_damage(saved: Path) -> None:
         load(saved)
 
 
+WRONG_ATTRIBUTES = {
+    "parameters": ["[1]", "3", "no JSON", 3, "null"],
+    "fidelity": ["3", "{}", "[]", '{"name": 3}', "[" * 10_000],
+    "solver": ["3"],
+    "status": ["fine", 3],
+    "scene": [3],
+    "message": [3.5],
+    "cpu_s": ["long", (1.0, 2.0)],
+    "machine": [3],
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [(name, value) for name, values in WRONG_ATTRIBUTES.items() for value in values]
+)
+def test_wrong_attribute_is_damage(saved: Path, name: str, value: object) -> None:
+    with h5py.File(saved, "a") as file:
+        file.attrs[name] = value
+    with pytest.raises(InputError, match=r"result\.h5 is damaged: .*[^.]\.$"):
+        load(saved)
+
+
+@pytest.mark.parametrize("value", ["text", [1.0, 2.0], h5py.Empty("f"), True])
+def test_summary_that_is_no_number_is_damage(saved: Path, value: object) -> None:
+    with h5py.File(saved, "a") as file:
+        del file["summary/torque_mean"]
+        file["summary"].create_dataset("torque_mean", data=value)
+    with pytest.raises(InputError, match=r"result\.h5 is damaged: /summary/torque_mean"):
+        load(saved)
+
+
+def test_group_in_place_of_numbers_is_damage(saved: Path) -> None:
+    with h5py.File(saved, "a") as file:
+        del file["signals/rack_y"], file["summary/torque_mean"]
+        file.create_group("signals/rack_y")
+    with pytest.raises(InputError, match=r"result\.h5 is damaged: /signals/rack_y holds no numbers"):
+        load(saved)
+
+
 @settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(share=st.floats(0, 0.999))
 def test_truncated_file_is_refused(share: float, saved: Path) -> None:
