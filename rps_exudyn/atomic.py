@@ -2,10 +2,11 @@
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from rps_exudyn.errors import InputError
+from rps_exudyn.units import short
 
 
 @contextmanager
@@ -36,7 +37,7 @@ def check_writable(path: str | Path) -> None:
     Raises:
         InputError: `path` cannot be written; an existing file is untouched.
     """
-    target = Path(path).resolve()
+    target = _resolved(path)
     if target.exists() and not target.is_file():
         raise InputError(f"{path} cannot be written: it is not a file.")
     if not target.parent.is_dir():
@@ -47,9 +48,19 @@ def check_writable(path: str | Path) -> None:
     try:
         probe.write_bytes(b"\0")
     except OSError as error:
-        raise InputError(f"{path} cannot be written: {error.strerror or error}.") from None
+        raise InputError(f"{short(str(path))} cannot be written: {error.strerror or error}.") from None
     finally:
-        probe.unlink(missing_ok=True)
+        with suppress(OSError):  # of a name too long, which was told above
+            probe.unlink(missing_ok=True)
+
+
+def _resolved(path: str | Path) -> Path:
+    target = Path(path).resolve()
+    try:
+        target.exists()
+    except OSError as error:  # a name too long for a file
+        raise InputError(f"{short(str(path))} cannot be written: {error.strerror or error}.") from None
+    return target
 
 
 def _beside(target: Path) -> Path:

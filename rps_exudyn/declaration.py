@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, Self, get_args
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
 
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, ValidationError
@@ -66,6 +66,25 @@ class Table(BaseModel):
         frozen=True, extra="forbid", validate_default=True, allow_inf_nan=False, hide_input_in_errors=True
     )
 
+    not_in_files: ClassVar[tuple[str, ...]] = ()  # tables that settings reach, but no file
+
+    def __init__(self, **tables: Any) -> None:
+        """From nested tables or dictionaries.
+
+        Raises:
+            InputError: parameters that are wrong (all of them at once).
+        """
+        try:
+            super().__init__(**tables)
+        except ValidationError as error:
+            problems = _problems(type(self), error, tables)
+        else:
+            return
+        raise InputError(problem.sentence for problem in problems)
+
+    # Pydantic's own mark of a constructor that validation of nested tables may pass by
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
     @classmethod
     def from_toml(cls, path: str | Path, settings: Mapping[str, object] | None = None) -> Self:
         """The tables in a TOML file, with single parameters replaced by `settings` (path -> value).
@@ -88,7 +107,7 @@ class Table(BaseModel):
         try:
             return cls.model_validate(merged)
         except ValidationError as error:
-            problems = _problems(cls, error, merged)
+            problems = _problems(cls, error, merged, settings or {})
         raise InputError(
             problem.sentence
             if problem.concerns(settings or {})
@@ -188,7 +207,7 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         raise InputError(f"{path} cannot be read: {error.strerror or error}.") from None
     except UnicodeDecodeError:
         raise InputError(f"{path} is not a TOML file: it is not UTF-8 text.") from None
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:  # no TOML, a number too long, or nested too deep
         raise InputError(f"{path} is not a TOML file: {error}.") from None
 
 
@@ -225,7 +244,9 @@ def _merged(tables: Mapping[str, Any], settings: Mapping[str, object]) -> dict[s
     return merged
 
 
-def _problems(table: type[Table], error: ValidationError, given: Mapping[str, Any]) -> list[Problem]:
+def _problems(
+    table: type[Table], error: ValidationError, given: Mapping[str, Any], settings: Iterable[str] = ()
+) -> list[Problem]:
     """Everything that is wrong: single parameters first, then what does not fit between right ones.
 
     Validation stops at wrong single values; they are left out (their defaults stand in) to go on, and a
@@ -237,7 +258,8 @@ def _problems(table: type[Table], error: ValidationError, given: Mapping[str, An
     while remaining:
         items = remaining.errors()
         for item in items:
-            found += [problem for problem in _told(table, item, given) if not problem.concerns(_paths(wrong))]
+            told = _told(table, item, given, settings)
+            found += [problem for problem in told if not problem.concerns(_paths(wrong))]
         wrong += [item["loc"] for item in items]
         remaining = _error_of(table, _without(given, wrong)) if () not in wrong else None
     return found
@@ -255,27 +277,37 @@ def _paths(places: Iterable[tuple[int | str, ...]]) -> list[str]:
     return [".".join(map(str, loc)) for loc in places]
 
 
-def _told(table: type[Table], item: Any, given: Mapping[str, Any]) -> list[Problem]:
+def _told(table: type[Table], item: Any, given: Mapping[str, Any], settings: Iterable[str]) -> list[Problem]:
     """What one of validation's errors means."""
     misfit = item.get("ctx", {}).get("error")
-    return misfit.problems if isinstance(misfit, MisfitError) else [_problem(table, item, given)]
+    return misfit.problems if isinstance(misfit, MisfitError) else [_problem(table, item, given, settings)]
 
 
-def _problem(table: type[Table], item: Any, given: Mapping[str, Any]) -> Problem:
+def _problem(table: type[Table], item: Any, given: Mapping[str, Any], settings: Iterable[str]) -> Problem:
     path = ".".join(str(part) for part in item["loc"])
     value = _value_in(given, item["loc"])
+    shown = _shown(value)
     if item["type"] == "extra_forbidden":
         kind = "table of parameters" if isinstance(value, Mapping) else "parameter"
-        sentence = f"{path} is no {kind}; {_nearest(table, path)}."
+        from_file = not Problem((path,), "").concerns(settings)
+        nearest = _nearest(table, path, table.not_in_files if from_file else ())
+        sentence = f"{units.short(path)} is no {kind}; {nearest}."
     elif item["type"] == "model_type":
-        sentence = f"{path} is {value!r}; it must be a table of parameters."
+        sentence = f"{path} is {shown}; it must be a table of parameters."
     elif item["type"] == "value_error":  # from units.to_si: says what the value is and how to write it
         sentence = f"{path} {item['ctx']['error']}."
     elif item["type"] == "finite_number":
-        sentence = f"{path} is {value!r}; it must be finite."
+        sentence = f"{path} is {shown}; it must be finite."
     else:
-        sentence = f"{path} is {value!r}; it must be {table.declared_at(path)[0].allowed}."
+        sentence = f"{path} is {shown}; it must be {table.declared_at(path)[0].allowed}."
     return Problem((path,), sentence)
+
+
+def _shown(value: Any) -> str:
+    try:
+        return units.short(repr(value))
+    except ValueError:  # a number of more digits than Python writes
+        return "a number too long to be shown"
 
 
 def _without(given: Mapping[str, Any], wrong: list[tuple[int | str, ...]]) -> dict[str, Any]:
@@ -293,9 +325,11 @@ def _value_in(given: Mapping[str, Any], loc: tuple[int | str, ...]) -> Any:
     return value
 
 
-def _nearest(table: type[Table], path: str) -> str:
-    close = difflib.get_close_matches(path, [item.path for item in table.declared()], n=3, cutoff=0.6)
+def _nearest(table: type[Table], path: str, left_out: tuple[str, ...] = ()) -> str:
+    """What may have been meant, if not one of the tables left out."""
+    offered = [item.path for item in table.declared() if item.path.partition(".")[0] not in left_out]
+    close = difflib.get_close_matches(path, offered, n=3, cutoff=0.6)
     if close:
         return f"the nearest {'one is' if len(close) == 1 else 'ones are'} {', '.join(close)}"
-    known = dict.fromkeys(item.path.partition(".")[0] for item in table.declared())
+    known = dict.fromkeys(name.partition(".")[0] for name in offered)
     return f"there are {', '.join(known)}"

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from rps_exudyn.errors import InputError
+from rps_exudyn.units import short
 
 if TYPE_CHECKING:
     from rps_exudyn.parameters import SteeringGear
@@ -87,10 +88,12 @@ def parse_settings(texts: Iterable[str]) -> tuple[dict[str, Any], list[str]]:
     settings, malformed = {}, []
     for text in texts:
         path, _, value = text.partition("=")
-        if path.strip() and value.strip():
+        if value.strip() and all(name.strip() for name in path.split(".")):
             settings[path.strip()] = _value(value.strip())
         else:
-            malformed.append(f"--set {text} is no setting; write PATH=VALUE, for instance yoke.preload=400.")
+            malformed.append(
+                f"--set {short(text)} is no setting; write PATH=VALUE, for instance yoke.preload=400."
+            )
     return settings, malformed
 
 
@@ -98,7 +101,7 @@ def _value(text: str) -> Any:
     """What reads as a TOML value (6, -1, true) is that, anything else is text ("400 N")."""
     try:
         tables = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):  # no TOML, or a number with more digits than Python reads
         return text
     return tables["value"] if len(tables) == 1 else text
 

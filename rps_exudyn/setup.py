@@ -1,11 +1,15 @@
 """A gear and how it is modelled, as one set of parameters: what `--set` reaches and `describe` lists."""
 
+from typing import ClassVar
+
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.parameters import SteeringGear
 
 
 class Setup(SteeringGear):
     """The gear's tables, and the choices of its model as the table `fidelity`."""
+
+    not_in_files: ClassVar[tuple[str, ...]] = ("fidelity",)
 
     fidelity: Fidelity = Fidelity()
 

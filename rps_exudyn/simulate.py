@@ -5,7 +5,7 @@ from time import perf_counter, process_time
 from typing import Any
 
 from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.fidelity import PRESETS, Fidelity
 from rps_exudyn.gears.checks import geometry_report
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.quantities import GEOMETRY
@@ -28,6 +28,13 @@ def run(
     """
     if scene not in SCENES:
         raise InputError(f"SCENE is {scene!r}; it must be one of {', '.join(SCENES)}.")
+    if gear is not None and not isinstance(gear, SteeringGear):
+        raise InputError(
+            f"gear is a {type(gear).__name__}; it must be a SteeringGear, for instance "
+            'SteeringGear().replace({"yoke.preload": "400 N"}).'
+        )
+    if not isinstance(fidelity, str | Fidelity):
+        raise InputError(f"fidelity is {fidelity!r}; it must be one of {', '.join(PRESETS)}, or a Fidelity.")
     gear = (gear or SteeringGear()).replace({f"test.{name}": value for name, value in test.items()})
     chosen = Fidelity.preset(fidelity) if isinstance(fidelity, str) else fidelity
     wall, cpu = perf_counter(), process_time()

@@ -48,6 +48,16 @@ MISTAKES = {
     "diff missing.h5 other.h5": "missing.h5 cannot be read: there is no such file.",
     "diff a.h5 b.h5 --plot a.doc": "a.doc cannot be written: its name must end in .png",
     "show": "requires an argument",
+    f"run --out {'a' * 300}.h5": ".h5 cannot be written: File name too long.",
+    f"run --out {'a' * 252}.h5": ".h5 cannot be written: File name too long.",  # no room beside it
+    f"run --set x={'9' * 5000}": "x is no parameter; there are",
+    f"run --set yoke.preload={'9' * 5000}": "99999'; it must be finite.",
+    f"run --set pinion.teeth={'9' * 5000}": "99999'; it must be a whole number",
+    f"run --set yoke.preload={'9' * 400}": "yoke.preload is too large a number.",
+    f"run --set x={'[' * 5000}": "x is no parameter; there are",
+    "run --set ..=3": "--set ..=3 is no setting; write PATH=VALUE",
+    "run --set yoke.=3": "--set yoke.=3 is no setting; write PATH=VALUE",
+    f"show {'a' * 300}.h5": ".h5 cannot be read: File name too long.",
     "show missing.h5": "missing.h5 cannot be read: there is no such file.",
     "show .": ". cannot be read: it is a folder.",
     "geometry --out a.step": "a.step cannot be written: its name must end in .stl or .glb",
@@ -57,7 +67,7 @@ MISTAKES = {
 }
 
 
-@pytest.mark.parametrize(("arguments", "sentence"), MISTAKES.items())
+@pytest.mark.parametrize(("arguments", "sentence"), MISTAKES.items(), ids=lambda text: text[:60])
 def test_mistake_ends_in_one_sentence(arguments: str, sentence: str, command: Command) -> None:
     answer = command(arguments.split())
     assert answer.status == 2
@@ -65,6 +75,7 @@ def test_mistake_ends_in_one_sentence(arguments: str, sentence: str, command: Co
     assert answer.err.count("\n") == 1
     assert answer.err.startswith("rps-exudyn: ")
     assert sentence in answer.err
+    assert len(answer.err) < 400
     assert os.listdir() == []
 
 
@@ -89,6 +100,17 @@ def test_fidelity_is_no_matter_of_the_gears_file(command: Command) -> None:
     answer = command(["run", "--gear", "gear.toml"])
     assert answer.status == 2
     assert "gear.toml: fidelity is no table of a gear" in answer.err
+
+
+def test_unknown_table_of_a_file_is_not_told_of_fidelity(command: Command) -> None:
+    """No file may have it; a setting may."""
+    Path("gear.toml").write_text("[brake]\nforce = 3\n[fidelty]\nmesh = 3\n")
+    answer = command(["run", "--gear", "gear.toml", "--set", "clutch.force=3"])
+    assert [(line.split(" is no ")[0], "fidelity" in line) for line in answer.err.splitlines()] == [
+        ("rps-exudyn: gear.toml: brake", False),
+        ("rps-exudyn: gear.toml: fidelty", False),
+        ("rps-exudyn: clutch", True),
+    ]
 
 
 def test_show_refuses_what_is_no_result(command: Command) -> None:
