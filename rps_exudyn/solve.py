@@ -4,6 +4,8 @@
 success only when its own checks say so; the scene adds those that need its physics.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from time import process_time
 from typing import TYPE_CHECKING, Any
@@ -59,7 +61,10 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
     start = process_time()
     message, cause = "", None
     try:
-        finished = bool(mbs.SolveDynamic(_settings(plan), solverType=exu.DynamicSolverType.GeneralizedAlpha))
+        with _silent():
+            finished = bool(
+                mbs.SolveDynamic(_settings(plan), solverType=exu.DynamicSolverType.GeneralizedAlpha)
+            )
     except exu.ExudynError as error:
         finished, cause = False, error.__cause__  # what a force in Python raised, or None
     cpu = process_time() - start
@@ -93,6 +98,19 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
         else {}
     )
     return Outcome(status, message, reached, cpu, counters, plan.as_dict())
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Nothing from Exudyn on the console: what a failure means is told by its outcome."""
+    import exudyn as exu
+
+    before = exu.config.printToConsole, exu.config.suppressWarnings
+    exu.config.printToConsole, exu.config.suppressWarnings = False, True
+    try:
+        yield
+    finally:
+        exu.config.printToConsole, exu.config.suppressWarnings = before
 
 
 def _settings(plan: SolverPlan) -> "exudyn.SimulationSettings":
