@@ -30,3 +30,10 @@ def test_ci_runs_the_printed_command_and_hands_on_its_status(tmp_path: Path) -> 
     done = subprocess.run([ROOT / ".ci" / "run"], env={"PATH": path}, capture_output=True, text=True)
     assert done.stdout.splitlines() == [f"+ {command('test')}", "called with -m venv .venv"]
     assert done.returncode == 3
+
+
+def test_readme_says_what_is_left_out() -> None:
+    text = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    said = text[text.index("**What is left out**") : text.index("## How to choose a fidelity")]
+    for word in ("gravity", "bending of the teeth", "temperature", "lubrication", "mesh.damping", "never pulls"):
+        assert word in said
