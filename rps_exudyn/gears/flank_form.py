@@ -5,14 +5,11 @@ action, which is the tangent e_t at the base circle; positive where there is mor
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters import SteeringGear
-
-if TYPE_CHECKING:
-    from rps_exudyn.gears.helicoid import Flank
 
 
 @dataclass(frozen=True)
@@ -38,15 +35,19 @@ class FlankForm:
             pinion.pitch_error,
         )
 
-    def deviation(self, flank: "Flank", q: np.ndarray, Z: np.ndarray | float) -> np.ndarray:
-        """Surplus along the transverse tangent at tangent length q and axial position Z [m]."""
-        q0, qa = flank.form_tangent_length, flank.tip_tangent_length
+    def deviation(
+        self, q: np.ndarray, Z: np.ndarray | float, ends: tuple[float, float], face_width: float
+    ) -> np.ndarray:
+        """Surplus along the transverse tangent at tangent length q and axial position Z [m].
+
+        `ends` are the tangent lengths of form and tip circle [m].
+        """
+        q0, qa = ends
         into_relief = np.maximum(1 - (qa - q) / self.tip_relief_length, 0)
-        across = 2 * np.asarray(Z) / flank.pair.face_width
+        across = 2 * np.asarray(Z) / face_width
         rise = (q - q0) / (qa - q0)
         return self.profile_slope * rise - self.tip_relief * into_relief**2 - self.crowning * across**2
 
-    def turn(self, flank: "Flank") -> float:
-        """Angle by which the pitch error displaces this tooth [rad]."""
-        is_first = flank.tooth % flank.pair.teeth == 0
-        return self.pitch_error / flank.pair.reference_radius if is_first else 0.0
+    def turn(self, tooth: int, pair: GearPair) -> float:
+        """Angle by which the pitch error displaces a tooth [rad]."""
+        return self.pitch_error / pair.reference_radius if tooth % pair.teeth == 0 else 0.0

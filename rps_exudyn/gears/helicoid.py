@@ -40,7 +40,9 @@ class Flank:
         """Theta: angle of the involute's root on the base circle at Z = 0 [rad]."""
         pair = self.pair
         centre = np.pi / 2 + np.pi / pair.teeth * (1 + 2 * self.tooth)
-        return float(centre + self.side * half_angle(pair, pair.base_radius)) + self.form.turn(self)
+        return float(centre + self.side * half_angle(pair, pair.base_radius)) + self.form.turn(
+            self.tooth, pair
+        )
 
     # --- limits --------------------------------------------------------------------------------
     @cached_property
@@ -80,7 +82,8 @@ class Flank:
         """Points of the flank, modifications included, pinion frame [m], shape (..., 3)."""
         q = self.tangent_length(psi, Z)
         psi, Z = np.broadcast_arrays(psi, Z)
-        along = self.side * (q + self.form.deviation(self, q, Z))
+        ends = self.form_tangent_length, self.tip_tangent_length
+        along = self.side * (q + self.form.deviation(q, Z, ends, self.pair.face_width))
         c, s, rb = np.cos(psi), np.sin(psi), self.pair.base_radius
         return np.stack([rb * c - along * s, rb * s + along * c, Z], axis=-1)
 

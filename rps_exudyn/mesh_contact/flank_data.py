@@ -90,7 +90,7 @@ def pack(
     data[RELIEF_START] = data[Q_TIP] - form.tip_relief_length if form.tip_relief else np.inf
     data[RELIEF] = form.tip_relief / form.tip_relief_length**2
     data[CROWNING] = form.crowning / data[HALF_FACE] ** 2
-    data[PITCH_ERROR] = form.turn(coast)
+    data[PITCH_ERROR] = form.turn(0, pair)
     data[COS_DELTA], data[SIN_DELTA] = np.cos(pair.delta), np.sin(pair.delta)
     data[AXIS_OFFSET] = pair.axis_offset
     data[NORMAL_X], y, z = pair.rack_flank_normal(+1)

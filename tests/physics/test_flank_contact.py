@@ -362,7 +362,7 @@ def test_eccentric_gear_carries_the_rack_along() -> None:
 def test_pitch_error_is_a_turn_of_one_tooth() -> None:
     """Law: tooth 0 carries what it would carry on a pinion turned by the error, the others what they did."""
     gear, angle = changed(pinion__pitch_error="3 um"), 0.2
-    turn = FlankForm.of(gear).turn(Flank(GearPair.of(gear), 0, +1))
+    turn = FlankForm.of(gear).turn(0, GearPair.of(gear))
     assert turn != 0
     a, w, p, r, v, s = state(PAPER, angle)
 
