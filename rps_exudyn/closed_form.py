@@ -102,11 +102,6 @@ class ClosedForm:
         """Mean free pinion torque towards +X [N m]."""
         return self.forward.torque
 
-    @property
-    def runout_amplitude(self) -> float:
-        """Once-per-revolution amplitude of the torque, plunger clear of the nut [N m]."""
-        return float(np.hypot(self.runout_cosine, self.runout_sine))
-
 
 def closed_form(gear: SteeringGear) -> ClosedForm:
     """The gear without load, its loss shares, its limits."""

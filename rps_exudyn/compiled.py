@@ -1,8 +1,8 @@
 """Compiled kernels: numba's `njit`, cached on disk, and never stale.
 
 numba notices a change in a kernel's own file but not in the kernels of other files that it calls; a
-stale cache then runs yesterday's physics. So the cache's folder carries a fingerprint of all sources of
-this package: any change there gives a new, empty cache.
+stale cache then runs yesterday's physics. So the cache's folder carries a fingerprint of all sources that
+kernels are made of: any change there gives a new, empty cache.
 """
 
 import hashlib
@@ -13,16 +13,19 @@ from pathlib import Path
 from typing import Any
 
 import numba
+import numpy as np
 from numba.core.caching import FunctionCache
 
+# What compiled code is made of: the kernels, and the tables whose entries they know by number
+KERNEL_SOURCES = ("compiled.py", "gear_kernel.py", "statics.py", "mesh_contact/*.py", "parts/*.py")
 
-def _fingerprint() -> str:
-    package = Path(__file__).parent
-    digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(package.rglob("*.py")):
-        text = source.read_bytes()
-        if b"rps_exudyn.compiled import" in text:
-            digest.update(source.relative_to(package).as_posix().encode() + b"\0" + text)
+
+def fingerprint(package: Path) -> str:
+    """Hash of everything in a package's folder that compiled kernels depend on, and of their compiler."""
+    digest = hashlib.sha256(f"numba {numba.__version__}, numpy {np.__version__}".encode())
+    for pattern in KERNEL_SOURCES:
+        for source in sorted(package.glob(pattern)):
+            digest.update(source.relative_to(package).as_posix().encode() + b"\0" + source.read_bytes())
     return digest.hexdigest()[:16]
 
 
@@ -38,7 +41,7 @@ def _cache_root() -> Path:
     return root
 
 
-numba.config.CACHE_DIR = str(_cache_root() / _fingerprint())
+numba.config.CACHE_DIR = str(_cache_root() / fingerprint(Path(__file__).parent))
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -92,6 +92,7 @@ def build_model(gear: SteeringGear, fidelity: Fidelity, *, angle: float | None =
         _add_forces_apart(model)
     else:
         _add_forces_at_once(model)
+    _add_sensors(model)
     return model
 
 
@@ -205,6 +206,21 @@ def _add_bodies(model: SteeringModel) -> None:
             visualization=VObjectGround(graphicsData=_drawn(parts["yokenut"], "darkgrey")),
         )
     )
+
+
+def _add_sensors(model: SteeringModel) -> None:
+    """Coordinates of pinion, rack and plunger, kept inside: `mbs.PlotSensor(model.sensors["rack"])`."""
+    from exudyn import OutputVariableType
+    from exudyn.itemInterface import SensorNode
+
+    for body in ("pinion", "rack", "plunger"):
+        model.sensors[body] = model.mbs.AddSensor(
+            SensorNode(
+                nodeNumber=model.nodes[body],
+                storeInternal=True,
+                outputVariableType=OutputVariableType.Coordinates,
+            )
+        )
 
 
 def _add_bush_chain(model: SteeringModel) -> None:

@@ -185,12 +185,6 @@ class GearPair:
         return float(q0), float(qa)
 
     @cached_property
-    def transverse_contact_ratio(self) -> float:
-        """epsilon_alpha."""
-        q0, qa = self.field
-        return (qa - q0) * np.cos(self.beta_b) / self.normal_base_pitch
-
-    @cached_property
     def overlap_ratio(self) -> float:
         """epsilon_beta."""
         return float(self.face_width * abs(np.sin(self.beta_p)) / (np.pi * self.module))
