@@ -44,7 +44,8 @@ def _add(total, forces, n):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _add_yoke_and_bearing(total, q, v, data):  # type: ignore[no-untyped-def]
+def _add_all_but_fit(total, mesh, q, v, data):  # type: ignore[no-untyped-def]
+    _add(total, mesh, 7)
     _add(total[1:], seat_force(q[1:8], v[1:8], data.seat), 7)
     _add(total[7:], spring_force(q[7:8], v[7:8], data.spring), 1)
     _add(total[7:], nut_force(q[7:8], v[7:8], data.nut), 1)
@@ -57,9 +58,8 @@ def gear_force(mesh_force: Kernel) -> Kernel:
 
     def force(q, v, data):  # type: ignore[no-untyped-def]
         total = np.zeros(8)
-        _add(total, mesh_force(q[0:7], v[0:7], data.mesh), 7)
+        _add_all_but_fit(total, mesh_force(q[0:7], v[0:7], data.mesh), q, v, data)
         _add(total[1:], held_fit_force(q[1:7], v[1:7], data.fit), 6)
-        _add_yoke_and_bearing(total, q, v, data)
         return total
 
     return kernel_over(force, mesh_force)
@@ -71,11 +71,10 @@ def chain_gear_force(mesh_force: Kernel) -> Kernel:
 
     def chain_force(q, v, data):  # type: ignore[no-untyped-def]
         total = np.zeros(14)
-        _add(total, mesh_force(q[0:7], v[0:7], data.mesh), 7)
+        _add_all_but_fit(total, mesh_force(q[0:7], v[0:7], data.mesh), q, v, data)
         fit = fit_force(np.concatenate((q[8:14], q[1:7])), np.concatenate((v[8:14], v[1:7])), data.fit)
         _add(total[8:], fit, 6)
         _add(total[1:], fit[6:], 6)
-        _add_yoke_and_bearing(total, q, v, data)
         return total
 
     return kernel_over(chain_force, mesh_force)
