@@ -348,7 +348,8 @@ def test_line_law_ends_where_the_flank_does() -> None:
 
 # --- deviations of the gear -----------------------------------------------------------------------
 def test_eccentric_gear_carries_the_rack_along() -> None:
-    """Law: with the rack displaced as the gear's centre is, normal forces are those without runout."""
+    """Law: with the rack displaced as the gear's centre is, normal forces are those without runout. Friction
+    is not: the centre moves, so the flanks slide otherwise."""
     e, angle = 40e-6, 0.7
     gear = changed(pinion__runout=e)
     a, w, p, r, v, s = state(gear, angle)

@@ -126,9 +126,9 @@ def test_yoke_spring_carries_the_seat(pitch: Result) -> None:
 
 def test_both_flanks_carry_the_yoke(pitch: Result) -> None:
     """The wedge of the teeth: N_1 + N_2 = P / sin(alpha_n) without friction; the friction of all
-    parts and the rack's tilt add 0.8 %. The drive flanks push the drags too."""
+    parts and the rack's tilt add up to 1 %. The drive flanks push the drags too."""
     wedge = GEAR.yoke.preload / np.sin(PAIR.alpha_n)
-    assert pitch["mesh_normal_force"].mean() == pytest.approx(wedge, rel=0.02)
+    assert pitch["mesh_normal_force"].mean() == pytest.approx(wedge, rel=0.01)
     assert pitch["mesh_normal_force_drive"].mean() > pitch["mesh_normal_force_coast"].mean()
 
 
@@ -147,13 +147,13 @@ def test_general_contact_and_compiled_samples_give_the_same_forces(damping: str)
 
 
 def test_run_begins_in_the_static_equilibrium() -> None:
-    """Both solvers balance the same forces, only the dynamic one accelerates: 0.3 %, against the 5 % and more
+    """Both solvers balance the same forces, only the dynamic one accelerates: 0.4 %, against the 5 % and more
     by which a model that has to settle misses the path of equilibria in its first degrees."""
     few = turned(CONDENSED, 1 / 180)
     forces = gear_forces(GEAR, CONDENSED)
     path = equilibrium_path(*forces.statics, PAIR, few["pinion_angle"], GEAR.test.speed)
     assert path.converged
-    assert few["pinion_torque"] == pytest.approx(path.forces[:, 0], rel=0.01)
+    assert few["pinion_torque"] == pytest.approx(path.forces[:, 0], rel=4e-3)
 
 
 def test_bush_chain_rests_under_the_rack() -> None:
@@ -173,7 +173,7 @@ def test_bush_chain_rests_under_the_rack() -> None:
 
 
 def test_mean_torque_is_that_of_the_formula(pitch: Result) -> None:
-    """The formula knows how the contact law shares the load: 0.5 %. Required are 3 %."""
+    """The formula knows how the contact law shares the load: 1 %. Required are 3 %."""
     assert pitch.summary["torque_mean"] == pytest.approx(closed_form(GEAR).free_torque, rel=0.01)
 
 
@@ -199,11 +199,9 @@ def test_the_papers_discrete_link_gives_the_same_torque(condensed_pitch: Result)
 
 
 def test_torque_is_nearly_even_in_the_sense_of_rotation(condensed_pitch: Result) -> None:
-    """Friction across the rack rolls it one way or the other, and its ends are not alike: 0.8 %."""
+    """Friction across the rack rolls it one way or the other, and its ends are not alike: 1 %."""
     backward = turned(CONDENSED, PITCH, {"test.direction": -1})
-    assert backward.summary["torque_mean"] == pytest.approx(
-        -condensed_pitch.summary["torque_mean"], rel=0.015
-    )
+    assert backward.summary["torque_mean"] == pytest.approx(-condensed_pitch.summary["torque_mean"], rel=0.01)
     assert backward.summary["rack_gain"] == pytest.approx(condensed_pitch.summary["rack_gain"], rel=1e-4)
 
 
