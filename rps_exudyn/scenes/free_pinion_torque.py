@@ -69,7 +69,9 @@ def by_equilibrium(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> 
         return _along_equilibria(gear, fidelity, turning)
     signals = repeated(run.signals, periods)
     outcome = replace(run.outcome, settings={**run.outcome.settings, "periods_alike": periods})
-    return SceneRun(outcome, signals, {**run.summary, **figures(signals, gear)})
+    # over more periods only the torque's figures can change: orders need whole turns
+    torque_figures = describe_torque(signals["pinion_angle"], signals["pinion_torque"], gear.pinion.teeth)
+    return SceneRun(outcome, signals, {**run.summary, **torque_figures})
 
 
 def _along_equilibria(gear: SteeringGear, fidelity: Fidelity, turning: Turning) -> SceneRun:
