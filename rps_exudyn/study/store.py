@@ -1,0 +1,327 @@
+"""A study's folder: its description, one result file per finished case, and an index that can be rebuilt.
+
+    DIR/study.toml   the study file, verbatim      DIR/cases/HASH.h5  one `Result` file per case
+    DIR/study.json   the `Description`             DIR/index.csv      one row per finished case, a cache
+    DIR/study.log    one line per finished case
+
+A case's file is there whole or not at all. Whatever else lies in cases/ is left alone; files that cannot be
+read are named in `Store.skipped` and count as not done.
+"""
+
+import csv
+import io
+import os
+import socket
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
+
+from rps_exudyn.atomic import replacing
+from rps_exudyn.errors import InputError
+from rps_exudyn.outcome import Status
+from rps_exudyn.quantities import SUMMARY
+from rps_exudyn.result import Result, load
+from rps_exudyn.study.description import Case, Description
+
+FIXED_COLUMNS = ("hash", "status", "message", "cpu_s", "wall_s", "bytes", "modified_ns")
+BEGUN = {".lock", "cases", "study.toml"}  # all that a runner stopped at its very start may leave
+
+
+@dataclass(frozen=True)
+class CaseRow:
+    """A finished case without its signals: how it ended, and its numbers (SI)."""
+
+    hash: str
+    status: Status
+    message: str
+    cpu_s: float
+    wall_s: float
+    summary: Mapping[str, float]
+
+    @classmethod
+    def of(cls, case_hash: str, result: Result) -> "CaseRow":
+        """The light part of a result."""
+        message = " ".join(result.message.split())
+        return cls(case_hash, result.status, message, result.cpu_s, result.wall_s, dict(result.summary))
+
+
+class Store:
+    """One study's folder. Reading it computes nothing and executes nothing that is stored in it."""
+
+    def __init__(self, path: Path, description: Description) -> None:
+        self.path = path
+        self.description = description
+        self.skipped: list[tuple[Path, str]] = []
+        """Files in cases/ that cannot be used, each with a sentence; filled by `finished` and `rows`."""
+
+    @classmethod
+    def open(cls, path: str | Path) -> "Store":
+        """The study in a folder.
+
+        Raises:
+            InputError: no study there, a damaged one, or one of a newer format.
+        """
+        folder = Path(path)
+        if not folder.is_dir():
+            raise InputError(f"{path} is no study's folder: there is no such folder.")
+        return cls(folder, Description.read(folder / "study.json"))
+
+    @classmethod
+    def create(cls, path: str | Path, description: Description) -> "Store":
+        """A folder for the study, new or the one it was begun in; nothing is written into it yet.
+
+        Raises:
+            InputError: the folder cannot be made, or it holds something else.
+        """
+        folder = Path(path)
+        _check_folder(folder, description)
+        try:
+            (folder / "cases").mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{path} cannot be written: {error.strerror or error}.") from None
+        return cls(folder, description)
+
+    def write_description(self) -> None:
+        """study.json, whole."""
+        with replacing(self.path / "study.json") as partial:
+            partial.write_text(self.description.to_json(), encoding="utf-8")
+
+    # --- cases ---------------------------------------------------------------------------------
+
+    def path_of(self, case_hash: str) -> Path:
+        """Where the case's file is, or will be."""
+        return self.path / "cases" / f"{case_hash}.h5"
+
+    def result(self, case: Case) -> Result:
+        """The case's whole result.
+
+        Raises:
+            InputError: not done yet, damaged, or another case's.
+        """
+        path = self.path_of(case.hash)
+        result = load(path)
+        self._check_content(path, case, result)
+        return result
+
+    def save(self, case_hash: str, content: bytes) -> None:
+        """The case's file from its bytes, whole or not at all.
+
+        Raises:
+            InputError: it cannot be written.
+        """
+        with replacing(self.path_of(case_hash)) as partial:
+            partial.write_bytes(content)
+
+    def finished(self) -> set[str]:
+        """Hashes of the cases whose files are there and can be read; failed simulations are among them."""
+        return {case.hash for case, _ in self.rows()}
+
+    def rows(self) -> Iterator[tuple[Case, CaseRow]]:
+        """Every finished case once, in the order of the design; files that cannot be used go to `skipped`.
+
+        Rows come from the index if it knows the very file (its size and time), else from the file.
+        """
+        self.skipped = []
+        index = self._read_index()
+        there = self._files()
+        for case_hash, case in self.description.hashes.items():
+            if case_hash not in there:
+                continue
+            row = index.get((case_hash, *there[case_hash])) or self._row_of_file(case)
+            if row:
+                yield case, row
+
+    def results(self) -> Iterator[tuple[Case, Result]]:
+        """Every finished case with its signals, one at a time."""
+        self.skipped = []
+        there = self._files()
+        for case_hash, case in self.description.hashes.items():
+            if case_hash in there:
+                with self._skipping(case_hash):
+                    yield case, self.result(case)
+
+    def _row_of_file(self, case: Case) -> CaseRow | None:
+        with self._skipping(case.hash):
+            return CaseRow.of(case.hash, self.result(case))
+        return None
+
+    @contextmanager
+    def _skipping(self, case_hash: str) -> Iterator[None]:
+        try:
+            yield
+        except InputError as error:
+            self.skipped.append((self.path_of(case_hash), " ".join(error.problems)))
+
+    def _files(self) -> dict[str, tuple[int, int]]:
+        """Hash -> size and time of change of the files in cases/."""
+        try:
+            with os.scandir(self.path / "cases") as entries:
+                files = [
+                    item for item in entries if item.name.endswith(".h5") and not item.name.startswith(".")
+                ]
+                return {item.name[:-3]: _stamp(item.stat()) for item in files}
+        except FileNotFoundError:
+            return {}
+
+    def _check_content(self, path: Path, case: Case, result: Result) -> None:
+        """A file under a case's name must hold that case."""
+        if result.scene != self.description.scene:
+            raise InputError(f"{path} holds {result.scene}, not this study's {self.description.scene}.")
+        expected = {**self.description.base, **self.description.settings(case)}
+        for parameter, value in expected.items():
+            if parameter.startswith("fidelity."):
+                found = result.fidelity.get(parameter.removeprefix("fidelity."), value)
+            else:
+                found = result.gear.value_at(parameter)
+            if found != value:
+                raise InputError(f"{path} holds another case: {parameter} is {found}, not {value}.")
+
+    # --- index ---------------------------------------------------------------------------------
+
+    @property
+    def _columns(self) -> list[str]:
+        axes = [axis.name for axis in self.description.axes]
+        return [*FIXED_COLUMNS[:1], *axes, *FIXED_COLUMNS[1:], *SUMMARY]
+
+    def rebuild_index(self) -> None:
+        """index.csv anew from cases/ (and from itself, where it knows the very file)."""
+        rows = list(self.rows())
+        with (
+            replacing(self.path / "index.csv") as partial,
+            partial.open("w", encoding="utf-8", newline="") as file,
+        ):
+            csv.writer(file).writerow(self._columns)
+            for case, row in rows:
+                file.write(self._line(case, row))
+
+    def add_to_index(self, case: Case, row: CaseRow) -> None:
+        """One more row, in one write, so that several writers cannot mix their lines."""
+        descriptor = os.open(self.path / "index.csv", os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
+        try:
+            os.write(descriptor, self._line(case, row).encode())
+        finally:
+            os.close(descriptor)
+
+    def _line(self, case: Case, row: CaseRow) -> str:
+        size, modified = _stamp(self.path_of(row.hash).stat())
+        text = io.StringIO()
+        outcome = (row.status.value, row.message, row.cpu_s, row.wall_s, size, modified)
+        axes = (case.values[axis.name] for axis in self.description.axes)
+        csv.writer(text).writerow(
+            [row.hash, *axes, *outcome, *(row.summary.get(name, "") for name in SUMMARY)]
+        )
+        return text.getvalue()
+
+    def _read_index(self) -> dict[tuple[str, int, int], CaseRow]:
+        """(hash, size, time) -> row; lines that are torn or of other columns are left out."""
+        try:
+            with (self.path / "index.csv").open(encoding="utf-8", newline="") as file:
+                return dict(_indexed(csv.reader(file), self._columns))
+        except (OSError, UnicodeDecodeError, csv.Error):
+            return {}
+
+    # --- one runner at a time ------------------------------------------------------------------
+
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Hold the folder against other runners; the lock ends with the process, however that ends.
+
+        Raises:
+            InputError: another runner is at work on the folder.
+        """
+        with self._lock_file() as file:
+            if _try_lock(file.fileno()):
+                file.truncate(0)
+                file.write(f"process {os.getpid()} on {socket.gethostname()}")
+                file.flush()
+                self._remove_partial_files()
+                yield
+            else:
+                file.seek(0)
+                raise InputError(
+                    f"{self.path} is being worked on by {file.read() or 'another runner'}; "
+                    "wait for it, or choose another folder by --out."
+                )
+
+    def _lock_file(self) -> TextIO:
+        try:
+            return (self.path / ".lock").open("a+", encoding="utf-8")
+        except OSError as error:
+            raise InputError(f"{self.path} cannot be written: {error.strerror or error}.") from None
+
+    def _remove_partial_files(self) -> None:
+        """What a killed runner left half written."""
+        for folder in (self.path, self.path / "cases"):
+            for partial in (
+                *folder.glob(".*.h5"),
+                *folder.glob(".study.*.json"),
+                *folder.glob(".index.*.csv"),
+            ):
+                with suppress(OSError):
+                    partial.unlink()
+
+
+def _try_lock(descriptor: int) -> bool:
+    """Whether the lock was free. Where there are no locks (Windows, some network disks) it always is: then
+    two runners do work twice, but each file is still written whole."""
+    try:
+        import fcntl
+    except ImportError:
+        return True
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        return True
+    return True
+
+
+def _indexed(
+    lines: Iterable[list[str]], columns: list[str]
+) -> Iterator[tuple[tuple[str, int, int], CaseRow]]:
+    for number, cells in enumerate(lines):
+        if number == 0 and cells != columns:
+            return
+        if number == 0 or len(cells) != len(columns):
+            continue
+        told = dict(zip(columns, cells, strict=True))
+        with suppress(ValueError):
+            row = CaseRow(
+                hash=told["hash"],
+                status=Status(told["status"]),
+                message=told["message"],
+                cpu_s=float(told["cpu_s"]),
+                wall_s=float(told["wall_s"]),
+                summary={name: float(told[name]) for name in SUMMARY if told[name]},
+            )
+            yield (row.hash, int(told["bytes"]), int(told["modified_ns"])), row
+
+
+def _stamp(stat: os.stat_result) -> tuple[int, int]:
+    return stat.st_size, stat.st_mtime_ns
+
+
+def _check_folder(folder: Path, description: Description) -> None:
+    """A folder that is new, empty, or this study's."""
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder} cannot be a study's folder: it is a file.")
+    if not folder.is_dir():
+        return
+    if not (folder / "study.json").exists():
+        if {item.name for item in folder.iterdir()} <= BEGUN:
+            return
+        raise InputError(f"{folder} is no study's folder, and not empty; choose another one by --out.")
+    existing = Description.read(folder / "study.json")
+    if existing.name != description.name or existing.scene != description.scene:
+        raise InputError(
+            f"{folder} holds the study {existing.name} ({existing.scene}), not {description.name} "
+            f"({description.scene}); choose another folder by --out."
+        )
+    if existing.signals != description.signals:
+        raise InputError(
+            f"{folder} holds this study with another [keep] table, and its finished cases would not fit; "
+            "choose another folder by --out."
+        )
