@@ -19,10 +19,18 @@ if TYPE_CHECKING:
     from rps_exudyn.parameters import SteeringGear
     from rps_exudyn.result import Result, load
     from rps_exudyn.simulate import run
+    from rps_exudyn.study.dataset import open_study, study_frame
 
-__all__ = ["Result", "SteeringGear", "load", "run"]
+__all__ = ["Result", "SteeringGear", "load", "open_study", "run", "study_frame"]
 
-_HOME = {"SteeringGear": "parameters", "Result": "result", "load": "result", "run": "simulate"}
+_HOME = {
+    "SteeringGear": "parameters",
+    "Result": "result",
+    "load": "result",
+    "run": "simulate",
+    "open_study": "study.dataset",
+    "study_frame": "study.dataset",
+}
 
 # Exudyn reads this when it is imported: a user's own settings file would silently change results.
 os.environ.setdefault("EXUDYN_NO_USER_SETTINGS", "1")

@@ -1,0 +1,211 @@
+"""A study as an xarray Dataset over its axes, or as a pandas frame with one row per case.
+
+    study = rps.open_study("preload-study")
+    study.torque_mean.sel(preload=300, method="nearest")
+    study.pinion_torque.isel(preload=0)  # its file is read now
+
+Signals are read from the cases' files only where they are looked at. All values are SI, each variable has
+`units` and `long_name`. Numbers and signals of a case that did not end ok, or is not finished, are nan;
+`status` says which.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import numpy as np
+from xarray import Coordinates, Dataset, Variable
+from xarray.backends import BackendArray
+from xarray.core.indexing import (
+    ExplicitIndexer,
+    IndexingSupport,
+    LazilyIndexedArray,
+    explicit_indexing_adapter,
+)
+
+from rps_exudyn.quantities import SIGNALS, SUMMARY, Quantity
+from rps_exudyn.study.description import Description
+from rps_exudyn.study.store import Store
+from rps_exudyn.study.table import CaseTable, axis_quantity
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+CASE, SAMPLE = "case", "sample"
+
+
+def open_study(path: str | Path) -> Dataset:
+    """The study in a folder, also a half-finished one.
+
+    Dimensions are the axes of a grid; a sampled design has the one dimension `case`, with the axes' values
+    along it. Signals have `sample` as their last dimension, padded with nan to the longest record.
+
+    Raises:
+        InputError: no study there, a damaged one, or one of a newer format.
+    """
+    table = CaseTable.of(Store.open(path))
+    layout = _Layout(table)
+    variables: dict[str, Any] = {
+        "hash": layout.variable(np.array([case.hash for case in table.cases], dtype=np.str_), ""),
+        "status": layout.variable(table.status, "absent", {"long_name": "how the case ended"}),
+        "cpu_s": layout.variable(
+            table.times("cpu_s"), np.nan, {"units": "s", "long_name": "processor time of the simulation"}
+        ),
+    }
+    for name, values in table.numbers.items():
+        variables[name] = layout.variable(values, np.nan, _attributes(SUMMARY[name]))
+    return Dataset(
+        variables | _signals(table, layout), coords=layout.coordinates(), attrs=_origin(table.description)
+    )
+
+
+def study_frame(path: str | Path) -> "DataFrame":
+    """The study as a pandas frame: one row per case, indexed by its hash, in the order of the design.
+
+    Columns are the axes, status, message, cpu_s and the summary's numbers (SI).
+
+    Raises:
+        InputError: as `open_study`.
+    """
+    return frame_of(CaseTable.of(Store.open(path)))
+
+
+def frame_of(table: CaseTable) -> "DataFrame":
+    """A case table as a pandas frame."""
+    from pandas import DataFrame, Index
+
+    return DataFrame(
+        {
+            **table.axes,
+            "status": table.status.astype(object),
+            "message": [row.message if row else "" for row in table.rows],
+            "cpu_s": table.times("cpu_s"),
+            **table.numbers,
+        },
+        index=Index([case.hash for case in table.cases], name="hash"),
+    )
+
+
+class _Layout:
+    """Where each case stands: over the axes of a grid, or along one dimension."""
+
+    def __init__(self, table: CaseTable) -> None:
+        self._table = table
+        axes = table.description.axes
+        self.is_grid = bool(axes) and all(axis.kind == "grid" and axis.values for axis in axes)
+        if self.is_grid:
+            self.dimensions = tuple(axis.name for axis in axes)
+            self.shape = tuple(len(axis.values or ()) for axis in axes)
+            places = [{value: at for at, value in enumerate(axis.values or ())} for axis in axes]
+            self.places = tuple(
+                np.array([place[case.values[axis.name]] for case in table.cases], dtype=int)
+                for axis, place in zip(axes, places, strict=True)
+            )
+        else:
+            self.dimensions, self.shape = (CASE,), (len(table.cases),)
+            self.places = (np.arange(len(table.cases)),)
+
+    def arranged(self, values: np.ndarray, absent: Any) -> np.ndarray:
+        """One value per case, shape (cases,), in the shape of the dimensions."""
+        array = np.full(self.shape, absent, dtype=np.result_type(values.dtype, np.asarray(absent).dtype))
+        array[self.places] = values
+        return array
+
+    def variable(
+        self, values: np.ndarray, absent: Any, attributes: Mapping[str, str] | None = None
+    ) -> Variable:
+        return Variable(self.dimensions, self.arranged(values, absent), attributes)
+
+    def coordinates(self) -> Coordinates:
+        table, found = self._table, {}
+        for axis in table.description.axes:
+            values = np.array(axis.values) if self.is_grid else table.axes[axis.name]
+            along = axis.name if self.is_grid else CASE
+            attributes = _attributes(axis_quantity(axis)) | {"paths": " ".join(axis.paths)}
+            found[axis.name] = Variable((along,), values, attributes)
+        return Coordinates(found)
+
+
+class _Signal(BackendArray):
+    """One signal of all cases, shape (axes..., sample): each look reads just the files it touches."""
+
+    def __init__(self, name: str, files: np.ndarray, samples: int) -> None:
+        self._name, self._files = name, files
+        self.shape = (*files.shape, samples)
+        self.dtype = np.dtype(float)
+
+    def __getitem__(self, key: ExplicitIndexer) -> np.ndarray:
+        return explicit_indexing_adapter(key, self.shape, IndexingSupport.BASIC, self._read)
+
+    def _read(self, key: tuple[int | slice, ...]) -> np.ndarray:
+        *cases, samples = key
+        files = np.asarray(self._files[tuple(cases)], dtype=object)
+        wanted = np.arange(self.shape[-1])[samples]
+        values = np.full((*files.shape, *wanted.shape), np.nan)
+        for place in np.ndindex(files.shape):
+            if files[place]:
+                values[place] = self._record(files[place])[samples]
+        return values
+
+    def _record(self, path: Path) -> np.ndarray:
+        """The whole record, padded; a file that has gone or lost the signal since gives nan."""
+        padded = np.full(self.shape[-1], np.nan)
+        try:
+            with h5py.File(path, "r") as file:
+                values = file["signals"][self._name][()][: padded.size]
+        except (OSError, KeyError):
+            return padded
+        padded[: values.size] = values
+        return padded
+
+
+def _signals(table: CaseTable, layout: _Layout) -> dict[str, Variable]:
+    """Every signal that was kept, unread."""
+    folder = table.path / "cases"
+    paths = np.array([folder / f"{case.hash}.h5" if ok else None for case, ok in _known(table)], dtype=object)
+    lengths = _lengths([path for path in dict.fromkeys(paths) if path])
+    if not lengths:
+        return {}
+    files, longest = layout.arranged(paths, None), max(lengths.values())
+    return {
+        f"signal_{name}" if name in layout.dimensions or name in table.axes else name: Variable(
+            (*layout.dimensions, SAMPLE),
+            LazilyIndexedArray(_Signal(name, files, longest)),
+            _attributes(SIGNALS[name]),
+        )
+        for name in SIGNALS
+        if name in lengths
+    }
+
+
+def _known(table: CaseTable) -> Any:
+    return zip(table.cases, table.ok, strict=True)
+
+
+def _lengths(paths: list[Path]) -> dict[str, int]:
+    """Signal -> samples of the longest record; only the files' directories are read."""
+    longest: dict[str, int] = {}
+    for path in paths:
+        try:
+            with h5py.File(path, "r") as file:
+                group = file["signals"]
+                for name in group:
+                    if name in SIGNALS:
+                        longest[name] = max(longest.get(name, 0), group[name].shape[0])
+        except (OSError, KeyError):  # gone since the table was read
+            continue
+    return longest
+
+
+def _attributes(quantity: Quantity) -> dict[str, str]:
+    return {"units": quantity.unit, "long_name": quantity.long_name}
+
+
+def _origin(description: Description) -> dict[str, str]:
+    return {
+        "study": description.name,
+        "scene": description.scene,
+        "fidelity": str(description.fidelity.get("name", "")),
+        "design": description.design,
+    }
