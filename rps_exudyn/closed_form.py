@@ -19,6 +19,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from rps_exudyn.analysis.efficiency import LoadTest
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters import SteeringGear
 
@@ -44,44 +45,6 @@ class MeanState:
     def losses(self) -> float:
         """All losses per radian of pinion [N m]."""
         return self.mesh_loss + self.plunger_loss + self.bush_loss + self.bearing_loss
-
-
-@dataclass(frozen=True)
-class LoadTest:
-    """A weight on the rack, raised and lowered: forward and reverse efficiency (IS 13476)."""
-
-    load: float  # the weight's force [N]
-    ideal_torque: float  # load times rack gain [N m]
-    torque_forward: float  # raising [N m]
-    torque_reverse: float  # holding while it is lowered; negative: the weight cannot drive the gear [N m]
-    free_torque: float  # without the weight [N m]
-
-    @property
-    def efficiency_forward(self) -> float:
-        return self.ideal_torque / self.torque_forward
-
-    @property
-    def efficiency_reverse(self) -> float:
-        return self.torque_reverse / self.ideal_torque
-
-    @property
-    def efficiency_forward_net(self) -> float:
-        """With the free torque tared."""
-        return self.ideal_torque / (self.torque_forward - self.free_torque)
-
-    @property
-    def efficiency_reverse_net(self) -> float:
-        return (self.torque_reverse + self.free_torque) / self.ideal_torque
-
-    @property
-    def half_sum(self) -> float:
-        """The ideal torque, up to what friction under load adds, while both flanks touch [N m]."""
-        return (self.torque_forward + self.torque_reverse) / 2
-
-    @property
-    def half_difference(self) -> float:
-        """The free torque, likewise [N m]."""
-        return (self.torque_forward - self.torque_reverse) / 2
 
 
 @dataclass(frozen=True)

@@ -114,8 +114,62 @@ SUMMARY = {
     "torque_tooth_order": _torque("amplitude of pinion_torque's harmonic once per tooth"),
     "torque_first_order": _torque("amplitude of pinion_torque's harmonic once per revolution"),
     "torque_closed_form": _torque("free pinion torque by the closed form, for comparison with torque_mean"),
+    "torque_mean_forward": _torque(
+        "mean torque against the motion towards +X, over the pinion angles that both directions cover"
+    ),
+    "torque_mean_backward": _torque("mean torque against the motion towards -X, over the same angles"),
+    "torque_direction_difference": _torque("torque_mean_forward - torque_mean_backward"),
+    "torque_on_centre": _torque(
+        "mean torque against the motion within 100 degrees of the centre, as far as recorded"
+    ),
+    "torque_on_centre_variation": _torque("largest minus smallest torque there, in one direction"),
+    "torque_off_centre_variation": _torque(
+        "largest minus smallest torque on one side of that range, in one direction"
+    ),
+    "torque_forward": _torque("load test: mean pinion_torque while the load is raised"),
+    "torque_reverse": _torque(
+        "load test: mean pinion_torque that holds the load while it is lowered; negative: self-locking"
+    ),
+    "free_torque": _torque("load test: mean torque against the motion without the load"),
+    "efficiency_forward": _ratio("load x rack gain per radian / torque_forward"),
+    "efficiency_reverse": _ratio("torque_reverse / (load x rack gain per radian)"),
+    "efficiency_forward_net": _ratio("load x rack gain per radian / (torque_forward - free_torque)"),
+    "efficiency_reverse_net": _ratio("(torque_reverse + free_torque) / (load x rack gain per radian)"),
+    "efficiency_ratio": _ratio("efficiency_reverse / efficiency_forward"),
     "rack_gain": _length("displacement of the rack per revolution of the pinion"),
-    "energy_residual": _ratio("(work_drive - work lost - change of stored_energy) / work_drive"),
+    "transmission_error_peak_to_peak": _deflection(
+        "largest minus smallest rack displacement ahead of gain x pinion angle, in one direction"
+    ),
+    "transmission_error_first_order": _deflection("amplitude of its harmonic once per revolution"),
+    "rack_lift_range": _deflection("largest minus smallest rack_y"),
+    "rack_roll_range": _tilt("largest minus smallest rack_roll"),
+    "rack_yaw_range": _tilt("largest minus smallest rack_yaw"),
+    "yoke_force_min": _force("smallest seat_force"),
+    "yoke_force_max": _force("largest seat_force"),
+    "hysteresis_area": _energy("work of the drive on the pinion over the last whole cycle of reversals"),
+    "lost_motion": _deflection(
+        "how far the rack stays behind at the same pinion angle in both directions, mean over the middle"
+    ),
+    "torque_jump": _torque("change of the median pinion_torque of a pass across a reversal, the largest"),
+    "reversal_angle": Quantity(
+        "rad",
+        "deg",
+        "pinion angle from a reversal until the torque is at 90 % of its new running value, the largest",
+    ),
+    "impacts": _number("number of impacts of the plunger on the yokenut"),
+    "impact_peak_force": _force("largest yokenut_force of an impact"),
+    "impact_impulse": Quantity("N*s", "N*s", "largest integral of yokenut_force over an impact"),
+    "impact_duration": Quantity("s", "ms", "longest impact"),
+    "impact_speed": Quantity("m/s", "mm/s", "largest speed of the plunger at the beginning of an impact"),
+    "impact_contact_share": _ratio("share of the time with contact between plunger and yokenut"),
+    "impact_force_rms": _force("root mean square of yokenut_force over the record"),
+    "loss_share_mesh": _ratio("work lost between the teeth, of all work lost"),
+    "loss_share_seat": _ratio("work lost between plunger and rack, of all work lost"),
+    "loss_share_bush": _ratio("work lost in the bush, of all work lost"),
+    "loss_share_bearing": _ratio("work lost in the pinion's bearings, of all work lost"),
+    "energy_residual": _ratio(
+        "(work_drive + work_load - work lost - change of stored_energy) / the larger of both works"
+    ),
 }
 
 COUNTERS = {

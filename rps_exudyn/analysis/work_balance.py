@@ -4,20 +4,30 @@ from collections.abc import Mapping
 
 import numpy as np
 
+NO_LOSS = ("work_drive", "work_load")
+"""Work signals that tell what goes in: from the drive, and from the forces on the rack's end."""
+
+PLACES = {
+    "mesh": ("work_mesh_friction", "work_mesh_damping"),
+    "seat": ("work_seat_friction",),
+    "bush": ("work_bush_friction",),
+    "bearing": ("work_bearing_friction",),
+}
+"""Where work is lost -> the signals that count it."""
+
 
 def losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
     """Work lost over the whole record [J]; the names are those of the signals."""
     return {
-        name: float(values[-1] - values[0])
+        name: _change(signals, name)
         for name, values in signals.items()
-        if name.startswith("work_") and name != "work_drive" and values.size
+        if name.startswith("work_") and name not in NO_LOSS and values.size
     }
 
 
 def drive_work(signals: Mapping[str, np.ndarray]) -> float:
     """Work of the drive over the whole record [J]; 0 without work signals."""
-    work = signals.get("work_drive", np.zeros(1))
-    return float(work[-1] - work[0]) if work.size else 0.0
+    return _change(signals, "work_drive")
 
 
 def work_shares(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
@@ -26,8 +36,44 @@ def work_shares(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
     return {name: loss / drive for name, loss in losses(signals).items()} if drive else {}
 
 
+def describe_losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
+    """The summary's loss shares, of all work lost; {} if none was."""
+    lost = losses(signals)
+    whole = sum(lost.values())
+    if not whole > 0:
+        return {}
+    return {
+        f"loss_share_{place}": sum(lost.get(name, 0.0) for name in names) / whole
+        for place, names in PLACES.items()
+        if any(name in lost for name in names)
+    }
+
+
+def loss_torques(signals: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Place -> work lost there per angle turned, shape (n,) [N m]; for a record in one direction.
+
+    These torques add up to the drive's but for what is stored and what a load takes or gives.
+    """
+    turned = np.abs(signals["pinion_angle"] - signals["pinion_angle"][0])
+    return {
+        place: sum((np.gradient(signals[name], turned) for name in present), start=np.zeros_like(turned))
+        for place, names in PLACES.items()
+        if (present := [name for name in names if name in signals])
+    }
+
+
 def energy_residual(signals: Mapping[str, np.ndarray]) -> float:
-    """(drive's work - work lost - change of stored energy) / drive's work; nan if the drive did none."""
-    drive = drive_work(signals)
-    stored = float(signals["stored_energy"][-1] - signals["stored_energy"][0])
-    return (drive - sum(losses(signals).values()) - stored) / drive if drive else float("nan")
+    """(work of drive and load - work lost - change of stored energy) / the larger of drive's and load's work.
+
+    nan if neither did any.
+    """
+    drive, load, stored = (_change(signals, name) for name in (*NO_LOSS, "stored_energy"))
+    missing = drive + load - sum(losses(signals).values()) - stored
+    larger = drive if abs(drive) >= abs(load) else load
+    return missing / larger if larger else float("nan")
+
+
+def _change(signals: Mapping[str, np.ndarray], name: str) -> float:
+    """Over the whole record; 0 of what was not recorded."""
+    values = signals.get(name, np.zeros(0))
+    return float(values[-1] - values[0]) if values.size else 0.0

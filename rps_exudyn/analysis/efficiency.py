@@ -1,0 +1,102 @@
+"""The load test's efficiencies (IS 13476): a weight on the rack, raised and lowered by the pinion.
+
+With the weight's force W, the rack's travel s' per radian and mean torques T_f raising, T_r holding while
+it is lowered:
+
+    forward = W s' / T_f        reverse = T_r / (W s')
+
+gross, as the standard measures them; net with the free torque T_0 tared, W s' / (T_f - T_0) and
+(T_r + T_0) / (W s'). While both flanks touch, T_f - T_r = 2 T_0 nearly, and the ratio reverse / forward is
+1 - (T_0 / W s')^2: heavier weights look better.
+"""
+
+from dataclasses import dataclass
+
+from rps_exudyn.analysis.passes import Signals, both_directions, common_angles
+from rps_exudyn.analysis.torque import mean
+
+
+@dataclass(frozen=True)
+class LoadTest:
+    """A weight on the rack, raised and lowered: forward and reverse efficiency (IS 13476)."""
+
+    load: float  # the weight's force [N]
+    ideal_torque: float  # load times rack gain [N m]
+    torque_forward: float  # raising [N m]
+    torque_reverse: float  # holding while it is lowered; negative: the weight cannot drive the gear [N m]
+    free_torque: float  # without the weight [N m]
+
+    @property
+    def efficiency_forward(self) -> float:
+        return self.ideal_torque / self.torque_forward
+
+    @property
+    def efficiency_reverse(self) -> float:
+        return self.torque_reverse / self.ideal_torque
+
+    @property
+    def efficiency_forward_net(self) -> float:
+        """With the free torque tared."""
+        return self.ideal_torque / (self.torque_forward - self.free_torque)
+
+    @property
+    def efficiency_reverse_net(self) -> float:
+        return (self.torque_reverse + self.free_torque) / self.ideal_torque
+
+    @property
+    def efficiency_ratio(self) -> float:
+        """Reverse over forward, gross; the paper asks for 0.9."""
+        return self.efficiency_reverse / self.efficiency_forward
+
+    @property
+    def self_locking(self) -> bool:
+        """The weight cannot drive the gear: it must be pushed down."""
+        return self.torque_reverse < 0
+
+    @property
+    def half_sum(self) -> float:
+        """The ideal torque, up to what friction under load adds, while both flanks touch [N m]."""
+        return (self.torque_forward + self.torque_reverse) / 2
+
+    @property
+    def half_difference(self) -> float:
+        """The free torque, likewise [N m]."""
+        return (self.torque_forward - self.torque_reverse) / 2
+
+
+def measured_load_test(signals: Signals, load: float, gain: float, free_torque: float) -> LoadTest:
+    """The test from a record of raising (pinion angle rises) and lowering, at the angles common to both.
+
+    Args:
+        signals: pinion_angle [rad] and pinion_torque [N m], both directions.
+        load: the weight's force on the rack towards -X [N], above zero.
+        gain: rack travel per radian of pinion [m].
+        free_torque: mean torque of the same gear without the weight [N m].
+
+    Raises:
+        ValueError: the record lacks one direction, or shares no angles.
+    """
+    both = both_directions(signals)
+    if both is None or (angle := common_angles(*both)).size < 2:
+        raise ValueError("a load test needs a record of raising and of lowering at common pinion angles")
+    raising, lowering = (mean(angle, each.over(angle, "pinion_torque")) for each in both)
+    return LoadTest(load, load * gain, raising, lowering, free_torque)
+
+
+def describe_load_test(test: LoadTest) -> dict[str, float]:
+    """The summary's figures, by their names there; no efficiencies without a load."""
+    torques = {
+        "torque_forward": test.torque_forward,
+        "torque_reverse": test.torque_reverse,
+        "free_torque": test.free_torque,
+    }
+    if not test.load > 0:
+        return torques
+    names = (
+        "efficiency_forward",
+        "efficiency_reverse",
+        "efficiency_forward_net",
+        "efficiency_reverse_net",
+        "efficiency_ratio",
+    )
+    return torques | {name: getattr(test, name) for name in names}

@@ -1,0 +1,60 @@
+"""Orders of a curve over the pinion angle: how much of it repeats once, twice, .. per revolution.
+
+A curve that was recorded at uneven angles is interpolated linearly to even ones over whole periods, so that
+sums are integrals and nothing leaks from one order into the next. Of what was recorded beyond the last whole
+period, nothing enters.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+LEAST_PER_PERIOD = 6  # points recorded in a period without which it is not seen
+EVEN_PER_PERIOD = 128  # even angles in a period, at least
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """values ~ sum of amplitude cos(order angle + phase); shapes (n,), amplitude[0] is the mean."""
+
+    orders: np.ndarray  # 0, 1, .. periods per revolution
+    amplitude: np.ndarray  # in the unit of the values
+    phase: np.ndarray  # at the centre position, in (-pi, pi] [rad]
+
+
+def order_spectrum(angle: np.ndarray, values: np.ndarray, highest: int) -> Spectrum | None:
+    """Orders 0 to `highest`, or as far as the recorded points can tell; None without a whole revolution.
+
+    Angles [rad] rise or fall, shape (n,).
+    """
+    harmonics = _harmonics(angle, values, 2 * np.pi, highest)
+    if harmonics is None:
+        return None
+    told = int(2 * np.pi / np.abs(np.diff(angle)).max() / LEAST_PER_PERIOD * (1 + 1e-9))
+    harmonics = harmonics[: told + 1]
+    return Spectrum(np.arange(harmonics.size), np.abs(harmonics), np.angle(harmonics))
+
+
+def order_amplitude(angle: np.ndarray, values: np.ndarray, order: int) -> float | None:
+    """Amplitude of the harmonic `order` times per revolution; None if no whole period was recorded.
+
+    `order` = number of teeth gives the tooth order, for which a tooth pitch is enough; 1 the first order.
+    """
+    harmonics = _harmonics(angle, values, 2 * np.pi / order, 1)
+    return None if harmonics is None else float(abs(harmonics[1]))
+
+
+def _harmonics(angle: np.ndarray, values: np.ndarray, period: float, highest: int) -> np.ndarray | None:
+    """Complex c_k with values ~ Re sum c_k exp(2 pi i k angle / period), k = 0 .. highest."""
+    whole = int(abs(angle[-1] - angle[0]) / period * (1 + 1e-9)) if len(angle) > 1 else 0
+    if whole == 0:
+        return None
+    recorded = int(len(angle) * period / abs(angle[-1] - angle[0]))
+    per_period = max(EVEN_PER_PERIOD, 16 * highest, 2 * recorded)
+    sense = np.sign(angle[-1] - angle[0])
+    even = angle[0] + sense * period / per_period * np.arange(per_period * whole)
+    rising = slice(None) if sense > 0 else slice(None, None, -1)
+    mean_period = np.interp(even, angle[rising], values[rising]).reshape(whole, per_period).mean(axis=0)
+    k = np.arange(highest + 1)
+    turned = np.exp(-2j * np.pi / period * np.outer(k, even[:per_period]))
+    return np.where(k == 0, 1, 2) * (turned @ mean_period) / per_period

@@ -1,0 +1,90 @@
+"""A record taken apart where the pinion turns back: passes in one direction each.
+
+    forward, backward = passes(signals)
+
+Within a pass the pinion angle rises or falls strictly, so that signals can be drawn and averaged over it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+Signals = Mapping[str, np.ndarray]
+
+LEAST_SHARE = 5e-3  # of the whole range of angles: a turn back smaller than that is no pass
+
+
+@dataclass(frozen=True, eq=False)
+class Pass:
+    """What was recorded while the pinion turned one way."""
+
+    direction: int  # +1 moves the rack along +X
+    signals: dict[str, np.ndarray]  # in the order of time; the pinion angle strictly monotone
+
+    @property
+    def angle(self) -> np.ndarray:
+        """Pinion angle [rad]."""
+        return self.signals["pinion_angle"]
+
+    def over(self, angle: np.ndarray, name: str) -> np.ndarray:
+        """A signal at rising pinion angles [rad] within the pass."""
+        order = slice(None, None, self.direction)
+        return np.interp(angle, self.angle[order], self.signals[name][order])
+
+
+def passes(signals: Signals) -> list[Pass]:
+    """All passes in the order of time; instants of standing still or jerking back belong to none."""
+    ends = turning_points(signals["pinion_angle"])
+    begins = ends[:1] + [end + 1 for end in ends[1:]]  # where it turns back, friction still is as before
+    return [_pass(signals, first, last) for first, (_, last) in zip(begins, pairwise(ends), strict=False)]
+
+
+def turning_points(angle: np.ndarray) -> list[int]:
+    """Indices at which the angle turns back, and both ends of the record; empty if it never moves."""
+    least = LEAST_SHARE * float(np.ptp(angle)) if angle.size else 0.0
+    if not least > 0:
+        return []
+    points, low, high, direction = [], 0, 0, 0
+    for i, value in enumerate(angle):
+        if value > angle[high]:
+            high = i
+        if value < angle[low]:
+            low = i
+        if direction >= 0 and value < angle[high] - least:  # it has turned back at `high`
+            points.append(high)
+            direction, low = -1, i
+        elif direction <= 0 and value > angle[low] + least:
+            points.append(low)
+            direction, high = 1, i
+        if direction > 0:
+            low = i
+        elif direction < 0:
+            high = i
+    return [*points, high if direction > 0 else low]
+
+
+def both_directions(signals: Signals) -> tuple[Pass, Pass] | None:
+    """The longest pass towards +X and the longest towards -X, if there are both."""
+    longest: dict[int, Pass] = {}
+    for each in passes(signals):
+        if each.direction not in longest or np.ptp(each.angle) > np.ptp(longest[each.direction].angle):
+            longest[each.direction] = each
+    return (longest[1], longest[-1]) if len(longest) == 2 else None
+
+
+def common_angles(first: Pass, second: Pass) -> np.ndarray:
+    """All angles that either recorded in the range that both cover, rising [rad]; may be empty."""
+    both = np.unique(np.concatenate([first.angle, second.angle]))
+    low = max(first.angle.min(), second.angle.min())
+    high = min(first.angle.max(), second.angle.max())
+    return both[(both >= low) & (both <= high)]
+
+
+def _pass(signals: Signals, first: int, last: int) -> Pass:
+    angle = signals["pinion_angle"][first : last + 1]
+    direction = 1 if angle[-1] > angle[0] else -1
+    farthest = np.maximum.accumulate(direction * angle)
+    ahead = np.append(True, direction * angle[1:] > farthest[:-1])
+    return Pass(direction, {name: values[first : last + 1][ahead] for name, values in signals.items()})

@@ -1,0 +1,38 @@
+"""What the rack does besides its travel: transmission error, lift, roll, yaw, and the yoke's force on it."""
+
+import numpy as np
+
+from rps_exudyn.analysis.orders import order_amplitude
+from rps_exudyn.analysis.passes import Signals, passes
+
+RANGES = {"rack_lift_range": "rack_y", "rack_roll_range": "rack_roll", "rack_yaw_range": "rack_yaw"}
+
+
+def transmission_error(signals: Signals, gain: float) -> np.ndarray:
+    """Rack displacement ahead of gain [m/rad] times pinion angle, from its mean, shape (n,) [m]."""
+    error = signals["rack_displacement"] - gain * signals["pinion_angle"]
+    return np.asarray(error - error.mean())
+
+
+def describe_rack(signals: Signals, gain: float) -> dict[str, float]:
+    """The summary's figures as far as the fidelity models the motions; `gain` is rack travel per radian [m].
+
+    The transmission error is that of one direction, the larger of two: what lies between directions is lost
+    motion, see `hysteresis`.
+    """
+    figures = {name: float(np.ptp(signals[signal])) for name, signal in RANGES.items() if signal in signals}
+    if "seat_force" in signals:
+        figures["yoke_force_min"] = float(signals["seat_force"].min())
+        figures["yoke_force_max"] = float(signals["seat_force"].max())
+    return _transmission(signals, gain) | figures
+
+
+def _transmission(signals: Signals, gain: float) -> dict[str, float]:
+    each_way = [(turned.angle, transmission_error(turned.signals, gain)) for turned in passes(signals)]
+    if not each_way:
+        return {}
+    figures = {"transmission_error_peak_to_peak": max(float(np.ptp(error)) for _, error in each_way)}
+    first = [order_amplitude(angle, error, 1) for angle, error in each_way]
+    if told := [amplitude for amplitude in first if amplitude is not None]:
+        figures["transmission_error_first_order"] = max(told)
+    return figures

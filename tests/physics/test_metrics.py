@@ -1,0 +1,239 @@
+"""Metrics of signals whose answers are known in closed form: harmonics, Coulomb loops, pulses."""
+
+import numpy as np
+import pytest
+
+from rps_exudyn.analysis.direction import describe_directions
+from rps_exudyn.analysis.efficiency import LoadTest, describe_load_test, measured_load_test
+from rps_exudyn.analysis.hysteresis import describe_reversal, loop_area
+from rps_exudyn.analysis.impacts import describe_impacts, find_impacts
+from rps_exudyn.analysis.on_centre import describe_on_centre
+from rps_exudyn.analysis.orders import order_amplitude, order_spectrum
+from rps_exudyn.analysis.passes import passes
+from rps_exudyn.analysis.rack_motion import describe_rack
+from rps_exudyn.analysis.work_balance import describe_losses, energy_residual, loss_torques
+
+TURN = 2 * np.pi
+
+
+def there_and_back(steps: int = 721, turns: float = 2.0) -> np.ndarray:
+    """Pinion angles [rad] to `turns` and back to zero."""
+    there = np.linspace(0, TURN * turns, steps)
+    return np.concatenate([there, there[-2::-1]])
+
+
+# --- orders ----------------------------------------------------------------------------------------
+def known_curve(angle: np.ndarray) -> np.ndarray:
+    return 0.6 + 0.05 * np.cos(angle + 0.3) + 0.02 * np.cos(6 * angle - 1.2) + 0.004 * np.cos(12 * angle + 2)
+
+
+@pytest.mark.parametrize(
+    "angle",
+    [
+        np.linspace(0.4, 0.4 + 1.7 * TURN, 2000),
+        np.linspace(9.0, 9.0 - 1.7 * TURN, 2000),
+        TURN * 1.3 * np.linspace(0, 1, 3000) ** 1.3,  # uneven
+    ],
+    ids=["rising", "falling", "uneven"],
+)
+def test_spectrum_finds_amplitudes_and_phases(angle: np.ndarray) -> None:
+    spectrum = order_spectrum(angle, known_curve(angle), 18)
+    expected = np.zeros(19)
+    expected[[0, 1, 6, 12]] = 0.6, 0.05, 0.02, 0.004
+    np.testing.assert_allclose(spectrum.amplitude, expected, atol=2e-6)
+    np.testing.assert_allclose(spectrum.phase[[1, 6, 12]], [0.3, -1.2, 2], atol=2e-3)
+    assert spectrum.orders.tolist() == list(range(19))
+
+
+def test_tooth_order_needs_one_pitch_and_the_spectrum_one_turn() -> None:
+    angle = np.linspace(0, TURN / 6 * 1.2, 200)
+    assert order_amplitude(angle, 0.02 * np.cos(6 * angle), 6) == pytest.approx(0.02, rel=1e-3)
+    assert order_amplitude(angle, angle, 1) is None
+    assert order_spectrum(angle, angle, 3) is None
+
+
+def test_spectrum_ends_where_the_recorded_points_can_tell_no_more() -> None:
+    angle = np.linspace(0, TURN, 61)
+    assert order_spectrum(angle, np.cos(angle), 100).orders[-1] == 10
+
+
+# --- passes and directions -----------------------------------------------------------------------
+def test_passes_are_monotone_and_leave_out_standstill_and_jitter() -> None:
+    angle = np.concatenate([np.zeros(5), np.linspace(0, 2, 50), np.full(5, 2.0), np.linspace(2, -1, 70)])
+    angle += 1e-4 * np.sin(np.arange(angle.size) * 1.7)
+    first, second = passes({"pinion_angle": angle, "time": np.arange(angle.size)})
+    assert (first.direction, second.direction) == (1, -1)
+    assert (np.diff(first.angle) > 0).all()
+    assert (np.diff(second.angle) < 0).all()
+    assert first.angle[-1] == angle.max()
+    assert second.angle[-1] == angle.min()
+
+
+@pytest.mark.parametrize("angle", [np.zeros(0), np.zeros(4), np.array([0, np.nan, 1.0])])
+def test_pinion_that_never_moves_makes_no_pass(angle: np.ndarray) -> None:
+    assert passes({"pinion_angle": angle}) == []
+
+
+def test_directions_are_compared_over_common_angles_only() -> None:
+    angle = np.concatenate([np.linspace(0, 4, 801), np.linspace(3.995, 1, 600)])
+    forward = np.arange(angle.size) < 801
+    torque = np.where(forward, 0.6 + 0.1 * angle, -0.5)  # mean of the first over 1..4 is 0.85
+    figures = describe_directions({"pinion_angle": angle, "pinion_torque": torque})
+    assert figures["torque_mean_forward"] == pytest.approx(0.85, rel=1e-3)
+    assert figures["torque_mean_backward"] == pytest.approx(0.5)
+    assert figures["torque_direction_difference"] == pytest.approx(0.35, rel=1e-3)
+    assert describe_directions({"pinion_angle": angle[:500], "pinion_torque": torque[:500]}) == {}
+
+
+def test_on_centre_window_and_outside() -> None:
+    angle = np.deg2rad(np.linspace(-300, 300, 6001))
+    torque = 0.6 + np.where(np.abs(angle) <= np.deg2rad(100), 0.01, 0.04) * np.sin(6 * angle)
+    figures = describe_on_centre({"pinion_angle": angle, "pinion_torque": torque}, teeth=6)
+    assert figures["torque_on_centre"] == pytest.approx(0.6, abs=1e-4)
+    assert figures["torque_on_centre_variation"] == pytest.approx(0.02, rel=1e-3)
+    assert figures["torque_off_centre_variation"] == pytest.approx(0.08, rel=1e-3)
+    backward = {"pinion_angle": -angle, "pinion_torque": -torque}
+    assert describe_on_centre(backward, teeth=6)["torque_on_centre"] == pytest.approx(0.6, abs=1e-4)
+    short = {"pinion_angle": angle[3000:3100], "pinion_torque": torque[3000:3100]}
+    assert describe_on_centre(short, teeth=6) == {}
+
+
+# --- load test -------------------------------------------------------------------------------------
+def test_efficiencies_follow_from_the_two_means() -> None:
+    load, gain, free = 98.0665, 0.035 / TURN, 0.1
+    ideal = load * gain
+    angle = there_and_back()
+    raising = np.arange(angle.size) <= 720
+    torque = np.where(raising, ideal + free, ideal - free) + 0.02 * np.cos(6 * angle)
+    signals = {"pinion_angle": angle, "pinion_torque": torque}
+    test = measured_load_test(signals, load, gain, free)
+    figures = describe_load_test(test)
+    assert figures["torque_forward"] == pytest.approx(ideal + free, rel=1e-4)
+    assert figures["efficiency_forward"] == pytest.approx(1 / (1 + free / ideal), rel=1e-3)
+    assert figures["efficiency_reverse"] == pytest.approx(1 - free / ideal, rel=1e-3)
+    assert figures["efficiency_forward_net"] == pytest.approx(1, rel=1e-3)
+    assert figures["efficiency_reverse_net"] == pytest.approx(1, rel=1e-3)
+    assert figures["efficiency_ratio"] == pytest.approx(1 - (free / ideal) ** 2, rel=1e-3)
+    assert not test.self_locking
+    with pytest.raises(ValueError, match="raising and of lowering"):
+        measured_load_test({name: values[:300] for name, values in signals.items()}, load, gain, free)
+
+
+def test_weight_that_must_be_pushed_down_is_self_locking() -> None:
+    assert LoadTest(10, 0.1, 0.7, -0.5, 0.6).self_locking
+    assert "efficiency_forward" not in describe_load_test(LoadTest(0, 0, 0.6, -0.6, 0.6))
+
+
+# --- rack ------------------------------------------------------------------------------------------
+def test_transmission_error_is_told_for_one_direction_and_free_of_lost_motion() -> None:
+    angle, gain = there_and_back(), 0.0056
+    behind = np.where(np.arange(angle.size) <= 720, -1e-5, 1e-5)
+    signals = {
+        "pinion_angle": angle,
+        "rack_displacement": gain * angle + 4e-5 * np.sin(angle) + behind,
+        "rack_y": 3e-6 * np.cos(angle),
+        "rack_roll": 1e-3 * np.cos(angle),
+        "rack_yaw": 0 * angle,
+        "seat_force": 300 + 2 * np.cos(angle),
+    }
+    figures = describe_rack(signals, gain)
+    assert figures["transmission_error_peak_to_peak"] == pytest.approx(8e-5, rel=1e-4)
+    assert figures["transmission_error_first_order"] == pytest.approx(4e-5, rel=1e-3)
+    assert figures["rack_lift_range"] == pytest.approx(6e-6)
+    assert figures["rack_roll_range"] == pytest.approx(2e-3)
+    assert figures["rack_yaw_range"] == 0
+    assert (figures["yoke_force_min"], figures["yoke_force_max"]) == pytest.approx((298, 302))
+
+
+# --- losses ----------------------------------------------------------------------------------------
+def test_loss_shares_and_their_torques() -> None:
+    angle = np.linspace(0, -3, 301)
+    turned = np.abs(angle)
+    signals = {
+        "pinion_angle": angle,
+        "work_drive": 1.0 * turned,
+        "work_mesh_friction": 0.2 * turned + 0.01 * turned**2,
+        "work_mesh_damping": 0.01 * turned,
+        "work_seat_friction": 0.1 * turned,
+        "work_load": -0.6 * turned,
+        "stored_energy": 0.06 * turned - 0.01 * turned**2,
+    }
+    torques = loss_torques(signals)
+    np.testing.assert_allclose(torques["mesh"][1:-1], (0.21 + 0.02 * turned)[1:-1], rtol=1e-9)
+    np.testing.assert_allclose(torques["seat"], 0.1)
+    mesh = 0.63 + 0.09
+    assert describe_losses(signals) == pytest.approx(
+        {"loss_share_mesh": mesh / (mesh + 0.3), "loss_share_seat": 0.3 / (mesh + 0.3)}
+    )
+    assert energy_residual(signals) == pytest.approx(0.03)
+
+
+# --- reversal --------------------------------------------------------------------------------------
+FRICTION, STIFFNESS = 0.6, 40.0  # [N m], [N m/rad]
+
+
+def elastic_coulomb(angle: np.ndarray) -> np.ndarray:
+    """Torque of a spring that slips at FRICTION."""
+    torque = np.zeros_like(angle)
+    for i, step in enumerate(np.diff(angle)):
+        torque[i + 1] = np.clip(torque[i] + STIFFNESS * step, -FRICTION, FRICTION)
+    return torque
+
+
+@pytest.mark.parametrize("cycles", [1.25, 2.0])
+def test_hysteresis_of_a_slipping_spring(cycles: float) -> None:
+    """Area 4 F (a - F/k); 90 % of F is reached after 1.9 F/k; the rack lags by twice its own lag."""
+    amplitude, lag = 0.5, 2e-5
+    angle = amplitude * np.sin(TURN * np.linspace(0, cycles, 20001))
+    sense = np.sign(np.gradient(angle))
+    signals = {
+        "pinion_angle": angle,
+        "pinion_torque": elastic_coulomb(angle),
+        "rack_displacement": 0.0056 * angle - lag * sense,
+    }
+    figures = describe_reversal(signals)
+    assert figures["torque_jump"] == pytest.approx(2 * FRICTION)
+    assert figures["reversal_angle"] == pytest.approx(1.9 * FRICTION / STIFFNESS, rel=1e-3)
+    assert figures["lost_motion"] == pytest.approx(2 * lag, rel=1e-3)
+    area = 4 * FRICTION * (amplitude - FRICTION / STIFFNESS)
+    assert figures["hysteresis_area"] == pytest.approx(area, rel=1e-4)
+
+
+def test_one_way_there_and_back_is_a_cycle_if_it_closes() -> None:
+    angle = np.concatenate([np.linspace(0, 1, 101), np.linspace(0.99, 0, 100)])
+    torque = np.where(np.arange(201) <= 100, 0.6, -0.4)
+    assert loop_area({"pinion_angle": angle, "pinion_torque": torque}) == pytest.approx(1.0, rel=0.01)
+    assert loop_area({"pinion_angle": angle[:150], "pinion_torque": torque[:150]}) is None
+    assert describe_reversal({"pinion_angle": angle[:90], "pinion_torque": torque[:90]}) == {}
+
+
+# --- impacts ---------------------------------------------------------------------------------------
+def test_half_sine_pulses_are_counted_and_measured() -> None:
+    """A half sine of peak F and duration T has the impulse 2 F T / pi and the mean square F^2 / 2."""
+    time = np.linspace(0, 0.1, 100001)
+    force = np.zeros_like(time)
+    for start, duration, peak in ((0.02, 0.004, 100.0), (0.05, 0.002, 60.0)):
+        inside = (time > start) & (time < start + duration)
+        force[inside] = peak * np.sin(np.pi * (time[inside] - start) / duration)
+    displacement = 0.03 * time
+    first, second = find_impacts(time, force, displacement)
+    assert first.impulse == pytest.approx(2 * 100 * 0.004 / np.pi, rel=1e-4)
+    assert second.duration == pytest.approx(0.002, rel=2e-3)
+    figures = describe_impacts({"time": time, "yokenut_force": force, "plunger_displacement": displacement})
+    assert figures["impacts"] == 2
+    assert figures["impact_peak_force"] == pytest.approx(100, rel=1e-4)
+    assert figures["impact_speed"] == pytest.approx(0.03)
+    assert figures["impact_contact_share"] == pytest.approx(0.06, rel=2e-3)
+    mean_square = (100**2 * 0.004 + 60**2 * 0.002) / 2 / 0.1
+    assert figures["impact_force_rms"] == pytest.approx(np.sqrt(mean_square), rel=1e-3)
+
+
+def test_contact_from_the_start_is_no_impact_and_one_at_the_end_counts() -> None:
+    time = np.arange(10.0)
+    force = np.array([5, 5, 0, 0, 0, 0, 0, 0, 3, 4.0])
+    (impact,) = find_impacts(time, force, time)
+    assert (impact.start, impact.duration, impact.peak_force) == (7, 2, 4)
+    assert "impact_peak_force" not in describe_impacts(
+        {"time": time, "yokenut_force": 0 * force, "plunger_displacement": time}
+    )
+    assert describe_impacts({"time": time}) == {}
