@@ -7,7 +7,6 @@ xarray: `xarray.open_dataset(path, group="signals", engine="h5netcdf")`.
 
 import json
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -18,10 +17,10 @@ import numpy as np
 from rps_exudyn import provenance as origin
 from rps_exudyn.atomic import replacing
 from rps_exudyn.errors import InputError
+from rps_exudyn.hdf5 import opened
 from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.quantities import GROUPS
-from rps_exudyn.units import short
 
 FILETYPE = "rps_exudyn-result"
 VERSION = (1, 0)
@@ -78,8 +77,7 @@ def load(path: str | Path) -> Result:
     Raises:
         InputError: no such file, not a result of this package, damaged, or of a newer format.
     """
-    with _opened(path) as file:
-        _check_format(file, path)
+    with opened(path, FILETYPE, "result", VERSION) as file:
         return _read(file, path)
 
 
@@ -136,37 +134,6 @@ def _plain(value: Any) -> Any:
 
 
 # --- reading -----------------------------------------------------------------------------------
-
-
-@contextmanager
-def _opened(path: str | Path) -> Iterator[h5py.File]:
-    try:
-        is_file, is_folder = Path(path).is_file(), Path(path).is_dir()
-    except OSError as error:  # a name too long for a file
-        raise InputError(f"{short(str(path))} cannot be read: {error.strerror or error}.") from None
-    if not is_file:
-        reason = "it is a folder" if is_folder else "there is no such file"
-        raise InputError(f"{path} cannot be read: {reason}.")
-    try:
-        file = h5py.File(path, "r")
-    except PermissionError:
-        raise InputError(f"{path} cannot be read: permission denied.") from None
-    except OSError:
-        raise InputError(f"{path} is no HDF5 file, or it is damaged.") from None
-    with file:
-        yield file
-
-
-def _check_format(file: h5py.File, path: str | Path) -> None:
-    if file.attrs.get("filetype") != FILETYPE:
-        raise InputError(f"{path} is an HDF5 file, but not a result of rps-exudyn.")
-    version = tuple(np.ravel(file.attrs.get("version", ())))
-    if not version or version[0] != VERSION[0]:
-        found = ".".join(map(str, version)) or "missing"
-        raise InputError(
-            f"{path} has format version {found}, and this rps-exudyn reads {VERSION[0]}.x; "
-            "use the rps-exudyn that wrote it, or a newer one."
-        )
 
 
 def _read(file: h5py.File, path: str | Path) -> Result:
