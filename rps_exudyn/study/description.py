@@ -83,6 +83,7 @@ class Description:
     signals: Keep
     time_limit: float  # of one case [s]
     provenance: Mapping[str, Any]
+    title: str = ""  # in the words of its author
 
     @property
     def hashes(self) -> dict[str, Case]:
@@ -147,6 +148,7 @@ def _from_json(told: dict[str, Any]) -> Description:
         signals=Keep(None if names is None else tuple(names), keep["samples"]),
         time_limit=float(told["time_limit"]),
         provenance=dict(told["provenance"]),
+        title=str(told.get("title", "")),
     )
 
 
