@@ -16,12 +16,24 @@ LIBRARIES = ("exudyn", "numpy", "scipy", "numba", "h5py", "trimesh", "manifold3d
 def provenance() -> dict[str, str]:
     """Text for the root attributes of a result, see docs/hdf5-format.md."""
     return {
-        "package_version": version("rps-exudyn"),
-        "library_versions": json.dumps({name: version(name) for name in LIBRARIES}),
+        "package_version": package_version(),
+        "library_versions": library_versions(),
         "git_hash": git_hash(),
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": machine(),
     }
+
+
+@cache
+def package_version() -> str:
+    """As installed."""
+    return version("rps-exudyn")
+
+
+@cache
+def library_versions() -> str:
+    """JSON: name -> version."""
+    return json.dumps({name: version(name) for name in LIBRARIES})
 
 
 @cache

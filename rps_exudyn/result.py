@@ -85,7 +85,7 @@ def load(path: str | Path) -> Result:
 
 
 def _write(result: Result, file: h5py.File) -> None:
-    file.attrs.update(_attributes(result))
+    file.attrs.update(attributes_of(result))
     for group in GROUPS:
         file.create_group(group)
     for name, values in result.signals.items():
@@ -99,7 +99,8 @@ def _write(result: Result, file: h5py.File) -> None:
         _put(file, "counters", name, count)
 
 
-def _attributes(result: Result) -> dict[str, Any]:
+def attributes_of(result: Result) -> dict[str, Any]:
+    """The root attributes of the result's file."""
     return {
         "filetype": FILETYPE,
         "version": np.array(VERSION),

@@ -1,7 +1,8 @@
 """Can this gear be built, what are its numbers, and what should its designer be told?"""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -43,6 +44,26 @@ def check_gear(gear: SteeringGear, force: bool = False) -> None:
         raise InputError([item.sentence(gear) for item in found])
 
 
+class PartMasses(Mapping[str, MassProperties]):
+    """Mass properties of the gear's parts, each in its own frame; solids are made when asked for."""
+
+    def __init__(self, gear: SteeringGear) -> None:
+        self._gear = gear
+
+    @cached_property
+    def _parts(self) -> dict[str, MassProperties]:
+        return {name: solid.mass_properties for name, solid in gear_solids(self._gear).items()}
+
+    def __getitem__(self, part: str) -> MassProperties:
+        return self._parts[part]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._parts)
+
+    def __len__(self) -> int:
+        return len(self._parts)
+
+
 @dataclass(frozen=True)
 class GeometryReport:
     """The gear's geometry in numbers; SI units, definitions in `quantities.GEOMETRY`."""
@@ -69,7 +90,7 @@ class GeometryReport:
     rack_face_width: float
     rack_tip_face_width: float
     toothed_length: float
-    mass_properties: dict[str, MassProperties]  # of the parts, each in its own frame
+    mass_properties: PartMasses
     warnings: tuple[str, ...]
 
     def as_dict(self) -> dict[str, Any]:
@@ -123,7 +144,7 @@ def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:
         rack_face_width=2 * float(bar.flank(0, 1).half_chord(pitch_line)),
         rack_tip_face_width=2 * float(bar.flank(0, 1).half_chord(bar.tip_height)),
         toothed_length=bar.toothed_ends[1] - bar.toothed_ends[0],
-        mass_properties={name: solid.mass_properties for name, solid in gear_solids(gear).items()},
+        mass_properties=PartMasses(gear),
         warnings=tuple(_warnings(gear, pair, bar)),
     )
 

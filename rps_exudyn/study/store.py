@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
-from rps_exudyn.atomic import replacing
+from rps_exudyn.atomic import check_writable, replacing
 from rps_exudyn.errors import InputError
 from rps_exudyn.outcome import Status
 from rps_exudyn.quantities import SUMMARY
@@ -69,19 +69,22 @@ class Store:
         return cls(folder, Description.read(folder / "study.json"))
 
     @classmethod
-    def create(cls, path: str | Path, description: Description) -> "Store":
-        """A folder for the study, new or the one it was begun in; nothing is written into it yet.
+    def of(cls, path: str | Path, description: Description) -> "Store":
+        """A folder for the study, new or the one it was begun in; nothing is written yet.
 
         Raises:
-            InputError: the folder cannot be made, or it holds something else.
+            InputError: it holds something else.
         """
-        folder = Path(path)
-        _check_folder(folder, description)
+        _check_folder(Path(path), description)
+        return cls(Path(path), description)
+
+    def make_folders(self) -> None:
+        """Raises InputError if they cannot be made or written to."""
         try:
-            (folder / "cases").mkdir(parents=True, exist_ok=True)
+            (self.path / "cases").mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise InputError(f"{path} cannot be written: {error.strerror or error}.") from None
-        return cls(folder, description)
+            raise InputError(f"{self.path} cannot be written: {error.strerror or error}.") from None
+        check_writable(self.path / "cases" / "any.h5")
 
     def write_description(self) -> None:
         """study.json, whole."""

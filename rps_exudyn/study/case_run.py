@@ -1,0 +1,65 @@
+"""One case, from its parameters to the bytes of its file; whatever happens is an outcome."""
+
+import os
+from time import perf_counter, process_time
+from typing import Any
+
+import numba
+
+from rps_exudyn import simulate
+from rps_exudyn.errors import InputError
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.outcome import Status
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.result import Result
+from rps_exudyn.study.case_file import FileForms, failed, kept
+from rps_exudyn.study.description import Keep
+
+
+def kernels_are_compiled() -> bool:
+    """Whether the cache of compiled kernels holds anything."""
+    folder = numba.config.CACHE_DIR
+    return os.path.isdir(folder) and any(os.scandir(folder))
+
+
+class CaseRunner:
+    """Simulates cases one after the other."""
+
+    def __init__(self) -> None:
+        self._forms = FileForms()
+
+    def rehearse(self, task: dict[str, Any], turns: float) -> None:
+        """The task's scene over a few degrees of the default gear, for nothing: loads all that cases need."""
+        gear = SteeringGear().replace({"test.turns": turns})
+        result = _outcome(task | {"gear": gear.model_dump()})
+        self._forms.content(kept(result, _keep(task)))
+
+    def run(self, task: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
+        """The case's row for the index, and its file."""
+        result = kept(_outcome(task), _keep(task))
+        row = {
+            "status": result.status.value,
+            "message": result.message,
+            "cpu_s": result.cpu_s,
+            "wall_s": result.wall_s,
+            "summary": dict(result.summary),
+        }
+        return row, self._forms.content(result)
+
+
+def _keep(task: dict[str, Any]) -> Keep:
+    names = task["keep"]["signals"]
+    return Keep(None if names is None else tuple(names), task["keep"]["samples"])
+
+
+def _outcome(task: dict[str, Any]) -> Result:
+    gear, fidelity = SteeringGear.from_tables(task["gear"]), Fidelity.from_tables(task["fidelity"])
+    wall, cpu = perf_counter(), process_time()
+    try:
+        return simulate.run(task["scene"], gear, fidelity=fidelity)
+    except InputError as error:  # a gear that cannot be built, a test that leaves the rack
+        status, message = Status.INVALID, " ".join(error.problems)
+    except Exception as error:
+        status, message = Status.CRASHED, f"{type(error).__name__}: {error}"
+    elapsed = perf_counter() - wall
+    return failed(task["scene"], gear, fidelity, status, message, process_time() - cpu, elapsed)
