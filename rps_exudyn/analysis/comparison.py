@@ -73,7 +73,10 @@ def compare(first: Result, second: Result) -> Comparison:
             for name in dict.fromkeys([*first.summary, *second.summary])
         },
         angle=angle,
-        signals={name: _signal_pair(name, first, second, angle) for name in common} if angle.size else {},
+        signals={
+            name: signal_pair(name, angle, *(_over(angle, result, name) for result in (first, second)))
+            for name in (common if angle.size else ())
+        },
     )
 
 
@@ -97,7 +100,7 @@ def _leaves(tables: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, A
 
 def _common_angles(first: Result, second: Result) -> np.ndarray:
     """All recorded angles in the range that both cover; none if a pinion stands still or turns back."""
-    if not (_turns_one_way(first) and _turns_one_way(second)):
+    if not (turns_one_way(first) and turns_one_way(second)):
         return np.zeros(0)
     a, b = first["pinion_angle"], second["pinion_angle"]
     both = np.unique(np.concatenate([a, b]))
@@ -106,21 +109,22 @@ def _common_angles(first: Result, second: Result) -> np.ndarray:
     return common if common.size > 1 else np.zeros(0)
 
 
-def _turns_one_way(result: Result) -> bool:
+def turns_one_way(result: Result) -> bool:
+    """Whether the pinion angle only rises, or only falls."""
     angle = result.signals.get("pinion_angle", np.zeros(0))
     steps = np.diff(angle)
     return bool(steps.size and np.isfinite(angle).all() and ((steps > 0).all() or (steps < 0).all()))
 
 
-def _signal_pair(name: str, first: Result, second: Result, angle: np.ndarray) -> SignalPair:
-    a, b = (_over(angle, result, name) for result in (first, second))
-    difference = b - a
+def signal_pair(name: str, angle: np.ndarray, first: np.ndarray, second: np.ndarray) -> SignalPair:
+    """Both over the same rising angles [rad], shape (n,) all."""
+    difference = second - first
     at = int(np.argmax(np.abs(difference)))
     return SignalPair(
         name=name,
-        first=a,
-        second=b,
-        mean=mean(angle, a),
+        first=first,
+        second=second,
+        mean=mean(angle, first),
         rms=float(np.sqrt(mean(angle, difference**2))),
         largest=float(difference[at]),
         angle=float(angle[at]),

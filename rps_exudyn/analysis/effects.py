@@ -1,69 +1,95 @@
 """What each axis of a study does to a number: means over levels, shares of the variance, surfaces.
 
-A main effect is the mean of the number over all cases with the same value of one axis; in a full grid the
-other axes are then the same everywhere. The values of a sampled axis are put into classes of equal count.
-Cases whose number is unknown (nan) are left out.
+A main effect is the mean of the number over all cases with the same value of one axis. In a full grid the
+other axes are then the same everywhere; where cases are missing or failed, only those settings of the other
+axes enter that are known at every level, so that like is compared with like. The values of a sampled axis
+are put into classes of equal count.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 MOST_CLASSES = 8
 LEAST_PER_CLASS = 4
+LEAST_KNOWN = (0.5, 0.75, 1.0)
+"""Levels that miss more of their cases than others get no mean: shares of the fullest level, in turn."""
 
 
 @dataclass(frozen=True, eq=False)
 class MainEffect:
-    """One axis' effect on a number; arrays have the shape (levels,), the rest is shape (cases,)."""
+    """One axis' effect on a number."""
 
-    levels: np.ndarray  # values of the axis, or means of its classes; words as they are
-    mean: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    share: float  # variance of the means over the variance of all cases, 0..1
+    levels: np.ndarray  # values of the axis, or means of its classes; words as they are; shape (levels,)
+    mean: np.ndarray  # shape (levels,), nan where too little is known
+    share: float  # of the variance that the levels explain, 0..1
     values: np.ndarray  # of the axis, one per known case
-    numbers: np.ndarray
+    numbers: np.ndarray  # of those cases
 
     @property
     def span(self) -> float:
         """Largest minus smallest mean."""
-        return float(np.ptp(self.mean)) if self.mean.size else 0.0
+        known = self.mean[np.isfinite(self.mean)]
+        return float(np.ptp(known)) if known.size else 0.0
 
 
-def main_effect(values: np.ndarray, numbers: np.ndarray, sampled: bool = False) -> MainEffect:
-    """The effect of an axis with one value per case on a number, both of shape (cases,)."""
+def grid_effect(axes: Mapping[str, np.ndarray], axis: str, numbers: np.ndarray) -> MainEffect:
+    """The effect of one axis of a grid; every array has one value per case, shape (cases,)."""
+    levels, group = np.unique(axes[axis], return_inverse=True)
+    mean = _balanced_means(group, len(levels), _others(axes, (axis,)), numbers)
+    known = np.isfinite(numbers)
+    return MainEffect(levels, mean, _share(group[known], numbers[known]), axes[axis][known], numbers[known])
+
+
+def sampled_effect(values: np.ndarray, numbers: np.ndarray) -> MainEffect:
+    """The effect of an axis of a sampled design; one value per case, shape (cases,) both."""
     known = np.isfinite(numbers)
     values, numbers = values[known], numbers[known]
-    if sampled and values.dtype.kind == "f":
-        classes = _equal_classes(values)
-        levels = np.array([values[classes == at].mean() for at in np.unique(classes)])
+    if values.dtype.kind == "f":
+        group = _equal_classes(values)
+        levels = np.array([values[group == at].mean() for at in np.unique(group)])
     else:
-        levels, classes = np.unique(values, return_inverse=True)
-    groups = [numbers[classes == at] for at in range(len(levels))]
-    mean = np.array([group.mean() for group in groups])
-    return MainEffect(
-        levels=levels,
-        mean=mean,
-        low=np.array([group.min() for group in groups]),
-        high=np.array([group.max() for group in groups]),
-        share=_share(groups, numbers),
-        values=values,
-        numbers=numbers,
-    )
+        levels, group = np.unique(values, return_inverse=True)
+    mean = np.array([numbers[group == at].mean() for at in range(len(levels))])
+    return MainEffect(levels, mean, _share(group, numbers), values, numbers)
 
 
-def surface(first: np.ndarray, second: np.ndarray, numbers: np.ndarray) -> tuple[np.ndarray, ...]:
+def surface(
+    axes: Mapping[str, np.ndarray], first: str, second: str, numbers: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Means of a number over two axes of a grid: levels (n,), levels (m,), means (n, m), nan if unknown."""
-    levels, row = np.unique(first, return_inverse=True)
-    others, column = np.unique(second, return_inverse=True)
-    known = np.isfinite(numbers)
-    place = (row[known], column[known])
-    total, count = np.zeros((len(levels), len(others))), np.zeros((len(levels), len(others)))
-    np.add.at(total, place, numbers[known])
-    np.add.at(count, place, 1)
-    with np.errstate(invalid="ignore"):
-        return levels, others, total / count
+    levels, row = np.unique(axes[first], return_inverse=True)
+    others, column = np.unique(axes[second], return_inverse=True)
+    count = len(levels) * len(others)
+    means = _balanced_means(row * len(others) + column, count, _others(axes, (first, second)), numbers)
+    return levels, others, means.reshape(len(levels), len(others))
+
+
+def _others(axes: Mapping[str, np.ndarray], left_out: tuple[str, ...]) -> np.ndarray:
+    """Number of the setting of all other axes, one per case."""
+    setting = np.zeros(len(next(iter(axes.values()))), dtype=int)
+    for name, values in axes.items():
+        if name not in left_out:
+            levels, number = np.unique(values, return_inverse=True)
+            setting = setting * len(levels) + number
+    return np.unique(setting, return_inverse=True)[1]
+
+
+def _balanced_means(group: np.ndarray, groups: int, setting: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+    """Mean of each group over the settings that are known in all of them, shape (groups,)."""
+    cells = np.full((groups, setting.max(initial=0) + 1), np.nan)
+    cells[group, setting] = numbers
+    known = np.isfinite(cells)
+    count = known.sum(axis=1)
+    means = np.full(groups, np.nan)
+    for least in LEAST_KNOWN:
+        kept = (count >= least * count.max(initial=0)) & (count > 0)
+        common = known[kept].all(axis=0)
+        if common.any():
+            means[kept] = cells[kept][:, common].mean(axis=1)
+            break
+    return means
 
 
 def _equal_classes(values: np.ndarray) -> np.ndarray:
@@ -73,8 +99,10 @@ def _equal_classes(values: np.ndarray) -> np.ndarray:
     return ranks * count // max(values.size, 1)
 
 
-def _share(groups: list[np.ndarray], numbers: np.ndarray) -> float:
-    """Correlation ratio: what the means over the levels explain of the variance."""
-    if not numbers.size or not (total := float(np.sum((numbers - numbers.mean()) ** 2))):
+def _share(group: np.ndarray, numbers: np.ndarray) -> float:
+    """Correlation ratio: what the means of the groups explain of the variance."""
+    total = float(np.sum((numbers - numbers.mean()) ** 2)) if numbers.size else 0.0
+    if not total:
         return 0.0
-    return sum(group.size * float(group.mean() - numbers.mean()) ** 2 for group in groups) / total
+    parts = (numbers[group == at] for at in np.unique(group))
+    return sum(part.size * float(part.mean() - numbers.mean()) ** 2 for part in parts) / total

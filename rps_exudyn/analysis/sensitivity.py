@@ -26,7 +26,7 @@ SEED = 0  # of the bootstrap: the same study tells the same intervals
 
 KINDS = {
     MORRIS: {
-        "mean absolute effect": "mu*: mean change of the number, without its sign, over the axis' whole range",
+        "mean absolute effect": "mu*: mean change of the number over the whole axis, without its sign",
         "mean effect": "mu: the same with its sign",
         "spread of the effect": "sigma: large if the axis acts non-linearly, or together with others",
     },

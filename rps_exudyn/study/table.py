@@ -22,6 +22,7 @@ from rps_exudyn.study.description import Axis, Case, Description, Value
 from rps_exudyn.study.store import CaseRow, Store
 
 PENDING = "pending"
+ROUNDING = 1e-9  # share of a number below which its differences mean nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,8 +75,20 @@ class CaseTable:
         return (pair for pair in ended.values() if pair[1].status is not Status.OK)
 
     def varying(self) -> list[str]:
-        """Numbers that differ between the cases by more than rounding, in the order of `SUMMARY`."""
-        return [name for name, values in self.numbers.items() if _varies(values)]
+        """Numbers that differ between the cases by more than rounding, in the order of `SUMMARY`.
+
+        Rounding is that of the largest number with the same unit: the amplitude of an order that is not
+        there is no zero either.
+        """
+        largest: dict[str, float] = {}
+        for name, values in self.numbers.items():
+            unit = SUMMARY[name].unit
+            largest[unit] = max(largest.get(unit, 0.0), float(np.nanmax(np.abs(values))))
+        return [
+            name
+            for name, values in self.numbers.items()
+            if np.nanmax(values) - np.nanmin(values) > ROUNDING * largest[SUMMARY[name].unit]
+        ]
 
     @property
     def _axes(self) -> tuple[Axis, ...]:
@@ -110,8 +123,3 @@ def _column(values: list[Value]) -> np.ndarray:
     if any(isinstance(value, str) for value in values):
         return np.array([str(value) for value in values], dtype=np.str_)
     return np.array(values, dtype=float)
-
-
-def _varies(values: np.ndarray) -> bool:
-    known = values[np.isfinite(values)]
-    return known.size > 1 and float(np.ptp(known)) > 1e-9 * float(np.abs(known).max())

@@ -1,0 +1,145 @@
+"""Curves of results of any scene: all signals of one, or the same signals of several, one over the other.
+
+Over the pinion angle if it runs one way, else over time. A signal that stands still or just follows the
+abscissa gets no panel.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rps_exudyn.analysis.comparison import turns_one_way
+from rps_exudyn.charts import style
+from rps_exudyn.quantities import SIGNALS
+from rps_exudyn.result import Result
+
+WIDTH, FIRST_HEIGHT, HEIGHT = 5.2, 2.2, 1.5  # [in]; readable on a phone
+COLOURS = ("torque", "other", "lift", "roll", "failure", "reference")
+MOST_TOGETHER = len(COLOURS)
+STRAIGHT = 0.01  # a curve is called straight if it leaves its chord by less than this share of its span
+STILL = 1e-6  # a signal stands still if its span is less than this share of it
+
+Panel = Sequence[tuple[str, np.ndarray, np.ndarray, str, str]]  # signal, abscissa, values, colour, label
+
+
+def signals_figure(result: Result) -> Figure | None:
+    """All telling signals of a result: those of one kind share a panel. None if nothing moves."""
+    over = abscissa([result])
+    panels = [
+        [
+            (name, result[over], result[name], colour, label)
+            for colour, name, label in zip(COLOURS, group, _told_apart(group), strict=False)
+        ]
+        for group in _of_one_kind(telling_signals(result, over))
+    ]
+    return _drawn(panels, over) if panels else None
+
+
+def overlaid_figure(results: Mapping[str, Result], most_panels: int = 3) -> Figure | None:
+    """The first telling signals of several results, by their labels. None if there are none."""
+    recorded = {label: result for label, result in results.items() if result.signals}
+    over = abscissa(list(recorded.values()))
+    telling = [telling_signals(result, over) for result in recorded.values()]
+    names = [name for name in SIGNALS if any(name in signals for signals in telling)][:most_panels]
+    panels = [
+        [
+            (name, result[over], result[name], colour, label)
+            for colour, (label, result) in zip(COLOURS, recorded.items(), strict=False)
+            if name in result.signals
+        ]
+        for name in names
+    ]
+    return _drawn(panels, over) if panels else None
+
+
+def abscissa(results: Sequence[Result]) -> str:
+    """The signal that all of them are drawn over."""
+    return "pinion_angle" if results and all(turns_one_way(result) for result in results) else "time"
+
+
+def telling_signals(result: Result, over: str) -> list[str]:
+    """Signals that say more than that they are there, in the order of their declaration."""
+    return [
+        name
+        for name in SIGNALS
+        if name in result.signals
+        and name not in ("time", over)
+        and not name.startswith("work_")
+        and _tells(result[over], result[name])
+    ]
+
+
+def _tells(x: np.ndarray, values: np.ndarray) -> bool:
+    """Whether a curve is more than a straight line."""
+    known = np.isfinite(x) & np.isfinite(values)
+    x, values = x[known], values[known]
+    if x.size < 3 or np.ptp(x) == 0 or np.ptp(values) <= STILL * np.abs(values).max():
+        return False
+    line = np.polynomial.Polynomial.fit(x, values, 1)(x)
+    return bool(np.abs(values - line).max() > STRAIGHT * np.ptp(values))
+
+
+def _of_one_kind(names: Sequence[str]) -> list[list[str]]:
+    """Names with a common first word and unit stand together, at most as many as there are colours."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    for name in names:
+        groups.setdefault((name.split("_")[0], SIGNALS[name].display), []).append(name)
+    return [
+        group[at : at + MOST_TOGETHER]
+        for group in groups.values()
+        for at in range(0, len(group), MOST_TOGETHER)
+    ]
+
+
+def _told_apart(group: Sequence[str]) -> list[str]:
+    """What each has beyond the words that all have."""
+    common = len(_common(group))
+    return [_words(name)[common:].strip() or "total" for name in group] if len(group) > 1 else [""]
+
+
+def _common(names: Sequence[str]) -> str:
+    """The words that all names begin with."""
+    split = [name.split("_") for name in names]
+    same = 0
+    while all(len(words) > same and words[same] == split[0][same] for words in split):
+        same += 1
+    return " ".join(split[0][:same])
+
+
+def _drawn(panels: Sequence[Panel], over: str) -> Figure:
+    heights = [FIRST_HEIGHT] + [HEIGHT] * (len(panels) - 1)
+    figure, axes = style.panels(heights, WIDTH)
+    for place, panel in zip(axes, panels, strict=True):
+        _draw_panel(place, panel, over)
+    if over == "pinion_angle":
+        style.angle_axis(axes[-1])
+    else:
+        axes[-1].set_xlabel(SIGNALS["time"].axis_label("time"))
+        axes[-1].margins(x=0)
+    return figure
+
+
+def _draw_panel(axes: Axes, panel: Panel, over: str) -> None:
+    """Names stand over the panel, for beside it they would not fit."""
+    for name, x, values, colour, label in panel:
+        style.line(axes, SIGNALS[over].displayed(x), values, SIGNALS[name], "", colour, label)
+    names = list(dict.fromkeys(name for name, *_ in panel))
+    axes.set_ylabel(SIGNALS[names[0]].axis_label("").strip())
+    axes.set_title(_common(names), loc="left", fontsize=10)
+    if any(label for *_, label in panel):
+        axes.legend(
+            loc="lower right",
+            bbox_to_anchor=(1, 1),
+            ncols=MOST_TOGETHER,
+            columnspacing=1,
+            handlelength=1,
+            borderpad=0,
+            frameon=False,
+            fontsize=9,
+        )
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
