@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from scipy.optimize import brentq
 
 from rps_exudyn.analysis.efficiency import LoadTest
 from rps_exudyn.gears.gear_pair import GearPair
@@ -65,6 +66,10 @@ class ClosedForm:
         """Mean free pinion torque towards +X [N m]."""
         return self.forward.torque
 
+    def towards(self, direction: int) -> MeanState:
+        """Free of load, towards +X or -X."""
+        return self.forward if direction > 0 else self.backward
+
 
 def closed_form(gear: SteeringGear) -> ClosedForm:
     """The gear without load, its loss shares, its limits."""
@@ -108,6 +113,7 @@ def beyond_formulas(gear: SteeringGear) -> str:
     unknown = {
         "installation.angle_error": gear.installation.angle_error,
         "installation.axis_offset": gear.installation.axis_offset,
+        "installation.gravity": gear.installation.gravity,
         "pinion.tip_relief": pinion.tip_relief,
         "pinion.crowning": pinion.crowning,
         "pinion.pitch_error": pinion.pitch_error,
@@ -214,6 +220,20 @@ def mean_state(gear: SteeringGear, direction: int, load: float) -> MeanState:
         bush_loss=float(gear.bush.drag * pair.gain),
         bearing_loss=gear.bearing.friction_torque,
     )
+
+
+def pushing_force(gear: SteeringGear, direction: int, load: float = 0.0) -> float:
+    """Force on the rack along X that moves it along `direction` with the pinion following freely [N].
+
+    The gear is driven back: no torque acts on the pinion but that of its bearings. `load` pulls towards -X.
+    """
+    gain = GearPair.of(gear).gain
+
+    def torque(force: float) -> float:
+        return mean_state(gear, direction, load - force).torque
+
+    scale = (1.0 + abs(mean_state(gear, direction, load).torque)) / gain
+    return float(brentq(torque, load - 10 * scale, load + 10 * scale, xtol=1e-9))
 
 
 @dataclass(frozen=True)

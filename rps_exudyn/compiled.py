@@ -17,7 +17,7 @@ import numpy as np
 from numba.core.caching import FunctionCache
 
 # What compiled code is made of: the kernels, and the tables whose entries they know by number
-KERNEL_SOURCES = ("compiled.py", "gear_kernel.py", "statics.py", "mesh_contact/*.py", "parts/*.py")
+KERNEL_SOURCES = ("compiled.py", "gear_kernel.py", "path_follower.py", "mesh_contact/*.py", "parts/*.py")
 
 
 def fingerprint(package: Path) -> str:

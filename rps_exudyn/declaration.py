@@ -52,6 +52,7 @@ ContactStiffness = Annotated[float, Unit("N/m^3", "N/m^3")]
 LineStiffness = Annotated[float, Unit("N/m^2", "N/mm/um")]
 Time = Annotated[float, Unit("s", "s")]
 Speed = Annotated[float, Unit("rad/s", "rpm")]
+Acceleration = Annotated[float, Unit("m/s^2", "m/s^2")]
 
 
 def parameter(default: Any, meaning: str, source: Source, **limits: Any) -> Any:

@@ -39,6 +39,14 @@ class Fidelity(Table):
     bush: Literal["chain", "adams-chain", "condensed", "rigid"] = parameter(
         "condensed", "how the bush is modelled", "estimate"
     )
+    yoke: Literal["body", "force"] = parameter(
+        "body",
+        "how the yoke presses: a plunger on its seat, or spring and stop on the rack itself",
+        "estimate",
+    )
+    rack: Literal["free", "guided"] = parameter(
+        "free", "how the rack moves: in all six freedoms, or along X and Y only", "estimate"
+    )
     solver: Literal["generalized-alpha", "equilibrium", "closed-form"] = parameter(
         "generalized-alpha", "how the motion is found", "estimate"
     )

@@ -6,19 +6,34 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.gear_kernel import GearData, Kernel, chain_gear_force, gear_force
+from rps_exudyn.gear_kernel import STACK, GearData, Kernel, chain_gear_force, gear_force
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.gears.solids import rack_solid
 from rps_exudyn.mesh_contact.flank_element import flank_element
 from rps_exudyn.mesh_contact.general_contact import contact_data
 from rps_exudyn.mesh_contact.ratio import ratio_element, ratio_element_with_loss
 from rps_exudyn.mesh_contact.sampled_contact import sampled_element
 from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.parts import pinion, plunger, sliding_fit
+from rps_exudyn.parts import load, pinion, plunger, sliding_fit
 from rps_exudyn.parts.bush import Chain, adams_chain, bush_chain
 from rps_exudyn.parts.force_element import ForceElement
-from rps_exudyn.statics import approach_under
+from rps_exudyn.parts.yoke_force import yoke_as_force
+from rps_exudyn.statics import Balance, approach_under
 
 LEAST_LEVER_SHARE = 0.1  # of the mean friction lever: parallel axes have no sliding at the pitch point
+
+RACK = STACK["rack"].start
+PLUNGER = STACK["plunger"].start
+GUIDED = tuple(range(RACK + 2, RACK + 6))  # what a guided rack lacks: sideways motion, roll, yaw, pitch
+
+# Data of parts that a gear does not have
+NOTHING: dict[str, Any] = {
+    "spring": plunger.SpringData(0.0, 0.0),
+    "nut": plunger.NutData(0.0, 0.0),
+    "load": load.NO_FORCE,
+    "weight": load.NO_FORCE,
+}
 
 
 @dataclass(frozen=True)
@@ -26,47 +41,49 @@ class GearForces:
     """The force elements of a gear, by part."""
 
     mesh: ForceElement
-    seat: ForceElement
-    spring: ForceElement
-    nut: ForceElement
+    seat: ForceElement  # of the plunger on the rack; or the whole yoke as a force
+    spring: ForceElement | None
+    nut: ForceElement | None
     bearing: ForceElement
     fit: ForceElement  # of the rack in the bush, as modelled
-    condensed_fit: ForceElement  # the same in a bush whose static stiffness is condensed into it
+    load: ForceElement | None  # at the rack's end
+    weight: ForceElement | None  # of the rack
+    condensed_fit: ForceElement  # the fit in a bush whose static stiffness is condensed into it
     chain: Chain
     friction_zone: float  # [m/s]
+    locked: tuple[int, ...]  # coordinates of the stack that are held at zero
 
     @property
     def elements(self) -> list[ForceElement]:
         """The whole gear."""
-        return [self.mesh, self.seat, self.spring, self.nut, self.bearing, self.fit]
+        parts = (self.mesh, self.seat, self.spring, self.nut, self.bearing, self.fit, self.load, self.weight)
+        return [part for part in parts if part is not None]
 
     @property
-    def statics(self) -> tuple[Kernel, GearData]:
+    def statics(self) -> Balance:
         """Compiled sum of all forces on pinion, rack and plunger, with the bush condensed."""
-        return gear_force(self.mesh.kernel), self._data(self.condensed_fit)
+        kernel = gear_force(self.mesh.kernel, self.seat.kernel)
+        return Balance(kernel, self._data(self.condensed_fit), self.locked)
 
     @property
     def dynamics(self) -> tuple[Kernel, GearData]:
         """Compiled sum of all forces, with the bush as modelled."""
         total = chain_gear_force if "segment" in self.fit.bodies else gear_force
-        return total(self.mesh.kernel), self._data(self.fit)
+        return total(self.mesh.kernel, self.seat.kernel), self._data(self.fit)
 
     def _data(self, fit: ForceElement) -> GearData:
-        parts = (self.mesh, self.seat, self.spring, self.nut, self.bearing, fit)
-        return GearData(*(part.data for part in parts))
+        parts = {name: getattr(self, name) for name in GearData._fields} | {"fit": fit}
+        return GearData(**{name: part.data if part else NOTHING[name] for name, part in parts.items()})
 
 
-def gear_forces(gear: SteeringGear, fidelity: Fidelity) -> GearForces:
-    """Set up the force laws.
+def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) -> GearForces:
+    """Set up the force laws; a load [N] pulls the rack's end towards -X.
 
     The yoke is adjusted so that the preload acts at rest on a gear without runout.
     """
     pair = GearPair.of(gear)
     zone = fidelity.zone_ratio * least_sliding(pair) * gear.test.speed
-    mesh = mesh_element(gear, fidelity, zone)
     approach = approach_under(gear.yoke.preload, *ideal_mesh(gear, fidelity, zone), pair.axis_offset)
-    rest_gap = approach + gear.yoke.preload / gear.yoke.seat_stiffness
-
     chain = adams_chain(gear) if fidelity.bush == "adams-chain" else bush_chain(gear)
     condensed = sliding_fit.condensed_fit(gear, chain, friction_zone=zone)
     fits = {
@@ -76,17 +93,32 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity) -> GearForces:
         "rigid": lambda: sliding_fit.rigid_fit(gear, friction_zone=zone),
     }
     fit = fits[fidelity.bush]()
+    with_plunger = fidelity.yoke == "body"
+    if with_plunger:
+        rest_gap = approach + gear.yoke.preload / gear.yoke.seat_stiffness
+        seat = plunger.seat(gear, friction_zone=zone, rest_gap=rest_gap)
+    else:
+        seat = yoke_as_force(gear, friction_zone=zone, approach=approach)
     return GearForces(
-        mesh=mesh,
-        seat=plunger.seat(gear, friction_zone=zone, rest_gap=rest_gap),
-        spring=plunger.spring(gear),
-        nut=plunger.nut_contact(gear),
+        mesh=mesh_element(gear, fidelity, zone),
+        seat=seat,
+        spring=plunger.spring(gear) if with_plunger else None,
+        nut=plunger.nut_contact(gear) if with_plunger else None,
         bearing=pinion.bearing(gear, friction_zone=fidelity.zone_ratio * gear.test.speed),
         fit=fit,
+        load=load.end_load(rack_load, RackBar.of(gear).x_min) if rack_load else None,
+        weight=rack_weight(gear) if gear.installation.gravity else None,
         condensed_fit=fit if fidelity.bush == "rigid" else condensed,
         chain=chain,
         friction_zone=zone,
+        locked=(*(GUIDED if fidelity.rack == "guided" else ()), *(() if with_plunger else (PLUNGER,))),
     )
+
+
+def rack_weight(gear: SteeringGear) -> ForceElement:
+    """The rack's weight at its mass centre."""
+    bar = rack_solid(gear).mass_properties
+    return load.weight(bar.mass, gear.installation.gravity, float(bar.centre_of_mass[0]))
 
 
 def mesh_element(gear: SteeringGear, fidelity: Fidelity, zone: float) -> ForceElement:

@@ -12,8 +12,8 @@ Bodies and their joints, in the housing frame of `gears.gear_pair`:
     yokenut   locked to the housing
     bush      chain of rigid segments held by connector springs, or condensed into the sliding fit
 
-What acts between them are the force elements of `parts`, the same that `statics` balances. The model
-starts in the static equilibrium of steady turning, so there is nothing to settle.
+What acts between them are the force elements of `parts`, the same that `statics` balances. The rig's drive
+moves pinion or rack; the model starts in static equilibrium, so there is nothing to settle.
 """
 
 from collections.abc import Sequence
@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rps_exudyn.drive import Drive, Steady
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.forces import GearForces, gear_forces
 from rps_exudyn.gear_kernel import STACK, stacked, tangent
@@ -31,6 +32,7 @@ from rps_exudyn.mesh_contact.general_contact import GeneralContacts, add_general
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.bush import add_chain, resting_segments
 from rps_exudyn.parts.force_element import COORDINATES, add_forces
+from rps_exudyn.parts.load import Pulse
 from rps_exudyn.parts.motion import rotation_matrix, spin_map
 from rps_exudyn.statics import EquilibriumPath, equilibrium_path
 
@@ -47,6 +49,7 @@ class SteeringModel:
     gear: SteeringGear
     fidelity: Fidelity
     forces: GearForces
+    drive: Drive
     SC: Any
     mbs: "exudyn.MainSystem"
     start: EquilibriumPath  # its only row is where the model starts
@@ -55,7 +58,8 @@ class SteeringModel:
     bodies: dict[str, Any] = field(default_factory=dict)
     sensors: dict[str, Any] = field(default_factory=dict)
     segments: list[Any] = field(default_factory=list)  # nodes of the bush's segments
-    drive: Any = None  # the constraint that turns the pinion; its multiplier is the drive's torque
+    pulse: Pulse | None = None
+    constraint: Any = None  # that moves the driven body; its multiplier is the drive's torque or force
 
     def coordinates(self, name: str) -> slice:
         """Where a body's coordinates stand in the system's vector; the system must be assembled."""
@@ -72,17 +76,30 @@ class SteeringModel:
         return np.array(starts)[:, None] + np.arange(6)
 
 
-def build_model(gear: SteeringGear, fidelity: Fidelity, *, angle: float | None = None) -> SteeringModel:
-    """The gear at a pinion angle [rad] (default: its test's start angle), moving at its test's speed.
+def build_model(
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    drive: Drive | None = None,
+    *,
+    rack_load: float = 0.0,
+    pulse: Pulse | None = None,
+) -> SteeringModel:
+    """The gear in a rig, by default turned at its test's speed from the test's start angle.
 
     Whether it found the equilibrium to start from is told by `start.converged`.
+
+    Args:
+        rack_load: pulls the rack's end towards -X [N].
+        pulse: force that acts on the rack besides.
     """
     import exudyn as exu
 
-    forces = gear_forces(gear, fidelity)
-    start = starting_point(gear, forces, gear.test.start_angle if angle is None else angle)
+    if drive is None:
+        drive = Steady("pinion", gear.test.start_angle, gear.test.direction * gear.test.speed)
+    forces = gear_forces(gear, fidelity, rack_load)
+    start = equilibrium_path(forces.statics, GearPair.of(gear), drive, np.zeros(1))
     SC = exu.SystemContainer()
-    model = SteeringModel(gear, fidelity, forces, SC, SC.AddSystem(), start)
+    model = SteeringModel(gear, fidelity, forces, drive, SC, SC.AddSystem(), start, pulse=pulse)
     if not start.converged:
         return model
     _add_bodies(model)
@@ -92,14 +109,56 @@ def build_model(gear: SteeringGear, fidelity: Fidelity, *, angle: float | None =
         _add_forces_apart(model)
     else:
         _add_forces_at_once(model)
+    _add_drive(model)
+    _lock(model)
+    if pulse is not None:
+        _add_pulse(model, pulse)
     _add_sensors(model)
     return model
 
 
-def starting_point(gear: SteeringGear, forces: GearForces, angle: float) -> EquilibriumPath:
-    """Static equilibrium of steady turning at one pinion angle [rad]."""
-    speed = gear.test.direction * gear.test.speed
-    return equilibrium_path(*forces.statics, GearPair.of(gear), np.array([angle]), speed)
+def _add_drive(model: SteeringModel) -> None:
+    """The drive as a rheonomic constraint on a coordinate of pinion or rack."""
+    drive = model.drive
+
+    def place(mbs: Any, t: float, item: int, offset: float) -> float:
+        return drive.sign * float(drive.place(t))
+
+    def rate(mbs: Any, t: float, item: int, offset: float) -> float:
+        return drive.sign * float(drive.rate(t))
+
+    model.constraint = _constrain(
+        model, drive.coordinate, offsetUserFunction=place, offsetUserFunction_t=rate
+    )
+
+
+def _lock(model: SteeringModel) -> None:
+    """Hold the coordinates that the model does without."""
+    for coordinate in model.forces.locked:
+        _constrain(model, coordinate)
+
+
+def _constrain(model: SteeringModel, coordinate: int, **law: Any) -> Any:
+    from exudyn.itemInterface import CoordinateConstraint, MarkerNodeCoordinate, NodePointGround
+
+    body = next(name for name, place in STACK.items() if coordinate in range(place.start, place.stop))
+    of_body = coordinate - STACK[body].start
+    ground, node = model.mbs.AddNode(NodePointGround()), model.nodes[body]
+    markers = [
+        model.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=number, coordinate=index))
+        for number, index in ((ground, 0), (node, of_body))
+    ]
+    return model.mbs.AddObject(CoordinateConstraint(markerNumbers=markers, **law))
+
+
+def _add_pulse(model: SteeringModel, pulse: Pulse) -> None:
+    from exudyn.itemInterface import LoadForceVector, MarkerBodyPosition
+
+    def force(mbs: Any, t: float, load: Any) -> np.ndarray:
+        return pulse.force(t)
+
+    end = MarkerBodyPosition(bodyNumber=model.bodies["rack"], localPosition=[pulse.place, 0.0, 0.0])
+    model.mbs.AddLoad(LoadForceVector(markerNumber=model.mbs.AddMarker(end), loadVectorUserFunction=force))
 
 
 def _add_forces_apart(model: SteeringModel) -> None:

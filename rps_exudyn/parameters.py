@@ -12,6 +12,7 @@ from pydantic import model_validator
 from rps_exudyn import units
 from rps_exudyn.declaration import (
     DEG,
+    Acceleration,
     Angle,
     ContactStiffness,
     Count,
@@ -115,7 +116,7 @@ class Rack(Table):
 
 
 class Installation(Table):
-    """How the pinion stands to the rack, beyond the design."""
+    """How the gear is mounted, and how the pinion stands to the rack beyond the design."""
 
     angle_error: Angle = parameter(
         0.0,
@@ -126,6 +127,14 @@ class Installation(Table):
     )
     axis_offset: Length = parameter(
         0.0, "shift of the pinion axis towards the rack", "estimate", gt=-0.005, lt=0.005
+    )
+    gravity: Acceleration = parameter(
+        0.0,
+        "acceleration of gravity from the rack towards the pinion, on the rack; 9.81 m/s^2 with the pinion "
+        "below, negative with the pinion above",
+        "estimate",
+        ge=-50,
+        le=50,
     )
 
 
@@ -200,13 +209,32 @@ class Test(Table):
 
     __test__ = False  # not a test class of pytest
 
-    speed: Speed = parameter("15 rpm", "speed of the pinion", "estimate", gt=0)
+    speed: Speed = parameter("15 rpm", "speed of the pinion; in reversal the largest", "estimate", gt=0)
     turns: Number = parameter(1.0, "revolutions recorded", "estimate", ge=0.001)
     direction: Literal[-1, 1] = parameter(1, "sense of rotation; +1 moves the rack along +X", "estimate")
     start_angle: Angle = parameter(
         0.0, "pinion angle from the centre position at which recording starts", "estimate"
     )
+    path: Literal["one-way", "there-and-back", "lock-to-lock"] = parameter(
+        "one-way",
+        "free-pinion-torque and rack-push: over the turns; the same and back; from end to end of the rack's "
+        "travel and back, whatever turns and start_angle say",
+        "estimate",
+    )
     load_mass: Mass = parameter("10 kg", "weight at the rack's end in the load test", "paper", ge=0)
+    amplitude: Angle = parameter(
+        "30 deg", "reversal: amplitude of the steering about start_angle", "estimate", gt=0
+    )
+    cycles: Count = parameter(1, "reversal: full cycles", "estimate", ge=1, le=100)
+    pulse_force: Force = parameter(
+        "1.5 kN", "yoke-impact: peak of the half sine of force at the rack's end", "estimate"
+    )
+    pulse_axis: Literal["x", "y", "z"] = parameter(
+        "y", "yoke-impact: direction of the pulse; y lifts the rack off the pinion", "estimate"
+    )
+    pulse_duration: Time = parameter("5 ms", "yoke-impact: duration of a pulse", "estimate", gt=0, le=1)
+    pulse_period: Time = parameter("20 ms", "yoke-impact: from pulse to pulse", "estimate", gt=0, le=10)
+    pulses: Count = parameter(1, "yoke-impact: number of pulses", "estimate", ge=1, le=100)
 
 
 class SteeringGear(Table):

@@ -75,6 +75,8 @@ SIGNALS = {
     "pinion_torque": _torque(
         "torque that drives the pinion, about its axis of rotation, in the sense of pinion_angle"
     ),
+    "rack_force": _force("force that drives the rack along X, where the rig moves the rack"),
+    "load_force": _force("force that pulls the rack's end towards -X"),
     "rack_displacement": _length("displacement of the rack's reference point along X"),
     "rack_y": _deflection(
         "lift of the bar's axis above the pitch point along Y, away from the pinion, from the design position"
@@ -95,7 +97,8 @@ SIGNALS = {
         "contact force of the yokenut on the plunger along -Y, 0 while there is clearance"
     ),
     "bush_force": _force("magnitude of the bush's force on the rack across X"),
-    "work_drive": _energy("work of the drive on the pinion from the start of recording"),
+    "work_drive": _energy("work of the drive on pinion or rack from the start of recording"),
+    "work_load": _energy("work of the forces on the rack's end from the start of recording"),
     "work_mesh_friction": _energy("work lost to friction between the teeth from the start of recording"),
     "work_mesh_damping": _energy("work lost to damping of the tooth contact from the start of recording"),
     "work_seat_friction": _energy(
@@ -136,6 +139,10 @@ SUMMARY = {
     "efficiency_forward_net": _ratio("load x rack gain per radian / (torque_forward - free_torque)"),
     "efficiency_reverse_net": _ratio("(torque_reverse + free_torque) / (load x rack gain per radian)"),
     "efficiency_ratio": _ratio("efficiency_reverse / efficiency_forward"),
+    "push_force_mean": _force(
+        "mean force along the motion that moves the rack, over the rack's displacement"
+    ),
+    "push_force_peak_to_peak": _force("largest minus smallest of it, in one direction"),
     "rack_gain": _length("displacement of the rack per revolution of the pinion"),
     "transmission_error_peak_to_peak": _deflection(
         "largest minus smallest rack displacement ahead of gain x pinion angle, in one direction"
@@ -168,7 +175,7 @@ SUMMARY = {
     "loss_share_bush": _ratio("work lost in the bush, of all work lost"),
     "loss_share_bearing": _ratio("work lost in the pinion's bearings, of all work lost"),
     "energy_residual": _ratio(
-        "(work_drive + work_load - work lost - change of stored_energy) / the larger of both works"
+        "(work_drive + work_load - work lost - change of stored_energy) / the wider range of both"
     ),
 }
 
@@ -209,3 +216,8 @@ GEOMETRY = {
 
 GROUPS = {"signals": SIGNALS, "summary": SUMMARY, "counters": COUNTERS, "geometry": GEOMETRY}
 """Group of the HDF5 file -> what it may hold."""
+
+
+def is_work(name: str) -> bool:
+    """Whether a signal counts energy from the start of recording."""
+    return name.startswith("work_") or name == "stored_energy"

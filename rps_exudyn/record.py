@@ -5,7 +5,7 @@ and what each contact dissipates, independently of the sums that the solver used
 therefore evidence.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -33,6 +33,7 @@ SHOWN = {
     "seat_force": "seat_force",
     "yokenut_force": "yokenut_force",
     "bush_force": "bush_lateral_force",
+    "load_force": "load_force",
 }
 
 
@@ -44,9 +45,11 @@ class Record:
     time: np.ndarray  # [s]
     coordinates: np.ndarray  # (n, 8 or 14) stacked as in `gear_kernel`
     rates: np.ndarray  # the same
-    drive: np.ndarray  # torque on the pinion in the sense of its angle [N m]
+    drive: np.ndarray  # torque on the pinion [N m] or force on the rack [N], in the sense of travel along +X
+    driven: str  # body on which it acts
     energy: np.ndarray  # kinetic, and elastic of what is no force element [J]
     contact: np.ndarray | None = None  # the solver's own contact forces on pinion and rack, (n, 7)
+    pulse_power: np.ndarray | None = None  # of what shakes the rack [W]
 
     def since(self, time: float) -> "Record":
         """The part that covers what comes after a time [s]: it begins with the last step until then.
@@ -54,10 +57,8 @@ class Record:
         A solver that had to reduce its step does not meet given times any more.
         """
         kept = self.time >= self.time[self.time <= time].max(initial=-np.inf)
-        rows = {
-            name: getattr(self, name)[kept] for name in ("time", "coordinates", "rates", "drive", "energy")
-        }
-        return replace(self, **rows, contact=None if self.contact is None else self.contact[kept])
+        values = {item.name: getattr(self, item.name) for item in fields(self)}
+        return replace(self, **{n: rows[kept] for n, rows in values.items() if isinstance(rows, np.ndarray)})
 
     def of(self, body: str) -> np.ndarray:
         """Coordinates of one body, (n, .)."""
@@ -74,11 +75,12 @@ def signals_of(record: Record) -> dict[str, np.ndarray]:
     """All signals of a run, by the names of `quantities`."""
     time, rack = record.time, record.of("rack")
     lift = axis_at_pitch_point(rack)
-    speed = -record.rates[:, 0]
+    drive = "pinion_torque" if record.driven == "pinion" else "rack_force"
+    speed = -record.rates[:, 0] if record.driven == "pinion" else record.rates[:, 1]
     signals = {
         "time": time - time[0],
         "pinion_angle": -record.of("pinion")[:, 0],
-        "pinion_torque": record.drive,
+        drive: record.drive,
         "rack_displacement": rack[:, 0],
         "rack_y": lift[:, 0],
         "rack_z": lift[:, 1],
@@ -88,12 +90,18 @@ def signals_of(record: Record) -> dict[str, np.ndarray]:
         "plunger_displacement": record.of("plunger")[:, 0],
         "work_drive": _work(record.drive * speed, time),
     }
+    if record.pulse_power is not None:
+        signals["work_load"] = _work(record.pulse_power, time)
     energy = record.energy.copy()
     for element in record.elements:
         out = record.outputs(element)
         ledger = out[:, element.size : element.size + LEDGER_SIZE]
         own = dict(zip(element.outputs, out[:, element.size + LEDGER_SIZE :].T, strict=True))
-        energy += ledger[:, ELASTIC_ENERGY]
+        if element.name == "load":
+            raised = ledger[:, ELASTIC_ENERGY] - ledger[0, ELASTIC_ENERGY]
+            signals["work_load"] = signals.get("work_load", 0.0) - raised
+        else:
+            energy += ledger[:, ELASTIC_ENERGY]
         for loss, column in (("friction", FRICTION_POWER), ("damping", DAMPING_POWER)):
             if f"work_{element.name}_{loss}" in WORK:
                 signals[f"work_{element.name}_{loss}"] = _work(ledger[:, column], time)

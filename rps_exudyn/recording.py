@@ -8,6 +8,7 @@ import numpy as np
 from rps_exudyn.gear_kernel import STACK
 from rps_exudyn.model import SteeringModel
 from rps_exudyn.parts.bush import stored_in_chain
+from rps_exudyn.parts.load import axis_velocity
 from rps_exudyn.record import Record
 
 
@@ -19,7 +20,7 @@ class Recorder:
     time: list[float] = field(default_factory=list)
     coordinates: list[np.ndarray] = field(default_factory=list)
     rates: list[np.ndarray] = field(default_factory=list)
-    drive: list[float] = field(default_factory=list)  # torque on the pinion in the sense of its angle
+    drive: list[float] = field(default_factory=list)  # multiplier of the drive's constraint
     mesh: list[np.ndarray] = field(default_factory=list)  # Exudyn's own contact forces on pinion and rack
 
     def attach(self) -> "Recorder":
@@ -39,7 +40,7 @@ class Recorder:
         self.time.append(t)
         self.coordinates.append(np.array(system.GetODE2Coordinates()))
         self.rates.append(np.array(system.GetODE2Coordinates_t()))
-        (multiplier,) = system.GetObjectLTGAE(self.model.drive)
+        (multiplier,) = system.GetObjectLTGAE(self.model.constraint)
         self.drive.append(float(system.GetAECoordinates()[multiplier]))
         if self.model.contacts is not None:
             # Newton's last evaluation was made before its last correction, on the contacts it began with
@@ -62,7 +63,17 @@ class Recorder:
             np.array(self.time),
             np.ascontiguousarray(coordinates[:, columns]),
             np.ascontiguousarray(rates[:, columns]),
-            np.array(self.drive),
+            # the multiplier is the gear's force on the driven coordinate
+            -model.drive.sign * np.array(self.drive),
+            model.drive.body,
             energy,
-            np.array(self.mesh) if self.mesh else None,
+            contact=np.array(self.mesh) if self.mesh else None,
+            pulse_power=self._pulse_power(coordinates, rates),
         )
+
+    def _pulse_power(self, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray | None:
+        pulse, columns = self.model.pulse, self.model.columns(["rack"])
+        if pulse is None:
+            return None
+        motions = zip(self.time, coordinates[:, columns], rates[:, columns], strict=True)
+        return np.array([pulse.force(t) @ axis_velocity(q, v, pulse.place) for t, q, v in motions])

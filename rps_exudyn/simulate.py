@@ -11,9 +11,19 @@ from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.quantities import GEOMETRY
 from rps_exudyn.result import Result
 from rps_exudyn.scenes.free_pinion_torque import free_pinion_torque
+from rps_exudyn.scenes.load_test import load_test
+from rps_exudyn.scenes.rack_push import rack_push
+from rps_exudyn.scenes.reversal import reversal
 from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.yoke_impact import yoke_impact
 
-SCENES: dict[str, Callable[[SteeringGear, Fidelity], SceneRun]] = {"free-pinion-torque": free_pinion_torque}
+SCENES: dict[str, Callable[[SteeringGear, Fidelity], SceneRun]] = {
+    "free-pinion-torque": free_pinion_torque,
+    "load-test": load_test,
+    "rack-push": rack_push,
+    "reversal": reversal,
+    "yoke-impact": yoke_impact,
+}
 
 
 def run(

@@ -103,5 +103,6 @@ def _example(si_unit: str) -> str:
         "s": '"10 ms"',
         "Pa": '"2.6 GPa"',
         "N/m^3": '"2e13 N/m^3"',
+        "m/s^2": '"9.81 m/s^2"',
     }
     return examples.get(si_unit, "0.1")

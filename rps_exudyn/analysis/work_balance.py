@@ -63,14 +63,18 @@ def loss_torques(signals: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def energy_residual(signals: Mapping[str, np.ndarray]) -> float:
-    """(work of drive and load - work lost - change of stored energy) / the larger of drive's and load's work.
+    """(work of drive and load - work lost - change of stored energy) / the larger of both; nan without any.
 
-    nan if neither did any.
+    Works are taken from their smallest to their largest, so that what a load puts in and takes out again counts.
     """
-    drive, load, stored = (_change(signals, name) for name in (*NO_LOSS, "stored_energy"))
-    missing = drive + load - sum(losses(signals).values()) - stored
-    larger = drive if abs(drive) >= abs(load) else load
-    return missing / larger if larger else float("nan")
+    larger = max((float(np.ptp(signals[name])) for name in NO_LOSS if name in signals), default=0.0)
+    return missing_work(signals) / larger if larger else float("nan")
+
+
+def missing_work(signals: Mapping[str, np.ndarray]) -> float:
+    """Work of drive and load that was neither lost nor stored [J]; 0 of a record without error."""
+    given = sum(_change(signals, name) for name in NO_LOSS)
+    return given - sum(losses(signals).values()) - _change(signals, "stored_energy")
 
 
 def _change(signals: Mapping[str, np.ndarray], name: str) -> float:

@@ -17,12 +17,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rps_exudyn.gear_kernel import tangent
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pinion_mesh import pinion_mesh
 from rps_exudyn.gears.rack_bar import RackBar, RackFlank
-from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, angle_from_mesh, sampled_tangent
+from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, angle_from_mesh, sampled_force
 from rps_exudyn.mesh_contact.samples import FlankSamples, onto_mesh, sample_flank
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.force_element import add_forces
@@ -178,7 +179,7 @@ def add_tangent(mbs: "exudyn.MainSystem", data: SampledContactData, nodes: list[
     It comes from the compiled samples. GeneralContact itself contributes none: without contact between
     spheres its own derivative is exactly zero (tests/upstream pins this).
     """
-    add_forces(mbs, nodes, no_force, data, 7, sampled_tangent)
+    add_forces(mbs, nodes, no_force, data, 7, tangent(sampled_force))
 
 
 def no_force(q: np.ndarray, v: np.ndarray, data: SampledContactData) -> np.ndarray:

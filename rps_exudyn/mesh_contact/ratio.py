@@ -49,8 +49,7 @@ def ratio_element(gear: SteeringGear) -> ForceElement:
 
 def ratio_element_with_loss(gear: SteeringGear) -> ForceElement:
     """The ratio with the mesh's loss by the closed form."""
-    mean = closed_form(gear)
-    return _element(gear, (mean.forward if gear.test.direction > 0 else mean.backward).mesh_loss)
+    return _element(gear, closed_form(gear).towards(gear.test.direction).mesh_loss)
 
 
 def _element(gear: SteeringGear, loss: float) -> ForceElement:

@@ -107,28 +107,3 @@ def sampled_element(data: SampledContactData) -> ForceElement:
     return ForceElement(
         "mesh", ("pinion", "rack"), sampled_force, data, MESH_OUTPUTS, {"mesh_penetration": data.radius / 2}
     )
-
-
-@kernel
-def sampled_tangent(q, v, data, factor_q, factor_v):  # type: ignore[no-untyped-def]
-    """factor_q dF/dq + factor_v dF/dv by differences, shape (7, 7).
-
-    The steps stay far below the penetrations (micrometres) and the slip speeds (mm/s).
-    """
-    tangent = np.empty((7, 7))
-    for j in range(7):
-        dq = 1e-9 if 1 <= j <= 3 else 1e-7
-        dv = 1e-6 if 1 <= j <= 3 else 1e-4
-        up, down = q.copy(), q.copy()
-        up[j] += dq
-        down[j] -= dq
-        column = factor_q * (sampled_force(up, v, data)[:7] - sampled_force(down, v, data)[:7]) / (2 * dq)
-        if factor_v != 0:
-            up, down = v.copy(), v.copy()
-            up[j] += dv
-            down[j] -= dv
-            column += (
-                factor_v * (sampled_force(q, up, data)[:7] - sampled_force(q, down, data)[:7]) / (2 * dv)
-            )
-        tangent[:, j] = column
-    return tangent

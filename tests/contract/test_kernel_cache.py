@@ -32,7 +32,7 @@ def test_swapped_entries_of_a_table_change_it(package: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["parts/force_element.py", "parts/motion.py", "gear_kernel.py", "statics.py"]
+    "name", ["parts/force_element.py", "parts/motion.py", "gear_kernel.py", "path_follower.py"]
 )
 def test_any_kernel_source_changes_it(package: Path, name: str) -> None:
     with (package / name).open("a", encoding="utf-8") as source:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from rps_exudyn.closed_form import closed_form, first_order_torque, seat_wedge_factor
+from rps_exudyn.drive import Steady
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.forces import gear_forces
 from rps_exudyn.gears.gear_pair import GearPair
@@ -18,7 +19,6 @@ from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.record import contact_disagreement
 from rps_exudyn.recording import Recorder
 from rps_exudyn.result import Result
-from rps_exudyn.scenes.drive import turn_pinion
 from rps_exudyn.simulate import run
 from rps_exudyn.solve import SolverPlan, solve
 from rps_exudyn.statics import equilibrium_path
@@ -137,7 +137,6 @@ def test_general_contact_and_compiled_samples_give_the_same_forces(damping: str)
     """Exudyn's spheres and triangles, found by its search, against the same samples without a search. The
     rest, 1e-9, is the elasticity of the triangles in series."""
     model = build_model(GEAR.replace({"mesh.damping": damping}), FULL)
-    turn_pinion(model)
     recorder = Recorder(model).attach()
     model.mbs.Assemble()
     solve(model.mbs, SolverPlan(end_time=np.deg2rad(5) / GEAR.test.speed, steps=20))
@@ -151,7 +150,8 @@ def test_run_begins_in_the_static_equilibrium() -> None:
     by which a model that has to settle misses the path of equilibria in its first degrees."""
     few = turned(CONDENSED, 1 / 180)
     forces = gear_forces(GEAR, CONDENSED)
-    path = equilibrium_path(*forces.statics, PAIR, few["pinion_angle"], GEAR.test.speed)
+    turning = Steady("pinion", few["pinion_angle"][0], GEAR.test.speed)
+    path = equilibrium_path(forces.statics, PAIR, turning, few["time"])
     assert path.converged
     assert few["pinion_torque"] == pytest.approx(path.forces[:, 0], rel=4e-3)
 

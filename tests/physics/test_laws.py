@@ -16,7 +16,6 @@ from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.recording import Recorder
 from rps_exudyn.result import Result
-from rps_exudyn.scenes.drive import turn_pinion
 from rps_exudyn.solve import SolverPlan, solve
 
 GEAR = SteeringGear()
@@ -198,7 +197,6 @@ def test_errors_of_the_installation_find_their_equilibrium(settings: dict[str, o
 def test_exudyn_users_find_their_sensors() -> None:
     """The model's own record and Exudyn's sensors tell of the same motion."""
     model = build_model(GEAR, Fidelity.preset("flank"))
-    turn_pinion(model)
     recorder = Recorder(model).attach()
     model.mbs.Assemble()
     outcome = solve(model.mbs, SolverPlan(end_time=0.05, steps=10, relative_tolerance=1e-4))

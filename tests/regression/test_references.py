@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from rps_exudyn.drive import Steady
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.forces import gear_forces
 from rps_exudyn.gears.checks import geometry_report
@@ -47,7 +48,8 @@ def equilibrium(mesh: str) -> Numbers:
     """Torque and place of the rack at a few angles."""
     forces = gear_forces(GEAR, TOY.replace({"mesh": mesh}))
     angles = np.deg2rad([0, 10, 20, 40])
-    path = equilibrium_path(*forces.statics, GearPair.of(GEAR), angles, GEAR.test.speed)
+    turning = Steady("pinion", 0.0, GEAR.test.speed)
+    path = equilibrium_path(forces.statics, GearPair.of(GEAR), turning, angles / GEAR.test.speed)
     assert path.converged
     names = ("torque", "rack_x", "rack_y", "rack_z", "rack_roll", "rack_yaw", "rack_pitch", "plunger")
     rows = np.column_stack([path.forces[:, 0], path.coordinates[:, 1:]])

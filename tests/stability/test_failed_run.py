@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import Force, MarkerNodePosition
 
+from rps_exudyn import model as model_of_gear
 from rps_exudyn.model import SteeringModel
 from rps_exudyn.outcome import Status
 from rps_exudyn.result import load
-from rps_exudyn.scenes import drive
 from shell import Command
 
 TURNS = 1 / 36
@@ -20,19 +20,19 @@ BREAKS_AT = TURNS / 2  # [s] at one turn per second
 @pytest.fixture
 def breaking_load(monkeypatch: pytest.MonkeyPatch) -> None:
     """A load on the rack that fails halfway."""
-    turn_pinion = drive.turn_pinion
+    add_sensors = model_of_gear._add_sensors
 
     def load(mbs: object, t: float, vector: list[float]) -> list[float]:
         if t > BREAKS_AT:
             raise ZeroDivisionError("broken load")
         return [0.0, 0.0, 0.0]
 
-    def turn_and_break(model: SteeringModel) -> None:
-        turn_pinion(model)
+    def add_sensors_and_load(model: SteeringModel) -> None:
+        add_sensors(model)
         marker = model.mbs.AddMarker(MarkerNodePosition(nodeNumber=model.nodes["rack"]))
         model.mbs.AddLoad(Force(markerNumber=marker, loadVector=[0, 0, 0], loadVectorUserFunction=load))
 
-    monkeypatch.setattr(drive, "turn_pinion", turn_and_break)
+    monkeypatch.setattr(model_of_gear, "_add_sensors", add_sensors_and_load)
 
 
 @pytest.mark.usefixtures("breaking_load")

@@ -1,0 +1,94 @@
+"""A trip in closed form: mean values, losses, once-per-turn share of the runout; no ripple, no elasticity."""
+
+from time import process_time
+
+import numpy as np
+from scipy.integrate import cumulative_trapezoid
+
+from rps_exudyn.closed_form import beyond_formulas, mean_state, pushing_force, runout_harmonics
+from rps_exudyn.errors import InputError
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.outcome import Status
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
+from rps_exudyn.scenes.trip import Trip
+from rps_exudyn.solve import Outcome
+
+
+def by_formula(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:
+    """The trip's record without its run-in.
+
+    Raises:
+        InputError: the trip shakes the rack.
+    """
+    if trip.pulse is not None:
+        raise InputError("fidelity.solver is closed-form, which knows no pulses; use generalized-alpha.")
+    start = process_time()
+    beyond = beyond_formulas(gear)
+    signals = _turned(gear, trip) if trip.drive.body == "pinion" else _pushed(gear, trip)
+    outcome = Outcome(
+        Status.INVALID if beyond else Status.OK,
+        beyond,
+        time_reached=float(signals["time"][-1]),
+        cpu_s=process_time() - start,
+        settings={"name": "closed-form"},
+    )
+    return SceneRun(outcome, signals)
+
+
+def _turned(gear: SteeringGear, trip: Trip) -> Signals:
+    time = trip.time[trip.lead :]
+    angle, rate = trip.drive.place(time), trip.drive.rate(time)
+    cosine, sine = runout_harmonics(gear)
+    phase = angle + gear.pinion.runout_angle
+    signals = _mean_signals(gear, trip, angle, rate, dict.fromkeys((-1, 1), trip.rack_load))
+    # what the runout does to friction turns with the direction, what it stores in the spring does not
+    signals["pinion_torque"] += np.sign(rate) * cosine * np.cos(phase) + sine * np.sin(phase)
+    signals["work_drive"] = cumulative_trapezoid(signals["pinion_torque"] * rate, time, initial=0.0)
+    return signals
+
+
+def _pushed(gear: SteeringGear, trip: Trip) -> Signals:
+    time, gain = trip.time[trip.lead :], float(GearPair.of(gear).gain)
+    place, rate = trip.drive.place(time), trip.drive.rate(time)
+    force = {sense: pushing_force(gear, sense, trip.rack_load) for sense in (-1, 1)}
+    loads = {sense: trip.rack_load - force[sense] for sense in force}
+    signals = _mean_signals(gear, trip, place / gain, rate / gain, loads)
+    del signals["pinion_torque"]  # nothing but friction acts on the pinion
+    signals["rack_force"] = np.where(rate > 0, force[1], force[-1])
+    signals["work_drive"] = cumulative_trapezoid(signals["rack_force"] * rate, time, initial=0.0)
+    return signals
+
+
+def _mean_signals(
+    gear: SteeringGear, trip: Trip, angle: np.ndarray, rate: np.ndarray, loads: dict[int, float]
+) -> Signals:
+    """What the mean forces tell, sense of motion by sense; `loads` pull the rack towards -X in each [N]."""
+    time, gain = trip.time[trip.lead :], float(GearPair.of(gear).gain)
+    states = {sense: mean_state(gear, sense, load) for sense, load in loads.items()}
+
+    def mean(name: str) -> np.ndarray:
+        return np.where(rate > 0, getattr(states[1], name), getattr(states[-1], name))
+
+    def lost(name: str) -> np.ndarray:
+        return cumulative_trapezoid(mean(name) * np.abs(rate), time, initial=0.0)
+
+    signals = {
+        "time": time - time[0],
+        "pinion_angle": angle,
+        "pinion_torque": mean("torque"),
+        "rack_displacement": gain * angle,
+        "mesh_normal_force_drive": mean("normal_drive"),
+        "mesh_normal_force_coast": mean("normal_coast"),
+        "mesh_normal_force": mean("normal_drive") + mean("normal_coast"),
+        "seat_force": mean("plunger_force"),
+        "work_mesh_friction": lost("mesh_loss"),
+        "work_seat_friction": lost("plunger_loss"),
+        "work_bush_friction": lost("bush_loss"),
+        "work_bearing_friction": lost("bearing_loss"),
+    }
+    if trip.rack_load:
+        signals["load_force"] = np.full_like(angle, trip.rack_load)
+        signals["work_load"] = -trip.rack_load * gain * (angle - angle[0])
+    return signals

@@ -1,0 +1,45 @@
+"""The summaries' figures that several scenes share."""
+
+import numpy as np
+
+from rps_exudyn.analysis.direction import describe_directions
+from rps_exudyn.analysis.on_centre import describe_on_centre
+from rps_exudyn.analysis.passes import passes
+from rps_exudyn.analysis.rack_motion import describe_rack
+from rps_exudyn.analysis.torque import describe_torque
+from rps_exudyn.analysis.work_balance import describe_losses, energy_residual
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.scenes.scene_run import Signals
+
+
+def figures_of_turning(signals: Signals, gear: SteeringGear) -> dict[str, float]:
+    """Of a gear whose pinion is turned steadily: its torque the first way, and what both ways show."""
+    teeth, first = gear.pinion.teeth, passes(signals)[0].signals
+    return {
+        **describe_torque(first["pinion_angle"], first["pinion_torque"], teeth),
+        **describe_directions(signals),
+        **describe_on_centre(signals, teeth),
+        **figures_of_motion(signals, gear),
+    }
+
+
+def figures_of_motion(signals: Signals, gear: SteeringGear) -> dict[str, float]:
+    """Of any gear in motion: its gain, how the rack moves in its guides, where the work goes."""
+    return {
+        "rack_gain": gain(passes(signals)[0].signals),
+        **describe_rack(signals, float(GearPair.of(gear).gain)),
+        **describe_losses(signals),
+        **balance(signals),
+    }
+
+
+def gain(signals: Signals) -> float:
+    """Displacement of the rack per revolution of the pinion over a record in one direction [m]."""
+    angle, place = signals["pinion_angle"], signals["rack_displacement"]
+    return float((place[-1] - place[0]) / (angle[-1] - angle[0]) * 2 * np.pi)
+
+
+def balance(signals: Signals) -> dict[str, float]:
+    """The energy residual, of models that know what they store."""
+    return {"energy_residual": energy_residual(signals)} if "stored_energy" in signals else {}

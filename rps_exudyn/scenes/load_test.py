@@ -1,0 +1,62 @@
+"""Load test (IS 13476): the pinion raises a weight at the rack's end, and lowers it.
+
+The weight pulls against `test.direction`. The same turns without it give the free torque, which the net
+efficiencies tare. Forward means raising: the paper also says the opposite, but its equation (1) only makes
+sense so.
+"""
+
+from dataclasses import replace
+
+from rps_exudyn.analysis.efficiency import LoadTest, describe_load_test, measured_load_test
+from rps_exudyn.analysis.torque import mean
+from rps_exudyn.closed_form import GRAVITY
+from rps_exudyn.errors import InputError
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.scenes.figures import figures_of_motion
+from rps_exudyn.scenes.make_trip import make_trip, make_trips
+from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
+from rps_exudyn.scenes.trip import trips_of_test
+
+
+def load_test(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
+    """Raise and lower; the signals are of these two trips.
+
+    Raises:
+        InputError: no weight, or the test leaves the rack's teeth.
+    """
+    weight = GRAVITY * gear.test.load_mass
+    if not weight > 0:
+        raise InputError("test.load_mass is 0 kg; the load test needs a weight, greater than 0.")
+    to_and_fro = gear.replace({"test.path": "there-and-back"}) if gear.test.path == "one-way" else gear
+    free, _ = trips = trips_of_test(to_and_fro, "pinion", fidelity.step_angle)
+    loaded = make_trips(gear, fidelity, [trip.under(gear.test.direction * weight) for trip in trips])
+    if not loaded.ok:
+        return loaded.described(lambda signals: {})
+    unloaded = make_trip(gear, fidelity, free)
+    if not unloaded.ok:
+        message = f"without the weight: {unloaded.outcome.message}"
+        return replace(loaded, outcome=replace(unloaded.outcome, message=message))
+    test = measured_load_test(
+        oriented(loaded.signals, gear), weight, float(GearPair.of(gear).gain), _free_torque(unloaded.signals)
+    )
+    told = loaded.noting(*remarks(gear, loaded.signals), _locking(test))
+    return told.described(lambda signals: {**describe_load_test(test), **figures_of_motion(signals, gear)})
+
+
+def oriented(signals: Signals, gear: SteeringGear) -> Signals:
+    """Angle and torque as if the weight were raised by positive angles."""
+    sense = gear.test.direction
+    return {name: sense * signals[name] for name in ("pinion_angle", "pinion_torque")}
+
+
+def _free_torque(signals: Signals) -> float:
+    return abs(mean(signals["pinion_angle"], signals["pinion_torque"]))
+
+
+def _locking(test: LoadTest) -> str:
+    if not test.self_locking:
+        return ""
+    return f"the gear is self-locking: the weight must be pushed down with {-test.torque_reverse:.4g} N m"

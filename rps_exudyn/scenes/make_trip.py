@@ -1,0 +1,136 @@
+"""Make a trip: by dynamics in Exudyn, by equilibria, or by formula, as the fidelity says.
+
+    run = make_trip(gear, fidelity, trip)
+
+All give the same signals as far as they know them, and none is called ok before it was judged.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from time import process_time
+
+import numpy as np
+
+from rps_exudyn.closed_form import closed_form
+from rps_exudyn.errors import InputError
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.forces import gear_forces
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.judge import judged
+from rps_exudyn.outcome import Status
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.path_follower import TOLERANCE
+from rps_exudyn.record import Record, repeated, signals_of
+from rps_exudyn.scenes.by_formula import by_formula
+from rps_exudyn.scenes.scene_run import SceneRun, joined, without_equilibrium
+from rps_exudyn.scenes.trip import Trip
+from rps_exudyn.solve import Outcome, SolverPlan, solve
+from rps_exudyn.statics import adaptive_path, equilibrium_path
+
+CLOSED = 1e-3  # of the drive's force: how well a period must end where it began to stand for all
+
+
+def make_trip(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:
+    """One trip; its run has no summary yet."""
+    return SOLVERS[fidelity.solver](gear, fidelity, trip)
+
+
+def make_trips(gear: SteeringGear, fidelity: Fidelity, trips: Sequence[Trip]) -> SceneRun:
+    """One after the other, until one fails."""
+    runs: list[SceneRun] = []
+    for trip in trips:
+        runs.append(make_trip(gear, fidelity, trip))
+        if not runs[-1].ok:
+            break
+    return joined(runs)
+
+
+# --- dynamics --------------------------------------------------------------------------------------
+def by_dynamics(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:
+    """In Exudyn."""
+    from rps_exudyn.model import build_model
+    from rps_exudyn.recording import Recorder
+
+    model = build_model(gear, fidelity, trip.drive, rack_load=trip.rack_load, pulse=trip.pulse)
+    if not model.start.converged:
+        return without_equilibrium(_place(trip, 0.0), model.start.residual)
+    recorder = Recorder(model).attach()
+    model.mbs.Assemble()
+    steps = trip.lead + trip.steps
+    plan = SolverPlan(end_time=steps * trip.time_step, steps=steps, relative_tolerance=fidelity.tolerance)
+    outcome = solve(model.mbs, plan)
+    return _told(gear, outcome, recorder.record().since(trip.record_start))
+
+
+# --- equilibria ------------------------------------------------------------------------------------
+def by_equilibrium(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:
+    """From equilibrium to equilibrium; a curve that repeats is followed over one period only."""
+    if trip.pulse is not None:
+        raise InputError("fidelity.solver is equilibrium, which knows no pulses: choose generalized-alpha.")
+    run = _along_equilibria(gear, fidelity, trip.one_period())
+    if trip.periods == 1 or not run.ok:
+        return run
+    force = run.signals["pinion_torque" if trip.drive.body == "pinion" else "rack_force"]
+    if abs(force[-1] - force[0]) > CLOSED * np.abs(force).max():
+        return _along_equilibria(gear, fidelity, trip)
+    settings = {**run.outcome.settings, "periods_alike": trip.periods}
+    return SceneRun(replace(run.outcome, settings=settings), repeated(run.signals, trip.periods))
+
+
+def _along_equilibria(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:
+    forces = gear_forces(gear, fidelity, trip.rack_load)
+    start = process_time()
+    pair, drive = GearPair.of(gear), trip.drive
+    if fidelity.torque_tolerance > 0:
+        allowed = fidelity.torque_tolerance * abs(closed_form(gear).free_torque)
+        allowed /= 1.0 if drive.body == "pinion" else pair.gain
+        path = adaptive_path(forces.statics, pair, drive, trip.time, allowed)
+    else:
+        path = equilibrium_path(forces.statics, pair, drive, trip.time)
+    found = len(path.time)
+    outcome = Outcome(
+        Status.OK,
+        time_reached=float(path.time[-1]) if found else 0.0,
+        cpu_s=process_time() - start,
+        counters={
+            "steps": found,
+            "newton_iterations": path.iterations,
+            "jacobians": path.tangents,
+            "force_evaluations": path.evaluations,
+        },
+        settings={"name": "equilibrium", "tolerance": TOLERANCE, "residual": path.residual, "angles": found},
+    )
+    if not path.converged:
+        failed = without_equilibrium(_place(trip, trip.time[min(found, len(trip.time) - 1)]), path.residual)
+        outcome = replace(outcome, status=failed.outcome.status, message=failed.outcome.message)
+    overcome = -drive.sign * path.forces[:, drive.coordinate]
+    record = Record(
+        forces.elements, path.time, path.coordinates, path.rates, overcome, drive.body, np.zeros(found)
+    )
+    return _told(gear, outcome, record.since(trip.record_start))
+
+
+# --- common ----------------------------------------------------------------------------------------
+def _told(gear: SteeringGear, outcome: Outcome, record: Record) -> SceneRun:
+    """Signals of a record, and whether it may be called ok."""
+    if len(record.time) < 2:
+        return SceneRun(outcome)
+    signals = signals_of(record)
+    if outcome.status is Status.OK:
+        outcome = judged(outcome, gear, record, signals)
+    return SceneRun(outcome, signals)
+
+
+def _place(trip: Trip, time: float) -> str:
+    """Where the rig stands, for a reader."""
+    place = float(trip.drive.place(time))
+    if trip.drive.body == "pinion":
+        return f"{np.degrees(place):.4g} deg"
+    return f"{1e3 * place:.4g} mm of rack travel"
+
+
+SOLVERS: dict[str, Callable[[SteeringGear, Fidelity, Trip], SceneRun]] = {
+    "generalized-alpha": by_dynamics,
+    "equilibrium": by_equilibrium,
+    "closed-form": by_formula,
+}

@@ -1,0 +1,38 @@
+"""Rack push: the rig moves the rack, the pinion follows freely. The force that drives the gear back.
+
+The rack moves as fast as the pinion would move it at the test's speed, over the same travel.
+"""
+
+import numpy as np
+
+from rps_exudyn.analysis.passes import passes
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.scenes.figures import figures_of_motion
+from rps_exudyn.scenes.make_trip import make_trips
+from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
+from rps_exudyn.scenes.trip import trips_of_test
+
+
+def rack_push(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
+    """Push the rack and record.
+
+    Raises:
+        InputError: the test leaves the rack's teeth.
+    """
+    run = make_trips(gear, fidelity, trips_of_test(gear, "rack", fidelity.step_angle))
+    return run.noting(*remarks(gear, run.signals)).described(
+        lambda signals: {**push_figures(signals), **figures_of_motion(signals, gear)}
+    )
+
+
+def push_figures(signals: Signals) -> dict[str, float]:
+    """The force along the motion: mean over all displacement, spread in the worse direction."""
+    force, place = signals["rack_force"], signals["rack_displacement"]
+    work = np.trapezoid(force, place)
+    spreads = [float(np.ptp(each.signals["rack_force"])) for each in passes(signals)]
+    return {
+        "push_force_mean": float(work / np.abs(np.diff(place)).sum()),
+        "push_force_peak_to_peak": max(spreads),
+    }

@@ -1,0 +1,39 @@
+"""What a reader should know of a run that is all right: which limits of the gear it met, with the numbers."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.scenes.scene_run import Signals
+
+
+def remarks(gear: SteeringGear, signals: Signals) -> Iterator[str]:
+    """Sentences without a full stop."""
+    if signals:
+        yield from _flank_lifted(signals)
+        yield from _yoke_stopped(gear, signals)
+
+
+def _flank_lifted(signals: Signals) -> Iterator[str]:
+    for side, loaded in (("drive", "coast"), ("coast", "drive")):
+        force = signals.get(f"mesh_normal_force_{side}", np.ones(1))
+        free = force <= 0
+        if free.any():
+            yield (
+                f"the {side} flanks carry nothing in {free.mean():.0%} of the record, first at "
+                f"{_first(signals, free)}; all load is on the {loaded} flanks"
+            )
+
+
+def _yoke_stopped(gear: SteeringGear, signals: Signals) -> Iterator[str]:
+    force = signals.get("yokenut_force", np.zeros(1))
+    if (force > 0).any():
+        yield (
+            f"yoke.clearance = {1e6 * gear.yoke.clearance:.4g} um is used up, first at "
+            f"{_first(signals, force > 0)}; the yokenut carries up to {force.max():.4g} N"
+        )
+
+
+def _first(signals: Signals, where: np.ndarray) -> str:
+    return f"{np.degrees(signals['pinion_angle'][np.argmax(where)]):.4g} deg"

@@ -1,0 +1,25 @@
+"""Reversal: sinusoidal steering about `test.start_angle`. Hysteresis of the torque, lost motion, sticking.
+
+Steering is fastest, at the test's speed, where it passes the middle; it stands still at both ends.
+"""
+
+from rps_exudyn.analysis.hysteresis import describe_reversal
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.scenes.figures import figures_of_motion
+from rps_exudyn.scenes.make_trip import make_trip
+from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.trip import swing_trip
+
+
+def reversal(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
+    """Steer to and fro and record.
+
+    Raises:
+        InputError: the steering leaves the rack's teeth.
+    """
+    run = make_trip(gear, fidelity, swing_trip(gear, fidelity.step_angle))
+    return run.noting(*remarks(gear, run.signals)).described(
+        lambda signals: {**describe_reversal(signals), **figures_of_motion(signals, gear)}
+    )

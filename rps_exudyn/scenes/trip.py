@@ -1,0 +1,127 @@
+"""A trip: one motion of the rig under one load. What every scene is made of."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rps_exudyn.drive import Drive, Steady, Swing
+from rps_exudyn.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parts.load import Pulse
+
+RUN_IN = np.deg2rad(0.5)  # pinion angle turned before the record starts, at least
+
+
+@dataclass(frozen=True)
+class Trip:
+    """A motion in even time steps, recorded after a run-in, so that what the start stirs up has died."""
+
+    drive: Drive
+    time_step: float  # [s]
+    lead: int  # steps of the run-in
+    steps: int  # steps recorded
+    periods: int = 1  # of the gear, all alike, that the record covers
+    rack_load: float = 0.0  # pulls the rack's end towards -X [N]
+    pulse: Pulse | None = None
+
+    @property
+    def time(self) -> np.ndarray:
+        """From the start of the run-in to the end of the record [s]."""
+        return self.time_step * np.arange(self.lead + self.steps + 1)
+
+    @property
+    def record_start(self) -> float:
+        """[s]"""
+        return self.lead * self.time_step * (1 + 1e-9)
+
+    def under(self, load: float) -> "Trip":
+        """The same with a load that pulls the rack's end towards -X [N]."""
+        return replace(self, rack_load=load)
+
+    def one_period(self) -> "Trip":
+        """Its first period."""
+        return replace(self, steps=self.steps // self.periods, periods=1)
+
+
+def steady_trip(gear: SteeringGear, body: str, first: float, last: float, step_angle: float) -> Trip:
+    """Between two pinion angles [rad] at the test's speed, in steps of at most `step_angle` [rad].
+
+    `body` is the one that the rig moves; the rack moves as far and as fast as it would with the pinion.
+    A trip over whole periods of the gear gets the same steps in each of them.
+
+    Raises:
+        InputError: it leaves the rack's teeth.
+    """
+    check_travel(gear, (first, last))
+    periods = whole_periods(gear, abs(last - first)) or 1
+    piece = abs(last - first) / periods
+    per_piece = int(np.ceil(piece / step_angle * (1 - 1e-12)))
+    step = piece / per_piece
+    lead, sense = int(np.ceil(RUN_IN / step)), float(np.sign(last - first))
+    scale = 1.0 if body == "pinion" else float(GearPair.of(gear).gain)
+    drive = Steady(
+        "pinion" if body == "pinion" else "rack",
+        scale * (first - sense * lead * step),
+        scale * sense * gear.test.speed,
+    )
+    return Trip(drive, step / gear.test.speed, lead, per_piece * periods, periods)
+
+
+def trips_of_test(gear: SteeringGear, body: str, step_angle: float) -> list[Trip]:
+    """The trips that `test.path` asks for.
+
+    Raises:
+        InputError: they leave the rack's teeth.
+    """
+    test = gear.test
+    first, last = test.start_angle, test.start_angle + test.direction * 2 * np.pi * test.turns
+    if test.path == "lock-to-lock":
+        lock = float(gear.rack.travel / 2 / GearPair.of(gear).gain)
+        first, last = -test.direction * lock, test.direction * lock
+    there = steady_trip(gear, body, first, last, step_angle)
+    return [there] if test.path == "one-way" else [there, steady_trip(gear, body, last, first, step_angle)]
+
+
+def swing_trip(gear: SteeringGear, step_angle: float) -> Trip:
+    """Sinusoidal steering about the test's start angle; steps of `step_angle` [rad] where it is fastest.
+
+    Raises:
+        InputError: it leaves the rack's teeth.
+    """
+    test = gear.test
+    check_travel(gear, (test.start_angle - test.amplitude, test.start_angle + test.amplitude))
+    drive = Swing("pinion", test.start_angle, test.amplitude, test.direction * test.speed)
+    per_cycle = 4 * int(np.ceil(drive.period * test.speed / step_angle / 4))
+    time_step = drive.period / per_cycle
+    return Trip(drive, time_step, int(np.ceil(RUN_IN / test.speed / time_step)), per_cycle * test.cycles)
+
+
+def whole_periods(gear: SteeringGear, angle: float) -> int | None:
+    """How many periods of the gear an angle [rad] covers; None if not a whole number.
+
+    Every tooth is alike, so that the curve repeats with the tooth pitch; errors that single out a tooth
+    or a direction of the pinion make it repeat with the turn.
+    """
+    alike = gear.pinion.runout == 0 and gear.pinion.pitch_error == 0
+    periods = angle / (2 * np.pi) * (gear.pinion.teeth if alike else 1)
+    return round(periods) if periods > 0.5 and abs(periods - round(periods)) < 1e-9 * periods else None
+
+
+def check_travel(gear: SteeringGear, angles: Sequence[float]) -> None:
+    """The pinion must stay on the rack's teeth at these angles [rad].
+
+    Raises:
+        InputError: it would not.
+    """
+    bar = RackBar.of(gear)
+    allowed = bar.largest_displacement / bar.pair.gain
+    farthest = max(abs(angle) for angle in angles)
+    if farthest > allowed:
+        raise InputError(
+            "test.turns, test.amplitude and test.start_angle lead to a pinion angle of "
+            f"{np.degrees(farthest):.6g} deg; the teeth for rack.travel = {gear.rack.travel * 1e3:g} mm "
+            f"allow {np.degrees(allowed):.6g} deg either way."
+        )

@@ -1,0 +1,63 @@
+"""Yoke impact: pulses of force on the rack's end, the pinion held; the plunger hits the yokenut.
+
+A pulse is a half sine along `test.pulse_axis` on the bar's end beside the pinion: across the rack or along
+it, as a road shakes a tie rod. Another period is recorded after the last.
+"""
+
+import numpy as np
+
+from rps_exudyn.analysis.impacts import describe_impacts
+from rps_exudyn.analysis.rack_motion import describe_rack
+from rps_exudyn.drive import Steady
+from rps_exudyn.errors import InputError
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parts.load import Pulse
+from rps_exudyn.scenes.figures import balance
+from rps_exudyn.scenes.make_trip import make_trip
+from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.trip import Trip, check_travel
+
+STEPS_PER_SWING = 20  # of the plunger between seat and yokenut, the fastest motion: forces to 0.1 %
+
+
+def yoke_impact(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
+    """Shake the rack and record.
+
+    Raises:
+        InputError: a model without inertia or without a plunger, or pulses that overlap.
+    """
+    if fidelity.solver != "generalized-alpha" or fidelity.yoke != "body":
+        raise InputError(
+            f"fidelity.solver is {fidelity.solver} and fidelity.yoke is {fidelity.yoke}; "
+            "yoke-impact needs generalized-alpha and body: without inertia nothing hits."
+        )
+    run = make_trip(gear, fidelity, shaken(gear))
+    return run.described(
+        lambda signals: {
+            **describe_impacts(signals),
+            **describe_rack(signals, float(GearPair.of(gear).gain)),
+            **balance(signals),
+        }
+    )
+
+
+def shaken(gear: SteeringGear) -> Trip:
+    """The pinion held at the test's start angle, the rack shaken."""
+    test, yoke = gear.test, gear.yoke
+    check_travel(gear, (test.start_angle,))
+    if test.pulse_period < test.pulse_duration:
+        raise InputError(
+            f"test.pulse_period is {1e3 * test.pulse_period:g} ms; it must be at least test.pulse_duration = "
+            f"{1e3 * test.pulse_duration:g} ms."
+        )
+    peak = test.pulse_force * np.eye(3)["xyz".index(test.pulse_axis)]
+    pulse = Pulse(
+        tuple(peak.tolist()), RackBar.of(gear).x_min, test.pulse_duration, test.pulse_period, test.pulses
+    )
+    swing = 2 * np.pi * np.sqrt(yoke.plunger_mass / (yoke.seat_stiffness + yoke.nut_stiffness))
+    steps = int(np.ceil(test.pulse_period * (test.pulses + 1) / (swing / STEPS_PER_SWING)))
+    time_step = test.pulse_period * (test.pulses + 1) / steps
+    return Trip(Steady("pinion", test.start_angle, 0.0), time_step, 0, steps, pulse=pulse)
