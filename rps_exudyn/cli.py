@@ -17,6 +17,7 @@ from rps_exudyn.errors import InputError
 from rps_exudyn.options import GearOptions, SetupOptions
 
 if TYPE_CHECKING:
+    from rps_exudyn.analysis.measured import MeasuredTorque
     from rps_exudyn.result import Result
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -57,6 +58,7 @@ def run(
     setup: SetupOptions = PAPER_SETUP,
     out: Path | None = None,
     plot: Path | None = None,
+    measured: Path | None = None,
     json: Flag = False,
 ) -> int:
     """Simulate one scene: print a summary, write an HDF5 file and a picture.
@@ -67,17 +69,21 @@ def run(
         scene: what the test rig does: free-pinion-torque.
         out: HDF5 file; without it SCENE.h5 in the current folder.
         plot: picture (.png, .svg, .pdf); without it a .png beside the HDF5 file.
+        measured: CSV file of a measured torque with columns pinion_angle [deg] and pinion_torque [N m]; it is
+            drawn over the simulated one and compared with it.
         json: print the summary as JSON.
     """
     from rps_exudyn import simulate
+    from rps_exudyn.analysis.measured import read_measured_torque
     from rps_exudyn.charts.style import PICTURES
 
     chosen = setup.load()
     out = _checked_output(out or Path(f"{scene}.h5"), RESULT_FILES)
     plot = _checked_output(plot or out.with_suffix(".png"), PICTURES)
+    curve = read_measured_torque(measured) if measured else None
     with redirect_stdout(sys.stderr):  # what libraries say; standard output is for the result
         result = simulate.run(scene, chosen.steering_gear, fidelity=chosen.fidelity)
-    _print_result(result, json, files=_keep(result, out, plot))
+    _print_result(result, json, files=_keep(result, out, plot, curve), measured=curve)
     return _verdict(result)
 
 
@@ -192,9 +198,9 @@ def _checked_output(path: Path, suffixes: tuple[str, ...]) -> Path:
 # --- output ------------------------------------------------------------------------------------
 
 
-def _keep(result: "Result", out: Path, plot: Path) -> list[Path]:
+def _keep(result: "Result", out: Path, plot: Path, measured: "MeasuredTorque | None") -> list[Path]:
     """Write both files and return where they are; a failed run does not replace existing ones."""
-    from rps_exudyn.charts.torque import draw_torque
+    from rps_exudyn.charts.scene import draw
     from rps_exudyn.outcome import Status
 
     if result.status is not Status.OK and (out.exists() or plot.exists()):
@@ -202,17 +208,23 @@ def _keep(result: "Result", out: Path, plot: Path) -> list[Path]:
     result.save(out)
     if not result.signals:
         return [out]
-    draw_torque(result, plot)
+    draw(result, plot, measured)
     return [out, plot]
 
 
-def _print_result(result: "Result", json: bool, files: Iterable[Path] = ()) -> None:
+def _print_result(
+    result: "Result", json: bool, files: Iterable[Path] = (), measured: "MeasuredTorque | None" = None
+) -> None:
     from rps_exudyn import printed
+    from rps_exudyn.analysis.measured import compare_with_measured
 
+    teeth = result.gear.pinion.teeth
+    compared = compare_with_measured(measured, result.signals, teeth) if measured else None
     if json:
-        printed.print_json(printed.result_as_dict(result, files))
+        printed.print_json(printed.result_as_dict(result, files) | printed.measured_as_dict(compared))
     else:
         printed.print_result(result, files)
+        printed.print_measured(compared)
 
 
 def _verdict(result: "Result") -> int:

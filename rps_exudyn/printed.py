@@ -15,6 +15,7 @@ from rps_exudyn.setup import Setup
 
 if TYPE_CHECKING:
     from rps_exudyn.analysis.comparison import Comparison
+    from rps_exudyn.analysis.measured import AgainstMeasured
     from rps_exudyn.gears.checks import GeometryReport
     from rps_exudyn.result import Result
 
@@ -104,6 +105,51 @@ def comparison_as_dict(comparison: "Comparison", files: Iterable[Path] = ()) -> 
             for name, pair in comparison.signals.items()
         },
         "files": [str(file) for file in files],
+    }
+
+
+def print_measured(compared: "list[AgainstMeasured] | None") -> None:
+    """Figures of the measured and the simulated torque side by side, and how far the curves lie apart."""
+    if compared is None:
+        return
+    console = _console()
+    console.print()
+    if not compared:
+        console.print("Measured and simulated torque share no range of the pinion angle in one direction.")
+    for each in compared:
+        low, high = (SIGNALS["pinion_angle"].show(angle) for angle in each.angle_range)
+        console.print(
+            f"Torque towards {'+' if each.direction > 0 else '-'}X, pinion angles of {low} to {high}:"
+        )
+        rows = [
+            (name, SUMMARY[name].show(value), SUMMARY[name].show(each.simulated[name]))
+            for name, value in each.measured.items()
+            if name in each.simulated
+        ]
+        console.print(_grid(("quantity", "measured", "simulated"), rows))
+        pair = each.torque
+        console.print(
+            f"difference: RMS {pair.shown(pair.rms)}, largest {pair.shown(pair.largest)} of the measured mean"
+        )
+
+
+def measured_as_dict(compared: "list[AgainstMeasured] | None") -> dict[str, Any]:
+    """The comparisons with a measured torque, in SI units; {} if nothing was measured."""
+    if compared is None:
+        return {}
+    return {
+        "measured": [
+            {
+                "direction": each.direction,
+                "common_angle": list(each.angle_range),
+                "measured": each.measured,
+                "simulated": each.simulated,
+                "rms": each.torque.rms,
+                "largest": each.torque.largest,
+                "pinion_angle": each.torque.angle,
+            }
+            for each in compared
+        ]
     }
 
 

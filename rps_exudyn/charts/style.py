@@ -20,7 +20,18 @@ COLOURS = {
     "roll": "#b45f06",
     "reference": "#777777",
     "failure": "#b00020",
+    "forward": "#0b5394",
+    "backward": "#e69138",
+    "measured": "#000000",
+    "mesh": "#0b5394",
+    "seat": "#e69138",
+    "bush": "#6aa84f",
+    "bearing": "#999999",
 }
+"""By meaning: signals, directions, places where work is lost."""
+
+SEVERAL = ("#0b5394", "#e69138", "#38761d", "#b00020", "#674ea7", "#777777")
+"""Of curves that are told apart by the legend alone."""
 
 _LOOK: Any = {
     "font.size": 10,
@@ -66,8 +77,9 @@ def line(
 
 
 def legend_above(axes: Axes) -> None:
-    """The legend in one row over the axes, where it hides no curve."""
-    axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=4, borderpad=0, frameon=False)
+    """The legend in one row over the axes, where it hides no curve; none without labels."""
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=4, borderpad=0, frameon=False)
 
 
 def angle_axis(axes: Axes) -> None:
@@ -77,6 +89,21 @@ def angle_axis(axes: Axes) -> None:
     steps = [1, 1.8, 3.6, 9, 10] if high - low > 400 else [1, 1.5, 3, 6, 10]
     axes.xaxis.set_major_locator(MaxNLocator(nbins=9, steps=steps))
     axes.margins(x=0)
+
+
+def name_directions(axes: Axes, named: dict[str, str]) -> None:
+    """A legend for curves coloured by direction, colour -> its name, as far as they are there."""
+    there = {each.get_color() for each in axes.lines}
+    for colour, name in named.items():
+        if COLOURS[colour] in there:
+            axes.plot([], [], color=COLOURS[colour], label=name)
+    legend_above(axes)
+
+
+def abscissa(axes: Axes, label: str) -> None:
+    """Another common abscissa than the angle, for instance "time [ms]"."""
+    axes.set_xlabel(label)
+    axes.set_xlim(axes.dataLim.intervalx)
 
 
 def title(figure: Figure, headline: str, failure: str = "") -> None:

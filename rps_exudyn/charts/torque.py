@@ -1,12 +1,18 @@
-"""Picture of one result: pinion torque over pinion angle, below it how the rack lifts and rolls."""
+"""Picture of a free pinion torque: torque over pinion angle, below it how the rack lifts and rolls.
 
-from pathlib import Path
+A record in both directions shows each torque against its motion, so that both are above zero and close
+enough to be compared (the paper's Figure 16).
+"""
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rps_exudyn.analysis.measured import MeasuredTorque
+from rps_exudyn.analysis.passes import passes
 from rps_exudyn.charts import style
-from rps_exudyn.outcome import Status
-from rps_exudyn.quantities import SIGNALS, SUMMARY
+from rps_exudyn.charts.curves import add_measured, over_angle, torque_against_motion
+from rps_exudyn.charts.heading import head, scene_of
+from rps_exudyn.quantities import SUMMARY
 from rps_exudyn.result import Result
 
 # signal -> name on the axis, colour, height [in], least span shown [display unit]
@@ -15,39 +21,32 @@ _PANELS = {
     "rack_y": ("rack lift", "lift", 1.6, 1.0),
     "rack_roll": ("rack roll", "roll", 1.6, 0.1),
 }
+_ONE_WAY = {"torque_mean": "mean", "torque_peak_to_peak": "peak to peak"}
+_BOTH_WAYS = {"torque_mean_forward": "mean towards +X", "torque_mean_backward": "towards -X"}
 
 
-def draw_torque(result: Result, path: str | Path) -> None:
-    """Save the picture of a result that has signals.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
-    style.save(torque_figure(result), path)
-
-
-def torque_figure(result: Result) -> Figure:
+def torque_figure(result: Result, measured: MeasuredTorque | None = None) -> Figure:
     """The picture; signals that the result's fidelity does not have get no panel."""
     shown = {name: panel for name, panel in _PANELS.items() if name in result.signals}
     figure, axes = style.panels([height for _, _, height, _ in shown.values()])
-    angle = SIGNALS["pinion_angle"].displayed(result["pinion_angle"])
+    both_ways = len(passes(result.signals)) > 1
     for panel, (name, (label, colour, _, least)) in zip(axes, shown.items(), strict=True):
-        style.line(panel, angle, result[name], SIGNALS[name], label, colour)
+        if name == "pinion_torque" and both_ways:
+            torque_against_motion(panel, result.signals)
+        else:
+            over_angle(panel, result.signals, name, label, colour)
         style.widen(panel, least)
-    if "torque_mean" in result.summary:
-        mean = SUMMARY["torque_mean"].displayed(result.summary["torque_mean"])
-        axes[0].axhline(mean, **style.REFERENCE_LINE, label="mean")
-        style.legend_above(axes[0])
+    if measured is not None:
+        add_measured(axes[0], measured, against_motion=both_ways)
+    if not both_ways:
+        _mark_mean(axes[0], result)
+    style.legend_above(axes[0])
     style.angle_axis(axes[-1])
-    style.title(
-        figure, _headline(result), "" if result.status is Status.OK else f"{result.status}: {result.message}"
-    )
+    head(figure, result, scene_of(result), _BOTH_WAYS if both_ways else _ONE_WAY)
     return figure
 
 
-def _headline(result: Result) -> str:
-    parts = [result.scene.replace("-", " ").capitalize(), f"fidelity {result.fidelity['name']}"]
-    for name, label in (("torque_mean", "mean"), ("torque_peak_to_peak", "peak to peak")):
-        if name in result.summary:
-            parts.append(f"{label} {SUMMARY[name].show(result.summary[name])}")
-    return " · ".join(parts)
+def _mark_mean(axes: Axes, result: Result) -> None:
+    if "torque_mean" in result.summary:
+        mean = SUMMARY["torque_mean"].displayed(result.summary["torque_mean"])
+        axes.axhline(mean, **style.REFERENCE_LINE, label="mean")

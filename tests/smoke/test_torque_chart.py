@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rps_exudyn.charts.torque import draw_torque, torque_figure
+from rps_exudyn.charts.scene import draw
+from rps_exudyn.charts.torque import torque_figure
 from rps_exudyn.result import Result
 
 
@@ -44,10 +45,10 @@ def test_diverged_signals_are_drawn_as_far_as_they_go(
     signals = {name: values.copy() for name, values in failed_result.signals.items()}
     signals["pinion_torque"][60:] = value
     summary = failed_result.summary | {"torque_mean": value}
-    draw_torque(dataclasses.replace(failed_result, signals=signals, summary=summary), tmp_path / "a.png")
+    draw(dataclasses.replace(failed_result, signals=signals, summary=summary), tmp_path / "a.png")
 
 
 @pytest.mark.parametrize("samples", [0, 1])
 def test_record_without_a_span_is_drawn(samples: int, failed_result: Result, tmp_path: Path) -> None:
     signals = {name: values[:samples] for name, values in failed_result.signals.items()}
-    draw_torque(dataclasses.replace(failed_result, signals=signals), tmp_path / "a.png")
+    draw(dataclasses.replace(failed_result, signals=signals), tmp_path / "a.png")

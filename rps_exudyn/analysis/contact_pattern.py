@@ -1,0 +1,123 @@
+"""Pressure on the pinion's flanks: where a tooth carries, and how hard, while it passes through the mesh.
+
+A flank is unrolled: length of roll (the tangent length q, from the base circle) over the face width Z. At
+every instant the flank's points are put where the recorded motion has them; how deep they stand in the
+rack's flanks gives the pressure of law "area", stiffness * depth. All teeth are laid over each other, so
+that one tooth pitch of the record shows all that a tooth goes through.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rps_exudyn.analysis.passes import Signals
+from rps_exudyn.errors import InputError
+from rps_exudyn.gears.flank_form import FlankForm
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.parameters import SteeringGear
+
+POINTS = (80, 100)  # along the roll, along the face
+DEEPEST = 0.1e-3  # what stands deeper in a rack flank's plane is at its back or beyond the mesh [m]
+NEEDED = ("rack_displacement", "rack_y", "rack_z", "rack_roll", "rack_yaw", "rack_pitch")
+
+
+@dataclass(frozen=True, eq=False)
+class FlankPattern:
+    """One side of the teeth: the largest pressure at each point over the record's instants."""
+
+    side: int  # -1 drives the rack towards +X, +1 towards -X
+    roll: np.ndarray  # tangent lengths q, shape (n,) [m]
+    face: np.ndarray  # Z, shape (m,) [m]
+    pressure: np.ndarray  # shape (n, m) [Pa]
+
+
+def contact_pattern(gear: SteeringGear, signals: Signals) -> tuple[FlankPattern, FlankPattern]:
+    """Both sides' patterns, the drive flanks' (side -1) first.
+
+    Args:
+        gear: the gear that was simulated.
+        signals: pinion_angle and the rack's motions; every instant is looked at, so give as few as needed
+            (`one_pitch`).
+
+    Raises:
+        InputError: the record lacks the rack's motions, or the contact's law knows no pressure.
+    """
+    if missing := [name for name in NEEDED if name not in signals]:
+        raise InputError(f"No contact pattern: the result has no {missing[0]}; its fidelity leaves it out.")
+    if gear.mesh.law != "area":
+        raise InputError(f'No contact pattern: mesh.law is "{gear.mesh.law}"; only "area" knows a pressure.')
+    drive, coast = (
+        FlankPattern(side, roll, face, pressures(gear, signals, side, roll, face).max(axis=(0, 1)))
+        for side, (roll, face) in ((-1, unrolled(gear)), (+1, unrolled(gear)))
+    )
+    return drive, coast
+
+
+def one_pitch(signals: Signals, teeth: int) -> dict[str, np.ndarray]:
+    """The instants of one tooth pitch in the middle of a record in one direction."""
+    angle = signals["pinion_angle"]
+    middle = (angle[0] + angle[-1]) / 2
+    kept = np.abs(angle - middle) <= np.pi / teeth * (1 + 1e-9)
+    return {name: values[kept] for name, values in signals.items()}
+
+
+def unrolled(gear: SteeringGear, points: tuple[int, int] = POINTS) -> tuple[np.ndarray, np.ndarray]:
+    """Midpoints of even cells over a flank: roll q from form to tip circle, face Z [m]."""
+    pair = GearPair.of(gear)
+    flank = Flank(pair, 0, -1)
+    q_0, q_a, half = flank.form_tangent_length, flank.tip_tangent_length, pair.face_width / 2
+    n, m = points
+    return (
+        q_0 + (q_a - q_0) * (np.arange(n) + 0.5) / n,
+        -half + 2 * half * (np.arange(m) + 0.5) / m,
+    )
+
+
+def pressures(
+    gear: SteeringGear, signals: Signals, side: int, roll: np.ndarray, face: np.ndarray
+) -> np.ndarray:
+    """Pressure at each instant on each tooth, shape (instants, teeth, roll, face) [Pa]."""
+    pair, form = GearPair.of(gear), FlankForm.of(gear)
+    q, Z = roll[:, None], face[None, :]
+    flanks = [Flank(pair, tooth, side, form) for tooth in range(pair.teeth)]
+    points = np.stack([flank.point(flank.generator(q, Z), Z) for flank in flanks]) + pair.eccentricity
+    return np.stack(
+        [
+            gear.mesh.stiffness * np.maximum(_depth(pair, points, side, *pose), 0.0)
+            for pose in zip(signals["pinion_angle"], *_rack_poses(pair, signals), strict=True)
+        ]
+    )
+
+
+def _depth(
+    pair: GearPair, points: np.ndarray, side: int, angle: float, place: np.ndarray, turn: np.ndarray
+) -> np.ndarray:
+    """How deep points of the pinion, shape (..., 3) in its frame, stand in the rack's flanks [m]."""
+    c, s = np.cos(angle), np.sin(angle)
+    about_k = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1.0]])  # the pinion angle counts against k
+    housing = points @ (pair.pinion_frame @ about_k).T + pair.pinion_origin
+    of_rack = (housing - place) @ turn
+    offset = pair.normal_base_pitch / 4 + np.sin(pair.alpha_n) * pair.reference_height
+    height = of_rack @ pair.rack_flank_normal(side) - offset
+    depth = pair.normal_base_pitch * np.round(height / pair.normal_base_pitch) - height
+    y, z = of_rack[..., 1], of_rack[..., 2]
+    on_teeth = (y >= -pair.reference_height - pair.rack_addendum) & (y**2 + z**2 <= pair.bar_radius**2)
+    return np.where(on_teeth & (depth < DEEPEST), depth, 0.0)
+
+
+def _rack_poses(pair: GearPair, signals: Signals) -> tuple[np.ndarray, np.ndarray]:
+    """Reference points (n, 3) [m] and rotation matrices rack -> housing (n, 3, 3)."""
+    from rps_exudyn.parts.motion import rotation_matrix
+
+    x = signals["rack_displacement"]
+    angles = np.column_stack([signals[f"rack_{name}"] for name in ("roll", "yaw", "pitch")])
+    turns = np.stack([rotation_matrix(each) for each in angles])
+    along, rise, swing = turns[:, :, 0].T  # of the bar's axis, on which the reference point travels
+    return np.column_stack(
+        [
+            x,
+            pair.bar_axis_height + signals["rack_y"] + x * rise / along,
+            signals["rack_z"] + x * swing / along,
+        ]
+    ), turns

@@ -1,0 +1,27 @@
+"""What stands over the picture of a result: scene, fidelity, its figures, and its failure in words."""
+
+from collections.abc import Mapping
+
+from matplotlib.figure import Figure
+
+from rps_exudyn.charts import style
+from rps_exudyn.outcome import Status
+from rps_exudyn.quantities import SUMMARY
+from rps_exudyn.result import Result
+
+
+def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str]) -> None:
+    """Put it there; `figures` are names in the summary with what to call them, told if they are there."""
+    parts = [subject, f"fidelity {result.fidelity['name']}"]
+    parts += [
+        f"{label} {SUMMARY[name].show(result.summary[name])}"
+        for name, label in figures.items()
+        if name in result.summary
+    ]
+    failure = "" if result.status is Status.OK else f"{result.status}: {result.message}"
+    style.title(figure, " · ".join(parts), failure)
+
+
+def scene_of(result: Result) -> str:
+    """The scene's name for a reader, for instance "Load test"."""
+    return result.scene.replace("-", " ").capitalize()

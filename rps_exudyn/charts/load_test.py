@@ -1,0 +1,46 @@
+"""Picture of a load test: torque that raises the weight and torque that holds it while it is lowered.
+
+The paper's Figure 17. Without losses both curves would lie on the dashed line.
+"""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rps_exudyn.analysis.measured import MeasuredTorque
+from rps_exudyn.analysis.passes import passes
+from rps_exudyn.charts import style
+from rps_exudyn.charts.curves import DIRECTIONS, add_measured
+from rps_exudyn.charts.heading import head, scene_of
+from rps_exudyn.quantities import SIGNALS
+from rps_exudyn.result import Result
+
+DOES = {+1: "raising", -1: "lowering"}
+FIGURES = {
+    "efficiency_forward": "efficiency forward",
+    "efficiency_reverse": "reverse",
+    "efficiency_forward_net": "net forward",
+    "efficiency_reverse_net": "net reverse",
+}
+
+
+def load_test_figure(result: Result, measured: MeasuredTorque | None = None) -> Figure:
+    """The picture; the torque in the sense of the pinion angle, below zero where the gear is self-locking."""
+    figure, (axes,) = style.panels([3.8])
+    for turned in passes(result.signals):
+        angle = SIGNALS["pinion_angle"].displayed(turned.angle)
+        torque, colour = turned.signals["pinion_torque"], DIRECTIONS[turned.direction][1]
+        quantity = SIGNALS["pinion_torque"]
+        style.line(axes, angle, torque, quantity, "pinion torque", colour, DOES[turned.direction])
+    if measured is not None:
+        add_measured(axes, measured)
+    if "load_force" in result.signals and "rack_gain" in result.summary:
+        ideal = np.median(result["load_force"]) * result.summary["rack_gain"] / (2 * np.pi)
+        axes.axhline(ideal, **style.REFERENCE_LINE, label="without losses")
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, 0), high)
+    axes.axhline(0, color="black", linewidth=0.8)
+    style.legend_above(axes)
+    style.angle_axis(axes)
+    locking = result.summary.get("torque_reverse", 0.0) < 0
+    head(figure, result, scene_of(result) + " · self-locking" * locking, FIGURES)
+    return figure

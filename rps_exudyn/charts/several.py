@@ -1,0 +1,34 @@
+"""Picture of several results' torques over the pinion angle, told apart by the legend."""
+
+from matplotlib.figure import Figure
+
+from rps_exudyn.analysis.measured import MeasuredTorque
+from rps_exudyn.analysis.passes import passes
+from rps_exudyn.charts import style
+from rps_exudyn.charts.curves import AGAINST_MOTION, add_measured
+from rps_exudyn.quantities import SIGNALS
+from rps_exudyn.result import Result
+
+
+def torques_figure(
+    results: dict[str, Result], headline: str, measured: MeasuredTorque | None = None
+) -> Figure:
+    """One curve for each result by its name, its first pass; at most as many as there are colours."""
+    figure, (axes,) = style.panels([3.8])
+    for (name, result), colour in zip(results.items(), style.SEVERAL, strict=False):
+        turned = passes(result.signals)[0]
+        torque = turned.direction * turned.signals["pinion_torque"]
+        axes.plot(
+            SIGNALS["pinion_angle"].displayed(turned.angle),
+            SIGNALS["pinion_torque"].displayed(torque),
+            color=colour,
+            linewidth=1.4,
+            label=name,
+        )
+    axes.set_ylabel(SIGNALS["pinion_torque"].axis_label(AGAINST_MOTION))
+    if measured is not None:
+        add_measured(axes, measured, against_motion=True)
+    style.legend_above(axes)
+    style.angle_axis(axes)
+    style.title(figure, headline)
+    return figure

@@ -1,0 +1,108 @@
+"""Every scene has its picture, drawn from signals alone; a measured curve lies over every torque."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rps_exudyn.analysis.measured import MeasuredTorque
+from rps_exudyn.charts.load_test import load_test_figure
+from rps_exudyn.charts.losses import losses_figure
+from rps_exudyn.charts.scene import PICTURES, draw
+from rps_exudyn.charts.several import torques_figure
+from rps_exudyn.charts.spectrum import spectrum_figure
+from rps_exudyn.charts.torque import torque_figure
+from rps_exudyn.errors import InputError
+from rps_exudyn.result import Result
+
+
+@pytest.fixture
+def there_and_back(made_up_result: Result) -> Result:
+    """Two turns and back, with everything that a scene's picture may look for."""
+    there = np.linspace(-2 * np.pi, 2 * np.pi, 481)
+    angle = np.concatenate([there, there[-2::-1]])
+    rising = np.arange(angle.size) <= 480
+    signals = {
+        "time": np.arange(angle.size) / 100,
+        "pinion_angle": angle,
+        "pinion_torque": np.where(rising, 0.6, -0.58) + 0.01 * np.cos(6 * angle),
+        "rack_force": np.where(rising, 110.0, -110.0),
+        "load_force": np.full_like(angle, 98.0665),
+        "rack_displacement": 0.00557 * angle,
+        "rack_y": 3e-6 * np.cos(angle),
+        "yokenut_force": np.maximum(100 * np.cos(angle), 0),
+        "plunger_displacement": 3e-6 * np.cos(angle),
+        "work_drive": 0.6 * np.arange(angle.size),
+        "work_mesh_friction": 0.4 * np.arange(angle.size),
+        "work_seat_friction": 0.2 * np.arange(angle.size),
+    }
+    return dataclasses.replace(made_up_result, signals=signals)
+
+
+@pytest.fixture
+def measured() -> MeasuredTorque:
+    """A synthetic curve that stands for a measured one."""
+    angle = np.concatenate([np.linspace(-3, 3, 60), np.linspace(3, -3, 60)])
+    torque = 0.61 * np.repeat([1, -1], 60)
+    return MeasuredTorque("bench", {"pinion_angle": angle, "pinion_torque": torque})
+
+
+@pytest.mark.parametrize("scene", PICTURES)
+def test_every_scene_is_drawn_with_a_measured_curve_too(
+    scene: str, there_and_back: Result, measured: MeasuredTorque, tmp_path: Path
+) -> None:
+    draw(dataclasses.replace(there_and_back, scene=scene), tmp_path / "a.png", measured)
+    assert (tmp_path / "a.png").stat().st_size > 5000
+
+
+def test_both_directions_are_drawn_against_their_motion(there_and_back: Result) -> None:
+    torque = torque_figure(there_and_back).axes[0]
+    assert torque.get_ylabel() == "torque against the motion [N m]"
+    assert [text.get_text() for text in torque.get_legend().get_texts()] == ["towards +X", "towards -X"]
+    for line, level in zip(torque.lines, (0.6, 0.58), strict=True):
+        assert np.mean(line.get_ydata()) == pytest.approx(level, abs=1e-3)
+
+
+@pytest.mark.parametrize("figure", [torque_figure, load_test_figure])
+def test_measured_curve_is_named_and_has_the_sense_of_the_simulated(
+    figure: object, there_and_back: Result, measured: MeasuredTorque
+) -> None:
+    torque = figure(there_and_back, measured).axes[0]  # type: ignore[operator]
+    assert "measured: bench" in [text.get_text() for text in torque.get_legend().get_texts()]
+    (forward, backward) = [line for line in torque.lines if line.get_color() == "#000000"]
+    assert np.mean(forward.get_ydata()) == pytest.approx(0.61)
+    assert np.mean(backward.get_ydata()) == pytest.approx(0.61 if figure is torque_figure else -0.61)
+
+
+def test_load_test_shows_the_torque_without_losses_and_says_self_locking(there_and_back: Result) -> None:
+    locking = {"rack_gain": 0.035, "torque_reverse": -0.1}
+    figure = load_test_figure(dataclasses.replace(there_and_back, summary=locking))
+    (ideal,) = (line for line in figure.axes[0].lines if line.get_label() == "without losses")
+    assert ideal.get_ydata()[0] == pytest.approx(98.0665 * 0.035 / (2 * np.pi))
+    assert "self-locking" in figure.get_suptitle()
+
+
+def test_spectrum_shows_each_order_at_its_amplitude(there_and_back: Result) -> None:
+    (axes,) = spectrum_figure({"a": there_and_back}).axes
+    (dots,) = (line for line in axes.lines if line.get_label() == "a")
+    assert dots.get_ydata()[5] == pytest.approx(10, rel=1e-2)  # [N mm]
+    short = {name: values[:100] for name, values in there_and_back.signals.items()}
+    with pytest.raises(InputError, match="less than a revolution"):
+        spectrum_figure({"a": dataclasses.replace(there_and_back, signals=short)})
+
+
+def test_losses_are_stacked_to_the_torque(there_and_back: Result) -> None:
+    (axes,) = losses_figure(there_and_back).axes
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert labels == ["drive", "teeth 66.7 %", "plunger's seat 33.3 %"]
+    with pytest.raises(InputError, match="no record of work"):
+        losses_figure(
+            dataclasses.replace(there_and_back, signals={"time": np.zeros(3), "pinion_angle": np.zeros(3)})
+        )
+
+
+def test_several_results_are_told_apart(there_and_back: Result) -> None:
+    (axes,) = torques_figure({"one": there_and_back, "two": there_and_back}, "Both").axes
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["one", "two"]
+    assert len({line.get_color() for line in axes.lines}) == 2
