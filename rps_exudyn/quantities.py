@@ -155,7 +155,7 @@ SUMMARY = {
     "yoke_force_max": _force("largest seat_force"),
     "hysteresis_area": _energy("work of the drive on the pinion over the last whole cycle of reversals"),
     "lost_motion": _deflection(
-        "how far the rack stays behind at the same pinion angle in both directions, mean over the middle"
+        "rack displacement at the same pinion angle towards -X minus that towards +X, mean over the middle"
     ),
     "torque_jump": _torque("change of the median pinion_torque of a pass across a reversal, the largest"),
     "reversal_angle": Quantity(

@@ -70,7 +70,11 @@ def _same_place(angle: np.ndarray, ends: list[int]) -> tuple[int, float] | None:
 
 
 def lost_motion(signals: Signals) -> float | None:
-    """How far the rack stays behind at the same pinion angle, mean over the middle half of the angles [m]."""
+    """How far the rack stays behind at the same pinion angle, mean over the middle half of the angles [m].
+
+    Elasticity holds the rack back; friction that rolls it to the other side may outweigh that and carry it
+    ahead, which makes the lost motion negative.
+    """
     both = both_directions(signals)
     if both is None or (angle := common_angles(*both)).size < 2:
         return None

@@ -35,10 +35,12 @@ class Pass:
 
 
 def passes(signals: Signals) -> list[Pass]:
-    """All passes in the order of time; instants of standing still or jerking back belong to none."""
-    ends = turning_points(signals["pinion_angle"])
-    begins = ends[:1] + [end + 1 for end in ends[1:]]  # where it turns back, friction still is as before
-    return [_pass(signals, first, last) for first, (_, last) in zip(begins, pairwise(ends), strict=False)]
+    """All passes in the order of time; instants of standing still or jerking back belong to none.
+
+    A record that was put together of several, where one begins at the time at which the one before ended,
+    is parted there too.
+    """
+    return [each for trip in _trips(signals) for each in _passes_of_one(trip)]
 
 
 def turning_points(angle: np.ndarray) -> list[int]:
@@ -63,6 +65,20 @@ def turning_points(angle: np.ndarray) -> list[int]:
         elif direction < 0:
             high = i
     return [*points, high if direction > 0 else low]
+
+
+def _trips(signals: Signals) -> list[Signals]:
+    """The records of which this one was put together."""
+    angle = signals["pinion_angle"]
+    joints = np.flatnonzero(np.diff(signals.get("time", np.arange(angle.size))) <= 0) + 1
+    ends = [0, *joints.tolist(), angle.size]
+    return [{name: values[i:j] for name, values in signals.items()} for i, j in pairwise(ends)]
+
+
+def _passes_of_one(signals: Signals) -> list[Pass]:
+    ends = turning_points(signals["pinion_angle"])
+    begins = ends[:1] + [end + 1 for end in ends[1:]]  # where it turns back, friction still is as before
+    return [_pass(signals, first, last) for first, (_, last) in zip(begins, pairwise(ends), strict=False)]
 
 
 def both_directions(signals: Signals) -> tuple[Pass, Pass] | None:

@@ -26,11 +26,12 @@ FIGURES = {
 def load_test_figure(result: Result, measured: MeasuredTorque | None = None) -> Figure:
     """The picture; the torque in the sense of the pinion angle, below zero where the gear is self-locking."""
     figure, (axes,) = style.panels([3.8])
+    raises = 1 if np.median(result.signals.get("load_force", np.ones(1))) > 0 else -1
     for turned in passes(result.signals):
         angle = SIGNALS["pinion_angle"].displayed(turned.angle)
         torque, colour = turned.signals["pinion_torque"], DIRECTIONS[turned.direction][1]
         quantity = SIGNALS["pinion_torque"]
-        style.line(axes, angle, torque, quantity, "pinion torque", colour, DOES[turned.direction])
+        style.line(axes, angle, torque, quantity, "pinion torque", colour, DOES[raises * turned.direction])
     if measured is not None:
         add_measured(axes, measured)
     if "load_force" in result.signals and "rack_gain" in result.summary:

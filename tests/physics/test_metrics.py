@@ -69,6 +69,14 @@ def test_passes_are_monotone_and_leave_out_standstill_and_jitter() -> None:
     assert second.angle[-1] == angle.min()
 
 
+def test_records_put_together_are_parted_where_one_ends() -> None:
+    """The second begins where elasticity has it, beyond the end of the first."""
+    angle = np.concatenate([np.linspace(0, 1, 11), np.linspace(1.02, 0, 11)])
+    time = np.concatenate([np.arange(11.0), np.arange(10.0, 21)])
+    first, second = passes({"time": time, "pinion_angle": angle})
+    assert (first.angle[-1], second.angle[0], first.angle.size, second.angle.size) == (1, 1.02, 11, 11)
+
+
 @pytest.mark.parametrize("angle", [np.zeros(0), np.zeros(4), np.array([0, np.nan, 1.0])])
 def test_pinion_that_never_moves_makes_no_pass(angle: np.ndarray) -> None:
     assert passes({"pinion_angle": angle}) == []
