@@ -4,9 +4,11 @@ They are as wide as a phone; a page sets them side by side.
 """
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.effects import MainEffect
@@ -18,6 +20,7 @@ from rps_exudyn.study.table import axis_quantity
 WIDTH, HEIGHT = 3.5, 2.6  # [in]
 MOST_TICKS = 5  # levels of a grid that are all written at the axis
 MOST_DOTS = 500
+_CASE_DOT: Any = {"color": "white", "markersize": 3.5, "markeredgecolor": "black", "markeredgewidth": 0.5}
 COLOUR_MAP = "cividis"  # even in brightness: printed in grey it still rises
 
 
@@ -31,8 +34,8 @@ def main_effect_figure(axis: Axis, effect: MainEffect, name: str, quantity: Quan
         quantity.displayed(effect.numbers[some]),
         ".",
         color=style.COLOURS["reference"],
-        alpha=0.45,
-        markersize=5,
+        alpha=0.6,
+        markersize=8,
         markeredgewidth=0,
     )
     known = np.isfinite(effect.mean)
@@ -55,13 +58,14 @@ def surface_figure(
     levels, others, means = surface
     shown = quantity.displayed(means)
     x, y = _ticks(axes, "x", first, levels), _ticks(axes, "y", second, others)
+    image: ScalarMappable
     numeric = levels.dtype.kind == others.dtype.kind == "f"
     if numeric and np.isfinite(shown).all():
         image = axes.contourf(x, y, shown.T, levels=12, cmap=COLOUR_MAP)
         grid_x, grid_y = np.meshgrid(x, y)
-        axes.plot(grid_x.ravel(), grid_y.ravel(), ".", color="white", markersize=3)
+        axes.plot(grid_x.ravel(), grid_y.ravel(), "o", clip_on=False, **_CASE_DOT)
     else:
-        image = axes.pcolormesh(x, y, shown.T, shading="nearest", cmap=COLOUR_MAP)
+        image = axes.pcolormesh(x, y, shown.T, shading="nearest", cmap=COLOUR_MAP, edgecolors="face")
     _colour_bar(figure, axes, image, name, quantity)
     return figure
 
@@ -89,9 +93,12 @@ def distribution_figure(numbers: np.ndarray, name: str, quantity: Quantity) -> F
     figure, axes = _small()
     shown = quantity.displayed(numbers[np.isfinite(numbers)])
     axes.hist(shown, bins="auto" if shown.size > 20 else 5, color=style.COLOURS["torque"], alpha=0.75)
+    axes.set_axisbelow(True)
     low, middle, high = np.quantile(shown, [0.05, 0.5, 0.95])
     axes.axvline(middle, color=style.COLOURS["other"], linewidth=1.6, label="median")
-    axes.axvspan(low, high, color=style.COLOURS["other"], alpha=0.15, linewidth=0, label="90 % of the cases")
+    axes.axvspan(
+        low, high, color=style.COLOURS["other"], alpha=0.15, linewidth=0, zorder=0, label="90 % of the cases"
+    )
     axes.set_xlabel(quantity.axis_label(_words(name)))
     axes.set_ylabel("cases")
     style.legend_above(axes)
@@ -130,11 +137,11 @@ def _ticks(axes: Axes, direction: str, axis: Axis, values: np.ndarray) -> np.nda
     return numbers.astype(float)
 
 
-def _colour_bar(figure: Figure, axes: Axes, image: object, name: str, quantity: Quantity) -> None:
+def _colour_bar(figure: Figure, axes: Axes, image: ScalarMappable, name: str, quantity: Quantity) -> None:
     axes.grid(False)
-    bar = figure.colorbar(image, ax=axes)  # type: ignore[arg-type]
+    bar = figure.colorbar(image, ax=axes)
     bar.set_label(quantity.axis_label(_words(name)))
-    bar.outline.set_visible(False)  # type: ignore[operator]
+    bar.outline.set_visible(False)
 
 
 def _words(name: str) -> str:

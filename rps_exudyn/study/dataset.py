@@ -140,7 +140,7 @@ class _Signal(BackendArray):
 
     def _read(self, key: tuple[int | slice, ...]) -> np.ndarray:
         *cases, samples = key
-        files = np.asarray(self._files[tuple(cases)], dtype=object)
+        files: Any = np.asarray(self._files[tuple(cases)], dtype=object)
         wanted = np.arange(self.shape[-1])[samples]
         values = np.full((*files.shape, *wanted.shape), np.nan)
         for place in np.ndindex(files.shape):

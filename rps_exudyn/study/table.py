@@ -22,7 +22,7 @@ from rps_exudyn.study.description import Axis, Case, Description, Value
 from rps_exudyn.study.store import CaseRow, Store
 
 PENDING = "pending"
-ROUNDING = 1e-9  # share of a number below which its differences mean nothing
+NEGLIGIBLE = 1e-5  # share of a number below which its differences are of no interest
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,10 +75,10 @@ class CaseTable:
         return (pair for pair in ended.values() if pair[1].status is not Status.OK)
 
     def varying(self) -> list[str]:
-        """Numbers that differ between the cases by more than rounding, in the order of `SUMMARY`.
+        """Numbers that differ noticeably between the cases, in the order of `SUMMARY`.
 
-        Rounding is that of the largest number with the same unit: the amplitude of an order that is not
-        there is no zero either.
+        Differences are measured by the largest number with the same unit: an order's amplitude that
+        is nothing but rounding does not differ.
         """
         largest: dict[str, float] = {}
         for name, values in self.numbers.items():
@@ -87,7 +87,7 @@ class CaseTable:
         return [
             name
             for name, values in self.numbers.items()
-            if np.nanmax(values) - np.nanmin(values) > ROUNDING * largest[SUMMARY[name].unit]
+            if np.nanmax(values) - np.nanmin(values) > NEGLIGIBLE * largest[SUMMARY[name].unit]
         ]
 
     @property

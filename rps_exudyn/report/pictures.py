@@ -1,0 +1,34 @@
+"""Charts as SVG that stands inside a page: text stays text, nothing in it clashes with other pictures."""
+
+import io
+import re
+import warnings
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+from matplotlib.text import Text as Words
+
+from rps_exudyn.report.blocks import Picture
+
+_NO_METADATA = {"Creator": None, "Date": None, "Format": None, "Type": None}
+
+
+def picture(figure: Figure, caption: str) -> Picture:
+    """The figure as a part of a page; the same figure gives the same text."""
+    for words in figure.findobj(Words):
+        words.set_parse_math(False)  # a dollar in a name is a dollar
+    text = io.StringIO()
+    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": caption}), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # glyphs that the font of the layout lacks: the browser has others
+        figure.savefig(text, format="svg", metadata=_NO_METADATA)
+    return Picture(_for_a_page(text.getvalue()), caption, figure.get_size_inches()[0])
+
+
+def _for_a_page(svg: str) -> str:
+    """The svg element alone, as wide as its place, with just those ids that it refers to itself."""
+    svg = svg[svg.index("<svg") :]
+    svg = re.sub(r"<metadata>.*?</metadata>\s*|<style.*?</style>\s*", "", svg, flags=re.S)
+    svg = re.sub(r'^(<svg\b[^>]*?) width="[^"]*"', r"\1", svg)
+    svg = re.sub(r'^(<svg\b[^>]*?) height="[^"]*"', r"\1", svg)
+    used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', svg))
+    return re.sub(r' id="([^"]*)"', lambda found: found[0] if found[1] in used else "", svg)

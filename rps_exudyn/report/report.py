@@ -1,0 +1,53 @@
+"""Paths of studies and results -> one HTML file."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rps_exudyn.atomic import replacing
+from rps_exudyn.errors import InputError
+from rps_exudyn.report.blocks import Article
+from rps_exudyn.report.html import page
+from rps_exudyn.report.result_page import result_article, side_by_side
+from rps_exudyn.report.study_page import study_article
+from rps_exudyn.result import load
+from rps_exudyn.study.store import Store
+
+SUFFIXES = (".html", ".htm")
+
+
+def write_report(paths: Sequence[str | Path], out: str | Path) -> None:
+    """Write the page about studies (folders) and results (files), whole or not at all.
+
+    Raises:
+        InputError: a path that is neither, is damaged, or of a newer format; or `out` cannot be written.
+    """
+    articles = _articles([Path(path) for path in paths])
+    text = page(" · ".join(article.title for article in articles), articles)
+    with replacing(out) as partial:
+        partial.write_text(text, encoding="utf-8", errors="replace")
+
+
+def default_name(paths: Sequence[Path]) -> Path:
+    """Where the report goes if nobody says: into a study's folder, beside a result, or here."""
+    if len(paths) > 1:
+        return Path("report.html")
+    return paths[0] / "report.html" if paths[0].is_dir() else paths[0].with_suffix(".html")
+
+
+def _articles(paths: Sequence[Path]) -> list[Article]:
+    """Everything is opened before anything is drawn, so that all mistakes are told at once."""
+    problems: list[str] = []
+    opened = {}
+    for path in paths:
+        try:
+            opened[path] = Store.open(path) if path.is_dir() else load(path)
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError(problems)
+    results = {path: content for path, content in opened.items() if not isinstance(content, Store)}
+    articles = [side_by_side(results)] if len(results) > 1 else []
+    return articles + [
+        study_article(content) if isinstance(content, Store) else result_article(content, path)
+        for path, content in opened.items()
+    ]

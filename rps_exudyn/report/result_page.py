@@ -1,0 +1,143 @@
+"""What a page says about one result, of any scene; and about several side by side."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from rps_exudyn.analysis.work_balance import work_shares
+from rps_exudyn.charts.scene import PICTURES
+from rps_exudyn.charts.signals import WIDTH, signals_figure
+from rps_exudyn.outcome import Status
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.quantities import COUNTERS, GEOMETRY, SIGNALS, SUMMARY, Quantity
+from rps_exudyn.report.blocks import (
+    Article,
+    Block,
+    Code,
+    Facts,
+    Fold,
+    Grid,
+    Pictures,
+    Section,
+    Text,
+    Warning,
+)
+from rps_exudyn.report.common import fidelity_facts, parameter_grid, provenance_facts, told
+from rps_exudyn.report.pictures import picture
+from rps_exudyn.result import Result
+
+
+def result_article(result: Result, path: Path) -> Article:
+    """All of one result."""
+    return Article(
+        title=f"{result.scene} · {path.name}",
+        lead=f"fidelity {result.fidelity['name']} · status {result.status} · {result.provenance['date']}",
+        sections=[
+            Section("Outcome", list(_outcome(result))),
+            Section("Curves", list(_curves(result))),
+            Section("Parameters", list(_parameters(result))),
+            Section("Provenance", [provenance_facts(result.provenance), Code(_commands(path))]),
+        ],
+    )
+
+
+def side_by_side(results: Mapping[Path, Result]) -> Article:
+    """Several results: their outcomes and numbers in one table."""
+    names = {path: path.name for path in results}
+    if len(set(names.values())) < len(names):
+        names = {path: str(path) for path in results}
+    rows = [
+        ["scene", *(result.scene for result in results.values())],
+        ["fidelity", *(result.fidelity["name"] for result in results.values())],
+        ["status", *(result.status.value for result in results.values())],
+    ]
+    for name in SUMMARY:
+        values = [result.summary.get(name) for result in results.values()]
+        if any(value is not None for value in values):
+            rows.append([name, *("" if value is None else SUMMARY[name].show(value) for value in values)])
+    settings = {path: _changed(result.gear) for path, result in results.items()}
+    for parameter in dict.fromkeys(name for changed in settings.values() for name in changed):
+        values = [result.gear.value_at(parameter) for result in results.values()]
+        if len({repr(value) for value in values}) > 1:
+            shown = [str(parameter_grid({parameter: value}).rows[0][1]) for value in values]
+            rows.append([parameter, *shown])
+    grid = Grid(["", *names.values()], rows)
+    return Article("Results side by side", f"{len(results)} files", [Section("Numbers", [grid])])
+
+
+def _outcome(result: Result) -> Iterable[Block]:
+    if result.status is not Status.OK:
+        yield Warning(
+            f"The simulation failed ({result.status}): {result.message or 'no message'} "
+            f"{result.status.remedy} Its numbers must not be used."
+        )
+    elif result.message:
+        yield Text(result.message)
+    if result.summary:
+        yield _quantities(SUMMARY, result.summary)
+    shares = work_shares(result.signals)
+    if shares:
+        rows = [[name, f"{share:.1%}", SIGNALS[name].long_name] for name, share in shares.items()]
+        yield Grid(("loss", "share", "definition"), rows, "Shares of the drive's work")
+    if not result.summary and not shares:
+        yield Text("It left no numbers.")
+
+
+def _curves(result: Result) -> Iterable[Block]:
+    if not result.signals:
+        yield Text("No signals were kept.")
+        return
+    pictures = []
+    if result.status is Status.OK and result.scene in PICTURES:
+        pictures.append(picture(_without_headline(PICTURES[result.scene](result, None)), result.scene))
+    every = signals_figure(result)
+    if every is not None:
+        pictures.append(picture(every, "All signals that move"))
+    yield Pictures(pictures) if pictures else Text("No signal moves.")
+
+
+def _without_headline(figure: Figure) -> Figure:
+    """As wide as a phone; what stands over it on a sheet of its own, the page says."""
+    figure.suptitle("")
+    figure.set_size_inches(WIDTH, figure.get_size_inches()[1])
+    return figure
+
+
+def _parameters(result: Result) -> Iterable[Block]:
+    changed = _changed(result.gear)
+    if changed:
+        yield parameter_grid(changed, "Parameters that differ from the defaults")
+    else:
+        yield Text("Every parameter has its default.")
+    every = {item.path: result.gear.value_at(item.path) for item in SteeringGear.declared()}
+    yield Fold("All parameters of gear and test", [parameter_grid(every)])
+    yield fidelity_facts(result.fidelity)
+    yield Fold(
+        "Settings of the solver", [Facts([(name, told(value)) for name, value in result.solver.items()])]
+    )
+    if result.counters:
+        times = {"processor time": result.cpu_s, "elapsed time": result.wall_s}
+        rows = [(name, f"{seconds:.3g} s") for name, seconds in times.items()]
+        rows += [
+            (COUNTERS[name].long_name, COUNTERS[name].show(value)) for name, value in result.counters.items()
+        ]
+        yield Fold("What it took", [Facts(rows)])
+    if result.geometry:
+        yield Fold("Geometry", [_quantities(GEOMETRY, result.geometry)])
+
+
+def _quantities(known: Mapping[str, Quantity], values: Mapping[str, float]) -> Grid:
+    rows = [[name, known[name].show(value), known[name].long_name] for name, value in values.items()]
+    return Grid(("quantity", "value", "definition"), rows)
+
+
+def _changed(gear: SteeringGear) -> dict[str, object]:
+    """Path -> value of the parameters that are not as by default."""
+    default = SteeringGear()
+    paths = [item.path for item in SteeringGear.declared()]
+    return {path: gear.value_at(path) for path in paths if gear.value_at(path) != default.value_at(path)}
+
+
+def _commands(path: Path) -> str:
+    return f"rps-exudyn rerun {path}     # the same again, from what the file holds\nrps-exudyn show {path}"

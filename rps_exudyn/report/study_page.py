@@ -1,0 +1,376 @@
+"""What a page says about a study, also a half-finished one, of any scene and design."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from rps_exudyn.analysis import sensitivity
+from rps_exudyn.analysis.effects import MainEffect, grid_effect, sampled_effect, surface
+from rps_exudyn.charts.effects import (
+    distribution_figure,
+    main_effect_figure,
+    scattered_figure,
+    surface_figure,
+)
+from rps_exudyn.charts.signals import overlaid_figure
+from rps_exudyn.errors import InputError
+from rps_exudyn.quantities import SUMMARY
+from rps_exudyn.report.blocks import (
+    Article,
+    Block,
+    Code,
+    Facts,
+    Fold,
+    Grid,
+    Picture,
+    Pictures,
+    Section,
+    Text,
+    Warning,
+)
+from rps_exudyn.report.common import fidelity_facts, parameter_grid, provenance_facts
+from rps_exudyn.report.pictures import picture
+from rps_exudyn.study.description import GRID_DESIGN, Axis, Case
+from rps_exudyn.study.store import Store
+from rps_exudyn.study.table import PENDING, CaseTable, axis_quantity, show_value
+
+LEADING = 3  # numbers that stand open, with their best and worst cases
+MOST_SURFACES = 3  # for each number: of the axes that matter most
+MOST_ROWS = 300  # cases listed one by one
+MOST_VALUES = 8  # of an axis, written out
+
+
+def study_article(store: Store) -> Article:
+    """All of one study."""
+    table = CaseTable.of(store)
+    description = table.description
+    return Article(
+        title=description.name,
+        lead=f"{description.scene} · fidelity {description.fidelity.get('name', '')} · {_progress(table)}",
+        sections=[
+            Section("What was run", list(_what(table))),
+            Section("Outcome", list(_outcome(table))),
+            Section("Main effects and response surfaces", list(_effects(table))),
+            *_sensitivity(table),
+            Section("Best and worst cases", list(_extremes(table, store))),
+            Section("Failed cases", list(_failed(table))),
+            Section("All cases", list(_all_cases(table))),
+            Section("Provenance", list(_provenance(table))),
+        ],
+    )
+
+
+def _progress(table: CaseTable) -> str:
+    count = {status: int((table.status == status).sum()) for status in dict.fromkeys(table.status.tolist())}
+    parts = [f"{number} {status}" for status, number in count.items()]
+    return f"{_count(len(table.cases), 'case')}: {', '.join(parts)}" if parts else "no cases"
+
+
+# --- what was run ------------------------------------------------------------------------------
+
+
+def _what(table: CaseTable) -> Iterable[Block]:
+    description = table.description
+    pending = int((table.status == PENDING).sum())
+    if pending:
+        yield Warning(
+            f"Not finished: {pending} of {len(table.cases)} cases are still to run. What follows is of the "
+            "others; the same command goes on where it stopped."
+        )
+    if table.skipped:
+        yield Warning(
+            f"{len(table.skipped)} files could not be read and count as not done; see Failed cases."
+        )
+    facts = [
+        ("scene", description.scene),
+        ("fidelity", str(description.fidelity.get("name", ""))),
+        ("design", description.design),
+        ("seed", "" if description.design == GRID_DESIGN else str(description.seed)),
+        ("cases", _progress(table)),
+        ("signals kept", _kept(table)),
+        ("processor time", _times(table)),
+    ]
+    yield Facts([(name, text) for name, text in facts if text])
+    rows = [
+        [
+            axis.name,
+            ", ".join([*axis.paths, *axis.along]),
+            _values(table, axis),
+            axis_quantity(axis).long_name,
+        ]
+        for axis in description.axes
+    ]
+    yield Grid(("axis", "parameters", "values", "meaning"), rows, "What was varied")
+    if description.base:
+        yield parameter_grid(description.base, "Set for all cases, other than by default")
+    yield fidelity_facts(description.fidelity)
+
+
+def _kept(table: CaseTable) -> str:
+    keep = table.description.signals
+    if keep.signals == ():
+        return "none"
+    names = "all" if keep.signals is None else ", ".join(keep.signals)
+    return f"{names}; at most {keep.samples} samples" if keep.samples else names
+
+
+def _times(table: CaseTable) -> str:
+    seconds = table.times("cpu_s")
+    known = seconds[np.isfinite(seconds)]
+    return f"{known.sum():.3g} s together, median {np.median(known):.2g} s a case" if known.size else ""
+
+
+def _values(table: CaseTable, axis: Axis) -> str:
+    """The values written out, or their range."""
+    if axis.values is None:
+        found = table.axes[axis.name]
+        low, high = (show_value(axis, found[at].item()) for at in (found.argmin(), found.argmax()))
+        kind = axis.distribution.get("kind", "")
+        return f"{low} to {high}{', ' if kind else ''}{kind}" if found.size else str(kind)
+    if len(axis.values) <= MOST_VALUES:
+        return ", ".join(show_value(axis, value) for value in axis.values)
+    ends = (show_value(axis, axis.values[at]) for at in (0, -1))
+    return f"{' to '.join(ends)}, {len(axis.values)} values"
+
+
+# --- outcome -----------------------------------------------------------------------------------
+
+
+def _outcome(table: CaseTable) -> Iterable[Block]:
+    if not table.numbers:
+        yield Text("No case has ended ok yet.")
+        return
+    rows = []
+    for name, values in table.numbers.items():
+        known = values[np.isfinite(values)]
+        told = [SUMMARY[name].show(float(at(known))) for at in (np.min, np.median, np.max)]
+        rows.append([name, *told, SUMMARY[name].long_name])
+    yield Grid(
+        ("quantity", "lowest", "median", "highest", "definition"), rows, "Over the cases that ended ok"
+    )
+
+
+# --- effects -----------------------------------------------------------------------------------
+
+
+def _effects(table: CaseTable) -> Iterable[Block]:
+    names = table.varying()
+    if not names:
+        yield Text("No number differs between the cases that ended ok.")
+        return
+    if table.description.design == GRID_DESIGN:
+        yield Text(
+            "Dots are cases; the line is the mean over the settings of all other axes that are known at each "
+            "of its points."
+        )
+    else:
+        yield Text("Dots are cases; the line joins the means of classes of equally many.")
+    yield Text("The share is what the means of an axis' levels alone explain of the variance over the cases.")
+    for place, name in enumerate(names):
+        yield Fold(_words(name), list(_effects_on(table, name)), is_open=place < LEADING)
+
+
+def _effects_on(table: CaseTable, name: str) -> Iterable[Block]:
+    quantity, numbers = SUMMARY[name], table.numbers[name]
+    axes = [axis for axis in table.description.axes if len(np.unique(table.axes[axis.name])) > 1]
+    effects = {axis.name: _effect(table, axis, numbers) for axis in axes}
+    yield Text(f"{quantity.long_name}.")
+    rows = [_effect_row(axis, effects[axis.name], name) for axis in axes]
+    yield Grid(("axis", "from", "to", "mean from", "mean to", "share"), rows)
+    pictures: list[Picture] = []
+    if table.description.design != GRID_DESIGN:
+        pictures.append(
+            picture(distribution_figure(numbers, name, quantity), f"{_words(name)}: distribution")
+        )
+    pictures += [
+        picture(
+            main_effect_figure(axis, effects[axis.name], name, quantity), f"{_words(name)} over {axis.name}"
+        )
+        for axis in axes
+    ]
+    strongest = sorted(axes, key=lambda axis: -effects[axis.name].share)
+    pairs = [(a, b) for at, a in enumerate(strongest) for b in strongest[at + 1 :]][:MOST_SURFACES]
+    pictures += [_surface(table, pair, name) for pair in pairs]
+    yield Pictures(pictures)
+
+
+def _effect(table: CaseTable, axis: Axis, numbers: np.ndarray) -> MainEffect:
+    if table.description.design == GRID_DESIGN:
+        return grid_effect(table.axes, axis.name, numbers)
+    return sampled_effect(table.axes[axis.name], numbers)
+
+
+def _effect_row(axis: Axis, effect: MainEffect, name: str) -> list[str]:
+    known = np.flatnonzero(np.isfinite(effect.mean))
+    if known.size < 2:
+        return [axis.name, "", "", "", "", ""]
+    ends = [known[0], known[-1]]
+    if effect.levels.dtype.kind != "f":  # words have no order: from the lowest mean to the highest
+        ends = [known[np.argmin(effect.mean[known])], known[np.argmax(effect.mean[known])]]
+    levels = [show_value(axis, effect.levels[at].item()) for at in ends]
+    means = [SUMMARY[name].show(float(effect.mean[at])) for at in ends]
+    return [axis.name, *levels, *means, f"{effect.share:.0%}"]
+
+
+def _surface(table: CaseTable, pair: tuple[Axis, Axis], name: str) -> Picture:
+    first, second = pair
+    quantity, numbers = SUMMARY[name], table.numbers[name]
+    if table.description.design == GRID_DESIGN:
+        means = surface(table.axes, first.name, second.name, numbers)
+        figure = surface_figure(first, second, means, name, quantity)
+    else:
+        known = np.isfinite(numbers)
+        points = (table.axes[first.name][known], table.axes[second.name][known], numbers[known])
+        figure = scattered_figure(first, second, points, name, quantity)
+    return picture(figure, f"{_words(name)} over {first.name} and {second.name}")
+
+
+def _sensitivity(table: CaseTable) -> list[Section]:
+    design = table.description.design
+    if design not in sensitivity.DESIGNS:
+        return []
+    kinds = sensitivity.KINDS[design]
+    blocks: list[Block] = [Facts(list(kinds.items()))]
+    for name in table.varying():
+        try:
+            blocks.append(_indices(table, name, list(kinds)))
+        except InputError as error:
+            blocks.append(Text(" ".join(error.problems)))
+            break
+    return [Section("Sensitivity indices", blocks)]
+
+
+def _indices(table: CaseTable, name: str, kinds: Sequence[str]) -> Grid:
+    found = sensitivity.indices(table, name)
+    unit = SUMMARY[name] if found.design == sensitivity.MORRIS else None
+    rows = []
+    for axis, row in found.rows.items():
+        cells = []
+        for kind in kinds:
+            index = row[kind]
+            show = unit.show if unit else "{:.3f}".format
+            spread = f" ± {show(index.confidence)}" if np.isfinite(index.confidence) else ""
+            cells.append(f"{show(index.value)}{spread}")
+        rows.append([axis, *cells])
+    left_out = f", {found.left_out} left out for unknown numbers" if found.left_out else ""
+    caption = f"{_words(name)}: from {found.groups} groups of cases{left_out}; ± is the 95 % interval"
+    return Grid(("axis", *kinds), rows, caption)
+
+
+# --- single cases ------------------------------------------------------------------------------
+
+
+def _better(name: str) -> Literal["lowest", "highest", ""]:
+    """Which end of a number is the better one, if it is known."""
+    if name.startswith("efficiency"):
+        return "highest"
+    return "lowest" if name.startswith("torque") else ""
+
+
+def _extremes(table: CaseTable, store: Store) -> Iterable[Block]:
+    names = table.varying()[:LEADING]
+    if not names:
+        yield Text("No number differs between the cases that ended ok.")
+    for name in names:
+        yield Fold(_words(name), list(_extremes_of(table, store, name)), is_open=True)
+
+
+def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[Block]:
+    numbers = table.numbers[name]
+    order = np.argsort(numbers, kind="stable")[: int(np.isfinite(numbers).sum())]
+    places = {"lowest": order[0], "median": order[(len(order) - 1) // 2], "highest": order[-1]}
+    if _better(name) == "highest":
+        places = dict(reversed(places.items()))
+    best = {_better(name): " (best)", _opposite(name): " (worst)"} if _better(name) else {}
+    cases = {f"{end}{best.get(end, '')}": table.cases[at] for end, at in places.items()}
+    rows = [
+        [label, SUMMARY[name].show(float(numbers[at])), *_settings(table, case), case.hash]
+        for (label, case), at in zip(cases.items(), places.values(), strict=True)
+    ]
+    yield Grid(("", name, *(axis.name for axis in table.description.axes), "case"), rows)
+    results = {}
+    for label, case in cases.items():
+        try:
+            results[label.split(" ")[0]] = store.result(case)
+        except InputError as error:
+            yield Text(" ".join(error.problems))
+    figure = overlaid_figure(results)
+    if figure is None:
+        yield Text("No signals were kept of these cases.")
+    else:
+        yield Pictures([picture(figure, f"Cases with the lowest, median and highest {_words(name)}")])
+
+
+def _opposite(name: str) -> str:
+    return "lowest" if _better(name) == "highest" else "highest"
+
+
+def _settings(table: CaseTable, case: Case) -> list[str]:
+    return [show_value(axis, case.values[axis.name]) for axis in table.description.axes]
+
+
+def _failed(table: CaseTable) -> Iterable[Block]:
+    failed = list(table.failed())
+    for status in dict.fromkeys(row.status for _, row in failed):
+        rows = [
+            [row.message, *_settings(table, case), case.hash] for case, row in failed if row.status is status
+        ]
+        columns = ("message", *(axis.name for axis in table.description.axes), "case")
+        yield Grid(columns, rows[:MOST_ROWS], f"{status}: {_count(len(rows), 'case')}. {status.remedy}")
+    if table.skipped:
+        rows = [[path.name, sentence] for path, sentence in table.skipped]
+        yield Grid(("file", "why it could not be read"), rows[:MOST_ROWS], "Files left out")
+    if not failed and not table.skipped:
+        yield Text("None.")
+
+
+def _all_cases(table: CaseTable) -> Iterable[Block]:
+    columns = (*(axis.name for axis in table.description.axes), "status", *table.numbers, "case")
+    rows = []
+    for at, case in enumerate(table.cases[:MOST_ROWS]):
+        numbers = [
+            SUMMARY[name].show(float(values[at])) if np.isfinite(values[at]) else ""
+            for name, values in table.numbers.items()
+        ]
+        rows.append([*_settings(table, case), table.status[at].item(), *numbers, case.hash])
+    if len(table.cases) > MOST_ROWS:
+        yield Text(
+            f"The first {MOST_ROWS} of {len(table.cases)} cases; all of them: rps-exudyn collect {table.path}"
+        )
+    yield Fold(_count(len(rows), "case"), [Grid(columns, rows)])
+
+
+# --- provenance --------------------------------------------------------------------------------
+
+
+def _provenance(table: CaseTable) -> Iterable[Block]:
+    told = dict(table.description.provenance)
+    command = str(told.pop("command", "")) or f"rps-exudyn study {table.path / 'study.toml'}"
+    yield provenance_facts(told)
+    example = next((case.hash for case, ok in zip(table.cases, table.ok, strict=True) if ok), "HASH")
+    yield Code(
+        f"{command}     # the study; what is finished is kept\n"
+        f"rps-exudyn rerun {table.path / 'cases' / example}.h5     # one case\n"
+        f"rps-exudyn collect {table.path}     # all numbers in one table\n"
+        f"rps-exudyn report {table.path}     # this page"
+    )
+    study_file = _text_of(table.path / "study.toml")
+    if study_file:
+        yield Fold("Study file", [Code(study_file)])
+
+
+def _text_of(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
