@@ -1,4 +1,4 @@
-"""The command line `rps-exudyn`: run, show, diff, geometry, describe.
+"""The command line `rps-exudyn`: run, study, show, diff, rerun, geometry, describe.
 
 Exit status: 0 done; 1 the simulation failed (its file says how); 2 wrong input, one sentence for each problem
 on standard error. What a command needs is imported by the command, so that `--help` and `describe` are quick.
@@ -41,8 +41,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _refuse(error.problems)
     except CycloptsError as error:
         return _refuse([_sentence(error)])
-    except KeyboardInterrupt:
-        _say("interrupted; nothing was written.")
+    except KeyboardInterrupt as interrupt:
+        _say(str(interrupt) or "interrupted; nothing was written.")
         return INTERRUPTED
 
 
@@ -88,6 +88,40 @@ def run(
 
 
 @app.command
+def study(
+    file: Path,
+    /,
+    *,
+    out: Path | None = None,
+    jobs: int | None = None,
+    cluster: str | None = None,
+    dry_run: Flag = False,
+    toy: Flag = False,
+    yes: Flag = False,
+    json: Flag = False,
+) -> int:
+    """Simulate all cases of a study file; interrupted or repeated, it does only what is missing.
+
+    Args:
+        file: TOML file, see docs/studies.md.
+        out: folder of the study; without it one of the file's name in the current folder.
+        jobs: processes at work; without it one for each processor.
+        cluster: address of a Dask scheduler that does the cases instead, for instance tcp://10.0.0.1:8786.
+        dry_run: list the cases and estimate the time, and do nothing.
+        toy: the study at its smallest, two values of each axis, in a folder NAME-toy: does it work?
+        yes: also if there are very many cases.
+        json: print the outcome, or the cases, as JSON.
+    """
+    from rps_exudyn.study import command
+
+    folder = out or Path(f"{file.stem}-toy" if toy else file.stem)
+    request = command.Request(file, folder, jobs, cluster, toy, yes)
+    if dry_run:
+        return command.list_cases(request, json)
+    return command.do_study(request, json)
+
+
+@app.command
 def show(file: Path, /, *, json: Flag = False) -> int:
     """Print the summary of a result.
 
@@ -129,6 +163,36 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Flag =
     else:
         printed.print_comparison(comparison, names, files)
     return DONE
+
+
+@app.command
+def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
+    """Simulate again what a result holds, from the parameters in its file, and say whether it is the same.
+
+    Args:
+        file: HDF5 file that `run` or `study` wrote; it is left as it is.
+        out: HDF5 file of the new result; without it none is written.
+        json: print the new summary and the numbers that differ as JSON.
+    """
+    from rps_exudyn import printed, simulate
+    from rps_exudyn.analysis.rerun import differing_numbers, setup_of
+    from rps_exudyn.result import load
+
+    if out:
+        _checked_output(out, RESULT_FILES)
+    old = load(file)
+    with redirect_stdout(sys.stderr):
+        new = simulate.run(old.scene, old.gear, fidelity=setup_of(old, file))
+    if out:
+        new.save(out)
+    differing = differing_numbers(old, new)
+    files = [out] if out else []
+    if json:
+        printed.print_json(printed.result_as_dict(new, files) | {"differing": differing})
+    else:
+        printed.print_result(new, files)
+        printed.print_differing(differing, str(file))
+    return _verdict(new)
 
 
 @app.command

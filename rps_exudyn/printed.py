@@ -153,6 +153,16 @@ def measured_as_dict(compared: "list[AgainstMeasured] | None") -> dict[str, Any]
     }
 
 
+def print_differing(differing: Mapping[str, tuple[Any, Any]], name: str) -> None:
+    """What a repeated simulation found otherwise than the file."""
+    console = _console()
+    if not differing:
+        console.print(f"Every number is that of {name}, bit for bit.", soft_wrap=True)
+        return
+    rows = [(what, *map(str, pair)) for what, pair in differing.items()]
+    console.print(_grid(("differs", name, "now"), rows))
+
+
 def print_geometry(report: "GeometryReport", files: Iterable[Path] = ()) -> None:
     """Every number with its unit and definition, masses, and what the designer should be told."""
     rows = [(name, item.show(getattr(report, name)), item.long_name) for name, item in GEOMETRY.items()]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity, name_of
+from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.setup import Setup
 from rps_exudyn.study.description import GRID_DESIGN, Axis, Case, Description, Value
@@ -58,7 +58,7 @@ def describe(study: Study, provenance: Mapping[str, Any]) -> Description:
     Raises:
         InputError: values of several axes that do not fit each other.
     """
-    base = study.setup()
+    base = study.base
     return Description(
         name=study.name,
         title=study.title,
@@ -76,30 +76,21 @@ def describe(study: Study, provenance: Mapping[str, Any]) -> Description:
 
 
 def setup_of(study: Study, case: Case) -> Setup:
-    """Gear and fidelity of a case; the fidelity's name says what an axis changed in it."""
-    settings = {
-        path: value for axis in study.axes for path, value in axis.settings(case.values[axis.name]).items()
-    }
-    return _setup(study, settings)
+    """Gear and fidelity of a case."""
+    return study.setup(_settings(study, case.values))
 
 
-def _setup(study: Study, settings: Mapping[str, Value]) -> Setup:
-    changed = {**study.settings, **settings}
-    prefix = "fidelity."
-    choices = {path[len(prefix) :]: value for path, value in changed.items() if path.startswith(prefix)}
-    if choices:
-        settings = {**settings, "fidelity.name": name_of(study.tables["fidelity"]["name"], choices)}
-    return study.setup(settings)
+def _settings(study: Study, values: Mapping[str, Value]) -> dict[str, Value]:
+    """Path -> value of all that the axes move."""
+    return {path: value for axis in study.axes for path, value in axis.settings(values[axis.name]).items()}
 
 
 def _cases(study: Study) -> Iterator[Case]:
     problems: dict[str, None] = {}
     for values in points(study.axes, study.design, study.samples, study.seed):
-        settings = {
-            path: value for axis in study.axes for path, value in axis.settings(values[axis.name]).items()
-        }
+        settings = _settings(study, values)
         try:
-            setup = _setup(study, settings)
+            setup = study.setup(settings)
         except InputError as error:
             told = ", ".join(f"{path} = {value}" for path, value in settings.items())
             problems |= dict.fromkeys(f"{study.file}: the case {told}: {item}" for item in error.problems)

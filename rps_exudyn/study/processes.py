@@ -99,7 +99,7 @@ class Processes:
     def __init__(self, jobs: int, time_limit: float, messages: Path | None = None) -> None:
         """`time_limit` is one case's [s]; what the processes print goes to the file `messages`."""
         self._jobs = jobs
-        self._limit = time_limit
+        self.time_limit = time_limit
         self._messages = messages
         self._workers: list[_Worker] = []
         self._events: queue.SimpleQueue[tuple[_Worker, str | None]] = queue.SimpleQueue()
@@ -211,7 +211,7 @@ class Processes:
     def _deadline(self, worker: _Worker) -> float:
         if not worker.ready:
             return worker.since + START_LIMIT
-        return worker.since + self._limit if worker.tasks else float("inf")
+        return worker.since + self.time_limit if worker.tasks else float("inf")
 
     def _until_deadline(self) -> float:
         nearest = min((self._deadline(worker) for worker in self._workers), default=0.0)

@@ -8,7 +8,7 @@ time limit shorter than today's. Other failures are facts about the case and are
 import shlex
 import sys
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rps_exudyn.atomic import replacing
@@ -40,9 +40,7 @@ class Plan:
             InputError: cases that cannot be, or a folder of something else.
         """
         store = Store.of(folder, describe(study, {**provenance(), "command": shlex.join(sys.argv)}))
-        done = {case.hash for case, row in store.rows() if not to_be_done_again(row, study.time_limit)}
-        hashes = store.description.hashes
-        return cls(study, store, tuple(case for key, case in hashes.items() if key not in done))
+        return cls(study, store, _missing(study, store))
 
     @property
     def description(self) -> Description:
@@ -51,6 +49,11 @@ class Plan:
     def measured(self) -> list[float]:
         """What the finished cases took [s]."""
         return [row.wall_s for _, row in self.store.rows() if row.status is Status.OK]
+
+
+def _missing(study: Study, store: Store) -> tuple[Case, ...]:
+    done = {case.hash for case, row in store.rows() if not to_be_done_again(row, study.time_limit)}
+    return tuple(case for key, case in store.description.hashes.items() if key not in done)
 
 
 def to_be_done_again(row: CaseRow, time_limit: float) -> bool:
@@ -87,8 +90,7 @@ def _run(plan: Plan, run: Run, workers_write: bool) -> Tally:
     store = plan.store
     store.make_folders()
     with store.locked():
-        plan = Plan.of(plan.study, store.path)  # another runner may have worked until now
-        store = plan.store
+        plan = replace(plan, missing=_missing(plan.study, store))  # another may have worked until now
         skipped = store.skipped
         _begin(plan)
         log, forms = Log(store.path / "study.log"), FileForms()

@@ -25,6 +25,7 @@ docs/studies.md explains every key.
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, get_args
 
@@ -33,7 +34,7 @@ import numpy as np
 from rps_exudyn import units
 from rps_exudyn.declaration import Declared, read_toml
 from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import PRESETS
+from rps_exudyn.fidelity import PRESETS, name_of
 from rps_exudyn.quantities import SIGNALS
 from rps_exudyn.setup import Setup
 from rps_exudyn.study.description import DESIGNS, GRID_DESIGN, Axis, Keep, Value
@@ -57,6 +58,7 @@ AXIS_KEYS = ("name", "path", "paths", "unit", "along", *SHAPES, *DISTRIBUTIONS)
 NOT_AXES = ("hash", "status", "message", "cpu_s", "wall_s", "bytes", "modified_ns", "case")
 """Names that tables of results need for themselves."""
 
+FIDELITY = "fidelity."
 MOST_ON_AN_AXIS = 100_000
 MOST_SAMPLES = 1_000_000
 
@@ -81,17 +83,47 @@ class Study:
     def name(self) -> str:
         return self.file.stem
 
-    def setup(self, settings: Mapping[str, Any] | None = None) -> Setup:
-        """Gear and fidelity of the base, or of the case with these settings (path -> value).
+    @cached_property
+    def base(self) -> Setup:
+        """Gear and fidelity that the axes vary.
+
+        Raises:
+            InputError: parameters that are wrong.
+        """
+        return Setup.from_tables(self.tables, self.settings, where=str(self.file))
+
+    def setup(self, settings: Mapping[str, Any]) -> Setup:
+        """The base with these settings (path -> value); the fidelity's name says what they changed in it.
 
         Raises:
             InputError: they do not fit each other.
         """
-        return Setup.from_tables(self.tables, {**self.settings, **(settings or {})}, where=str(self.file))
+        choices = _choices(settings)
+        if choices:
+            settings = {**settings, f"{FIDELITY}name": name_of(self.base.fidelity.name, choices)}
+        tables = self._tables_for_choices if choices else self._base_tables
+        return Setup.from_tables(tables, settings, where=str(self.file))
+
+    @cached_property
+    def _base_tables(self) -> dict[str, Any]:
+        """All in SI: units are read once, not in every case."""
+        return self.base.model_dump()
+
+    @cached_property
+    def _tables_for_choices(self) -> dict[str, Any]:
+        """The fidelity as it was told: what follows from a choice must follow from a case's own."""
+        return {**self._base_tables, "fidelity": {**self.tables["fidelity"], **_choices(self.settings)}}
 
     def toy(self) -> "Study":
         """The same study at the smallest size that still shows whether it works."""
         return replace(self, axes=tuple(_first_two(axis) for axis in self.axes), samples=min(self.samples, 4))
+
+
+def _choices(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """What of the settings concerns the fidelity, by the names within it."""
+    return {
+        path.removeprefix(FIDELITY): value for path, value in settings.items() if path.startswith(FIDELITY)
+    }
 
 
 def read_study(path: str | Path) -> Study:
@@ -142,7 +174,7 @@ class _Reader:
             file=self.file,
             title=self.text(told, "title", self.file.stem),
             scene=self.scene(told),
-            tables={**self.gear(told), "fidelity": self.fidelity(told)},
+            tables={**self.gear(told), "fidelity": self.fidelity(told, settings)},
             settings=settings,
             axes=axes,
             design=design,
@@ -187,9 +219,12 @@ class _Reader:
 
         return self.choice(told, "scene", tuple(SCENES), "free-pinion-torque")
 
-    def fidelity(self, told: Mapping[str, Any]) -> dict[str, Any]:
+    def fidelity(self, told: Mapping[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
         name = self.choice(told, "fidelity", tuple(PRESETS), "flank")
-        return {"name": name, **PRESETS[name]}
+        changes = {
+            path[len(FIDELITY) :]: value for path, value in settings.items() if path.startswith(FIDELITY)
+        }
+        return {"name": name_of(name, changes), **PRESETS[name]}
 
     def gear(self, told: Mapping[str, Any]) -> dict[str, Any]:
         """The gear file's tables; it must lie in the study file's folder or below."""
@@ -467,7 +502,7 @@ def _check_axes_in_gear(study: Study) -> None:
     Raises:
         InputError: what is wrong, each sentence once.
     """
-    study.setup()
+    study.base  # noqa: B018 - read for what is wrong with it
     problems: dict[str, None] = {}
     for axis in study.axes:
         for settings in _alone(axis):

@@ -1,0 +1,53 @@
+"""A result simulated again: is it the same?"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.provenance import FIELDS
+from rps_exudyn.result import Result
+
+VARYING = ("date",)  # of the provenance: says nothing about the numbers
+
+
+def setup_of(result: Result, file: Path) -> Fidelity:
+    """The fidelity a result was made with.
+
+    Raises:
+        InputError: this version knows no such fidelity.
+    """
+    return Fidelity.from_tables(result.fidelity, where=str(file))
+
+
+def differing_numbers(old: Result, new: Result) -> dict[str, tuple[Any, Any]]:
+    """Name -> both values: status, summary, signals (the first value that differs); {} if all are the same.
+
+    Signals of a thinned record are not compared. With numbers that differ, differing versions are told too.
+    """
+    found: dict[str, tuple[Any, Any]] = {}
+    if old.status is not new.status:
+        found["status"] = (old.status.value, new.status.value)
+    for name in dict.fromkeys((*old.summary, *new.summary)):
+        pair = (old.summary.get(name), new.summary.get(name))
+        if not _same(*pair):
+            found[name] = pair
+    for name, values in old.signals.items():
+        if name in new.signals and len(values) == len(new.signals[name]):
+            differs = np.flatnonzero(~np.isclose(values, new.signals[name], rtol=0, atol=0, equal_nan=True))
+            if differs.size:
+                found[f"{name}[{differs[0]}]"] = (values[differs[0]], new.signals[name][differs[0]])
+    if found:
+        found |= {
+            name: (old.provenance[name], new.provenance[name])
+            for name in FIELDS
+            if name not in VARYING and old.provenance[name] != new.provenance[name]
+        }
+    return found
+
+
+def _same(first: float | None, second: float | None) -> bool:
+    return first == second or (
+        first is not None and second is not None and first != first and second != second
+    )

@@ -1,0 +1,62 @@
+"""How long a study will take: from what its finished cases took, else from measured costs."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.study.cases import setup_of
+from rps_exudyn.study.description import Case
+from rps_exudyn.study.runner import Plan
+
+# Elapsed seconds of a case on one core of a small cloud machine: fixed, and per step of the solver
+COSTS = {
+    ("closed-form", "flank"): (0.010, 0.0),
+    ("equilibrium", "flank"): (0.013, 1e-5),
+    ("equilibrium", "general-contact"): (1.0, 2e-3),
+    ("generalized-alpha", "flank"): (0.14, 2.2e-4),
+    ("generalized-alpha", "general-contact"): (2.0, 0.03),
+    ("generalized-alpha", "ratio"): (0.14, 1e-4),
+}
+DEARER_CHAIN = 3.0  # times, of a bush in segments with flank contact
+STORING = 0.002  # [s] per case: file, index, log
+STARTING = 4.0  # [s] of the processes, kernels compiled
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What the missing cases will take together."""
+
+    seconds: float
+    source: str  # in words
+
+
+def estimate(plan: Plan, jobs: int) -> Estimate:
+    """Elapsed time of the missing cases with so many jobs."""
+    if not plan.missing:
+        return Estimate(0.0, "nothing is missing")
+    measured = plan.measured()
+    if measured:
+        each = float(np.mean(measured))
+        source = f"from the {len(measured)} finished cases, {each:.3g} s each"
+    else:
+        some = plan.missing[:: max(1, len(plan.missing) // 100)]
+        each = float(np.mean([_cost(plan, case) for case in some]))
+        source = f"from costs measured on one small machine, {each:.3g} s each; rough"
+    shared = min(jobs, len(plan.missing))
+    return Estimate(STARTING + len(plan.missing) * (each + STORING) / shared, source)
+
+
+def _cost(plan: Plan, case: Case) -> float:
+    setup = setup_of(plan.study, case)
+    fixed, per_step = _rates(setup.fidelity)
+    steps = 2 * np.pi * setup.test.turns / setup.fidelity.step_angle
+    return float(fixed + per_step * steps)
+
+
+def _rates(fidelity: Fidelity) -> tuple[float, float]:
+    mesh = "ratio" if fidelity.mesh.startswith("ratio") else fidelity.mesh
+    fixed, per_step = COSTS.get((fidelity.solver, mesh), COSTS["generalized-alpha", "flank"])
+    if fidelity.solver == "generalized-alpha" and mesh != "general-contact" and "chain" in fidelity.bush:
+        return fixed, per_step * DEARER_CHAIN
+    return fixed, per_step
