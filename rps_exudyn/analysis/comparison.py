@@ -7,6 +7,7 @@
 
 Signals are compared over the pinion angle that both results cover, at every angle that either of them
 recorded; between its own angles a result is interpolated linearly. Differences are second minus first.
+Where a pinion turns back, the longest passes in a direction of both results are compared, +X before -X.
 """
 
 from collections.abc import Iterator, Mapping
@@ -15,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from rps_exudyn.analysis.passes import Signals, longest_pass
 from rps_exudyn.analysis.torque import mean
 from rps_exudyn.quantities import SIGNALS
 from rps_exudyn.result import Result
@@ -62,8 +64,9 @@ class Comparison:
 
 def compare(first: Result, second: Result) -> Comparison:
     """Hold two results against each other, whatever their scenes and fidelities."""
-    angle = _common_angles(first, second)
-    common = [name for name in first.signals if name in second.signals and name != "pinion_angle"]
+    parts = _comparable_parts(first, second)
+    angle = _common_angles(*parts)
+    common = [name for name in parts[0] if name in parts[1] and name != "pinion_angle"]
     return Comparison(
         settings=_differing(_settings(first), _settings(second)),
         scene=(first.scene, second.scene),
@@ -74,7 +77,7 @@ def compare(first: Result, second: Result) -> Comparison:
         },
         angle=angle,
         signals={
-            name: signal_pair(name, angle, *(_over(angle, result, name) for result in (first, second)))
+            name: signal_pair(name, angle, *(_over(angle, part, name) for part in parts))
             for name in (common if angle.size else ())
         },
     )
@@ -98,9 +101,20 @@ def _leaves(tables: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, A
             yield f"{above}{name}", value
 
 
-def _common_angles(first: Result, second: Result) -> np.ndarray:
-    """All recorded angles in the range that both cover; none if a pinion stands still or turns back."""
-    if not (turns_one_way(first) and turns_one_way(second)):
+def _comparable_parts(first: Result, second: Result) -> tuple[Signals, Signals]:
+    """The parts of both records that can be held against each other over the angle; empty without."""
+    if turns_one_way(first) and turns_one_way(second):
+        return first.signals, second.signals
+    for direction in (+1, -1):
+        a, b = (longest_pass(result.signals, direction) for result in (first, second))
+        if a and b:
+            return a.signals, b.signals
+    return {}, {}
+
+
+def _common_angles(first: Signals, second: Signals) -> np.ndarray:
+    """All recorded angles in the range that both cover."""
+    if not (first and second):
         return np.zeros(0)
     a, b = first["pinion_angle"], second["pinion_angle"]
     both = np.unique(np.concatenate([a, b]))
@@ -131,11 +145,11 @@ def signal_pair(name: str, angle: np.ndarray, first: np.ndarray, second: np.ndar
     )
 
 
-def _over(angle: np.ndarray, result: Result, name: str) -> np.ndarray:
+def _over(angle: np.ndarray, signals: Signals, name: str) -> np.ndarray:
     """A signal at given pinion angles; what counts from the start of recording counts from theirs."""
-    own = result["pinion_angle"]
+    own = signals["pinion_angle"]
     rising = slice(None) if own[-1] > own[0] else slice(None, None, -1)
-    values = np.interp(angle, own[rising], result[name][rising])
+    values = np.interp(angle, own[rising], signals[name][rising])
     if name == "time" or name.startswith("work_") or name == "stored_energy":
         values = values - values[0 if own[-1] > own[0] else -1]
     return values

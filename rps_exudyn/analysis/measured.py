@@ -20,7 +20,7 @@ import numpy as np
 
 from rps_exudyn import units
 from rps_exudyn.analysis.comparison import SignalPair, signal_pair
-from rps_exudyn.analysis.passes import Pass, Signals, common_angles, passes
+from rps_exudyn.analysis.passes import Signals, common_angles, longest_pass, passes
 from rps_exudyn.analysis.torque import describe_torque
 from rps_exudyn.errors import InputError
 from rps_exudyn.quantities import SIGNALS
@@ -74,9 +74,9 @@ def read_measured_torque(path: str | Path) -> MeasuredTorque:
 
 def compare_with_measured(measured: MeasuredTorque, signals: Signals, teeth: int) -> list[AgainstMeasured]:
     """One comparison for each direction in which both were recorded at common angles, +X first."""
-    compared = []
-    for direction in (+1, -1):
-        ours, theirs = (_longest(each, direction) for each in (signals, measured.signals))
+    compared: list[AgainstMeasured] = []
+    for direction in (+1, -1) if "pinion_torque" in signals else ():
+        ours, theirs = (longest_pass(each, direction) for each in (signals, measured.signals))
         if ours is None or theirs is None or (angle := common_angles(theirs, ours)).size < FEWEST:
             continue
         curves = [each.over(angle, "pinion_torque") for each in (theirs, ours)]
@@ -84,13 +84,6 @@ def compare_with_measured(measured: MeasuredTorque, signals: Signals, teeth: int
         pair = signal_pair("pinion_torque", angle, *curves)
         compared.append(AgainstMeasured(direction, (float(angle[0]), float(angle[-1])), pair, *figures))
     return compared
-
-
-def _longest(signals: Signals, direction: int) -> Pass | None:
-    if not set(COLUMNS) <= set(signals):
-        return None
-    turned = [each for each in passes(signals) if each.direction == direction]
-    return max(turned, key=lambda each: float(np.ptp(each.angle)), default=None)
 
 
 # --- reading ---------------------------------------------------------------------------------------

@@ -81,13 +81,18 @@ def _passes_of_one(signals: Signals) -> list[Pass]:
     return [_pass(signals, first, last) for first, (_, last) in zip(begins, pairwise(ends), strict=False)]
 
 
+def longest_pass(signals: Signals, direction: int) -> Pass | None:
+    """The pass towards +X (`direction` +1) or -X that covers most angles; None if there is none."""
+    if "pinion_angle" not in signals:
+        return None
+    turned = [each for each in passes(signals) if each.direction == direction]
+    return max(turned, key=lambda each: float(np.ptp(each.angle)), default=None)
+
+
 def both_directions(signals: Signals) -> tuple[Pass, Pass] | None:
     """The longest pass towards +X and the longest towards -X, if there are both."""
-    longest: dict[int, Pass] = {}
-    for each in passes(signals):
-        if each.direction not in longest or np.ptp(each.angle) > np.ptp(longest[each.direction].angle):
-            longest[each.direction] = each
-    return (longest[1], longest[-1]) if len(longest) == 2 else None
+    forward, backward = longest_pass(signals, +1), longest_pass(signals, -1)
+    return (forward, backward) if forward and backward else None
 
 
 def common_angles(first: Pass, second: Pass) -> np.ndarray:

@@ -65,7 +65,7 @@ def loss_torques(signals: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
 def energy_residual(signals: Mapping[str, np.ndarray]) -> float:
     """(work of drive and load - work lost - change of stored energy) / the larger of both; nan without any.
 
-    Works are taken from their smallest to their largest, so that what a load puts in and takes out again counts.
+    Works count from their smallest to their largest: what a load puts in and takes out again is work too.
     """
     larger = max((float(np.ptp(signals[name])) for name in NO_LOSS if name in signals), default=0.0)
     return missing_work(signals) / larger if larger else float("nan")

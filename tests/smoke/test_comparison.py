@@ -12,7 +12,7 @@ from rps_exudyn.result import Result
 
 def recorded(result: Result, angle: np.ndarray) -> Result:
     """The made-up result as recorded at other angles, turning the way they go."""
-    turned = np.abs(angle - angle[0])
+    turned = np.append(0, np.cumsum(np.abs(np.diff(angle))))
     return dataclasses.replace(
         result,
         signals={
@@ -66,7 +66,7 @@ def test_opposite_rotations_meet_at_the_same_angles(made_up_result: Result) -> N
 
 @pytest.mark.parametrize(
     "angle",
-    [np.zeros(5), np.linspace(7, 9, 5), np.array([0, 1, 2, 1, 0.0]), np.array([0.0, np.nan]), np.zeros(0)],
+    [np.zeros(5), np.linspace(7, 9, 5), np.array([0.0, np.nan]), np.zeros(0)],
 )
 def test_nothing_is_compared_without_common_angles(angle: np.ndarray, made_up_result: Result) -> None:
     first = recorded(made_up_result, np.linspace(0, 4, 401))
@@ -74,6 +74,17 @@ def test_nothing_is_compared_without_common_angles(angle: np.ndarray, made_up_re
     compared = compare(first, dataclasses.replace(made_up_result, signals=signals))
     assert compared.angle.size == 0
     assert compared.signals == {}
+
+
+def test_records_there_and_back_are_compared_in_a_direction_of_both(made_up_result: Result) -> None:
+    """Of the first 0..4, of the second 2..5 in its longer pass towards +X; only back there is nothing."""
+    first = recorded(made_up_result, np.concatenate([np.linspace(0, 4, 401), np.linspace(3.99, 1, 300)]))
+    second = recorded(made_up_result, np.concatenate([np.linspace(3, 2, 101), np.linspace(2.01, 5, 300)]))
+    assert compare(first, second).angle[[0, -1]] == pytest.approx([2.01, 4])
+    assert compare(first, second).signals["pinion_torque"].rms < 1e-5
+    back = recorded(made_up_result, np.linspace(4, 0, 401))
+    assert compare(first, back).angle[[0, -1]] == pytest.approx([1, 3.99])
+    assert compare(second, recorded(made_up_result, np.zeros(5))).signals == {}
 
 
 def test_settings_that_differ_have_their_paths(made_up_result: Result) -> None:
