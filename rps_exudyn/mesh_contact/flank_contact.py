@@ -138,7 +138,8 @@ def _integrate(strip, cuts, breaks, band, line, side, data, sums):  # type: igno
     deepest = 0.0
     for i in range(count - 1):
         z_0, length = breaks[i], breaks[i + 1] - breaks[i]
-        rule = int(low_ends and i == 0) + 2 * int(high_ends and i == count - 2)
+        # where the load fades out; law "line": linearly, which the plain rule integrates exactly
+        rule = 0 if by_line else int(low_ends and i == 0) + 2 * int(high_ends and i == count - 2)
         nodes = N_FIXED + 2 * n * rule
         for k in range(nodes, nodes + n):
             z, share = z_0 + length * data[k], length * data[k + n] / data[COS_BASE_HELIX]

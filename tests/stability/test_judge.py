@@ -35,7 +35,7 @@ def test_sound_signals_pass(signals: dict[str, np.ndarray]) -> None:
     assert not list(judge.teeth_loaded(signals))
     assert not list(judge.law_valid(MESH, signals))
     assert not list(judge.contact_agreed(1e-9))
-    assert not list(judge.work_balanced(signals))
+    assert not list(judge.work_balanced(signals, 2e-3))
 
 
 def test_not_a_number(signals: dict[str, np.ndarray]) -> None:
@@ -68,13 +68,13 @@ def test_teeth_deeper_than_their_law_allows(signals: dict[str, np.ndarray]) -> N
 @pytest.mark.parametrize("residual", [0.003, -0.003, float("nan")])
 def test_work_that_does_not_add_up(signals: dict[str, np.ndarray], residual: float) -> None:
     signals["work_mesh_friction"] *= 1 - residual
-    ((status, _),) = judge.work_balanced(signals)
+    ((status, _),) = judge.work_balanced(signals, 2e-3)
     assert status is Status.INVALID
 
 
 def test_a_gear_without_friction_may_miss_a_large_share_of_nothing(signals: dict[str, np.ndarray]) -> None:
     signals["work_drive"], signals["work_mesh_friction"] = 1e-3 * signals["work_drive"], np.zeros(50)
-    assert not list(judge.work_balanced(signals))
+    assert not list(judge.work_balanced(signals, 2e-3))
 
 
 @pytest.mark.parametrize("disagreement", [0.5, float("nan")])
