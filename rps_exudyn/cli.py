@@ -247,6 +247,45 @@ def describe(path: str = "", /, *, setup: SetupOptions = PAPER_SETUP, json: Flag
     return DONE
 
 
+@app.command
+def collect(folder: Path, /, *, out: Path | None = None) -> int:
+    """Write one table of all cases of a study: what was varied, how each ended, its numbers.
+
+    Args:
+        folder: folder that `study` wrote.
+        out: table (.h5, .csv); without it table.h5 in the folder.
+    """
+    from rps_exudyn.study import collected
+    from rps_exudyn.study.store import Store
+    from rps_exudyn.study.table import CaseTable
+
+    store = Store.open(folder)
+    out = _checked_output(out or folder / "table.h5", collected.SUFFIXES)
+    table = CaseTable.of(store)
+    _name_skipped(table.skipped)
+    collected.write_table(table, out)
+    print(f"written: {out}")
+    return DONE
+
+
+@app.command
+def report(*paths: Path, out: Path | None = None) -> int:
+    """Write one HTML page about studies and results: what was run, effects, best, worst and failed cases.
+
+    Args:
+        paths: folders that `study` wrote, also half-finished ones, and HDF5 files that `run` wrote.
+        out: page (.html); without it report.html in the study's folder, or a page beside the only file.
+    """
+    from rps_exudyn.report import report as pages
+
+    if not paths:
+        raise InputError("report needs at least one study's folder or result's file.")
+    out = _checked_output(out or pages.default_name(paths), pages.SUFFIXES)
+    pages.write_report(paths, out)
+    print(f"written: {out}")
+    return DONE
+
+
 # --- input -------------------------------------------------------------------------------------
 
 
@@ -289,6 +328,12 @@ def _print_result(
     else:
         printed.print_result(result, files)
         printed.print_measured(compared)
+
+
+def _name_skipped(skipped: Iterable[tuple[Path, str]]) -> None:
+    """Files of a study that could not be used."""
+    for _, sentence in skipped:
+        _say(f"left out: {sentence}")
 
 
 def _verdict(result: "Result") -> int:

@@ -5,12 +5,11 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.work_balance import work_shares
 from rps_exudyn.charts.scene import PICTURES
 from rps_exudyn.charts.signals import WIDTH, signals_figure
 from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.quantities import COUNTERS, GEOMETRY, SIGNALS, SUMMARY, Quantity
+from rps_exudyn.quantities import COUNTERS, GEOMETRY, SUMMARY, Quantity
 from rps_exudyn.report.blocks import (
     Article,
     Block,
@@ -76,11 +75,7 @@ def _outcome(result: Result) -> Iterable[Block]:
         yield Text(result.message)
     if result.summary:
         yield _quantities(SUMMARY, result.summary)
-    shares = work_shares(result.signals)
-    if shares:
-        rows = [[name, f"{share:.1%}", SIGNALS[name].long_name] for name, share in shares.items()]
-        yield Grid(("loss", "share", "definition"), rows, "Shares of the drive's work")
-    if not result.summary and not shares:
+    else:
         yield Text("It left no numbers.")
 
 

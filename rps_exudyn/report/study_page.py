@@ -1,5 +1,6 @@
 """What a page says about a study, also a half-finished one, of any scene and design."""
 
+import itertools
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Literal
@@ -37,7 +38,8 @@ from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import PENDING, CaseTable, axis_quantity, show_value
 
 LEADING = 3  # numbers that stand open, with their best and worst cases
-MOST_SURFACES = 3  # for each number: of the axes that matter most
+WITH_SURFACES = 6  # numbers that get response surfaces
+MOST_SURFACES = 3  # for each of them: of the axes that matter most
 MOST_ROWS = 300  # cases listed one by one
 MOST_VALUES = 8  # of an axis, written out
 
@@ -169,31 +171,39 @@ def _effects(table: CaseTable) -> Iterable[Block]:
         yield Text("Dots are cases; the line joins the means of classes of equally many.")
     yield Text("The share is what the means of an axis' levels alone explain of the variance over the cases.")
     for place, name in enumerate(names):
-        yield Fold(_words(name), list(_effects_on(table, name)), is_open=place < LEADING)
+        blocks = list(_effects_on(table, name))
+        if place < WITH_SURFACES:
+            blocks.append(_surfaces(table, name))
+        yield Fold(_words(name), blocks, is_open=place < LEADING)
 
 
 def _effects_on(table: CaseTable, name: str) -> Iterable[Block]:
     quantity, numbers = SUMMARY[name], table.numbers[name]
-    axes = [axis for axis in table.description.axes if len(np.unique(table.axes[axis.name])) > 1]
-    effects = {axis.name: _effect(table, axis, numbers) for axis in axes}
+    effects = _all_effects(table, name)
     yield Text(f"{quantity.long_name}.")
-    rows = [_effect_row(axis, effects[axis.name], name) for axis in axes]
+    rows = [_effect_row(axis, effect, name) for axis, effect in effects]
     yield Grid(("axis", "from", "to", "mean from", "mean to", "share"), rows)
-    pictures: list[Picture] = []
-    if table.description.design != GRID_DESIGN:
-        pictures.append(
-            picture(distribution_figure(numbers, name, quantity), f"{_words(name)}: distribution")
-        )
-    pictures += [
-        picture(
-            main_effect_figure(axis, effects[axis.name], name, quantity), f"{_words(name)} over {axis.name}"
-        )
-        for axis in axes
+    pictures = [
+        picture(main_effect_figure(axis, effect, name, quantity), f"{_words(name)} over {axis.name}")
+        for axis, effect in effects
     ]
-    strongest = sorted(axes, key=lambda axis: -effects[axis.name].share)
-    pairs = [(a, b) for at, a in enumerate(strongest) for b in strongest[at + 1 :]][:MOST_SURFACES]
-    pictures += [_surface(table, pair, name) for pair in pairs]
+    if table.description.design != GRID_DESIGN:
+        spread = distribution_figure(numbers, name, quantity)
+        pictures.insert(0, picture(spread, f"{_words(name)}: distribution"))
     yield Pictures(pictures)
+
+
+def _surfaces(table: CaseTable, name: str) -> Pictures:
+    """Over the pairs of the axes that matter most."""
+    effects = sorted(_all_effects(table, name), key=lambda pair: -pair[1].share)
+    pairs = itertools.combinations([axis for axis, _ in effects], 2)
+    return Pictures([_surface(table, pair, name) for pair in itertools.islice(pairs, MOST_SURFACES)])
+
+
+def _all_effects(table: CaseTable, name: str) -> list[tuple[Axis, MainEffect]]:
+    """Every axis that takes several values, with its effect on a number."""
+    axes = [axis for axis in table.description.axes if len(np.unique(table.axes[axis.name])) > 1]
+    return [(axis, _effect(table, axis, table.numbers[name])) for axis in axes]
 
 
 def _effect(table: CaseTable, axis: Axis, numbers: np.ndarray) -> MainEffect:
