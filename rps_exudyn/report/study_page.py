@@ -49,7 +49,7 @@ def study_article(store: Store) -> Article:
     table = CaseTable.of(store)
     description = table.description
     return Article(
-        title=description.name,
+        title=description.title or description.name,
         lead=f"{description.scene} · fidelity {description.fidelity.get('name', '')} · {_progress(table)}",
         sections=[
             Section("What was run", list(_what(table))),
@@ -86,6 +86,7 @@ def _what(table: CaseTable) -> Iterable[Block]:
             f"{len(table.skipped)} files could not be read and count as not done; see Failed cases."
         )
     facts = [
+        ("study", description.name),
         ("scene", description.scene),
         ("fidelity", str(description.fidelity.get("name", ""))),
         ("design", description.design),

@@ -1,0 +1,93 @@
+"""Studies whose results are made up: mean torque = preload * friction / 100, one turn, no simulation."""
+
+import dataclasses
+import hashlib
+import itertools
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from rps_exudyn.outcome import Status
+from rps_exudyn.provenance import provenance
+from rps_exudyn.result import Result
+from rps_exudyn.study.description import Axis, Case, Description, Keep
+from rps_exudyn.study.store import Store
+
+PRELOAD = Axis("preload", ("yoke.preload",), "N", (100.0, 200.0, 400.0), "grid")
+FRICTION = Axis("friction", ("mesh.friction", "yoke.friction"), "", (0.1, 0.2), "grid")
+GRID = (PRELOAD, FRICTION)
+HOSTILE = "<script>alert('torque')</script><img src=x onerror=alert(1)> & \"quoted\""
+
+
+def torque(values: Mapping[str, Any]) -> float:
+    """Mean torque of a made-up case [N m]."""
+    return values["preload"] * values["friction"] / 100
+
+
+def grid_points(axes: Sequence[Axis] = GRID) -> list[dict[str, Any]]:
+    """All points of a grid, the last axis fastest."""
+    names = [axis.name for axis in axes]
+    return [
+        dict(zip(names, point, strict=True)) for point in itertools.product(*(a.values or () for a in axes))
+    ]
+
+
+def description(points: Sequence[Mapping[str, Any]], **changes: Any) -> Description:
+    """A study of these points over preload and friction."""
+    told: dict[str, Any] = {
+        "name": "made-up",
+        "title": "Made-up study",
+        "scene": "free-pinion-torque",
+        "fidelity": {"name": "flank", "mesh": "flank"},
+        "base": {"yoke.spring_rate": 6e4},
+        "axes": GRID,
+        "design": "grid",
+        "seed": None,
+        "cases": tuple(Case(_hash(point), point) for point in points),
+        "signals": Keep(),
+        "time_limit": 60.0,
+        "provenance": {**provenance(), "command": "rps-exudyn study made-up.toml"},
+    }
+    return Description(**told | changes)
+
+
+def sampled(points: Sequence[Mapping[str, Any]], design: str = "random") -> Description:
+    """The same axes, sampled."""
+    axes = tuple(dataclasses.replace(axis, values=None, kind="sampled") for axis in GRID)
+    return description(points, axes=axes, design=design, seed=1)
+
+
+def make_study(
+    folder: Path,
+    result: Result,
+    told: Description | None = None,
+    failed: Mapping[int, str] | None = None,
+    pending: Iterable[int] = (),
+) -> Path:
+    """A study's folder; cases by their number failed with a message, or are still to be run."""
+    told, failed = told or description(grid_points()), failed or {}
+    store = Store.of(folder, told)
+    store.make_folders()
+    store.write_description()
+    for at, case in enumerate(told.cases):
+        if at not in set(pending):
+            made = _result_of(told, case, result)
+            if at in failed:
+                made = dataclasses.replace(made, status=Status.DIVERGED, message=failed[at])
+            made.save(store.path_of(case.hash))
+    return folder
+
+
+def _result_of(told: Description, case: Case, result: Result) -> Result:
+    mean = torque(case.values)
+    return dataclasses.replace(
+        result,
+        gear=result.gear.replace({**told.base, **told.settings(case)}),
+        signals={**result.signals, "pinion_torque": result["pinion_torque"] - 0.6 + mean},
+        summary={"torque_mean": mean, "torque_peak_to_peak": 0.02, "rack_gain": 0.035},
+    )
+
+
+def _hash(point: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(point, sort_keys=True).encode()).hexdigest()[:16]

@@ -1,0 +1,138 @@
+"""A study as Dataset, frame and table: numbers stand where their case is, failed ones are unknown."""
+
+import csv
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+
+import rps_exudyn as rps
+from made_up_study import description, grid_points, make_study, sampled, torque
+from rps_exudyn.result import Result
+from rps_exudyn.study.collected import read_table
+from shell import Command
+
+POINTS = [{"preload": 110.0 + 7 * at, "friction": 0.1 + 0.01 * (at % 3)} for at in range(12)]
+
+
+def test_grid_has_its_axes_as_dimensions(made_up_result: Result, tmp_path: Path) -> None:
+    study = rps.open_study(make_study(tmp_path / "s", made_up_result))
+    assert study.torque_mean.dims == ("preload", "friction")
+    for point in grid_points():
+        assert study.torque_mean.sel(point).item() == pytest.approx(torque(point))
+    assert study.preload.attrs["units"] == "N"
+    assert study.torque_mean.attrs == {
+        "units": "N*m",
+        "long_name": "mean of pinion_torque over the pinion angle recorded",
+    }
+
+
+def test_grid_does_not_depend_on_the_order_of_its_cases(made_up_result: Result, tmp_path: Path) -> None:
+    told = description(grid_points()[::-1])
+    study = rps.open_study(make_study(tmp_path / "s", made_up_result, told))
+    for point in grid_points():
+        assert study.torque_mean.sel(point).item() == pytest.approx(torque(point))
+
+
+def test_failed_and_pending_cases_are_unknown(made_up_result: Result, tmp_path: Path) -> None:
+    study = rps.open_study(make_study(tmp_path / "s", made_up_result, failed={1: "no"}, pending=[4, 5]))
+    assert study.status.values.tolist() == [["ok", "diverged"], ["ok", "ok"], ["pending", "pending"]]
+    np.testing.assert_array_equal(np.isnan(study.torque_mean), study.status != "ok")
+    assert np.isnan(study.pinion_torque.isel(preload=0, friction=1)).all()
+
+
+def test_signals_are_read_only_where_they_are_looked_at(made_up_result: Result, tmp_path: Path) -> None:
+    folder = make_study(tmp_path / "s", made_up_result)
+    study = rps.open_study(folder)
+    wanted = study.hash.sel(preload=200, friction=0.2).item()
+    for path in (folder / "cases").glob("*.h5"):
+        if path.stem != wanted:
+            path.write_bytes(b"changed since: reading this would be told by nan")
+    curve = study.pinion_torque.sel(preload=200, friction=0.2)
+    np.testing.assert_allclose(curve, made_up_result["pinion_torque"] - 0.6 + 0.4)
+    assert np.isnan(study.pinion_torque.sel(preload=100, friction=0.2)).all()
+    part = study.pinion_torque.isel(preload=[1, 2], sample=slice(0, 121, 40))
+    assert part.shape == (2, 2, 4)
+    np.testing.assert_allclose(part.sel(preload=200, friction=0.2), curve[::40])
+
+
+def test_sampled_design_has_the_dimension_case(made_up_result: Result, tmp_path: Path) -> None:
+    study = rps.open_study(make_study(tmp_path / "s", made_up_result, sampled(POINTS)))
+    assert study.torque_mean.dims == ("case",)
+    np.testing.assert_allclose(study.torque_mean, study.preload * study.friction / 100)
+    assert study.pinion_torque.dims == ("case", "sample")
+
+
+def test_frame_has_a_row_for_each_case(made_up_result: Result, tmp_path: Path) -> None:
+    frame = rps.study_frame(make_study(tmp_path / "s", made_up_result, failed={0: "no"}, pending=[5]))
+    assert frame.status.tolist() == ["diverged", "ok", "ok", "ok", "ok", "pending"]
+    assert frame.message.iloc[0] == "no"
+    known = frame[frame.status == "ok"]
+    np.testing.assert_allclose(known.torque_mean, known.preload * known.friction / 100)
+    assert frame.torque_mean.isna().sum() == 2
+
+
+def test_study_without_any_result_opens(made_up_result: Result, tmp_path: Path) -> None:
+    study = rps.open_study(make_study(tmp_path / "s", made_up_result, pending=range(6)))
+    assert set(study.status.values.ravel()) == {"pending"}
+    assert "torque_mean" not in study
+
+
+def test_damaged_file_counts_as_not_done(made_up_result: Result, tmp_path: Path) -> None:
+    folder = make_study(tmp_path / "s", made_up_result)
+    next((folder / "cases").glob("*.h5")).write_bytes(b"damaged")
+    assert (rps.open_study(folder).status == "pending").sum() == 1
+
+
+@pytest.mark.parametrize("name", ["table.h5", "table.csv"])
+def test_collected_table_has_every_case(
+    name: str, made_up_result: Result, tmp_path: Path, command: Command
+) -> None:
+    make_study(tmp_path / "s", made_up_result, failed={2: 'no, "quite"'}, pending=[3])
+    answer = command(["collect", "s", "--out", name])
+    assert (answer.status, answer.out, answer.err) == (0, f"written: {name}\n", "")
+    if name.endswith("csv"):
+        with (tmp_path / name).open(encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        means = [float(row["torque_mean [N*m]"] or "nan") for row in rows]
+        statuses, messages = [row["status"] for row in rows], [row["message"] for row in rows]
+    else:
+        table = read_table(tmp_path / name)
+        means = table["summary"]["torque_mean"]
+        statuses, messages = (table["outcome"][column].tolist() for column in ("status", "message"))
+    assert statuses == ["ok", "ok", "diverged", "pending", "ok", "ok"]
+    assert messages[2] == 'no, "quite"'
+    expected = [torque(point) for point in grid_points()]
+    expected[2] = expected[3] = np.nan
+    np.testing.assert_allclose(means, expected)
+
+
+def test_collected_table_opens_in_xarray(made_up_result: Result, tmp_path: Path, command: Command) -> None:
+    make_study(tmp_path / "s", made_up_result)
+    command(["collect", "s"])
+    with xarray.open_dataset(tmp_path / "s" / "table.h5", group="summary", engine="h5netcdf") as table:
+        assert table.torque_mean.dims == ("case",)
+        assert table.torque_mean.attrs["units"] == "N*m"
+
+
+def test_collect_names_what_it_leaves_out(made_up_result: Result, tmp_path: Path, command: Command) -> None:
+    folder = make_study(tmp_path / "s", made_up_result)
+    damaged = next((folder / "cases").glob("*.h5"))
+    damaged.write_bytes(b"damaged")
+    answer = command(["collect", "s"])
+    assert answer.status == 0
+    assert answer.err.count("\n") == 1
+    assert damaged.name in answer.err
+
+
+def test_large_description_fits_in_the_table(
+    made_up_result: Result, tmp_path: Path, command: Command
+) -> None:
+    """Attributes of HDF5 end at 64 KB."""
+    points = [{"preload": 100 + at / 7, "friction": 0.1} for at in range(2000)]
+    make_study(tmp_path / "s", made_up_result, sampled(points), pending=range(1, 2000))
+    assert command(["collect", "s"]).status == 0
+    with h5py.File(tmp_path / "s" / "table.h5") as file:
+        assert len(file["study"][()]) > 65536
