@@ -23,6 +23,7 @@ from scipy.optimize import brentq
 from rps_exudyn.analysis.efficiency import LoadTest
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parts.bush import bush_chain, housing_station, lateral_stiffness
 
 GRAVITY = 9.80665  # [m/s^2]
 Y = np.array([0.0, 1.0, 0.0])
@@ -158,23 +159,42 @@ def first_order_torque(gear: SteeringGear) -> float:
 
 def torque_per_preload(gear: SteeringGear) -> float:
     """dT_0 / dP = mu mean lever / sin(alpha_n) + kappa mu_p s' [m]."""
-    pair, yoke = GearPair.of(gear), gear.yoke
-    in_mesh = gear.mesh.friction * mean_lever(pair) / np.sin(pair.alpha_n)
-    return float(in_mesh + seat_wedge_factor(yoke.seat_angle) * yoke.friction * pair.gain)
+    yoke = gear.yoke
+    at_seat = seat_wedge_factor(yoke.seat_angle) * yoke.friction * GearPair.of(gear).gain
+    return float(mesh_torque_per_force(gear) + at_seat)
+
+
+def mesh_torque_per_force(gear: SteeringGear) -> float:
+    """The teeth's share: mu mean lever / sin(alpha_n) [m]."""
+    pair = GearPair.of(gear)
+    return float(gear.mesh.friction * mean_lever(pair) / np.sin(pair.alpha_n))
 
 
 def runout_harmonics(gear: SteeringGear) -> tuple[float, float]:
     """Once-per-revolution amplitudes of cos and sin of phi + runout_angle [N m], first order in e.
 
-    The eccentric gear lifts the rack by e cos(phi), which changes the spring's force, and shifts it by
+    The eccentric gear lifts the rack by e cos(phi), against the yoke's spring k and what holds the rack
+    straight (`tilting_stiffness` k_t, which loads the teeth alone), and shifts it by
     e sin(phi) cos(beta_p) / cos(beta_r), which takes work of the drag D:
-    T = T_0 + (dT_0/dP k e + D e cos(beta_p) / cos(beta_r)) cos(phi) - P e sin(phi).
+    T = T_0 + (dT_0/dP k e + dT_mesh/dP k_t e + D e cos(beta_p) / cos(beta_r)) cos(phi) - P e sin(phi).
     """
     pair, yoke, e = GearPair.of(gear), gear.yoke, gear.pinion.runout
     drag = gear.bush.drag + seat_wedge_factor(yoke.seat_angle) * yoke.friction * yoke.preload
     by_lift = torque_per_preload(gear) * yoke.spring_rate * e
+    by_tilt = mesh_torque_per_force(gear) * tilting_stiffness(gear) * e if e else 0.0
     by_shift = drag * e * np.cos(pair.beta_p) / np.cos(pair.beta_r)
-    return float(by_lift + by_shift), -yoke.preload * e
+    return float(by_lift + by_tilt + by_shift), -yoke.preload * e
+
+
+def tilting_stiffness(gear: SteeringGear) -> float:
+    """Force along Y at the mesh over the rack's lift there, of bush and seat, which hold the rack straight;
+    [N/m]."""
+    bush, to_fit = bush_chain(gear), housing_station(gear, bush_chain(gear).end_station)
+    k = lateral_stiffness(bush)[np.ix_([0, 3], [0, 3])]  # along y, about z
+    seat = gear.yoke.seat_stiffness * gear.yoke.seat_length**2 / 12
+    lift, tilt = np.array([1.0, 0.0]), np.array([to_fit, 1.0])  # what the fit sees of both
+    along, both, about = lift @ k @ lift, lift @ k @ tilt, tilt @ k @ tilt + seat
+    return float(along - both**2 / about)
 
 
 def unloading_force(gear: SteeringGear) -> float:

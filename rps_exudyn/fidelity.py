@@ -136,7 +136,13 @@ def name_of(base: str, changes: Mapping[str, object]) -> str:
 
 
 def _misfits(chosen: Fidelity) -> Iterator[Problem]:
-    """Choices that are each fine alone, but not with the solver."""
+    """Choices that are each fine alone, but not together."""
+    if chosen.rack == "guided" and chosen.bush != "condensed":
+        yield Problem(
+            ("rack", "bush"),
+            f"fidelity.bush is {chosen.bush}, but fidelity.rack is guided, whose bush only drags: "
+            "leave it condensed.",
+        )
     for choice, solver, understood, reason in _SOLVER_LIMITS:
         value = getattr(chosen, choice)
         if chosen.solver == solver and value not in understood:

@@ -92,7 +92,9 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         "condensed": lambda: condensed,
         "rigid": lambda: sliding_fit.rigid_fit(gear, friction_zone=zone),
     }
-    fit = fits[fidelity.bush]()
+    fit = (
+        fits[fidelity.bush]() if fidelity.rack == "free" else sliding_fit.loose_fit(gear, friction_zone=zone)
+    )
     with_plunger = fidelity.yoke == "body"
     if with_plunger:
         rest_gap = approach + gear.yoke.preload / gear.yoke.seat_stiffness
@@ -108,7 +110,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         fit=fit,
         load=load.end_load(rack_load, RackBar.of(gear).x_min) if rack_load else None,
         weight=rack_weight(gear) if gear.installation.gravity else None,
-        condensed_fit=fit if fidelity.bush == "rigid" else condensed,
+        condensed_fit=condensed if "segment" in fit.bodies else fit,
         chain=chain,
         friction_zone=zone,
         locked=(*(GUIDED if fidelity.rack == "guided" else ()), *(() if with_plunger else (PLUNGER,))),

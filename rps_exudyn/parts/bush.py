@@ -151,6 +151,15 @@ def adams_chain(gear: SteeringGear) -> Chain:
     return Chain.adams(Tube.of(gear), gear.bush.length, gear.bush.segments)
 
 
+def lateral_stiffness(chain: Chain) -> np.ndarray:
+    """Of the bush's free end with its fit, seen in the housing: forces along y, z and moments about y, z over
+    displacements and tilts, shape (4, 4) [N/m, N, N m]."""
+    compliance = chain.compliance_at(chain.end_station) + np.diag(1 / chain.end)
+    # the chain's stations run against X: lateral motion about y and z changes sign with the lever
+    mirror = np.diag([1.0, 1.0, -1.0, -1.0])
+    return np.linalg.inv(mirror @ compliance[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] @ mirror)
+
+
 def housing_station(gear: SteeringGear, station: float | np.ndarray) -> Any:
     """X in the housing of a station on the chain: its free end faces the mesh."""
     return gear.bush.distance + gear.bush.length - station

@@ -4,13 +4,14 @@ The rack slides, rolls and swivels with what carries it: the last segment of the
 the whole chain's stiffness condensed into the fit.
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from rps_exudyn.compiled import inlined, kernel
 from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.parts.bush import RIGID_END, Chain, housing_station
+from rps_exudyn.parts.bush import RIGID_END, Chain, housing_station, lateral_stiffness
 from rps_exudyn.parts.force_element import ForceElement
 from rps_exudyn.parts.motion import (
     coulomb,
@@ -157,12 +158,8 @@ def condensed_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float) -> 
 
     Axial stretch and twist of the bush are left out: only the drag loads them.
     """
-    compliance = chain.compliance_at(chain.end_station) + np.diag(1 / chain.end)
-    # the chain's stations run against X: lateral motion about y and z changes sign with the lever
-    mirror = np.diag([1.0, 1.0, -1.0, -1.0])
-    lateral = mirror @ compliance[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] @ mirror
     data = FitData(
-        stiffness=np.linalg.inv(lateral),
+        stiffness=lateral_stiffness(chain),
         drag=gear.bush.drag,
         zone=friction_zone,
         radius=gear.rack.bar_diameter / 2,
@@ -183,3 +180,9 @@ def rigid_fit(gear: SteeringGear, *, friction_zone: float) -> ForceElement:
         lever=0.0,
     )
     return ForceElement("bush", ("rack",), held_fit_force, data, FIT_OUTPUTS)
+
+
+def loose_fit(gear: SteeringGear, *, friction_zone: float) -> ForceElement:
+    """A fit that drags and does not hold: of a rack that is guided otherwise."""
+    held = rigid_fit(gear, friction_zone=friction_zone)
+    return replace(held, data=held.data._replace(stiffness=np.zeros((4, 4))))

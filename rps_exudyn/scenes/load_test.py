@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from rps_exudyn.analysis.efficiency import LoadTest, describe_load_test, measured_load_test
 from rps_exudyn.analysis.torque import mean
-from rps_exudyn.closed_form import GRAVITY
+from rps_exudyn.closed_form import GRAVITY, unloading_force
 from rps_exudyn.errors import InputError
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.gears.gear_pair import GearPair
@@ -34,7 +34,7 @@ def load_test(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
     free, _ = trips = trips_of_test(to_and_fro, "pinion", fidelity.step_angle)
     loaded = make_trips(gear, fidelity, [trip.under(gear.test.direction * weight) for trip in trips])
     if not loaded.ok:
-        return loaded.described(lambda signals: {})
+        return _blamed(loaded, weight, gear)
     unloaded = make_trip(gear, fidelity, free)
     if not unloaded.ok:
         message = f"without the weight: {unloaded.outcome.message}"
@@ -44,6 +44,15 @@ def load_test(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
     )
     told = loaded.noting(*remarks(gear, loaded.signals), _locking(test))
     return told.described(lambda signals: {**describe_load_test(test), **figures_of_motion(signals, gear)})
+
+
+def _blamed(failed: SceneRun, weight: float, gear: SteeringGear) -> SceneRun:
+    """With the limit of the gear, if the weight is beyond it."""
+    limit = unloading_force(gear)
+    if weight <= limit:
+        return failed
+    beyond = f"; above {limit / GRAVITY:.4g} kg the weight lifts one flank off"
+    return replace(failed, outcome=replace(failed.outcome, message=failed.outcome.message + beyond))
 
 
 def oriented(signals: Signals, gear: SteeringGear) -> Signals:

@@ -1,0 +1,224 @@
+"""Laws of the scenes: what a load, a pushed rack, a reversal and an impact must do, whatever the numbers."""
+
+import numpy as np
+import pytest
+
+import rps_exudyn as rps
+from rps_exudyn.closed_form import GRAVITY, pushing_force, unloading_force
+from rps_exudyn.errors import InputError
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.solids import rack_solid
+from rps_exudyn.outcome import Status
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parts.bush import bush_chain, housing_station
+from rps_exudyn.result import Result
+
+GEAR = SteeringGear()
+PITCH = 1 / GEAR.pinion.teeth  # [turns]
+PRESSURE_ANGLE = GEAR.pinion.pressure_angle
+GAIN = float(GearPair.of(GEAR).gain)
+MODELS = ["flank", "quasi-static", "closed-form"]
+FINE = Fidelity.preset("quasi-static").replace({"step_angle": "0.5 deg"})
+
+
+def ran(
+    scene: str, settings: dict[str, object] | None = None, fidelity: str | Fidelity = "quasi-static"
+) -> Result:
+    """A scene over one tooth pitch, all right."""
+    gear = GEAR.replace({"test.turns": PITCH, **(settings or {})})
+    result = rps.run(scene, gear, fidelity=fidelity)
+    assert result.status is Status.OK, result.message
+    return result
+
+
+# --- load test -------------------------------------------------------------------------------------
+@pytest.mark.parametrize("fidelity", MODELS)
+@pytest.mark.parametrize("mass", [10.0, 40.0])
+def test_raising_and_lowering_differ_by_twice_the_free_torque(fidelity: str, mass: float) -> None:
+    """(tau_f + tau_r) / 2 = W s', (tau_f - tau_r) / 2 = T_0 while both flanks touch: 1.5 % of the larger."""
+    found = ran("load-test", {"test.load_mass": mass}, fidelity).summary
+    forward, reverse, ideal = found["torque_forward"], found["torque_reverse"], GRAVITY * mass * GAIN
+    largest = max(ideal, found["free_torque"])
+    assert (forward + reverse) / 2 == pytest.approx(ideal, abs=0.015 * largest)
+    assert (forward - reverse) / 2 == pytest.approx(found["free_torque"], abs=0.015 * largest)
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_light_weight_cannot_drive_the_gear(direction: int) -> None:
+    """Self-locking below T_0 / s' = 11.6 kg, whichever way the weight pulls: said, with the torque."""
+    light = ran("load-test", {"test.load_mass": 10.0, "test.direction": direction})
+    assert light.summary["torque_reverse"] < 0
+    assert light.summary["torque_forward"] > 0
+    assert "self-locking" in light.message
+    heavy = ran("load-test", {"test.load_mass": 13.0, "test.direction": direction})
+    assert heavy.summary["torque_reverse"] > 0
+    assert "self-locking" not in heavy.message
+
+
+def test_a_heavy_weight_lifts_one_flank() -> None:
+    """Above the unloading force said, below not. A stiff spring keeps the rack in mesh then; the preset's own
+    gives way until the teeth leave it."""
+    limit = unloading_force(GEAR) / GRAVITY
+    stiff = {"yoke.spring_rate": "5 kN/mm"}
+    both = ran("load-test", {"test.load_mass": 0.9 * limit, **stiff})
+    one = ran("load-test", {"test.load_mass": 1.1 * limit, **stiff})
+    assert both["mesh_normal_force_coast"].min() > 0
+    assert "coast flanks carry nothing" in one.message
+
+
+def test_a_weight_that_lifts_the_rack_out_of_mesh_is_said_to() -> None:
+    limit = unloading_force(GEAR) / GRAVITY
+    gear = GEAR.replace({"test.turns": PITCH, "test.load_mass": 1.3 * limit, "yoke.clearance": "5 mm"})
+    result = rps.run("load-test", gear, fidelity="quasi-static")
+    assert result.status in (Status.CONTACT_LOST, Status.INVALID)  # it leaves the mesh, or its law before
+    assert f"above {limit:.4g} kg" in result.message
+    assert len(result["pinion_angle"]) > 2  # what there is stays readable
+
+
+def test_work_on_the_load_is_its_weight_times_the_travel() -> None:
+    result = ran("load-test")
+    travel = result["rack_displacement"]
+    weight = GRAVITY * GEAR.test.load_mass
+    half = len(travel) // 2
+    raised = travel[half - 1] - travel[0]
+    assert result["work_load"][half - 1] == pytest.approx(-weight * raised, rel=1e-4)
+    assert result["load_force"] == pytest.approx(weight)
+
+
+def test_load_test_without_a_weight_is_refused() -> None:
+    with pytest.raises(InputError, match=r"test\.load_mass is 0 kg"):
+        rps.run("load-test", GEAR, load_mass=0.0)
+
+
+# --- rack push -------------------------------------------------------------------------------------
+@pytest.mark.parametrize("fidelity", ["flank", "quasi-static"])
+def test_pushed_rack_needs_the_force_of_the_formula(fidelity: str) -> None:
+    """The formula drives the guided gear back by a mean force: 1 %."""
+    found = ran("rack-push", {}, fidelity).summary["push_force_mean"]
+    assert found == pytest.approx(pushing_force(GEAR, +1), rel=0.01)
+
+
+def test_pushing_the_rack_is_lowering_the_weight_that_just_drives_the_gear() -> None:
+    """Two scenes, one state: under a weight of the pushing force the pinion needs no torque; 0.3 % of T_0."""
+    force = ran("rack-push", fidelity=FINE).summary["push_force_mean"]
+    lowered = ran("load-test", {"test.load_mass": force / GRAVITY}, FINE).summary
+    assert lowered["torque_reverse"] == pytest.approx(0, abs=3e-3 * lowered["free_torque"])
+
+
+def test_pushed_pinion_follows_with_the_gears_gain() -> None:
+    result = ran("rack-push", {"test.path": "there-and-back"})
+    assert result.summary["rack_gain"] == pytest.approx(2 * np.pi * GAIN, rel=1e-4)
+    assert "pinion_torque" not in result.signals
+    half = len(result["rack_force"]) // 2
+    assert result["rack_force"][1:half].min() > 0 > result["rack_force"][half:].max()
+
+
+# --- there and back --------------------------------------------------------------------------------
+@pytest.mark.parametrize("fidelity", ["flank", "quasi-static"])
+def test_way_back_mirrors_the_way_there(fidelity: str) -> None:
+    """Even in direction to 1 %: the teeth's load moves the other way over them."""
+    found = ran("free-pinion-torque", {"test.path": "there-and-back"}, fidelity).summary
+    assert found["torque_mean_backward"] == pytest.approx(found["torque_mean_forward"], rel=0.01)
+
+
+def test_lock_to_lock_covers_the_travel_both_ways() -> None:
+    gear = GEAR.replace({"test.path": "lock-to-lock", "test.start_angle": "10 deg"})
+    result = rps.run("free-pinion-torque", gear, fidelity="quasi-static")
+    assert result.status is Status.OK
+    half = GEAR.rack.travel / 2
+    assert result["rack_displacement"].max() == pytest.approx(half, abs=0.1e-3)
+    assert result["rack_displacement"].min() == pytest.approx(-half, abs=0.1e-3)
+    assert result["pinion_angle"][-1] == pytest.approx(result["pinion_angle"][0])
+
+
+@pytest.mark.parametrize("fidelity", ["flank", "quasi-static"])
+def test_speed_does_not_matter_to_coulomb(fidelity: str) -> None:
+    """1 to 300 rpm, the friction zone scaled to the sliding: 0.5 %."""
+    means = [
+        ran("free-pinion-torque", {"test.speed": f"{rpm} rpm"}, fidelity).summary["torque_mean"]
+        for rpm in (1, 15, 60, 300)
+    ]
+    assert means == pytest.approx(np.full(4, means[1]), rel=5e-3)
+
+
+# --- simpler models --------------------------------------------------------------------------------
+def test_yoke_as_a_force_has_the_seats_mean_torque() -> None:
+    """Spring and wedge factor without the plunger's body: 0.5 %."""
+    body = ran("free-pinion-torque").summary["torque_mean"]
+    for name in ("quasi-static", "flank"):
+        force = ran("free-pinion-torque", fidelity=Fidelity.preset(name).replace({"yoke": "force"}))
+        assert force.summary["torque_mean"] == pytest.approx(body, rel=5e-3)
+
+
+def test_guided_rack_is_what_the_formula_assumes() -> None:
+    """No roll, no yaw, no pitch: the mean comes to 0.3 % of the closed form, whose only rest is the curve of
+    the load along a line."""
+    for name in ("quasi-static", "flank"):
+        guided = ran("free-pinion-torque", fidelity=Fidelity.preset(name).replace({"rack": "guided"}))
+        assert np.ptp(guided["rack_roll"]) < 1e-12
+        assert guided.summary["torque_mean"] == pytest.approx(guided.summary["torque_closed_form"], rel=3e-3)
+
+
+def test_weight_of_the_rack_rests_on_teeth_and_bush() -> None:
+    """A beam on two supports: the teeth take m g (1 - x_m / x_fit) more, the seat as much as before; 3 %."""
+    gravity = 9.81
+    loaded, free = (ran("free-pinion-torque", {"installation.gravity": g}) for g in (gravity, 0.0))
+    bar = rack_solid(GEAR).mass_properties
+    to_fit = housing_station(GEAR, bush_chain(GEAR).end_station)
+    on_teeth = bar.mass * gravity * (1 - bar.centre_of_mass[0] / to_fit)
+    added = (loaded["mesh_normal_force"] - free["mesh_normal_force"]).mean() * np.sin(PRESSURE_ANGLE)
+    assert added == pytest.approx(on_teeth, rel=0.03)
+    assert loaded["seat_force"].mean() == pytest.approx(free["seat_force"].mean(), abs=0.1)
+
+
+# --- reversal --------------------------------------------------------------------------------------
+@pytest.mark.parametrize("fidelity", ["flank", "quasi-static"])
+def test_loop_encloses_what_friction_takes(fidelity: str) -> None:
+    """Work over a cycle = T_0 times the angle turned, but for the ends, where the gear gives way: 1 %."""
+    found = ran("reversal", {}, fidelity).summary
+    turned = 4 * GEAR.test.amplitude
+    free = rps.run("free-pinion-torque", GEAR, fidelity="quasi-static").summary["torque_mean"]
+    assert found["hysteresis_area"] == pytest.approx(free * turned, rel=0.01)
+    assert found["torque_jump"] == pytest.approx(2 * free, rel=0.01)
+
+
+def test_reversal_beyond_the_teeth_is_refused() -> None:
+    with pytest.raises(InputError, match="deg either way"):
+        rps.run("reversal", GEAR, amplitude="40 turn")
+
+
+# --- impact ----------------------------------------------------------------------------------------
+SHORT = {"test.pulse_period": "8 ms", "test.pulse_duration": "4 ms"}
+
+
+def test_pulse_drives_the_plunger_into_the_yokenut() -> None:
+    result = ran("yoke-impact", SHORT, "flank")
+    assert result.summary["impacts"] >= 1
+    assert result["plunger_displacement"].max() > GEAR.yoke.clearance
+    assert abs(result.summary["energy_residual"]) < 2e-3
+
+
+def test_without_a_pulse_nothing_moves() -> None:
+    still = ran("yoke-impact", {**SHORT, "test.pulse_force": 0.0}, "flank")
+    assert np.ptp(still["plunger_displacement"]) < 1e-9
+    assert still.summary.get("impacts", 0) == 0
+
+
+def test_impulse_of_the_pulse_is_taken_up_by_the_parts_it_meets() -> None:
+    """Without clearance or inertia to speak of: a slow weak pulse across the rack is shared by spring and
+    bush; the plunger moves by less than the pulse over the spring's rate."""
+    weak = {"test.pulse_force": "20 N", "test.pulse_period": "0.1 s", "test.pulse_duration": "0.1 s"}
+    moved = np.ptp(ran("yoke-impact", weak, "flank")["plunger_displacement"])
+    assert 0 < moved < 2 * 20 / GEAR.yoke.spring_rate
+
+
+@pytest.mark.parametrize("fidelity", ["quasi-static", "closed-form"])
+def test_impact_without_inertia_is_refused(fidelity: str) -> None:
+    with pytest.raises(InputError, match="without inertia nothing hits"):
+        rps.run("yoke-impact", GEAR, fidelity=fidelity)
+
+
+def test_pulses_that_overlap_are_refused() -> None:
+    with pytest.raises(InputError, match=r"test\.pulse_period is 1 ms"):
+        rps.run("yoke-impact", GEAR, pulse_period="1 ms")
