@@ -80,10 +80,11 @@ def make_study(
 
 
 def _result_of(told: Description, case: Case, result: Result) -> Result:
-    mean = torque(case.values)
+    settings = told.settings(case)
+    mean = torque({"preload": settings["yoke.preload"], "friction": settings["mesh.friction"]})
     return dataclasses.replace(
         result,
-        gear=result.gear.replace({**told.base, **told.settings(case)}),
+        gear=result.gear.replace({**told.base, **settings}),
         signals={**result.signals, "pinion_torque": result["pinion_torque"] - 0.6 + mean},
         summary={"torque_mean": mean, "torque_peak_to_peak": 0.02, "rack_gain": 0.035},
     )

@@ -83,17 +83,19 @@ def _curves(result: Result) -> Iterable[Block]:
     if not result.signals:
         yield Text("No signals were kept.")
         return
-    pictures = []
-    if result.status is Status.OK and result.scene in PICTURES:
-        pictures.append(picture(_without_headline(PICTURES[result.scene](result, None)), result.scene))
-    every = signals_figure(result)
-    if every is not None:
-        pictures.append(picture(every, "All signals that move"))
+    figures = {result.scene: _scene_figure(result), "All signals that move": signals_figure(result)}
+    pictures = [picture(figure, caption) for caption, figure in figures.items() if figure is not None]
     yield Pictures(pictures) if pictures else Text("No signal moves.")
 
 
-def _without_headline(figure: Figure) -> Figure:
-    """As wide as a phone; what stands over it on a sheet of its own, the page says."""
+def _scene_figure(result: Result) -> Figure | None:
+    """The scene's own picture, if all that it shows was kept; its headline the page has already."""
+    if result.status is not Status.OK or result.scene not in PICTURES:
+        return None
+    try:
+        figure = PICTURES[result.scene](result, None)
+    except (KeyError, IndexError):  # signals that were not kept
+        return None
     figure.suptitle("")
     figure.set_size_inches(WIDTH, figure.get_size_inches()[1])
     return figure

@@ -1,0 +1,185 @@
+"""The report says what was run and what came out, of whatever it is given, and shows it harmlessly."""
+
+import dataclasses
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from made_up_study import GRID, HOSTILE, description, grid_points, make_study, sampled
+from rps_exudyn.outcome import Status
+from rps_exudyn.result import Result
+from rps_exudyn.simulate import SCENES
+from shell import Command
+
+POINTS = [{"preload": 110.0 + 7 * at, "friction": 0.1 + 0.01 * (at % 3)} for at in range(12)]
+
+
+class Page(HTMLParser):
+    """Text of each section, and every element with its attributes."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self.sections: dict[str, str] = {"": ""}
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self._in_heading, self._in_style = False, False
+        self.feed(path.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+        self._in_heading, self._in_style = tag == "h2", tag == "style"
+
+    def handle_endtag(self, tag: str) -> None:
+        self._in_heading = self._in_style = False
+
+    def handle_data(self, data: str) -> None:
+        if self._in_heading:
+            self.sections[data] = ""
+        elif not self._in_style:
+            self.sections[list(self.sections)[-1]] += f"{data.strip()} "
+
+    @property
+    def tags(self) -> set[str]:
+        return {tag for tag, _ in self.elements}
+
+
+def test_half_finished_study(made_up_result: Result, tmp_path: Path, command: Command) -> None:
+    folder = make_study(tmp_path / "s", made_up_result, failed={1: "the rack left"}, pending=[5])
+    damaged = next(path for path in sorted((folder / "cases").glob("*.h5")))
+    damaged.write_bytes(b"damaged")
+    answer = command(["report", "s"])
+    assert (answer.status, answer.out, answer.err) == (0, f"written: {Path('s/report.html')}\n", "")
+    page = Page(folder / "report.html")
+    assert list(page.sections) == [
+        "",
+        "What was run",
+        "Outcome",
+        "Main effects and response surfaces",
+        "Best and worst cases",
+        "Failed cases",
+        "All cases",
+        "Provenance",
+    ]
+    assert "2 of 6 cases are still to run" in page.sections["What was run"]
+    assert "100 N, 200 N, 400 N" in page.sections["What was run"]
+    assert "mesh.friction, yoke.friction" in page.sections["What was run"]
+    assert "60 N/mm" in page.sections["What was run"]
+    assert "the rack left" in page.sections["Failed cases"]
+    assert Status.DIVERGED.remedy in page.sections["Failed cases"]
+    assert damaged.name in page.sections["Failed cases"]
+    assert "rps-exudyn study made-up.toml" in page.sections["Provenance"]
+
+
+def test_best_and_worst_cases_are_told(made_up_result: Result, tmp_path: Path, command: Command) -> None:
+    make_study(tmp_path / "s", made_up_result)
+    command(["report", "s", "--out", "r.html"])
+    told = Page(tmp_path / "r.html").sections["Best and worst cases"]
+    assert re.search(r"lowest \(best\)\s+0\.1 N m\s+100 N\s+0\.1 ", told)
+    assert re.search(r"highest \(worst\)\s+0\.8 N m\s+400 N\s+0\.2 ", told)
+
+
+@pytest.mark.parametrize("kept", ["nothing", "one case"])
+def test_study_with_hardly_anything_in_it(
+    kept: str, made_up_result: Result, tmp_path: Path, command: Command
+) -> None:
+    make_study(tmp_path / "s", made_up_result, pending=range(kept == "one case", 6))
+    assert command(["report", "s"]).status == 0
+    outcome = Page(tmp_path / "s" / "report.html").sections["Outcome"]
+    assert ("No case has ended ok yet." in outcome) == (kept == "nothing")
+
+
+def test_sampled_study_shows_its_distribution(
+    made_up_result: Result, tmp_path: Path, command: Command
+) -> None:
+    make_study(tmp_path / "s", made_up_result, sampled(POINTS))
+    command(["report", "s"])
+    assert "torque mean: distribution" in (tmp_path / "s" / "report.html").read_text(encoding="utf-8")
+
+
+def test_words_as_an_axis(made_up_result: Result, tmp_path: Path, command: Command) -> None:
+    law = dataclasses.replace(GRID[1], name="law", paths=("mesh.law",), values=("area", "line"))
+    points = [{"law": word, "preload": 100.0, "friction": 0.1} for word in ("area", "line")]
+    axes = (law, *(dataclasses.replace(axis, values=(0.1 if axis is GRID[1] else 100.0,)) for axis in GRID))
+    told = description(points, axes=axes)
+    make_study(tmp_path / "s", made_up_result, told)
+    assert command(["report", "s"]).status == 0
+
+
+def test_nothing_of_a_file_becomes_markup(made_up_result: Result, tmp_path: Path, command: Command) -> None:
+    axes = tuple(dataclasses.replace(axis, name=f"{axis.name}{HOSTILE}$x_") for axis in GRID)
+    told = description(grid_points(axes), axes=axes, name=HOSTILE, title=HOSTILE)
+    told = dataclasses.replace(told, provenance={HOSTILE: HOSTILE, "command": HOSTILE})
+    folder = make_study(tmp_path / "s", made_up_result, told, failed={0: HOSTILE})
+    (folder / "study.toml").write_text(f"# {HOSTILE}", encoding="utf-8")
+    dataclasses.replace(
+        made_up_result, status=Status.CRASHED, message=HOSTILE, solver={HOSTILE: HOSTILE}
+    ).save(tmp_path / "r.h5")
+    assert command(["report", "s", "r.h5"]).status == 0
+    page = Page(tmp_path / "report.html")
+    assert page.tags.isdisjoint({"script", "img", "iframe", "object", "form"})
+    assert not any(name.startswith("on") for _, attributes in page.elements for name in attributes)
+    assert "<script>alert('torque')</script>" in page.sections["Failed cases"]
+
+
+def test_page_asks_for_nothing(made_up_result: Result, tmp_path: Path, command: Command) -> None:
+    made_up_result.save(tmp_path / "r.h5")
+    make_study(tmp_path / "s", made_up_result)
+    command(["report", "r.h5", "s", "--out", "r.html"])
+    text = (tmp_path / "r.html").read_text(encoding="utf-8")
+    page = Page(tmp_path / "r.html")
+    for _, attributes in page.elements:
+        links = [attributes.get(name) or "" for name in ("src", "href", "xlink:href", "srcset", "data")]
+        assert all(link.startswith("#") or link in ("", "data:,") for link in links)
+    assert set(re.findall(r"url\((.)", text)) <= {"#"}
+    assert "@import" not in text
+    ids = [attributes["id"] for _, attributes in page.elements if "id" in attributes]
+    assert len(ids) == len(set(ids))
+
+
+@pytest.mark.parametrize("scene", [*SCENES, "a scene of tomorrow"])
+def test_result_of_any_scene(scene: str, made_up_result: Result, tmp_path: Path, command: Command) -> None:
+    """Also of one that did not keep all signals of the scene's own picture."""
+    result = dataclasses.replace(
+        made_up_result, scene=scene, gear=made_up_result.gear.replace({"yoke.preload": 310})
+    )
+    result.save(tmp_path / "r.h5")
+    assert command(["report", "r.h5"]).out == "written: r.html\n"
+    page = Page(tmp_path / "r.html")
+    assert re.search(r"torque_mean\s+0\.6 N m", page.sections["Outcome"])
+    assert re.search(r"yoke\.preload\s+310 N", page.sections["Parameters"])
+
+
+def test_failed_result_says_so(failed_result: Result, tmp_path: Path, command: Command) -> None:
+    failed_result.save(tmp_path / "r.h5")
+    assert command(["report", "r.h5"]).status == 0
+    outcome = Page(tmp_path / "r.html").sections["Outcome"]
+    assert "NaN at t = 0.1 s." in outcome
+    assert Status.DIVERGED.remedy in outcome
+
+
+def test_several_results_stand_side_by_side(made_up_result: Result, tmp_path: Path, command: Command) -> None:
+    made_up_result.save(tmp_path / "a.h5")
+    other = dataclasses.replace(
+        made_up_result,
+        gear=made_up_result.gear.replace({"yoke.preload": 310}),
+        summary={"torque_mean": 0.7},
+    )
+    other.save(tmp_path / "b.h5")
+    assert command(["report", "a.h5", "b.h5"]).out == "written: report.html\n"
+    numbers = Page(tmp_path / "report.html").sections["Numbers"]
+    assert re.search(r"torque_mean\s+0\.6 N m\s+0\.7 N m", numbers)
+    assert re.search(r"yoke\.preload\s+300 N\s+310 N", numbers)
+
+
+def test_same_study_gives_the_same_page(made_up_result: Result, tmp_path: Path, command: Command) -> None:
+    make_study(tmp_path / "s", made_up_result)
+    command(["report", "s", "--out", "a.html"])
+    command(["report", "s", "--out", "b.html"])
+    assert (tmp_path / "a.html").read_bytes() == (tmp_path / "b.html").read_bytes()
+
+
+def test_result_without_signals(made_up_result: Result, tmp_path: Path, command: Command) -> None:
+    dataclasses.replace(made_up_result, signals={}).save(tmp_path / "r.h5")
+    assert command(["report", "r.h5"]).status == 0
+    assert "No signals were kept." in Page(tmp_path / "r.html").sections["Curves"]

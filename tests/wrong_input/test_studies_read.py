@@ -1,0 +1,108 @@
+"""What is no study, no table or no result is refused in a sentence; nothing is written."""
+
+import json
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+import rps_exudyn as rps
+from made_up_study import make_study
+from rps_exudyn.errors import InputError
+from rps_exudyn.result import Result
+from rps_exudyn.study.collected import read_table
+from shell import Command
+
+
+@pytest.fixture
+def study(made_up_result: Result, tmp_path: Path) -> Path:
+    return make_study(tmp_path / "s", made_up_result)
+
+
+def rewrite(study: Path, **changes: object) -> None:
+    """study.json with these keys changed."""
+    path = study / "study.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | changes))
+
+
+@pytest.mark.parametrize("subcommand", ["collect", "report"])
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"version": [2, 0]}, "has format version [2, 0], and this rps-exudyn reads 1.x"),
+        ({"filetype": "another"}, "is not the description of a study of rps-exudyn"),
+        ({"cases": [{"hash": "../../etc/passwd", "values": {}}]}, "is damaged"),
+    ],
+)
+def test_foreign_newer_and_damaged_studies(
+    subcommand: str, changes: dict[str, object], told: str, study: Path, command: Command
+) -> None:
+    rewrite(study, **changes)
+    before = sorted(study.iterdir())
+    answer = command([subcommand, "s"])
+    assert answer.status == 2
+    assert answer.err.count("\n") == 1
+    assert told in answer.err
+    assert sorted(study.iterdir()) == before
+
+
+@pytest.mark.parametrize("read", [rps.open_study, rps.study_frame])
+def test_folder_without_a_study(read: object, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="is no study's folder"):
+        read(tmp_path)  # type: ignore[operator]
+
+
+def test_report_tells_all_wrong_paths_at_once(study: Path, tmp_path: Path, command: Command) -> None:
+    (tmp_path / "foreign.h5").write_bytes(b"no HDF5")
+    answer = command(["report", "s", "foreign.h5", "missing.h5", "--out", "r.html"])
+    assert answer.status == 2
+    assert [line.split(" ")[1] for line in answer.err.splitlines()] == ["foreign.h5", "missing.h5"]
+    assert not (tmp_path / "r.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["report"], "report needs at least one"),
+        (["report", "s", "--out", "r.pdf"], "its name must end in .html"),
+        (["report", "s", "--out", "nowhere/r.html"], "there is no folder"),
+        (["collect", "s", "--out", "t.xlsx"], "its name must end in .h5"),
+        (["collect", "missing"], "there is no such folder"),
+    ],
+)
+def test_wrong_arguments(arguments: list[str], told: str, study: Path, command: Command) -> None:
+    answer = command(arguments)
+    assert answer.status == 2
+    assert told in answer.err
+    assert answer.err.count("\n") == 1
+
+
+def test_tables_are_checked_for_type_and_version(
+    study: Path, made_up_result: Result, tmp_path: Path, command: Command
+) -> None:
+    made_up_result.save(tmp_path / "result.h5")
+    with pytest.raises(InputError, match=r"is an HDF5 file, but not a table of rps-exudyn"):
+        read_table(tmp_path / "result.h5")
+    command(["collect", "s", "--out", "t.h5"])
+    with h5py.File(tmp_path / "t.h5", "a") as file:
+        file["summary/torque_mean"][...] = 1
+        del file["axes/preload"]
+        file["axes/preload"] = np.void(b"\x80\x04.")  # a pickle, for all we know: never read as one
+    with pytest.raises(InputError, match=r"is damaged: .*no column"):
+        read_table(tmp_path / "t.h5")
+    with h5py.File(tmp_path / "t.h5", "a") as file:
+        file.attrs["version"] = [2, 0]
+    with pytest.raises(InputError, match=r"has format version 2.0, and this rps-exudyn reads 1.x"):
+        read_table(tmp_path / "t.h5")
+    with pytest.raises(InputError, match="is an HDF5 file, but not a result"):
+        rps.load(tmp_path / "t.h5")
+
+
+def test_sensitivity_without_salib_says_what_to_install(
+    study: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, command: Command
+) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "SALib", None)
+    rewrite(study, design="morris")
+    assert command(["report", "s"]).status == 0
+    assert "install rps-exudyn with its extra [sensitivity]" in (study / "report.html").read_text("utf-8")
