@@ -2,15 +2,16 @@
 
     python studies/bench_models.py [results/models]
 
-Prints the tables of results/README.md and draws the torque of general contact over that of the flank
-contact. Cost is processor time of one thread in the solver, the least of several repeats, compilation and
-setting up apart; general contact is timed over one tooth pitch and counted `teeth` times. The error is the
-RMS of the torque over one tooth pitch in % of its mean, the bias its mean. The reference is the equilibrium
-at 0.1 degree steps; how far slow dynamics at 0.1 degrees lies from it says how far to trust it.
+Prints the tables of results/README.md, draws the torque of general contact over that of the flank contact,
+and both with the kinematic ratio. Cost is processor time of one thread in the solver, the least of several
+repeats, compilation and setting up apart; general contact is timed over one tooth pitch and counted `teeth`
+times. The error is the RMS of the torque over one tooth pitch in % of its mean, the bias its mean. The
+reference is the equilibrium at 0.1 degree steps; how far slow dynamics at 0.1 degrees lies from it says how
+far to trust it.
 """
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from scipy.interpolate import CubicSpline
 
 import rps_exudyn as rps
 from rps_exudyn.charts import style
+from rps_exudyn.charts.several import torques_figure
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.quantities import SIGNALS
@@ -114,6 +116,30 @@ def draw(rows: list[Row], path: Path) -> None:
     style.save(figure, path)
 
 
+MODELS = {
+    "general contact": "general contact 27 x 18 spheres, 0.3 deg",
+    "flank contact": "flank, 1 deg",
+    "ratio with loss": "ratio with the closed form's loss",
+    "ratio": "ratio",
+}
+"""Name in the picture -> case."""
+
+
+def draw_models(rows: list[Row], path: Path) -> None:
+    """One model of each kind over a tooth pitch, from zero on: what each of them misses."""
+    results = {row.name: row.result for row in rows}
+    shown = {name: over_a_pitch(results[case]) for name, case in MODELS.items()}
+    figure = torques_figure(shown, "What a model of the teeth misses: the ripple, or half of the torque")
+    figure.axes[0].set_ylim(0, None)
+    style.save(figure, path)
+
+
+def over_a_pitch(result: Result) -> Result:
+    """The first tooth pitch of a record."""
+    kept = result["pinion_angle"] <= 2 * np.pi * PITCH * (1 + 1e-9)
+    return replace(result, signals={name: values[kept] for name, values in result.signals.items()})
+
+
 def main(folder: Path) -> None:
     """Measure, print, draw."""
     curve, spread, bias = reference()
@@ -136,6 +162,7 @@ def main(folder: Path) -> None:
         )
     folder.mkdir(parents=True, exist_ok=True)
     draw(rows, folder / "general_contact_and_flank.png")
+    draw_models(rows, folder / "models.png")
 
 
 if __name__ == "__main__":

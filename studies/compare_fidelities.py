@@ -2,15 +2,20 @@
 
     python studies/compare_fidelities.py
 
-Prints the table of README.md and draws the full model against the flank contact. Processor time is the
-solver's in a second run, so without compilation and setting up; the full model takes minutes.
+Prints the table of README.md, draws the full model against the flank contact and what the kinematic ratio
+misses. Processor time is the solver's in a second run, so without compilation and setting up; the full
+model takes minutes.
 """
 
 from pathlib import Path
 
+from matplotlib.figure import Figure
+
 from rps_exudyn.analysis.comparison import compare
 from rps_exudyn.analysis.work_balance import work_shares
+from rps_exudyn.charts import style
 from rps_exudyn.charts.comparison import draw_comparison
+from rps_exudyn.charts.several import torques_figure
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.result import Result
 from rps_exudyn.simulate import run
@@ -24,6 +29,9 @@ FIDELITIES = {
     "flank, mesh ratio": Fidelity.preset("flank").replace({"mesh": "ratio"}),
     "flank, mesh ratio-with-loss": Fidelity.preset("flank").replace({"mesh": "ratio-with-loss"}),
 }
+RATIO = ("full", "flank", "flank, mesh ratio-with-loss", "flank, mesh ratio")
+WITH_RATIO = "The kinematic ratio has the losses of the other parts, not of the teeth, and no ripple"
+TWO_PITCHES = 1 / 3  # [turns]
 LOSSES = ("mesh", "seat", "bush", "bearing")
 FOLDER = Path(__file__).parents[1] / "results" / "free_pinion_torque"
 
@@ -35,13 +43,21 @@ def main() -> None:
     for name, result in results.items():
         print(row(name, result, results["full"]))
     FOLDER.mkdir(parents=True, exist_ok=True)
-    draw("full", "flank", FOLDER / "full_and_flank.svg")
+    draw(FOLDER)
 
 
-def draw(first: str, second: str, path: Path) -> None:
-    """Two tooth pitches of both."""
-    pair = compare(*(run(SCENE, fidelity=FIDELITIES[name], turns=1 / 3) for name in (first, second)))
-    draw_comparison(pair, (first, second), path)
+def draw(folder: Path) -> None:
+    """Two tooth pitches: full model and flank contact with their difference, and with the kinematic ratio."""
+    curves = {name: run(SCENE, fidelity=FIDELITIES[name], turns=TWO_PITCHES) for name in RATIO}
+    pair = compare(curves["full"], curves["flank"])
+    draw_comparison(pair, ("full", "flank"), folder / "full_and_flank.svg")
+    style.save(from_zero(torques_figure(curves, WITH_RATIO)), folder / "ratio_and_flank.svg")
+
+
+def from_zero(figure: Figure) -> Figure:
+    """The ordinate from zero on, so that what is missing is seen in proportion."""
+    figure.axes[0].set_ylim(0, None)
+    return figure
 
 
 def second_run(fidelity: Fidelity) -> Result:

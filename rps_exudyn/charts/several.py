@@ -1,5 +1,7 @@
 """Picture of several results' torques over the pinion angle, told apart by the legend."""
 
+from typing import Any
+
 from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.measured import MeasuredTorque
@@ -9,13 +11,16 @@ from rps_exudyn.charts.curves import AGAINST_MOTION, add_measured
 from rps_exudyn.quantities import SIGNALS
 from rps_exudyn.result import Result
 
+DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (3, 1.5)), (0, (1, 1)), (0, (6, 2, 1, 2)), "-")
+"""By which curves that lie over each other are told apart."""
+
 
 def torques_figure(
     results: dict[str, Result], headline: str, measured: MeasuredTorque | None = None
 ) -> Figure:
     """One curve for each result by its name, its first pass; at most as many as there are colours."""
     figure, (axes,) = style.panels([3.8])
-    for (name, result), colour in zip(results.items(), style.SEVERAL, strict=False):
+    for (name, result), colour, dashes in zip(results.items(), style.SEVERAL, DASHES, strict=False):
         turned = passes(result.signals)[0]
         torque = turned.direction * turned.signals["pinion_torque"]
         axes.plot(
@@ -23,6 +28,7 @@ def torques_figure(
             SIGNALS["pinion_torque"].displayed(torque),
             color=colour,
             linewidth=1.4,
+            linestyle=dashes,
             label=name,
         )
     axes.set_ylabel(SIGNALS["pinion_torque"].axis_label(AGAINST_MOTION))
