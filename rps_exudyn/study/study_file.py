@@ -35,7 +35,7 @@ from rps_exudyn import units
 from rps_exudyn.declaration import Declared, read_toml
 from rps_exudyn.errors import InputError
 from rps_exudyn.fidelity import PRESETS, name_of
-from rps_exudyn.quantities import SIGNALS
+from rps_exudyn.quantities import SIGNALS, SUMMARY
 from rps_exudyn.setup import Setup
 from rps_exudyn.study.description import DESIGNS, GRID_DESIGN, Axis, Keep, Value
 
@@ -55,7 +55,7 @@ KEYS = (
 SHAPES = ("values", "linspace", "logspace")
 DISTRIBUTIONS = ("uniform", "loguniform", "normal")
 AXIS_KEYS = ("name", "path", "paths", "unit", "along", *SHAPES, *DISTRIBUTIONS)
-NOT_AXES = ("hash", "status", "message", "cpu_s", "wall_s", "bytes", "modified_ns", "case")
+NOT_AXES = ("hash", "status", "message", "cpu_s", "wall_s", "bytes", "modified_ns", "case", "sample")
 """Names that tables of results need for themselves."""
 
 FIDELITY = "fidelity."
@@ -341,9 +341,12 @@ class _Reader:
                 where, f"has {shapes[0]}; a sampled design draws from {_or((*DISTRIBUTIONS, 'values'))}."
             )
         name = self.text(told, "name", paths[0] if paths else where)
-        if not name or name in NOT_AXES or not name.isprintable():
+        taken = name in NOT_AXES or name in SIGNALS or name in SUMMARY
+        if not name or taken or "/" in name or not name.strip(".") or not name.isprintable():
             self.wrong(
-                f"{where}.name", f"is {_shown(name)}; it must be another word than {', '.join(NOT_AXES)}."
+                f"{where}.name",
+                f"is {_shown(name)}; it must be another word than {', '.join(NOT_AXES)}, no quantity of a "
+                "result, and without /.",
             )
         if len(self.problems) > before:
             return None
