@@ -28,6 +28,7 @@ app = App(
     name="rps-exudyn",
     help="Rack-and-pinion steering gears: pinion torque, its variation, and how far to trust it.",
     version=lambda: version("rps-exudyn"),
+    suppress_keyboard_interrupt=False,  # `main` says what is kept
 )
 
 Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
@@ -66,7 +67,7 @@ def run(
     A failed run never replaces an existing file: it is written beside it as NAME.failed.
 
     Args:
-        scene: what the test rig does: free-pinion-torque.
+        scene: what the test rig does: free-pinion-torque, load-test, rack-push, reversal or yoke-impact.
         out: HDF5 file; without it SCENE.h5 in the current folder.
         plot: picture (.png, .svg, .pdf); without it a .png beside the HDF5 file.
         measured: CSV file of a measured torque with columns pinion_angle [deg] and pinion_torque [N m]; it is

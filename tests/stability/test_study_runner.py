@@ -1,0 +1,204 @@
+"""Whatever happens to a case, a worker or the runner itself: every case ends as one row, and none is lost."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rps_exudyn.outcome import Status
+from rps_exudyn.study.store import CaseRow, Store
+from shell import Command
+from study_files import write_grid, write_stand_in
+
+
+@pytest.fixture(autouse=True)
+def stand_in(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Worker processes simulate nothing."""
+    monkeypatch.setenv("PYTHONPATH", str(write_stand_in(tmp_path_factory.mktemp("stand_in"))))
+
+
+def rows(folder: Path) -> dict[float, CaseRow]:
+    """Preload -> row."""
+    return {case.values["yoke.preload"]: row for case, row in Store.open(folder).rows()}
+
+
+def test_crash_hang_and_failure_are_rows_and_the_rest_goes_on(command: Command, tmp_path: Path) -> None:
+    file = write_grid(tmp_path / "s.toml", 100, 901, 902, 903, 904, 905, 200)
+    file.write_text(file.read_text().replace("20 s", "2 s"))
+    assert command(["study", str(file), "--jobs", "2"]).status == 1
+    found = rows(tmp_path / "s")
+    assert {preload: row.status for preload, row in found.items()} == {
+        100: Status.OK,
+        200: Status.OK,
+        901: Status.CRASHED,
+        902: Status.TIMEOUT,
+        903: Status.CRASHED,
+        904: Status.DIVERGED,
+        905: Status.CRASHED,
+    }
+    assert "SIGSEGV" in found[901].message
+    assert "time limit of 2 s" in found[902].message
+    assert found[903].message == "RuntimeError: on purpose"
+    assert "status 7" in found[905].message
+    log = (tmp_path / "s" / "study.log").read_text()
+    assert log.count(" s yoke.preload=") == 7
+    # crashed cases are tried again; the timeout is not, with the same limit
+    assert command(["study", str(file), "--dry-run", "--json"]).json["missing"] == 3
+
+
+def test_repeated_study_does_nothing_and_extended_one_only_what_is_new(
+    command: Command, tmp_path: Path
+) -> None:
+    file = write_grid(tmp_path / "s.toml", 100, 200)
+    assert command(["study", str(file), "--json"]).json["done_now"] == 2
+    before = {path.name: path.stat().st_mtime_ns for path in (tmp_path / "s" / "cases").iterdir()}
+    assert command(["study", str(file), "--json"]).json["done_now"] == 0
+    write_grid(file, 100, 150, 200)
+    assert command(["study", str(file), "--json"]).json == {
+        "folder": "s",
+        "cases": 3,
+        "statuses": {"ok": 3},
+        "done_now": 1,
+    }
+    after = {path.name: path.stat().st_mtime_ns for path in (tmp_path / "s" / "cases").iterdir()}
+    assert before.items() <= after.items()
+
+
+def test_damaged_foreign_and_newer_files_are_named_set_aside_and_done_again(
+    command: Command, tmp_path: Path
+) -> None:
+    import h5py
+
+    file = write_grid(tmp_path / "s.toml", 100, 200, 300, 400)
+    command(["study", str(file)])
+    store = Store.open(tmp_path / "s")
+    paths = [store.path_of(case.hash) for case in store.description.cases]
+    paths[0].write_bytes(paths[0].read_bytes()[:3000])
+    paths[1].write_bytes(paths[2].read_bytes())
+    with h5py.File(paths[3], "a") as content:
+        content.attrs["version"] = [9, 0]
+    assert {case.hash for case in store.description.cases if case.hash in store.finished()} == {paths[2].stem}
+    sentences = " ".join(sentence for _, sentence in store.skipped)
+    assert [path for path, _ in store.skipped] == [paths[0], paths[1], paths[3]]
+    for word in ("damaged", "another case: yoke.preload is 300.0, not 200.0", "format version 9.0"):
+        assert word in sentences
+    answer = command(["study", str(file), "--json"])
+    assert answer.json["done_now"] == 3
+    assert "set aside" in answer.err
+    assert len(list((tmp_path / "s" / "cases").glob("*.set-aside"))) == 3
+    assert len(rows(tmp_path / "s")) == 4
+
+
+def test_index_is_only_a_cache(command: Command, tmp_path: Path) -> None:
+    file = write_grid(tmp_path / "s.toml", 100, 200)
+    command(["study", str(file)])
+    index = tmp_path / "s" / "index.csv"
+    content, told = index.read_text(), rows(tmp_path / "s")
+    for wrong in ("", "nonsense\n" * 3, content[: len(content) // 2], content.replace("ok", "ok,ok")):
+        index.write_text(wrong)
+        assert rows(tmp_path / "s") == told
+    index.unlink()
+    Store.open(tmp_path / "s").rebuild_index()
+    assert index.read_text() == content
+
+
+def test_second_runner_is_refused_and_the_first_undisturbed(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = write_grid(tmp_path / "s.toml", 911, 912)
+    with Running(file, 1.5, monkeypatch) as first:
+        wait_for(lambda: (tmp_path / "s" / "study.json").exists())
+        answer = command(["study", str(file)])
+        assert answer.status == 2
+        assert f"s is being worked on by process {first.pid}" in answer.err
+        assert first.wait(30) == 0
+    assert len(rows(tmp_path / "s")) == 2
+
+
+def test_ctrl_c_stops_at_once_and_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = write_grid(tmp_path / "s.toml", 100, 911, 912)
+    with Running(file, 100, monkeypatch) as process:
+        wait_for(lambda: (tmp_path / "s" / "study.json").exists() and rows(tmp_path / "s"))
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=10)
+    assert process.returncode == 130
+    assert "finished cases are kept in s, and the same command does the others" in err
+    assert "Traceback" not in err
+    assert list(rows(tmp_path / "s")) == [100]
+
+
+def test_killed_at_random_moments_it_ends_as_if_undisturbed(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """SIGKILL of runner and workers in turn; studies/bench_studies.py does it with real simulations."""
+    preloads = [*range(100, 140), *range(911, 931)]
+    whole = write_grid(tmp_path / "whole.toml", *preloads)
+    command(["study", str(whole), "--jobs", "2"])
+    file = write_grid(tmp_path / "s.toml", *preloads)
+    for victim, moment in enumerate((0.6, 1.3, 1.5, 1.2, 0.9)):
+        with Running(file, 0.05, monkeypatch) as process:
+            time.sleep(moment)
+            children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+            os.kill(int(children[0]) if victim % 2 and children else process.pid, signal.SIGKILL)
+            time.sleep(0.2)
+    assert command(["study", str(file), "--jobs", "2"]).status == 0
+    first, second = Store.open(tmp_path / "whole"), Store.open(tmp_path / "s")
+    results = {case.hash: result for case, result in second.results()}
+    assert len(results) == len(preloads)
+    for case, result in first.results():
+        assert results[case.hash].summary == result.summary
+        for name, values in result.signals.items():
+            assert np.array_equal(values, results[case.hash][name])
+    assert not list((tmp_path / "s").rglob(".*.h5"))
+
+
+def test_storing_that_fails_ends_the_study_in_a_sentence(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on a full disk; cases done by then are kept."""
+    folder = Path(os.environ["PYTHONPATH"])
+    with (folder / "sitecustomize.py").open("a") as text:
+        text.write(
+            "\nimport errno\nimport rps_exudyn.atomic as atomic\nflush = atomic._flush_to_disk\n"
+            "def full(path):\n"
+            "    if len(list(path.parent.glob('[!.]*.h5'))) >= 2 and path.parent.name == 'cases':\n"
+            "        raise OSError(errno.ENOSPC, 'No space left on device')\n"
+            "    flush(path)\n"
+            "atomic._flush_to_disk = full\n"
+        )
+    file = write_grid(tmp_path / "s.toml", 100, 200, 300, 400)
+    answer = command(["study", str(file), "--jobs", "1"])
+    assert answer.status == 2
+    assert "No space left on device" in answer.err
+    assert len(rows(tmp_path / "s")) == 2
+
+
+class Running:
+    """`rps-exudyn study FILE` in a process of its own, cases above 910 N taking so many seconds."""
+
+    def __init__(self, file: Path, seconds: float, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setenv("STAND_IN_SECONDS", str(seconds))
+        command = [sys.executable, "-m", "rps_exudyn", "study", str(file), "--jobs", "2"]
+        self.process = subprocess.Popen(
+            command, cwd=file.parent, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        )
+
+    def __enter__(self) -> "subprocess.Popen[str]":
+        return self.process
+
+    def __exit__(self, *_: object) -> None:
+        self.process.kill()
+        self.process.communicate()
+
+
+def wait_for(condition: Callable[[], object], seconds: float = 20) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.05)

@@ -1,0 +1,60 @@
+"""Small studies, and a stand-in for simulation in worker processes, for tests of the runner."""
+
+from pathlib import Path
+
+GRID = """
+scene = "free-pinion-torque"
+fidelity = "quasi-static"
+time_limit = "20 s"
+[[axis]]
+path = "yoke.preload"
+unit = "N"
+values = [{preloads}]
+"""
+
+STAND_IN = '''
+import os, signal, time
+import numpy as np
+import rps_exudyn.simulate as simulate
+from rps_exudyn.outcome import Status
+from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.solve import Outcome
+
+
+def scene(gear, fidelity):
+    """What becomes of a case depends on its preload [N]."""
+    preload = round(gear.yoke.preload)
+    if gear.test.turns < 0.1:  # rehearsal
+        return SceneRun(Outcome(Status.OK, settings={"name": "none"}))
+    if preload == 901:
+        os.kill(os.getpid(), signal.SIGSEGV)
+    if preload == 902:
+        time.sleep(1000)
+    if preload == 903:
+        raise RuntimeError("on purpose")
+    if preload == 904:
+        return SceneRun(Outcome(Status.DIVERGED, "on purpose", settings={"name": "none"}))
+    if preload == 905:
+        os._exit(7)
+    if preload > 910:
+        time.sleep(float(os.environ.get("STAND_IN_SECONDS", 0)))
+    angle = np.linspace(0, 6.28, 101)
+    signals = {"time": angle, "pinion_angle": angle, "pinion_torque": preload * np.cos(angle)}
+    return SceneRun(Outcome(Status.OK, settings={"name": "none"}), signals, {"torque_mean": preload / 500})
+
+
+simulate.SCENES["free-pinion-torque"] = scene
+'''
+"""A sitecustomize.py, which Python imports when it starts: workers then simulate nothing."""
+
+
+def write_stand_in(folder: Path) -> Path:
+    """The folder to be put on PYTHONPATH."""
+    (folder / "sitecustomize.py").write_text(STAND_IN)
+    return folder
+
+
+def write_grid(file: Path, *preloads: float) -> Path:
+    """A study over these preloads [N]."""
+    file.write_text(GRID.format(preloads=", ".join(map(str, preloads))))
+    return file
