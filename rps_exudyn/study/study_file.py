@@ -505,7 +505,7 @@ def _check_axes_in_gear(study: Study) -> None:
     Raises:
         InputError: what is wrong, each sentence once.
     """
-    study.base  # noqa: B018 - read for what is wrong with it
+    _check_base(study)
     problems: dict[str, None] = {}
     for axis in study.axes:
         for settings in _alone(axis):
@@ -519,6 +519,16 @@ def _check_axes_in_gear(study: Study) -> None:
         raise InputError(
             shown + [f"{study.file}: {len(problems) - 10} more like these."] * (len(problems) > 10)
         )
+
+
+def _check_base(study: Study) -> None:
+    try:
+        study.base  # noqa: B018 - read for what is wrong with it
+    except InputError as error:
+        name = str(study.file)
+        raise InputError(
+            problem if problem.startswith(name) else f"{name}: {problem}" for problem in error.problems
+        ) from None
 
 
 def _alone(axis: Axis) -> Iterator[dict[str, Value]]:

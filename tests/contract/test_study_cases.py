@@ -1,0 +1,209 @@
+"""What a study promises: which cases, under which names, in which files."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rps_exudyn.outcome import Status
+from rps_exudyn.result import Result, load
+from rps_exudyn.setup import Setup
+from rps_exudyn.study.case_file import FileForms, failed, kept
+from rps_exudyn.study.cases import case_hash, describe, points, setup_of
+from rps_exudyn.study.description import Axis, Description, Keep
+from rps_exudyn.study.study_file import Study, read_study
+
+LINKED = """
+scene = "free-pinion-torque"
+fidelity = "quasi-static"
+[set]
+test.turns = 2
+fidelity.step_angle = "2 deg"
+[[axis]]
+path = "yoke.preload"
+unit = "kN"
+values = [0.1, "200 N"]
+[[axis]]
+name = "friction"
+paths = ["mesh.friction", "yoke.friction"]
+linspace = [0.1, 0.3, 3]
+along.bearing.friction_torque = ["10 N*mm", "20 N*mm", "30 N*mm"]
+"""
+SAMPLED = """
+scene = "free-pinion-torque"
+fidelity = "quasi-static"
+design = "{design}"
+samples = 8
+seed = {seed}
+[[axis]]
+path = "yoke.preload"
+uniform = ["100 N", "200 N"]
+[[axis]]
+path = "mesh.friction"
+loguniform = [0.01, 0.1]
+[[axis]]
+path = "pinion.pitch_error"
+normal = ["0 um", "2 um"]
+[[axis]]
+path = "test.direction"
+values = [-1, 1]
+"""
+
+
+def study_of(folder: Path, text: str) -> Study:
+    (folder / "s.toml").write_text(text)
+    return read_study(folder / "s.toml")
+
+
+def test_grid_counts_its_last_axis_fastest_and_moves_linked_paths(tmp_path: Path) -> None:
+    study = study_of(tmp_path, LINKED)
+    description = describe(study, {})
+    assert [tuple(case.values.values()) for case in description.cases] == [
+        (100.0, 0.1), (100.0, 0.2), (100.0, 0.3), (200.0, 0.1), (200.0, 0.2), (200.0, 0.3),
+    ]  # fmt: skip
+    setup = setup_of(study, description.cases[4])
+    assert setup.yoke.preload == 200
+    assert setup.mesh.friction == setup.yoke.friction == 0.2
+    assert setup.bearing.friction_torque == pytest.approx(0.02)
+    assert setup.test.turns == 2
+    assert setup.fidelity.step_angle == pytest.approx(np.deg2rad(2))
+    assert description.base == {"test.turns": 2.0}
+
+
+def test_case_is_what_run_would_take(tmp_path: Path) -> None:
+    """Study and command line mean the same by the same settings, the hash too."""
+    study = study_of(tmp_path, LINKED)
+    (case, *_) = describe(study, {}).cases
+    by_hand = Setup.from_tables(
+        {"fidelity": {"solver": "equilibrium"}},
+        {
+            "yoke.preload": "100 N",
+            "bearing.friction_torque": "10 N*mm",
+            "test.turns": 2,
+            "fidelity.step_angle": "2 deg",
+        },
+    )
+    assert setup_of(study, case).steering_gear == by_hand.steering_gear
+    assert case.hash == case_hash("free-pinion-torque", by_hand.steering_gear, by_hand.fidelity)
+
+
+def test_hash_knows_all_that_numbers_depend_on_and_not_the_name() -> None:
+    setup = Setup()
+    base = case_hash("free-pinion-torque", setup, setup.fidelity)
+    assert len(base) == 16
+    changed = setup.replace({"yoke.preload": 300.0000001})
+    finer = setup.fidelity.replace({"step_angle": 0.01})
+    renamed = setup.fidelity.replace({"name": "mine"})
+    others = {
+        case_hash("free-pinion-torque", changed, setup.fidelity),
+        case_hash("load-test", setup, setup.fidelity),
+        case_hash("free-pinion-torque", setup, finer),
+    }
+    assert len(others | {base}) == 4
+    assert case_hash("free-pinion-torque", setup, renamed) == base
+
+
+def test_axis_may_choose_the_model_and_what_follows_from_it_follows(tmp_path: Path) -> None:
+    text = 'fidelity = "flank"\n[[axis]]\npath = "fidelity.bush"\nvalues = ["condensed", "chain"]\n'
+    study = study_of(tmp_path, text)
+    condensed, chain = (setup_of(study, case).fidelity for case in describe(study, {}).cases)
+    assert (condensed.tolerance, chain.tolerance) == (1e-4, 1e-6)
+    assert chain.name == "flank with bush chain"
+
+
+@pytest.mark.parametrize("design", ["latin-hypercube", "sobol", "random", "morris", "saltelli"])
+def test_sampled_designs_repeat_with_their_seed_and_stay_in_their_limits(tmp_path: Path, design: str) -> None:
+    if design in ("morris", "saltelli"):
+        pytest.importorskip("SALib")
+    first, again, other = (
+        describe(study_of(tmp_path, SAMPLED.format(design=design, seed=seed)), {}) for seed in (1, 1, 2)
+    )
+    assert first.cases == again.cases
+    assert first.cases != other.cases
+    assert len(first.cases) == 8 * {"morris": 5, "saltelli": 6}.get(design, 1)
+    columns = {name: np.array([case.values[name] for case in first.cases]) for name in first.cases[0].values}
+    for name, least, most in (
+        ("yoke.preload", 100, 200),
+        ("mesh.friction", 0.01, 0.1),
+        ("pinion.pitch_error", -6e-6, 6e-6),
+    ):
+        assert least <= columns[name].min() < columns[name].max() <= most * (1 + 1e-12)
+    assert set(columns["test.direction"]) == {-1, 1}
+
+
+def test_drawn_values_have_their_distribution() -> None:
+    axes = (
+        Axis("u", ("yoke.preload",), "N", None, "sampled", {}, {"kind": "uniform", "numbers": [1.0, 3.0]}),
+        Axis(
+            "l", ("yoke.preload",), "N", None, "sampled", {}, {"kind": "loguniform", "numbers": [1.0, 100.0]}
+        ),
+        Axis("n", ("yoke.preload",), "N", None, "sampled", {}, {"kind": "normal", "numbers": [5.0, 2.0]}),
+    )
+    drawn = np.array([list(point.values()) for point in points(axes, "latin-hypercube", 2000, 3)])
+    assert np.allclose(np.median(drawn, axis=0), [2, 10, 5], rtol=0.01)
+    assert np.isclose(drawn[:, 2].std(), 2 * 0.9866, rtol=0.01)  # cut off at three deviations
+    assert np.abs(drawn[:, 2] - 5).max() <= 6
+
+
+def test_description_is_read_as_it_was_written(tmp_path: Path) -> None:
+    for text in (LINKED, SAMPLED.format(design="sobol", seed=1)):
+        description = describe(study_of(tmp_path, text), {"command": "study"})
+        (tmp_path / "study.json").write_text(description.to_json())
+        assert Description.read(tmp_path / "study.json") == description
+
+
+def test_toy_has_two_values_of_each_axis(tmp_path: Path) -> None:
+    assert len(describe(study_of(tmp_path, LINKED).toy(), {}).cases) == 4
+    assert len(describe(study_of(tmp_path, SAMPLED.format(design="random", seed=1)).toy(), {}).cases) == 4
+
+
+def test_kept_signals_are_thinned_evenly_with_both_ends(made_up_result: Result) -> None:
+    thin = kept(made_up_result, Keep(("time", "pinion_torque"), 11))
+    assert list(thin.signals) == ["time", "pinion_torque"]
+    assert np.array_equal(thin["time"], made_up_result["time"][::12])
+    assert not kept(made_up_result, Keep(())).signals
+    assert kept(made_up_result, Keep()).signals.keys() == made_up_result.signals.keys()
+
+
+def test_file_from_a_form_is_the_file_that_save_writes(made_up_result: Result, tmp_path: Path) -> None:
+    """Every dataset and attribute; also for texts longer than the form's, and other shapes."""
+    forms = FileForms()
+    other = dataclasses.replace(
+        made_up_result,
+        gear=made_up_result.gear.replace({"yoke.preload": 123.456}),
+        signals={name: values * 1.5 for name, values in made_up_result.signals.items()},
+        summary={name: -value for name, value in made_up_result.summary.items()},
+        counters={"steps": 7, "newton_iterations": 9},
+        status=Status.INVALID,
+        message="a much longer message than before: ü" * 50,
+        solver={"residual": 1.0, "list": [1, 2, 3]},
+        cpu_s=0.25,
+    )
+    shorter = kept(other, Keep(("time", "pinion_torque"), 5))
+    gone = failed("free-pinion-torque", other.gear, Setup().fidelity, Status.CRASHED, "gone", 0.0, 1.0)
+    for result in (made_up_result, other, made_up_result, shorter, gone, gone, shorter, other):
+        (tmp_path / "form.h5").write_bytes(forms.content(result))
+        result.save(tmp_path / "saved.h5")
+        assert everything(tmp_path / "form.h5") == everything(tmp_path / "saved.h5")
+        again = load(tmp_path / "form.h5")
+        assert again.summary == result.summary
+        assert again.gear == result.gear
+
+
+def everything(path: Path) -> dict[str, object]:
+    """All that an HDF5 file says, as plain values."""
+    import h5py
+
+    found: dict[str, object] = {}
+
+    def note(name: str, item: h5py.Group | h5py.Dataset) -> None:
+        found[name] = {key: str(value) for key, value in item.attrs.items() if "REFERENCE" not in key}
+        if isinstance(item, h5py.Dataset):
+            found[f"{name} content"] = (str(item.dtype), item[()].tolist())
+            found[f"{name} scales"] = [list(dimension) for dimension in item.dims]
+
+    with h5py.File(path) as file:
+        file.visititems(note)
+        found["/"] = {key: str(value) for key, value in file.attrs.items()}
+    return found
