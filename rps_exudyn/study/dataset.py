@@ -169,7 +169,7 @@ def _signals(table: CaseTable, layout: _Layout) -> dict[str, Variable]:
         return {}
     files, longest = layout.arranged(paths, None), max(lengths.values())
     return {
-        f"signal_{name}" if name in layout.dimensions or name in table.axes else name: Variable(
+        name: Variable(
             (*layout.dimensions, SAMPLE),
             LazilyIndexedArray(_Signal(name, files, longest)),
             _attributes(SIGNALS[name]),

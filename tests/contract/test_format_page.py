@@ -1,23 +1,29 @@
 """docs/hdf5-format.md describes exactly what a result file holds."""
 
 import dataclasses
+import json
 import re
 from pathlib import Path
 
 import h5py
 import pytest
 
+from made_up_study import description, grid_points, make_study
 from rps_exudyn.gears.checks import GeometryReport
 from rps_exudyn.outcome import Status
 from rps_exudyn.quantities import GROUPS
 from rps_exudyn.result import FILETYPE, VERSION, Result
+from rps_exudyn.study import collected
+from rps_exudyn.study import description as study
+from rps_exudyn.study.store import Store
+from rps_exudyn.study.table import CaseTable
 
 PAGE = (Path(__file__).parents[2] / "docs" / "hdf5-format.md").read_text(encoding="utf-8")
 
 
 def rows(section: str) -> list[tuple[str, ...]]:
     """The table of a section: cells of each row, without the two header rows."""
-    text = PAGE.split(f"## {section}\n")[1].split("\n## ")[0]
+    text = re.split(r"\n#+ ", PAGE.split(f"## {section}\n")[1])[0]
     return [
         tuple(cell.strip() for cell in line.strip("|").split(" | "))
         for line in re.findall(r"^\| `.*\|$", text, re.M)
@@ -49,3 +55,35 @@ def test_page_names_filetype_version_and_every_status() -> None:
 def test_geometry_quantities_are_those_of_the_report() -> None:
     fields = [item.name for item in dataclasses.fields(GeometryReport)]
     assert fields == [*GROUPS["geometry"], "mass_properties", "warnings"]
+
+
+def test_page_lists_every_key_of_a_study(made_up_result: Result) -> None:
+    told = json.loads(description(grid_points()).to_json())
+    assert {name for name, *_ in rows("`study.json`")} == {f"`{name}`" for name in told}
+    assert {name for name, *_ in rows("Axes of `study.json`")} == {f"`{name}`" for name in told["axes"][0]}
+    meaning = {name: text for name, _, text in rows("`study.json`")}
+    assert study.FILETYPE in meaning["`filetype`"]
+    assert f"now {study.VERSION[0]}, {study.VERSION[1]}" in meaning["`version`"]
+    assert re.findall(r"`([\w-]+)`", meaning["`design`"]) == list(study.DESIGNS)
+
+
+def test_page_lists_everything_in_a_collected_table(made_up_result: Result, tmp_path: Path) -> None:
+    folder = make_study(tmp_path / "s", made_up_result)
+    collected.write_table(CaseTable.of(Store.open(folder)), tmp_path / "t.h5")
+    with h5py.File(tmp_path / "t.h5") as file:
+        assert {name for name, *_ in rows("Attributes of the table")} == {f"`{name}`" for name in file.attrs}
+        there = ["/study"] + [f"/{group}/{name}" for group in collected.GROUPS for name in file[group]]
+    told = [name for cells in rows("Contents of the table") for name in re.findall(r"`([^`]+)`", cells[0])]
+    for name in there:
+        assert name in told or f"{name.rpartition('/')[0]}/NAME" in told
+    outcome = {
+        (name.strip("`").removeprefix("/outcome/"), unit, meaning)
+        for name, unit, meaning in rows("Contents of the table")
+        if name.startswith("`/outcome/")
+    }
+    assert outcome == {
+        (name, item.unit or "text", item.long_name) for name, item in collected.OUTCOME.items()
+    }
+    meaning = {name: text for name, _, text in rows("Attributes of the table")}
+    assert collected.FILETYPE in meaning["`filetype`"]
+    assert f"now {collected.VERSION[0]}, {collected.VERSION[1]}" in meaning["`version`"]
