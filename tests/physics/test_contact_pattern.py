@@ -1,0 +1,55 @@
+"""The contact pattern is that of the recorded motion: its pressures add up to the contact law's forces."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import rps_exudyn as rps
+from rps_exudyn.analysis.contact_pattern import contact_pattern, one_pitch, pressures, unrolled
+from rps_exudyn.charts.contact_pattern import pattern_figure
+from rps_exudyn.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.result import Result
+
+STIFFNESS = 2e13  # [N/m^3], mesh.stiffness
+
+
+@pytest.fixture(scope="module")
+def pitch() -> Result:
+    """One tooth pitch of a gear with every motion of the rack, away from the centre."""
+    gear = rps.SteeringGear().replace({"pinion.runout": 40e-6, "mesh.stiffness": STIFFNESS})
+    return rps.run("free-pinion-torque", gear, fidelity="quasi-static", turns=1 / 6, start_angle=4.0)
+
+
+@pytest.mark.parametrize(("side", "name"), [(-1, "mesh_normal_force_drive"), (+1, "mesh_normal_force_coast")])
+def test_pressure_over_the_flanks_is_the_normal_force(side: int, name: str, pitch: Result) -> None:
+    few = {signal: values[::20] for signal, values in pitch.signals.items()}
+    pair = GearPair.of(pitch.gear)
+    roll, face = unrolled(pitch.gear, (200, 200))
+    area = roll / np.cos(pair.beta_b) * (roll[1] - roll[0]) / pair.base_radius * (face[1] - face[0])
+    forces = (pressures(pitch.gear, few, side, roll, face) * area[:, None]).sum(axis=(1, 2, 3))
+    np.testing.assert_allclose(forces, few[name], rtol=2e-3)
+
+
+def test_highest_pressure_belongs_to_the_deepest_penetration(pitch: Result) -> None:
+    both = contact_pattern(pitch.gear, pitch.signals)
+    highest = max(pattern.pressure.max() for pattern in both)
+    assert highest == pytest.approx(STIFFNESS * pitch["mesh_penetration"].max(), rel=0.05)
+    assert [pattern.side for pattern in both] == [-1, +1]
+
+
+def test_picture_says_the_highest_pressures(pitch: Result) -> None:
+    both = contact_pattern(pitch.gear, one_pitch(pitch.signals, 6))
+    titles = [axes.get_title(loc="left") for axes in pattern_figure(pitch).axes[:2]]
+    for title, pattern in zip(titles, both, strict=True):
+        assert title.endswith(f"up to {pattern.pressure.max() / 1e6:.0f} MPa")
+
+
+def test_what_has_no_pattern_is_told(pitch: Result) -> None:
+    by_line = pitch.gear.replace({"mesh.law": "line"})
+    with pytest.raises(InputError, match=r'mesh\.law is "line"'):
+        contact_pattern(by_line, pitch.signals)
+    without = {name: values for name, values in pitch.signals.items() if name != "rack_roll"}
+    with pytest.raises(InputError, match="no rack_roll"):
+        pattern_figure(dataclasses.replace(pitch, signals=without))
