@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.gear_kernel import STACK, GearData, Kernel, chain_gear_force, gear_force
 from rps_exudyn.gears.gear_pair import GearPair
@@ -20,8 +18,6 @@ from rps_exudyn.parts.bush import Chain, adams_chain, bush_chain
 from rps_exudyn.parts.force_element import ForceElement
 from rps_exudyn.parts.yoke_force import yoke_as_force
 from rps_exudyn.statics import Balance, approach_under
-
-LEAST_LEVER_SHARE = 0.1  # of the mean friction lever: parallel axes have no sliding at the pitch point
 
 RACK = STACK["rack"].start
 PLUNGER = STACK["plunger"].start
@@ -82,7 +78,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
     The yoke is adjusted so that the preload acts at rest on a gear without runout.
     """
     pair = GearPair.of(gear)
-    zone = fidelity.zone_ratio * least_sliding(pair) * gear.test.speed
+    zone = fidelity.zone_ratio * pair.least_sliding * gear.test.speed
     approach = approach_under(gear.yoke.preload, *ideal_mesh(gear, fidelity, zone), pair.axis_offset)
     chain = adams_chain(gear) if fidelity.bush == "adams-chain" else bush_chain(gear)
     condensed = sliding_fit.condensed_fit(gear, chain, friction_zone=zone)
@@ -141,9 +137,3 @@ def ideal_mesh(gear: SteeringGear, fidelity: Fidelity, zone: float) -> tuple[Ker
     ideal = gear.replace({"pinion.runout": 0.0, "mesh.friction": 0.0})
     element = mesh_element(ideal, fidelity, zone)
     return element.kernel, element.data
-
-
-def least_sliding(pair: GearPair) -> float:
-    """Smallest sliding speed of the teeth in mesh over the pinion's speed [m]."""
-    levers = pair.friction_lever(np.linspace(*pair.field, 201))
-    return float(max(levers.min(), LEAST_LEVER_SHARE * levers.mean()))

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from rps_exudyn.analysis.work_balance import energy_residual, missing_work
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.force_element import ForceElement
@@ -31,14 +32,19 @@ def judged(
     gear: SteeringGear,
     record: Record,
     signals: dict[str, np.ndarray],
+    friction_zone: float | None,
 ) -> Outcome:
-    """The outcome of a run that reached its end, after all checks: the first that fails is its cause."""
+    """The outcome of a run that reached its end, after all checks: the first that fails is its cause.
+
+    Of a steady motion `friction_zone` [m/s] is the sliding speed below which friction is not fully developed.
+    """
     in_mesh = gear.basic_rack.addendum * gear.pinion.normal_module / 2
     checks = (
         finite(signals),
         rack_in_mesh(signals, in_mesh),
         *([] if record.pulse_power is not None else [teeth_loaded(signals)]),  # a pulse may part them
         *(law_valid(element, signals) for element in record.elements),
+        *([] if friction_zone is None else [friction_developed(signals, friction_zone, GearPair.of(gear))]),
         contact_agreed(contact_disagreement(record)),
         work_balanced(signals, EDGE_BOUND if gear.installation.angle_error else ENERGY_BOUND),
     )
@@ -85,6 +91,18 @@ def law_valid(element: ForceElement, signals: dict[str, np.ndarray]) -> Failure:
                 f"{name} is {quantity.show(signals[name].max())}, first above the {quantity.show(bound)} "
                 f"to which the contact's law holds at {_first(signals, beyond)}",
             )
+
+
+def friction_developed(signals: dict[str, np.ndarray], zone: float, pair: GearPair) -> Failure:
+    """The teeth slide fast enough for Coulomb's law, at the slowest angle and place."""
+    rate = np.abs(np.gradient(signals["pinion_angle"], signals["time"]))
+    slowest = rate * pair.least_sliding
+    if (slowest < zone * (1 - 1e-3)).any():
+        yield (
+            Status.INVALID,
+            f"the teeth slide at {1e3 * slowest.min():.3g} mm/s, first below the friction zone of "
+            f"{1e3 * zone:.3g} mm/s at {_first(signals, slowest < zone)}",
+        )
 
 
 def contact_agreed(disagreement: float) -> Failure:

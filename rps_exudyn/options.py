@@ -53,6 +53,10 @@ class SetupOptions(GearOptions):
     """How the teeth touch, if not as in the fidelity: general-contact, flank, ratio, ratio-with-loss."""
     bush: str | None = None
     """Model of the bush, likewise: chain, adams-chain, condensed, rigid."""
+    yoke: str | None = None
+    """How the yoke presses, likewise: body, force."""
+    rack: str | None = None
+    """How the rack moves, likewise: free, guided."""
     solver: str | None = None
     """How the motion is found, likewise: generalized-alpha, equilibrium, closed-form."""
 
@@ -62,8 +66,9 @@ class SetupOptions(GearOptions):
         from rps_exudyn.setup import Setup
 
         settings, problems = parse_settings(self.settings)
-        parts = {"mesh": self.mesh, "bush": self.bush, "solver": self.solver}
-        settings |= {f"fidelity.{part}": choice for part, choice in parts.items() if choice is not None}
+        parts = ("mesh", "bush", "yoke", "rack", "solver")
+        chosen = {part: getattr(self, part) for part in parts}
+        settings |= {f"fidelity.{part}": choice for part, choice in chosen.items() if choice is not None}
         tables = self.tables()
         if "fidelity" in tables:
             problems.append(

@@ -217,8 +217,7 @@ class Test(Table):
     )
     path: Literal["one-way", "there-and-back", "lock-to-lock"] = parameter(
         "one-way",
-        "free-pinion-torque and rack-push: over the turns; the same and back; from end to end of the rack's "
-        "travel and back, whatever turns and start_angle say",
+        "over the turns; the same and back; or from end to end of the rack's travel and back",
         "estimate",
     )
     load_mass: Mass = parameter("10 kg", "weight at the rack's end in the load test", "paper", ge=0)

@@ -199,3 +199,10 @@ class GearPair:
         return np.sqrt(
             ls**2 + np.square(q) + 2 * np.asarray(q) * ls * np.sin(self.alpha_t) * np.sin(self.beta_p)
         )
+
+    @cached_property
+    def least_sliding(self) -> float:
+        """Smallest friction lever in mesh [m]; with parallel axes, which do not slide at the pitch point, a
+        tenth of the mean."""
+        levers = self.friction_lever(np.linspace(*self.field, 201))
+        return float(max(levers.min(), 0.1 * levers.mean()))

@@ -19,7 +19,7 @@ class YokeForceData(NamedTuple):
     preload: float
     rate: float  # of the spring [N/m]
     clearance: float
-    stop: float  # stiffness of the yokenut's contact [N/m]
+    stop: float  # stiffness of the yokenut's contact and the seat in series [N/m]
     guide: float  # sideways stiffness of the seat [N/m]
     friction: float  # coefficient times the seat's wedge factor
     zone: float  # friction zone [m/s]
@@ -58,7 +58,7 @@ def yoke_as_force(gear: SteeringGear, *, friction_zone: float, approach: float) 
         preload=yoke.preload,
         rate=yoke.spring_rate,
         clearance=yoke.clearance,
-        stop=yoke.nut_stiffness,
+        stop=1 / (1 / yoke.nut_stiffness + 1 / yoke.seat_stiffness),
         # pressure per depth over the arc: int sin^2 sideways for int cos^2 along the yoke
         guide=yoke.seat_stiffness * (phi - np.sin(phi) * np.cos(phi)) / (phi + np.sin(phi) * np.cos(phi)),
         friction=seat_wedge_factor(phi) * yoke.friction,

@@ -59,7 +59,7 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:
     steps = trip.lead + trip.steps
     plan = SolverPlan(end_time=steps * trip.time_step, steps=steps, relative_tolerance=fidelity.tolerance)
     outcome = solve(model.mbs, plan)
-    return _told(gear, outcome, recorder.record().since(trip.record_start))
+    return _told(gear, trip, outcome, recorder.record().since(trip.record_start), model.forces.friction_zone)
 
 
 # --- equilibria ------------------------------------------------------------------------------------
@@ -107,17 +107,17 @@ def _along_equilibria(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> Sce
     record = Record(
         forces.elements, path.time, path.coordinates, path.rates, overcome, drive.body, np.zeros(found)
     )
-    return _told(gear, outcome, record.since(trip.record_start))
+    return _told(gear, trip, outcome, record.since(trip.record_start), forces.friction_zone)
 
 
 # --- common ----------------------------------------------------------------------------------------
-def _told(gear: SteeringGear, outcome: Outcome, record: Record) -> SceneRun:
+def _told(gear: SteeringGear, trip: Trip, outcome: Outcome, record: Record, zone: float) -> SceneRun:
     """Signals of a record, and whether it may be called ok."""
     if len(record.time) < 2:
         return SceneRun(outcome)
     signals = signals_of(record)
     if outcome.status is Status.OK:
-        outcome = judged(outcome, gear, record, signals)
+        outcome = judged(outcome, gear, record, signals, zone if trip.is_steady else None)
     return SceneRun(outcome, signals)
 
 

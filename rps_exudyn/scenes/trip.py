@@ -37,6 +37,11 @@ class Trip:
         """[s]"""
         return self.lead * self.time_step * (1 + 1e-9)
 
+    @property
+    def is_steady(self) -> bool:
+        """Whether everything slides at a constant speed."""
+        return isinstance(self.drive, Steady) and self.drive.speed != 0
+
     def under(self, load: float) -> "Trip":
         """The same with a load that pulls the rack's end towards -X [N]."""
         return replace(self, rack_load=load)
