@@ -70,6 +70,13 @@ class SteeringModel:
         """The same for several bodies, stacked."""
         return np.concatenate([np.r_[self.coordinates(name)] for name in bodies])
 
+    def release(self) -> None:
+        """Free the system's memory: its items and the functions they call hold each other, out of reach of
+        Python's collector. The model cannot be used any more."""
+        self.mbs.sys.clear()
+        self.mbs.variables.clear()
+        self.SC.Reset()
+
     def segment_columns(self) -> np.ndarray:
         """The same for all segments of the bush, shape (N, 6)."""
         starts = [self.mbs.GetNodeODE2Index(node) for node in self.segments]

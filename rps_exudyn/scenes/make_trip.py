@@ -59,7 +59,9 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:
     steps = trip.lead + trip.steps
     plan = SolverPlan(end_time=steps * trip.time_step, steps=steps, relative_tolerance=fidelity.tolerance)
     outcome = solve(model.mbs, plan)
-    return _told(gear, trip, outcome, recorder.record().since(trip.record_start), model.forces.friction_zone)
+    record = recorder.record().since(trip.record_start)
+    model.release()
+    return _told(gear, trip, outcome, record, model.forces.friction_zone)
 
 
 # --- equilibria ------------------------------------------------------------------------------------
