@@ -115,7 +115,7 @@ def print_measured(compared: "list[AgainstMeasured] | None") -> None:
     console = _console()
     console.print()
     if not compared:
-        console.print("Measured and simulated torque share no range of the pinion angle in one direction.")
+        console.print("Nothing to compare: at no pinion angle is there a measured and a simulated torque.")
     for each in compared:
         low, high = (SIGNALS["pinion_angle"].show(angle) for angle in each.angle_range)
         console.print(

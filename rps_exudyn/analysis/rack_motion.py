@@ -11,7 +11,7 @@ RANGES = {"rack_lift_range": "rack_y", "rack_roll_range": "rack_roll", "rack_yaw
 def transmission_error(signals: Signals, gain: float) -> np.ndarray:
     """Rack displacement ahead of gain [m/rad] times pinion angle, from its mean, shape (n,) [m]."""
     error = signals["rack_displacement"] - gain * signals["pinion_angle"]
-    return np.asarray(error - error.mean())
+    return np.asarray(error - error.mean() if error.size else error)
 
 
 def describe_rack(signals: Signals, gain: float) -> dict[str, float]:

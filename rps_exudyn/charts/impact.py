@@ -25,7 +25,8 @@ def impact_figure(result: Result, measured: MeasuredTorque | None = None) -> Fig
     style.line(axes[0], time, result["yokenut_force"], SIGNALS["yokenut_force"], "yokenut force", "failure")
     quantity = SIGNALS["plunger_displacement"]
     style.line(axes[1], time, result["plunger_displacement"], quantity, "plunger", "lift", "plunger")
-    style.line(axes[1], time, result["rack_y"], SIGNALS["rack_y"], "displacement", "roll", "rack lift")
+    if "rack_y" in result.signals:
+        style.line(axes[1], time, result["rack_y"], SIGNALS["rack_y"], "displacement", "roll", "rack lift")
     clearance = quantity.displayed(result.gear.yoke.clearance)
     axes[1].axhline(clearance, **style.REFERENCE_LINE, label="yokenut")
     style.legend_above(axes[1])

@@ -26,7 +26,8 @@ FIGURES = {
 def load_test_figure(result: Result, measured: MeasuredTorque | None = None) -> Figure:
     """The picture; the torque in the sense of the pinion angle, below zero where the gear is self-locking."""
     figure, (axes,) = style.panels([3.8])
-    raises = 1 if np.median(result.signals.get("load_force", np.ones(1))) > 0 else -1
+    load = _load(result)
+    raises = -1 if load < 0 else 1
     for turned in passes(result.signals):
         angle = SIGNALS["pinion_angle"].displayed(turned.angle)
         torque, colour = turned.signals["pinion_torque"], DIRECTIONS[turned.direction][1]
@@ -34,8 +35,8 @@ def load_test_figure(result: Result, measured: MeasuredTorque | None = None) -> 
         style.line(axes, angle, torque, quantity, "pinion torque", colour, DOES[raises * turned.direction])
     if measured is not None:
         add_measured(axes, measured)
-    if "load_force" in result.signals and "rack_gain" in result.summary:
-        ideal = np.median(result["load_force"]) * result.summary["rack_gain"] / (2 * np.pi)
+    if load and "rack_gain" in result.summary:
+        ideal = load * result.summary["rack_gain"] / (2 * np.pi)
         axes.axhline(ideal, **style.REFERENCE_LINE, label="without losses")
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, 0), high)
@@ -45,3 +46,9 @@ def load_test_figure(result: Result, measured: MeasuredTorque | None = None) -> 
     locking = result.summary.get("torque_reverse", 0.0) < 0
     head(figure, result, scene_of(result) + " · self-locking" * locking, FIGURES)
     return figure
+
+
+def _load(result: Result) -> float:
+    """Force on the rack's end towards -X [N]; 0 if it was not recorded."""
+    force = result.signals.get("load_force", np.zeros(0))
+    return float(np.median(force)) if force.size else 0.0

@@ -8,14 +8,22 @@ from rps_exudyn.charts.curves import DIRECTIONS, over_angle
 from rps_exudyn.charts.heading import head, scene_of
 from rps_exudyn.result import Result
 
+# signal -> name on the axis, colour, height [in], least span shown [display unit]
+_PANELS = {
+    "rack_force": ("force on the rack", "torque", 3.2, 1.0),
+    "rack_y": ("rack lift", "lift", 1.6, 1.0),
+}
+FIGURES = {"push_force_mean": "mean", "push_force_peak_to_peak": "peak to peak"}
+
 
 def rack_push_figure(result: Result, measured: MeasuredTorque | None = None) -> Figure:
-    """The picture; a measured pinion torque has no place in it."""
-    figure, axes = style.panels([3.2, 1.6])
-    over_angle(axes[0], result.signals, "rack_force", "force on the rack", "torque")
-    over_angle(axes[1], result.signals, "rack_y", "rack lift", "lift")
-    style.widen(axes[1], 1.0)
+    """The picture, without the lift if the fidelity has none; a measured pinion torque has no place in it."""
+    shown = {name: panel for name, panel in _PANELS.items() if name in result.signals}
+    figure, axes = style.panels([height for *_, height, _ in shown.values()])
+    for panel, (name, (label, colour, _, least)) in zip(axes, shown.items(), strict=True):
+        over_angle(panel, result.signals, name, label, colour)
+        style.widen(panel, least)
     style.name_directions(axes[0], {colour: label for label, colour in DIRECTIONS.values()})
     style.angle_axis(axes[-1])
-    head(figure, result, scene_of(result), {})
+    head(figure, result, scene_of(result), FIGURES)
     return figure

@@ -103,7 +103,9 @@ def name_directions(axes: Axes, named: dict[str, str]) -> None:
 def abscissa(axes: Axes, label: str) -> None:
     """Another common abscissa than the angle, for instance "time [ms]"."""
     axes.set_xlabel(label)
-    axes.set_xlim(axes.dataLim.intervalx)
+    low, high = axes.dataLim.intervalx
+    if np.isfinite([low, high]).all() and low < high:
+        axes.set_xlim(low, high)
 
 
 def title(figure: Figure, headline: str, failure: str = "") -> None:

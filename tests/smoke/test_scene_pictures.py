@@ -56,6 +56,23 @@ def test_every_scene_is_drawn_with_a_measured_curve_too(
     assert (tmp_path / "a.png").stat().st_size > 5000
 
 
+@pytest.mark.parametrize("scene", PICTURES)
+@pytest.mark.parametrize("case", ["nan", "huge", "one sample", "nothing recorded", "mean values only"])
+def test_failed_and_simple_results_are_drawn_too(
+    scene: str, case: str, there_and_back: Result, tmp_path: Path
+) -> None:
+    """Warnings are errors here: matplotlib must be spared what it cannot draw."""
+    signals = {name: values.copy() for name, values in there_and_back.signals.items()}
+    if case in ("nan", "huge"):
+        for name in signals.keys() - {"time"}:
+            signals[name][60:] = np.nan if case == "nan" else -1e30
+    elif case == "mean values only":
+        signals = {name: values for name, values in signals.items() if name != "rack_y"}
+    else:
+        signals = {name: values[: int(case == "one sample")] for name, values in signals.items()}
+    draw(dataclasses.replace(there_and_back, scene=scene, signals=signals), tmp_path / "a.png")
+
+
 def test_both_directions_are_drawn_against_their_motion(there_and_back: Result) -> None:
     torque = torque_figure(there_and_back).axes[0]
     assert torque.get_ylabel() == "torque against the motion [N m]"
