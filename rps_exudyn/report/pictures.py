@@ -30,5 +30,11 @@ def _for_a_page(svg: str) -> str:
     svg = re.sub(r"<metadata>.*?</metadata>\s*|<style.*?</style>\s*", "", svg, flags=re.S)
     svg = re.sub(r'^(<svg\b[^>]*?) width="[^"]*"', r"\1", svg)
     svg = re.sub(r'^(<svg\b[^>]*?) height="[^"]*"', r"\1", svg)
+    svg = re.sub(r' (?:x|y|d)="[^"]*"', _to_hundredths, svg)
     used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', svg))
     return re.sub(r' id="([^"]*)"', lambda found: found[0] if found[1] in used else "", svg)
+
+
+def _to_hundredths(coordinates: re.Match[str]) -> str:
+    """Of a point (1/72 inch): finer is not seen, and doubles the page."""
+    return re.sub(r"(\.\d\d)\d+", r"\1", coordinates[0])

@@ -38,7 +38,7 @@ from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import PENDING, CaseTable, axis_quantity, show_value
 
 LEADING = 3  # numbers that stand open, with their best and worst cases
-WITH_SURFACES = 6  # numbers that get response surfaces
+WITH_PICTURES = 6  # numbers whose effects are drawn, not only told
 MOST_SURFACES = 3  # for each of them: of the axes that matter most
 MOST_ROWS = 300  # cases listed one by one
 MOST_VALUES = 8  # of an axis, written out
@@ -155,11 +155,16 @@ def _outcome(table: CaseTable) -> Iterable[Block]:
     )
 
 
+def _ranked(table: CaseTable) -> list[str]:
+    """Numbers that differ between the cases; efficiencies first, where a scene measures them."""
+    return sorted(table.varying(), key=lambda name: not name.startswith("efficiency"))
+
+
 # --- effects -----------------------------------------------------------------------------------
 
 
 def _effects(table: CaseTable) -> Iterable[Block]:
-    names = table.varying()
+    names = _ranked(table)
     if not names:
         yield Text("No number differs between the cases that ended ok.")
         return
@@ -173,32 +178,31 @@ def _effects(table: CaseTable) -> Iterable[Block]:
     yield Text("The share is what the means of an axis' levels alone explain of the variance over the cases.")
     for place, name in enumerate(names):
         blocks = list(_effects_on(table, name))
-        if place < WITH_SURFACES:
-            blocks.append(_surfaces(table, name))
+        if place < WITH_PICTURES:
+            blocks.append(Pictures([*_effect_pictures(table, name), *_surfaces(table, name)]))
         yield Fold(_words(name), blocks, is_open=place < LEADING)
 
 
 def _effects_on(table: CaseTable, name: str) -> Iterable[Block]:
-    quantity, numbers = SUMMARY[name], table.numbers[name]
-    effects = _all_effects(table, name)
-    yield Text(f"{quantity.long_name}.")
-    rows = [_effect_row(axis, effect, name) for axis, effect in effects]
+    yield Text(f"{SUMMARY[name].long_name}.")
+    rows = [_effect_row(axis, effect, name) for axis, effect in _all_effects(table, name)]
     yield Grid(("axis", "from", "to", "mean from", "mean to", "share"), rows)
-    pictures = [
-        picture(main_effect_figure(axis, effect, name, quantity), f"{_words(name)} over {axis.name}")
-        for axis, effect in effects
-    ]
+
+
+def _effect_pictures(table: CaseTable, name: str) -> Iterable[Picture]:
     if table.description.design != GRID_DESIGN:
-        spread = distribution_figure(numbers, name, quantity)
-        pictures.insert(0, picture(spread, f"{_words(name)}: distribution"))
-    yield Pictures(pictures)
+        spread = distribution_figure(table.numbers[name], name, SUMMARY[name])
+        yield picture(spread, f"{_words(name)}: distribution")
+    for axis, effect in _all_effects(table, name):
+        figure = main_effect_figure(axis, effect, name, SUMMARY[name])
+        yield picture(figure, f"{_words(name)} over {axis.name}")
 
 
-def _surfaces(table: CaseTable, name: str) -> Pictures:
+def _surfaces(table: CaseTable, name: str) -> Iterable[Picture]:
     """Over the pairs of the axes that matter most."""
     effects = sorted(_all_effects(table, name), key=lambda pair: -pair[1].share)
     pairs = itertools.combinations([axis for axis, _ in effects], 2)
-    return Pictures([_surface(table, pair, name) for pair in itertools.islice(pairs, MOST_SURFACES)])
+    return (_surface(table, pair, name) for pair in itertools.islice(pairs, MOST_SURFACES))
 
 
 def _all_effects(table: CaseTable, name: str) -> list[tuple[Axis, MainEffect]]:
@@ -244,7 +248,7 @@ def _sensitivity(table: CaseTable) -> list[Section]:
         return []
     kinds = sensitivity.KINDS[design]
     blocks: list[Block] = [Facts(list(kinds.items()))]
-    for name in table.varying():
+    for name in _ranked(table):
         try:
             blocks.append(_indices(table, name, list(kinds)))
         except InputError as error:
@@ -281,7 +285,7 @@ def _better(name: str) -> Literal["lowest", "highest", ""]:
 
 
 def _extremes(table: CaseTable, store: Store) -> Iterable[Block]:
-    names = table.varying()[:LEADING]
+    names = _ranked(table)[:LEADING]
     if not names:
         yield Text("No number differs between the cases that ended ok.")
     for name in names:
