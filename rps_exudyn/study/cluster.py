@@ -78,7 +78,7 @@ def _run(client: "Client", tasks: Iterator[Task], time_limit: float, ahead: int)
     from distributed import as_completed
 
     given: dict[Any, Task] = {}
-    completed = as_completed()
+    completed = as_completed(loop=client.loop)
 
     def submit_next() -> None:
         if (task := next(tasks, None)) is not None:

@@ -1,0 +1,111 @@
+"""Cases on a real Dask cluster on the loopback: a scheduler and two workers in processes of their own."""
+
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rps_exudyn.outcome import Status
+from rps_exudyn.study.store import Store
+from shell import Command
+from study_files import write_grid, write_stand_in
+
+pytest.importorskip("distributed")
+
+
+def dask(*arguments: str, cwd: Path) -> "subprocess.Popen[bytes]":
+    """In a process group of its own, nannies and all; what it says goes to a file."""
+    command = [sys.executable, "-m", "distributed.cli.dask_" + arguments[0], *arguments[1:]]
+    with (cwd / f"{arguments[0]}.log").open("ab") as log:
+        return subprocess.Popen(command, cwd=cwd, stdout=log, stderr=log, start_new_session=True)
+
+
+def worker(address: str, cwd: Path) -> "subprocess.Popen[bytes]":
+    options = ("--nthreads", "1", "--no-dashboard", "--host", "127.0.0.1", "--local-directory", str(cwd))
+    return dask("worker", address, *options, cwd=cwd)
+
+
+def end(process: "subprocess.Popen[bytes]") -> None:
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """A scheduler with two workers, which simulate nothing."""
+    folder = tmp_path_factory.mktemp("cluster")
+    with pytest.MonkeyPatch.context() as environment:
+        environment.setenv("PYTHONPATH", str(write_stand_in(folder)))
+        environment.setenv("STAND_IN_SECONDS", "0.4")
+        yield from cluster(folder)
+
+
+def cluster(folder: Path) -> Iterator[str]:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    name = f"tcp://127.0.0.1:{port}"
+    running = [dask("scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard", cwd=folder)]
+    running += [worker(name, folder) for _ in range(2)]
+    yield name
+    for process in running:
+        end(process)
+
+
+@pytest.mark.filterwarnings("ignore")  # of Dask and its libraries
+def test_cases_come_back_and_failures_are_rows(command: Command, tmp_path: Path, address: str) -> None:
+    file = write_grid(tmp_path / "s.toml", 100, 200, 901, 904)
+    answer = command(["study", str(file), "--cluster", address])
+    assert answer.status == 1, answer.err
+    store = Store.open(tmp_path / "s")
+    assert [row.status for _, row in store.rows()] == [
+        Status.OK, Status.OK, Status.CRASHED, Status.DIVERGED,
+    ]  # fmt: skip
+    for case, result in store.results():
+        if result.status is Status.OK:
+            assert result["pinion_torque"][0] == case.values["yoke.preload"]
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_lost_worker_is_replaced(command: Command, tmp_path: Path, address: str) -> None:
+    """One of the two is killed with all its processes in the middle, and another one comes."""
+    file = write_grid(tmp_path / "s.toml", *range(911, 931))
+    started = [sys.executable, "-m", "rps_exudyn", "study", str(file), "--cluster", address]
+    with subprocess.Popen(started, cwd=tmp_path, stdout=subprocess.DEVNULL) as study:
+        until = time.monotonic() + 40
+        while not list((tmp_path / "s" / "cases").glob("[!.]*.h5")):
+            assert time.monotonic() < until
+            time.sleep(0.1)
+        killed = first_worker(address)
+        os.killpg(killed, signal.SIGKILL)
+        another = worker(address, tmp_path)
+        try:
+            assert study.wait(60) == 0
+        finally:
+            end(another)
+    assert len(Store.open(tmp_path / "s").finished()) == 20
+
+
+def first_worker(address: str) -> int:
+    """Its process group: the nanny's, which started it."""
+    from distributed import Client
+
+    with Client(address, timeout=10, set_as_default=False) as client:
+        return min(client.run(os.getpgrp).values())
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_no_cluster_there_is_told(command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rps_exudyn.study.cluster.CONNECTING", 1)
+    file = write_grid(tmp_path / "s.toml", 100)
+    answer = command(["study", str(file), "--cluster", "tcp://127.0.0.1:9"])
+    assert answer.status == 2
+    assert "--cluster tcp://127.0.0.1:9: no scheduler answers there" in answer.err

@@ -1,0 +1,69 @@
+"""Every shipped study at toy size, simulated for real."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rps_exudyn.outcome import Status
+from rps_exudyn.study.processes import Done, Task
+from rps_exudyn.study.runner import Plan, run_study
+from rps_exudyn.study.store import Store
+from rps_exudyn.study.study_file import read_study
+from shell import Command
+
+STUDIES = sorted((Path(__file__).parents[2] / "studies").glob("*.toml"))
+SHIPPED = (
+    "preload friction runout installation_angle preload_friction_runout yoke_clearance load_map tolerance"
+)
+
+
+def in_this_process(tasks: Iterator[Task]) -> Iterator[Done]:
+    """Without the time that starting processes takes."""
+    from rps_exudyn.study.case_run import CaseRunner
+
+    runner = CaseRunner()
+    for task in tasks:
+        row, content = runner.run(dict(task))
+        Path(task["path"]).write_bytes(content)
+        yield Done(task, row)
+
+
+def test_all_studies_are_shipped() -> None:
+    assert {file.stem for file in STUDIES} >= set(SHIPPED.split())
+
+
+@pytest.mark.parametrize("file", STUDIES, ids=lambda file: file.stem)
+def test_study_runs_at_toy_size(file: Path, tmp_path: Path) -> None:
+    plan = Plan.of(read_study(file).toy(), tmp_path / file.stem)
+    tally = run_study(plan, in_this_process, workers_write=True)
+    assert tally.statuses[Status.OK] >= len(plan.missing) / 2
+    store = Store.open(tmp_path / file.stem)
+    expected = "efficiency_forward" if store.description.scene == "load-test" else "torque_mean"
+    for _, row in store.rows():
+        assert row.status is not Status.OK or expected in row.summary
+    assert not store.skipped
+
+
+def test_study_from_the_command_line_and_one_case_again(command: Command) -> None:
+    """With worker processes; `rerun` finds bit for bit what a worker stored."""
+    file = next(file for file in STUDIES if file.stem == "preload")
+    answer = command(["study", str(file), "--toy", "--jobs", "1"])
+    assert answer.status == 0
+    assert "2 cases in preload-toy (2 ok), 2 of them done now" in answer.out
+    stored = next(Path("preload-toy", "cases").glob("*.h5"))
+    again = command(["rerun", str(stored), "--out", "again.h5"])
+    assert again.status == 0
+    assert f"Every number is that of {stored}, bit for bit." in again.out
+    assert command(["rerun", "again.h5", "--json"]).json["differing"] == {}
+
+
+def test_rerun_tells_what_differs(command: Command) -> None:
+    import h5py
+
+    assert command(["run", "--fidelity", "closed-form", "--out", "a.h5"]).status == 0
+    with h5py.File("a.h5", "a") as file:
+        file["summary/torque_mean"][()] *= 2
+    answer = command(["rerun", "a.h5", "--json"])
+    assert list(answer.json["differing"]) == ["torque_mean"]
+    assert "differs" in command(["rerun", "a.h5"]).out
