@@ -69,7 +69,7 @@ def print_comparison(comparison: "Comparison", names: tuple[str, str], files: It
     console.print(_grid(("quantity", *names, "difference"), _summary_differences(comparison)))
     console.print()
     if comparison.signals:
-        low, high = (SIGNALS["pinion_angle"].show(comparison.angle[end]) for end in (0, -1))
+        low, high = (SIGNALS["pinion_angle"].show(round(comparison.angle[end], 9)) for end in (0, -1))
         console.print(f"Signals over pinion angles of {low} to {high}, the torque's in % of its mean:")
         rows = (
             (
@@ -117,7 +117,7 @@ def print_measured(compared: "list[AgainstMeasured] | None") -> None:
     if not compared:
         console.print("Nothing to compare: at no pinion angle is there a measured and a simulated torque.")
     for each in compared:
-        low, high = (SIGNALS["pinion_angle"].show(angle) for angle in each.angle_range)
+        low, high = (SIGNALS["pinion_angle"].show(round(angle, 9)) for angle in each.angle_range)
         console.print(
             f"Torque towards {'+' if each.direction > 0 else '-'}X, pinion angles of {low} to {high}:"
         )
