@@ -9,7 +9,7 @@ Signals are read from the cases' files only where they are looked at. All values
 `status` says which.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +25,7 @@ from xarray.core.indexing import (
 )
 
 from rps_exudyn.quantities import SIGNALS, SUMMARY, Quantity
-from rps_exudyn.study.description import Description
+from rps_exudyn.study.description import Description, Keep
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable, axis_quantity
 
@@ -163,8 +163,9 @@ class _Signal(BackendArray):
 def _signals(table: CaseTable, layout: _Layout) -> dict[str, Variable]:
     """Every signal that was kept, unread."""
     folder = table.path / "cases"
-    paths = np.array([folder / f"{case.hash}.h5" if ok else None for case, ok in _known(table)], dtype=object)
-    lengths = _lengths([path for path in dict.fromkeys(paths) if path])
+    usable = zip(table.cases, table.ok, strict=True)
+    paths = np.array([folder / f"{case.hash}.h5" if ok else None for case, ok in usable], dtype=object)
+    lengths = _lengths([path for path in dict.fromkeys(paths) if path], table.description.signals)
     if not lengths:
         return {}
     files, longest = layout.arranged(paths, None), max(lengths.values())
@@ -179,12 +180,11 @@ def _signals(table: CaseTable, layout: _Layout) -> dict[str, Variable]:
     }
 
 
-def _known(table: CaseTable) -> Any:
-    return zip(table.cases, table.ok, strict=True)
+def _lengths(paths: list[Path], keep: Keep) -> dict[str, int]:
+    """Signal -> samples of the longest record; only the files' directories are read.
 
-
-def _lengths(paths: list[Path]) -> dict[str, int]:
-    """Signal -> samples of the longest record; only the files' directories are read."""
+    Not even those once every signal that the study keeps was seen as long as it may be.
+    """
     longest: dict[str, int] = {}
     for path in paths:
         try:
@@ -195,7 +195,13 @@ def _lengths(paths: list[Path]) -> dict[str, int]:
                         longest[name] = max(longest.get(name, 0), group[name].shape[0])
         except (OSError, KeyError):  # gone since the table was read
             continue
+        if keep.signals and keep.samples and _all_seen(longest, keep.signals, keep.samples):
+            break
     return longest
+
+
+def _all_seen(longest: Mapping[str, int], names: Iterable[str], samples: int) -> bool:
+    return all(longest.get(name, 0) >= samples for name in names)
 
 
 def _attributes(quantity: Quantity) -> dict[str, str]:
