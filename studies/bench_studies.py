@@ -43,7 +43,7 @@ scene = "load-test"
 fidelity = "flank"
 [[axis]]
 path = "yoke.preload"
-linspace = ["200 N", "400 N", 16]
+linspace = ["200 N", "400 N", 12]
 [keep]
 signals = "none"
 """
@@ -88,7 +88,7 @@ def scaling(folder: Path) -> None:
         ideal = 2 * spinning(1) / spinning(2)
         ratios.append(walls[1] / walls[2])
         rows = [row.wall_s for _, row in Store.open(folder / f"slow_{repeat}_1").rows()]
-        print(f"16 cases of {np.mean(rows):.2f} s: {walls[1]:.1f} s by one, {walls[2]:.1f} s by two, ratio "
+        print(f"12 cases of {np.mean(rows):.2f} s: {walls[1]:.1f} s by one, {walls[2]:.1f} s by two, ratio "
               f"{ratios[-1]:.2f}; two empty loops against one: {ideal:.2f}")  # fmt: skip
     print(f"median ratio {np.median(ratios):.2f}")
 

@@ -16,10 +16,9 @@ from rps_exudyn.study.case_file import FileForms, failed, kept
 from rps_exudyn.study.description import Keep
 
 
-def kernels_are_compiled() -> bool:
-    """Whether the cache of compiled kernels holds anything."""
-    folder = numba.config.CACHE_DIR
-    return os.path.isdir(folder) and any(os.scandir(folder))
+def compiled_kernels() -> int:
+    """How many files the cache of compiled kernels holds."""
+    return sum(len(files) for _, _, files in os.walk(numba.config.CACHE_DIR))
 
 
 class CaseRunner:
@@ -27,6 +26,16 @@ class CaseRunner:
 
     def __init__(self) -> None:
         self._forms = FileForms()
+        self._kernels = compiled_kernels()
+
+    @property
+    def has_compiled(self) -> bool:
+        """Whether kernels may have been compiled in this process, not loaded.
+
+        They round differently then, by some 1e-9 of the torque: a process that has compiled must not go on,
+        or the same case would give other numbers the next time.
+        """
+        return compiled_kernels() != self._kernels
 
     def rehearse(self, task: dict[str, Any], turns: float) -> None:
         """The task's scene over a few degrees of the default gear, for nothing: loads all that cases need."""

@@ -197,6 +197,10 @@ class Processes:
         elif "ready" in answer:
             worker.ready = self._compiled = True
             self._failed_starts = 0
+        elif "again" in answer:  # it has compiled kernels, which the next one loads
+            self._compiled = True
+            self._remove(worker)
+            self._again.extendleft(reversed(worker.tasks))
         elif "error" in answer:
             raise StorageError(f"A result cannot be stored: {answer['error']}")
         else:

@@ -6,7 +6,8 @@ It reads one JSON object per line from standard input and answers each by one on
 
 With a `path` the result's file is written there, else its bytes come back. The first line is rehearsed at
 a small size before the worker calls itself ready, so that compiling and loading the kernels is on no case's
-clock. When standard input ends, because whoever started it has ended, so does the worker, at once.
+clock. A process that compiled kernels asks for another one in its place. When standard input ends, because
+whoever started it has ended, so does the worker, at once.
 """
 
 import base64
@@ -17,7 +18,7 @@ import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 REHEARSED_TURNS = 0.05
 
@@ -28,21 +29,31 @@ def main() -> None:
     lines: queue.SimpleQueue[str] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(lines,), daemon=True).start()
     first = json.loads(lines.get())
-    from rps_exudyn.study.case_run import CaseRunner, kernels_are_compiled
+    from rps_exudyn.study.case_run import CaseRunner, compiled_kernels
 
-    answer({"compiled": kernels_are_compiled()})
+    answer({"compiled": compiled_kernels() > 0})
     runner = CaseRunner()
     runner.rehearse(first, REHEARSED_TURNS)
+    if runner.has_compiled:
+        _begin_again(answer)
     answer({"ready": os.getpid()})
     while True:
         task = json.loads(lines.get())
         try:
             row, content = runner.run(task)
+            if runner.has_compiled:
+                _begin_again(answer)
             stored = _store(task["path"], content)
         except Exception as error:  # of storing: the simulation's own are outcomes
             answer({"error": f"{type(error).__name__}: {error}"})
         else:
             answer(row | stored)
+
+
+def _begin_again(answer: Callable[[dict[str, Any]], None]) -> NoReturn:
+    """Let another process, which loads what this one has compiled, do the case."""
+    answer({"again": os.getpid()})
+    os._exit(0)
 
 
 def _store(path: str | None, content: bytes) -> dict[str, Any]:
