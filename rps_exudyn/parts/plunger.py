@@ -43,35 +43,37 @@ def seat_force(q, v, data):  # type: ignore[no-untyped-def]
     turn = turn_of(q[3:6])
     omega = spin_of(turn, v[3:6])
     axis_x, axis_y, axis_z = turn.axis
+    slope_y, slope_z = axis_y / axis_x, axis_z / axis_x
     moment_x = moment_y = moment_z = 0.0
     for i in range(data.arc_y.size):
         ny, nz = data.arc_y[i], data.arc_z[i]
         # the point of the bar's axis that stands at this station of the housing
         along = (data.station[i] - q[0]) / axis_x
-        depth = (q[1] + along * axis_y - q[6] + data.rest_gap) * ny + (q[2] + along * axis_z) * nz
+        ay, az = along * axis_y, along * axis_z
+        depth = (q[1] + ay - q[6] + data.rest_gap) * ny + (q[2] + az) * nz
         if depth <= 0:
             continue
         load = data.stiffness[i] * depth
-        lx, ly, lz = (
-            along * axis_x,
-            along * axis_y + data.bar_radius * ny,
-            along * axis_z + data.bar_radius * nz,
-        )
+        # across the tilted bar, so that sliding along it does no work against the load
+        nx = -(slope_y * ny + slope_z * nz)
+        lx, ly, lz = along * axis_x, ay + data.bar_radius * ny, az + data.bar_radius * nz
         # slip of the bar's surface over the seat: its velocity less the part along the normal
         vx = v[0] + omega[1] * lz - omega[2] * ly
         vy = v[1] - v[6] + omega[2] * lx - omega[0] * lz
         vz = v[2] + omega[0] * ly - omega[1] * lx
-        parting = vy * ny + vz * nz
-        vy, vz = vy - parting * ny, vz - parting * nz
+        parting = (vx * nx + vy * ny + vz * nz) / (1 + nx * nx)
+        vx, vy, vz = vx - parting * nx, vy - parting * ny, vz - parting * nz
         speed = np.sqrt(vx * vx + vy * vy + vz * vz)
         drag = coulomb(load, data.friction, speed, data.zone)
-        fx, fy, fz = -drag * vx, -drag * vy - load * ny, -drag * vz - load * nz
-        out[0] += fx
-        out[1] += fy
-        out[2] += fz
-        moment_x += ly * fz - lz * fy
-        moment_y += lz * fx - lx * fz
-        moment_z += lx * fy - ly * fx
+        fx, fy, fz = -drag * vx, -drag * vy, -drag * vz
+        px, py, pz = -load * nx, -load * ny, -load * nz
+        out[0] += fx + px
+        out[1] += fy + py
+        out[2] += fz + pz
+        # friction acts on the surface, the load passes through the axis
+        moment_x += ly * fz - lz * fy + ay * pz - az * py
+        moment_y += lz * fx - lx * fz + az * px - lx * pz
+        moment_z += lx * fy - ly * fx + lx * py - ay * px
         out[7] += 0.5 * load * depth
         out[8] += drag * speed**2
         out[10] += load

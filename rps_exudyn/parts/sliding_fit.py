@@ -86,8 +86,10 @@ def fit_loads(carrier, rack, data):  # type: ignore[no-untyped-def]
     p_z = k[1, 0] * y + k[1, 1] * z + k[1, 2] * b + k[1, 3] * c
     m_y = k[2, 0] * y + k[2, 1] * z + k[2, 2] * b + k[2, 3] * c
     m_z = k[3, 0] * y + k[3, 1] * z + k[3, 2] * b + k[3, 3] * c
+    # across the tilted bar, so that sliding along it does no work against the load
+    p_x = -(p_y * rack.axis[1] + p_z * rack.axis[2]) / rack.axis[0]
     return FitLoads(
-        minus((0.0, -p_y, -p_z), scaled(rub * slide, rack.axis)),
+        minus((-p_x, -p_y, -p_z), scaled(rub * slide, rack.axis)),
         minus((0.0, -m_y, -m_z), scaled(rub * roll * data.radius, rack.axis)),
         plus(lever_carrier, offset),
         lever_rack,

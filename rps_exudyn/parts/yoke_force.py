@@ -37,14 +37,17 @@ def yoke_force(q, v, data):  # type: ignore[no-untyped-def]
     beyond = max(lift - data.clearance, 0.0)
     stop = data.stop * beyond
     press = max(data.preload + data.rate * lift, 0.0) + stop
-    lever = plus(axis, (0.0, data.bar_radius, 0.0))
-    slip = plus(vector(v), cross(spin_of(turn, v[3:6]), lever))
+    held = data.guide * side
+    # both across the tilted bar and through its axis; friction acts on its back
+    load = ((press * turn.axis[1] + held * turn.axis[2]) / turn.axis[0], -press, -held)
+    back = plus(axis, (0.0, data.bar_radius, 0.0))
+    slip = plus(vector(v), cross(spin_of(turn, v[3:6]), back))
     slip = (slip[0], 0.0, slip[2])
     speed = np.sqrt(dot(slip, slip))
     drag = coulomb(press, data.friction, speed, data.zone)
-    force = plus(scaled(-drag, slip), (0.0, -press, -data.guide * side))
-    out[0], out[1], out[2] = force
-    out[3], out[4], out[5] = on_angles(turn, cross(lever, force))
+    rub = scaled(-drag, slip)
+    out[0], out[1], out[2] = plus(load, rub)
+    out[3], out[4], out[5] = on_angles(turn, plus(cross(axis, load), cross(back, rub)))
     out[7] = lift * (data.preload + 0.5 * data.rate * lift) + 0.5 * (stop * beyond + data.guide * side**2)
     out[8] = drag * speed**2
     out[10], out[11], out[12] = press, press, stop
