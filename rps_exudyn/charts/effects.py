@@ -17,7 +17,7 @@ from rps_exudyn.quantities import Quantity
 from rps_exudyn.study.description import Axis
 from rps_exudyn.study.table import axis_quantity
 
-WIDTH, HEIGHT = 3.5, 2.6  # [in]
+WIDTH, HEIGHT = 3.4, 2.6  # [in]; two of them on a sheet of A4
 MOST_TICKS = 5  # levels of a grid that are all written at the axis
 MOST_DOTS = 500
 _CASE_DOT: Any = {"color": "white", "markersize": 3.5, "markeredgecolor": "black", "markeredgewidth": 0.5}

@@ -1,5 +1,6 @@
 """Charts as SVG that stands inside a page: text stays text, nothing in it clashes with other pictures."""
 
+import hashlib
 import io
 import re
 import warnings
@@ -18,7 +19,7 @@ def picture(figure: Figure, caption: str) -> Picture:
     for words in figure.findobj(Words):
         words.set_parse_math(False)  # a dollar in a name is a dollar
     text = io.StringIO()
-    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": caption}), warnings.catch_warnings():
+    with mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "report"}), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # glyphs that the font of the layout lacks: the browser has others
         figure.savefig(text, format="svg", metadata=_NO_METADATA)
     return Picture(_for_a_page(text.getvalue()), caption, figure.get_size_inches()[0])
@@ -32,7 +33,9 @@ def _for_a_page(svg: str) -> str:
     svg = re.sub(r'^(<svg\b[^>]*?) height="[^"]*"', r"\1", svg)
     svg = re.sub(r' (?:x|y|d)="[^"]*"', _to_hundredths, svg)
     used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', svg))
-    return re.sub(r' id="([^"]*)"', lambda found: found[0] if found[1] in used else "", svg)
+    mark = hashlib.sha256(svg.encode(errors="replace")).hexdigest()[:8]  # no other picture's
+    svg = re.sub(r'(href="#|url\(#)', rf"\g<1>{mark}", svg)
+    return re.sub(r' id="([^"]*)"', lambda found: f' id="{mark}{found[1]}"' if found[1] in used else "", svg)
 
 
 def _to_hundredths(coordinates: re.Match[str]) -> str:

@@ -342,18 +342,15 @@ def _failed(table: CaseTable) -> Iterable[Block]:
 
 
 def _all_cases(table: CaseTable) -> Iterable[Block]:
-    columns = (*(axis.name for axis in table.description.axes), "status", *table.numbers, "case")
+    names = (_ranked(table) or list(table.numbers))[:LEADING]
+    columns = (*(axis.name for axis in table.description.axes), "status", *names, "case")
     rows = []
     for at, case in enumerate(table.cases[:MOST_ROWS]):
-        numbers = [
-            SUMMARY[name].show(float(values[at])) if np.isfinite(values[at]) else ""
-            for name, values in table.numbers.items()
-        ]
-        rows.append([*_settings(table, case), table.status[at].item(), *numbers, case.hash])
-    if len(table.cases) > MOST_ROWS:
-        yield Text(
-            f"The first {MOST_ROWS} of {len(table.cases)} cases; all of them: rps-exudyn collect {table.path}"
-        )
+        known = {name: float(table.numbers[name][at]) for name in names}
+        told = [SUMMARY[name].show(value) if np.isfinite(value) else "" for name, value in known.items()]
+        rows.append([*_settings(table, case), table.status[at].item(), *told, case.hash])
+    some = f"The first {MOST_ROWS} of {len(table.cases)} cases. " if len(table.cases) > MOST_ROWS else ""
+    yield Text(f"{some}Every number of every case: rps-exudyn collect {table.path}")
     yield Fold(_count(len(rows), "case"), [Grid(columns, rows)])
 
 

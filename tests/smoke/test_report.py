@@ -124,8 +124,10 @@ def test_nothing_of_a_file_becomes_markup(made_up_result: Result, tmp_path: Path
 
 def test_page_asks_for_nothing(made_up_result: Result, tmp_path: Path, command: Command) -> None:
     made_up_result.save(tmp_path / "r.h5")
+    louder = {**made_up_result.signals, "pinion_torque": 2 * made_up_result["pinion_torque"]}
+    dataclasses.replace(made_up_result, signals=louder).save(tmp_path / "other.h5")
     make_study(tmp_path / "s", made_up_result)
-    command(["report", "r.h5", "s", "--out", "r.html"])
+    command(["report", "r.h5", "other.h5", "s", "--out", "r.html"])
     text = (tmp_path / "r.html").read_text(encoding="utf-8")
     page = Page(tmp_path / "r.html")
     for _, attributes in page.elements:
