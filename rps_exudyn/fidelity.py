@@ -33,7 +33,7 @@ class Fidelity(Table):
     """One way to model and solve the gear."""
 
     name: str = parameter("flank", "preset this came from, and what was changed in it", "estimate")
-    mesh: Literal["general-contact", "flank", "ratio", "ratio-with-loss"] = parameter(
+    mesh: Literal["general-contact", "flank", "flank-generators", "ratio", "ratio-with-loss"] = parameter(
         "flank", "how the teeth touch", "estimate"
     )
     bush: Literal["chain", "adams-chain", "condensed", "rigid"] = parameter(
@@ -67,6 +67,19 @@ class Fidelity(Table):
         "estimate",
         gt=0,
         le=0.01,
+    )
+    strip_stations: int = parameter(
+        3, "flank: Gauss points along each segment of a line of contact", "estimate", ge=1, le=12
+    )
+    strip_points: int = parameter(
+        2, "flank: Gauss points across the strip of contact", "estimate", ge=1, le=12
+    )
+    generators: int = parameter(
+        160,
+        "flank-generators: lines across each flank over which the contact is integrated",
+        "estimate",
+        ge=4,
+        le=100000,
     )
     profile_samples: int = parameter(
         27, "general contact: spheres along the profile of a flank", "estimate", ge=2, le=2000

@@ -8,7 +8,7 @@ from rps_exudyn.gear_kernel import STACK, GearData, Kernel, chain_gear_force, ge
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.solids import rack_solid
-from rps_exudyn.mesh_contact.flank_element import flank_element
+from rps_exudyn.mesh_contact.flank_element import flank_element, generator_element
 from rps_exudyn.mesh_contact.general_contact import contact_data
 from rps_exudyn.mesh_contact.ratio import ratio_element, ratio_element_with_loss
 from rps_exudyn.mesh_contact.sampled_contact import sampled_element
@@ -122,7 +122,10 @@ def rack_weight(gear: SteeringGear) -> ForceElement:
 def mesh_element(gear: SteeringGear, fidelity: Fidelity, zone: float) -> ForceElement:
     """The contact of the teeth; for general contact its compiled samples."""
     if fidelity.mesh == "flank":
-        return flank_element(gear, friction_zone=zone)
+        along, across = fidelity.strip_stations, fidelity.strip_points
+        return flank_element(gear, friction_zone=zone, along=along, across=across)
+    if fidelity.mesh == "flank-generators":
+        return generator_element(gear, friction_zone=zone, generators=fidelity.generators)
     if fidelity.mesh == "ratio":
         return ratio_element(gear)
     if fidelity.mesh == "ratio-with-loss":

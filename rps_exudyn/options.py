@@ -50,7 +50,8 @@ class SetupOptions(GearOptions):
     fidelity: str = "flank"
     """What is modelled how: full, flank, quasi-static or closed-form; see `describe fidelity`."""
     mesh: str | None = None
-    """How the teeth touch, if not as in the fidelity: general-contact, flank, ratio, ratio-with-loss."""
+    """How the teeth touch, if not as in the fidelity: general-contact, flank, flank-generators, ratio or
+    ratio-with-loss."""
     bush: str | None = None
     """Model of the bush, likewise: chain, adams-chain, condensed, rigid."""
     yoke: str | None = None
