@@ -57,7 +57,7 @@ def generator_element(gear: SteeringGear, *, friction_zone: float, generators: i
     """
     if gear.mesh.law != "area":
         raise InputError(
-            f"mesh.law is {gear.mesh.law}; fidelity.mesh = flank-generators knows only area, pressure per depth."
+            f"mesh.law is {gear.mesh.law}; fidelity.mesh = flank-generators knows only area."
         )
     return _element(gear, flank_quadrature, pack_generators(gear, zone=friction_zone, generators=generators))
 
