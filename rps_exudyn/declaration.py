@@ -13,7 +13,14 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
 
 from annotated_types import Ge, Gt, Le, Lt
-from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, ValidationError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    ValidationError,
+    model_validator,
+)
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema
 from pydantic_core.core_schema import no_info_before_validator_function
@@ -85,6 +92,16 @@ class Table(BaseModel):
 
     # Pydantic's own mark of a constructor that validation of nested tables may pass by
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+    def misfits(self) -> "Iterator[Problem]":
+        """What is wrong between parameters that are each fine alone."""
+        yield from ()
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if misfits := list(self.misfits()):
+            raise MisfitError(misfits)
+        return self
 
     @classmethod
     def from_toml(cls, path: str | Path, settings: Mapping[str, object] | None = None) -> Self:

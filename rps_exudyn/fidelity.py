@@ -18,7 +18,6 @@ from pydantic import model_validator
 from rps_exudyn.declaration import (
     Angle,
     Declared,
-    MisfitError,
     Number,
     Problem,
     Table,
@@ -100,12 +99,8 @@ class Fidelity(Table):
             return {**choices, "tolerance": 1e-6}
         return choices
 
-    @model_validator(mode="after")
-    def _choices_fit(self) -> Self:
-        misfits = list(_misfits(self))
-        if misfits:
-            raise MisfitError(misfits)
-        return self
+    def misfits(self) -> Iterator[Problem]:
+        return _misfits(self)
 
     @classmethod
     def declared(cls) -> Iterator[Declared]:

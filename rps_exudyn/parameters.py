@@ -5,9 +5,7 @@ Sources: "paper" (Kamble & Saha state it), "inferred" (follows from what the pap
 """
 
 from collections.abc import Iterator
-from typing import Literal, Self
-
-from pydantic import model_validator
+from typing import Literal
 
 from rps_exudyn import units
 from rps_exudyn.declaration import (
@@ -21,7 +19,6 @@ from rps_exudyn.declaration import (
     Length,
     LineStiffness,
     Mass,
-    MisfitError,
     Number,
     Pressure,
     Problem,
@@ -249,12 +246,8 @@ class SteeringGear(Table):
     mesh: Mesh = Mesh()
     test: Test = Test()
 
-    @model_validator(mode="after")
-    def _parts_fit(self) -> Self:
-        misfits = list(_misfits(self))
-        if misfits:
-            raise MisfitError(misfits)
-        return self
+    def misfits(self) -> Iterator[Problem]:
+        return _misfits(self)
 
 
 def _misfits(gear: SteeringGear) -> Iterator[Problem]:
