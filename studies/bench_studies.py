@@ -41,9 +41,11 @@ samples = {samples}
 SLOW = """
 scene = "load-test"
 fidelity = "flank"
+[set]
+test.turns = 1.5
 [[axis]]
 path = "yoke.preload"
-linspace = ["200 N", "400 N", 12]
+linspace = ["200 N", "400 N", 40]
 [keep]
 signals = "none"
 """
@@ -83,12 +85,12 @@ def scaling(folder: Path) -> None:
     """Two processes against one, and what the machine allows at this time."""
     file = written(folder, "slow", SLOW)
     ratios = []
-    for repeat in range(3):
+    for repeat in range(2):
         walls = {jobs: watched(file, folder / f"slow_{repeat}_{jobs}", jobs)["wall"] for jobs in (1, 2)}
         ideal = 2 * spinning(1) / spinning(2)
         ratios.append(walls[1] / walls[2])
         rows = [row.wall_s for _, row in Store.open(folder / f"slow_{repeat}_1").rows()]
-        print(f"12 cases of {np.mean(rows):.2f} s: {walls[1]:.1f} s by one, {walls[2]:.1f} s by two, ratio "
+        print(f"40 cases of {np.mean(rows):.2f} s: {walls[1]:.1f} s by one, {walls[2]:.1f} s by two, ratio "
               f"{ratios[-1]:.2f}; two empty loops against one: {ideal:.2f}")  # fmt: skip
     print(f"median ratio {np.median(ratios):.2f}")
 
