@@ -91,11 +91,11 @@ def rates_from(q, base, per_time, free, v):  # type: ignore[no-untyped-def]
 
 @cache
 def follower(force: Callable[..., Any]) -> Callable[..., Any]:
-    """follow(time, driven, free, levers, coordinates, rates, forces, data) for one law of forces.
+    """follow(first, time, driven, free, levers, coordinates, rates, forces, data) for one law of forces.
 
-    Fills `coordinates`, `rates` and `forces`, all (n, size), from the guess in their first row; the driven
-    coordinate's columns are given. Returns how many rows it found, evaluations of the forces, iterations,
-    tangents, and the last unbalance [N].
+    Fills `coordinates`, `rates` and `forces`, all (n, size), from row `first` on: from the rows before it, or
+    from the guess in row 0; the driven coordinate's columns are given. Returns how many rows are found,
+    evaluations of the forces, iterations, tangents, and the last unbalance [N].
     """
 
     def inverse_tangent(q, v, base, per_time, free, levers, data, r):  # type: ignore[no-untyped-def]
@@ -114,13 +114,13 @@ def follower(force: Callable[..., Any]) -> Callable[..., Any]:
 
     inverse_tangent = kernel_over(inverse_tangent, force)
 
-    def follow(time, driven, free, levers, coordinates, rates, forces, data):  # type: ignore[no-untyped-def]
+    def follow(first, time, driven, free, levers, coordinates, rates, forces, data):  # type: ignore[no-untyped-def]
         evaluations, iterations, tangents, n = 0, 0, 0, free.size
         inverse, move = np.empty((n, n)), np.empty(n)
-        q, v = coordinates[0].copy(), rates[0].copy()
+        q, v = coordinates[max(first - 1, 0)].copy(), rates[max(first - 1, 0)].copy()
         base, trial = coordinates[0].copy(), np.empty(q.size)
         norm = np.inf
-        for k in range(time.size):
+        for k in range(first, time.size):
             per_time = 0.0
             if k == 1:
                 per_time = 1 / (time[1] - time[0])

@@ -11,12 +11,13 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from rps_exudyn.drive import Drive
 from rps_exudyn.errors import InputError
 from rps_exudyn.gear_kernel import STACK
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.path_follower import TOLERANCE, follower
+from rps_exudyn.path_follower import TOLERANCE, backward_difference, follower
 
 SIZE = 8  # coordinates of pinion, rack and plunger
 LEVERS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0])  # coordinates to lengths [m]
@@ -24,6 +25,8 @@ LEVERS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0])  # coordinates t
 SETTLING_STEPS = 600
 TYPICAL_APPROACH = 15e-6  # of the rack under the yoke's preload [m]
 MAX_HALVINGS = 8
+MAX_RESCUES = 100
+JUMP = 0.5  # of the contact's forces where its quadrature changes [N]: an equilibrium may lie on one
 
 
 class Balance(NamedTuple):
@@ -45,7 +48,8 @@ class EquilibriumPath:
     evaluations: int  # of the gear's forces
     iterations: int
     tangents: int
-    residual: float  # largest unbalanced force at the last instant tried [N]
+    rescues: int  # instants that Newton's method did not find by itself
+    residual: float  # largest unbalanced force, of instants found; or at the first one not found [N]
     converged: bool  # at all instants
 
 
@@ -82,20 +86,30 @@ def equilibrium_path(balance: Balance, pair: GearPair, drive: Drive, time: np.nd
     guess[list(balance.locked)] = 0.0
     coordinates[:, driven], rates[:, driven] = drive.sign * drive.place(time), drive.sign * drive.rate(time)
 
-    def follow(start: np.ndarray) -> tuple[int, int, int, int, float]:
-        coordinates[0, free], rates[0, free] = start[free], steady[free]
-        return follower(balance.force)(time, driven, free, LEVERS, coordinates, rates, forces, balance.data)
+    coordinates[0, free], rates[0, free] = guess[free], steady[free]
 
-    found, evaluations, iterations, tangents, residual = follow(guess)
-    if found == 0:  # the guess was too far off: let the gear settle there first
-        q, v = coordinates[0].copy(), rates[0].copy()
-
-        def unbalanced(place: np.ndarray) -> np.ndarray:
-            q[free] = place
-            return np.asarray(balance.force(q, v, balance.data)[free])
-
-        guess[free], _ = settled(unbalanced, guess[free], LEVERS[free])
-        found, evaluations, iterations, tangents, residual = follow(guess)
+    counts, rescues, unbalanced = np.zeros(3, dtype=int), 0, 0.0
+    rows = (coordinates, rates, forces)
+    found = 0
+    while True:
+        found, *more, residual = follower(balance.force)(
+            found, time, driven, free, LEVERS, *rows, balance.data
+        )
+        counts += more
+        unbalanced = max(unbalanced, residual if found == len(time) else 0.0)
+        if found == len(time) or rescues == MAX_RESCUES or (found == 0 and rescues > 0):
+            break
+        rescues += 1
+        if found == 0:
+            coordinates[0, free] = _settled_guess(balance, free, coordinates[0], rates[0])
+            continue
+        residual = _search(balance, free, time, found, *rows)
+        if residual > JUMP:
+            break
+        unbalanced = max(unbalanced, residual)
+        found += 1
+    evaluations, iterations, tangents = counts.tolist()
+    converged = found == len(time)
     return EquilibriumPath(
         time[:found],
         coordinates[:found],
@@ -104,9 +118,61 @@ def equilibrium_path(balance: Balance, pair: GearPair, drive: Drive, time: np.nd
         evaluations,
         iterations,
         tangents,
-        residual,
-        found == len(time),
+        rescues,
+        unbalanced if converged else residual,
+        converged,
     )
+
+
+def _settled_guess(balance: Balance, free: np.ndarray, guess: np.ndarray, rates: np.ndarray) -> np.ndarray:
+    """Where the guess was too far off: let the gear settle there first; the free coordinates."""
+    q, v = guess.copy(), rates.copy()
+
+    def unbalanced(place: np.ndarray) -> np.ndarray:
+        q[free] = place
+        return np.asarray(balance.force(q, v, balance.data)[free])
+
+    return settled(unbalanced, guess[free], LEVERS[free])[0]
+
+
+def _search(
+    balance: Balance,
+    free: np.ndarray,
+    time: np.ndarray,
+    k: int,
+    coordinates: np.ndarray,
+    rates: np.ndarray,
+    forces: np.ndarray,
+) -> float:
+    """Where Newton's method got stuck between kinks of the forces: least squares within a trust region.
+
+    Fills row k and returns what remains unbalanced [N].
+    """
+    q, v, base, levers = coordinates[k].copy(), rates[k].copy(), coordinates[0].copy(), LEVERS[free]
+    per_time, ahead = 1 / (time[1] - time[0]), coordinates[0] + (time[1] - time[0]) * rates[0]
+    if k > 1:
+        per_time = backward_difference(time, coordinates, k, base)
+        stretch = (time[k] - time[k - 1]) / (time[k - 1] - time[k - 2])
+        ahead = coordinates[k - 1] + stretch * (coordinates[k - 1] - coordinates[k - 2])
+
+    def force(place: np.ndarray) -> np.ndarray:
+        q[free] = place / levers
+        v[free] = (q[free] - base[free]) * per_time
+        return np.asarray(balance.force(q, v, balance.data))
+
+    found = least_squares(
+        lambda place: force(place)[free] / levers,
+        ahead[free] * levers,
+        x_scale=1e-6,
+        diff_step=1e-9,
+        xtol=1e-15,
+        ftol=1e-15,
+        gtol=1e-15,
+        max_nfev=500,
+    )
+    forces[k] = force(found.x)
+    coordinates[k], rates[k] = q, v
+    return float(np.abs(found.fun).max())
 
 
 def adaptive_path(

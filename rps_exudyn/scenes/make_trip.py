@@ -100,7 +100,13 @@ def _along_equilibria(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> Sce
             "jacobians": path.tangents,
             "force_evaluations": path.evaluations,
         },
-        settings={"name": "equilibrium", "tolerance": TOLERANCE, "residual": path.residual, "angles": found},
+        settings={
+            "name": "equilibrium",
+            "tolerance": TOLERANCE,
+            "residual": path.residual,
+            "rescues": path.rescues,
+            "angles": found,
+        },
     )
     if not path.converged:
         failed = without_equilibrium(_place(trip, trip.time[min(found, len(trip.time) - 1)]), path.residual)
