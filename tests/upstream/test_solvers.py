@@ -55,7 +55,7 @@ def oscillator(stiffness: float) -> exu.MainSystem:
     """1 kg on a spring, 1 m out of its place."""
     mbs = system()
     node = mbs.AddNode(Node1D(referenceCoordinates=[0], initialCoordinates=[1.0]))
-    mbs.AddObject(ObjectMass1D(nodeNumber=node, physicsMass=1.0))
+    mbs.AddObject(ObjectMass1D(nodeNumber=node, mass=1.0))
     _spring(mbs, node, stiffness)
     return mbs
 
@@ -78,7 +78,7 @@ def test_explicit_solvers_call_an_explosion_a_success(solver: str) -> None:
 def test_explicit_solvers_call_nan_a_success() -> None:
     mbs = system()
     node = mbs.AddNode(NodePoint())
-    mbs.AddObject(ObjectMassPoint(physicsMass=1.0, nodeNumber=node))
+    mbs.AddObject(ObjectMassPoint(mass=1.0, nodeNumber=node))
     marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
 
     def force(mbs: object, t: float, load: object) -> list[float]:
@@ -116,7 +116,7 @@ from exudyn.itemInterface import *
 exu.config.printToConsole = False
 mbs = exu.SystemContainer().AddSystem()
 node = mbs.AddNode(Node1D(referenceCoordinates=[0], initialVelocities=[1.0]))
-mbs.AddObject(ObjectMass1D(nodeNumber=node, physicsMass=1.0))
+mbs.AddObject(ObjectMass1D(nodeNumber=node, mass=1.0))
 marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
 def friction(mbs, t, load):
     return float(2 - 100 * np.sign(mbs.systemData.GetODE2Coordinates_t()[0]))
@@ -152,7 +152,7 @@ def test_explicit_solvers_hold_a_moving_constraint_still(solver: str, reached: f
     """Why no explicit solver is offered: the rig's drive is such a constraint."""
     mbs = system()
     node = mbs.AddNode(Node1D(referenceCoordinates=[0]))
-    mbs.AddObject(ObjectMass1D(nodeNumber=node, physicsMass=1.0))
+    mbs.AddObject(ObjectMass1D(nodeNumber=node, mass=1.0))
     ground = mbs.AddNode(NodePointGround())
     markers = [mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=n, coordinate=0)) for n in (ground, node)]
     mbs.AddObject(
@@ -175,7 +175,7 @@ def test_a_set_point_written_before_the_step_misleads_multi_stage_solvers(solver
     stiffness, speed, steps, end = 1e3, 1.0, 50, 0.1
     mbs = system()
     node = mbs.AddNode(Node1D(referenceCoordinates=[0]))
-    mbs.AddObject(ObjectMass1D(nodeNumber=node, physicsMass=1e6))
+    mbs.AddObject(ObjectMass1D(nodeNumber=node, mass=1e6))
     spring = _spring(mbs, node, stiffness)
 
     def move(mbs: exu.MainSystem, t: float) -> bool:
@@ -197,7 +197,7 @@ def test_spring_between_separate_markers_makes_a_free_moment() -> None:
         for x in (0.0, 1.0)
     ]
     bodies = [
-        mbs.AddObject(ObjectRigidBody(physicsMass=1.0, physicsInertia=[1, 1, 1, 0, 0, 0], nodeNumber=node))
+        mbs.AddObject(ObjectRigidBody(mass=1.0, inertia=[1, 1, 1, 0, 0, 0], nodeNumber=node))
         for node in rigid
     ]
     markers = [mbs.AddMarker(MarkerBodyRigid(bodyNumber=body)) for body in bodies]
@@ -222,9 +222,7 @@ def twisted(node: object, solver: str) -> float:
     """Rotation after 1000 steps at a constant rate that turns 1e-9 rad in each."""
     mbs = system()
     number = mbs.AddNode(node)
-    body = mbs.AddObject(
-        ObjectRigidBody(physicsMass=1.0, physicsInertia=[1, 1, 1, 0, 0, 0], nodeNumber=number)
-    )
+    body = mbs.AddObject(ObjectRigidBody(mass=1.0, inertia=[1, 1, 1, 0, 0, 0], nodeNumber=number))
     marker = mbs.AddMarker(MarkerBodyRigid(bodyNumber=body))
     mbs.AddLoad(Torque(markerNumber=marker, loadVector=[0, 0, 0]))
     mbs.AddObject(ObjectGround())
@@ -248,7 +246,7 @@ def test_explicit_solvers_refuse_euler_parameters() -> None:
     """The one failure of theirs that is told."""
     mbs = system()
     node = mbs.AddNode(NodeRigidBodyEP(referenceCoordinates=[0, 0, 0, 1, 0, 0, 0], initialVelocities=[0] * 7))
-    mbs.AddObject(ObjectRigidBody(physicsMass=1.0, physicsInertia=[1, 1, 1, 0, 0, 0], nodeNumber=node))
+    mbs.AddObject(ObjectRigidBody(mass=1.0, inertia=[1, 1, 1, 0, 0, 0], nodeNumber=node))
     with pytest.raises(exu.ExudynError):
         solved(mbs, "VelocityVerlet", end=0.1, steps=10)
 
