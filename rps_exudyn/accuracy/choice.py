@@ -1,0 +1,141 @@
+"""The cheapest model that keeps a wanted accuracy, from the table that was measured and published with it.
+
+    choice = choose("free-pinion-torque", gear, percent("1%"))
+    rps.run("free-pinion-torque", gear, fidelity=choice.fidelity)
+    print(choice.why)
+
+The error is that of the scene's torque or force, RMS over the motion in % of its mean, whether one joins the
+computed angles by straight lines or smoothly. What a setting promises is its worst error on many random
+gears, with a margin, and what the reference itself leaves open. docs/accuracy.md tells how it was found.
+"""
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.errors import InputError
+from rps_exudyn.fidelity import PRESETS, Fidelity, unknown_preset
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.units import short
+
+TABLE = Path(__file__).with_name("table.json")
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A row of the table."""
+
+    preset: str
+    angles_per_pitch: int
+    settings: Mapping[str, Any]  # of the fidelity, besides the step
+    promised: float  # error [%]
+    median: float  # error on the gears it was tried on [%]
+    cost: float  # processor seconds of the solver per revolution, mean over these gears
+    failed: float  # share of these gears on which it gave no result
+
+    def for_gear(self, gear: SteeringGear) -> Fidelity:
+        """With the step that has so many angles on this gear's tooth pitch."""
+        step = 2 * np.pi / gear.pinion.teeth / self.angles_per_pitch
+        return Fidelity.preset(self.preset).replace({"step_angle": step, **self.settings})
+
+
+@dataclass(frozen=True)
+class SceneTable:
+    """What is known about one scene."""
+
+    scene: str
+    floor: float  # below it the references' methods disagree [%]
+    gears: int  # on which the settings were tried
+    settings: tuple[Setting, ...]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What was chosen, and why."""
+
+    fidelity: Fidelity
+    setting: Setting
+    why: str
+
+
+def choose(scene: str, gear: SteeringGear, wanted: float, preset: str | None = None) -> Choice:
+    """The cheapest setting that promises `wanted` [%], of all or of one preset.
+
+    Raises:
+        InputError: the accuracy is below the floor, no setting promises it, or nothing is known of the scene.
+    """
+    table = scene_table(scene)
+    if preset is not None and preset not in PRESETS:
+        raise InputError(unknown_preset(preset))
+    if wanted < table.floor:
+        raise InputError(
+            f"--accuracy is {wanted:g} %; the references of {scene} are known to {table.floor:.2g} %, "
+            "which is the strictest that can be promised."
+        )
+    known = [each for each in table.settings if preset in (None, each.preset)]
+    if not known:
+        there = ", ".join(sorted({each.preset for each in table.settings}))
+        raise InputError(f"--fidelity is {preset}; for {scene} accuracies are known of {there}.")
+    enough = [each for each in known if each.promised <= wanted]
+    if not enough:
+        best = min(each.promised for each in known)
+        of = f"of {preset} " if preset else ""
+        raise InputError(
+            f"--accuracy is {wanted:g} %; the most exact setting {of}in the table for {scene} "
+            f"promises {best:.2g} %."
+        )
+    taken = min(enough, key=lambda each: each.cost)
+    return Choice(taken.for_gear(gear), taken, _why(taken, table, wanted, len(enough)))
+
+
+def _why(taken: Setting, table: SceneTable, wanted: float, enough: int) -> str:
+    knobs = ", ".join(f"{name} {value:g}" for name, value in taken.settings.items())
+    return (
+        f"{taken.preset}, {taken.angles_per_pitch} angles per tooth pitch{', ' if knobs else ''}{knobs}: the "
+        f"cheapest of {enough} settings that keep {wanted:g} %; it promises {taken.promised:.2g} % (half of "
+        f"{table.gears} random gears stay below {taken.median:.2g} %) at about {1e3 * taken.cost:.2g} ms of "
+        "processor time per revolution"
+    )
+
+
+def percent(text: str) -> float:
+    """The number in "1%" or "0.1 %".
+
+    Raises:
+        InputError: anything else, or not above zero.
+    """
+    match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*%\s*", text)
+    try:
+        value = float(match[1]) if match else np.nan
+    except ValueError:
+        value = np.nan
+    if not (0 < value < np.inf):
+        raise InputError(
+            f"--accuracy is {short(text)}; it must be a percentage greater than 0, for instance 1%."
+        )
+    return value
+
+
+def scene_table(scene: str) -> SceneTable:
+    """The published table of a scene.
+
+    Raises:
+        InputError: there is none.
+    """
+    scenes = _tables()["scenes"]
+    if scene not in scenes:
+        raise InputError(f"--accuracy knows {', '.join(scenes)}; nothing was measured for {scene}.")
+    told = scenes[scene]
+    return SceneTable(scene, told["floor"], told["gears"], tuple(Setting(**row) for row in told["settings"]))
+
+
+@cache
+def _tables() -> dict[str, Any]:
+    tables: dict[str, Any] = json.loads(TABLE.read_text(encoding="utf-8"))
+    return tables

@@ -1,0 +1,136 @@
+"""The table behind `--accuracy`: what each setting's error is on random gears. Goes on where it was stopped.
+
+    python studies/accuracy_choice.py [--scene NAME ...] [--gears 80] [--out rps_exudyn/accuracy/table.json]
+
+Every gear gets a reference of its own, on which three methods must agree: equilibria with the contact
+integrated over generators, with fine strips, and dynamics. Gears that do not run, and those whose methods
+differ by more than 0.05 %, are told and left out. The error of a setting on a gear is its RMS, the larger of
+joining by lines and smoothly, plus what the methods do not agree about; it promises 1.25 times the worst of all
+gears. A setting that fails on more than one gear in ten is not offered.
+"""
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.accuracy.choice import TABLE, Setting
+from rps_exudyn.accuracy.population import random_gears
+from rps_exudyn.accuracy.runs import STRIPS, Truth, moving, revolutions, run_scene, still, truth_of
+from rps_exudyn.atomic import replacing
+from rps_exudyn.errors import InputError
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.provenance import provenance
+
+SEED = 2024  # other gears than those the promise is tested on
+MARGIN = 1.25
+LARGEST_DOUBT = 0.05  # of a gear's reference [%]
+MOST_FAILURES = 0.1
+FINE = {"strip_stations": 6, "strip_points": 3}
+
+AT_REST = [("quasi-static", n, {}) for n in (6, 8, 10, 12, 16, 20, 24, 36, 48)]
+AT_REST += [("quasi-static", n, FINE) for n in (36, 48, 72, 96)]
+IN_MOTION = [("flank", n, {}) for n in (8, 12, 16, 24, 36, 60)]
+IN_MOTION += [("flank", n, FINE) for n in (60, 120)]
+SETTINGS: list[tuple[str, int, dict[str, int]]] = AT_REST + IN_MOTION
+"""Preset, angles per pitch, and what else."""
+
+METHODS = {
+    "generators": still(320, "0.5 deg"),
+    "strips": Fidelity.preset("quasi-static").replace({"step_angle": "0.25 deg", **STRIPS}),
+    "dynamics": moving("0.5 deg", 1e-5),
+}
+SCENES = ("free-pinion-torque", "load-test", "rack-push")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scene", action="append", choices=SCENES)
+    parser.add_argument("--gears", type=int, default=80)
+    parser.add_argument("--out", type=Path, default=TABLE)
+    parser.add_argument("--keep", type=Path, default=Path("accuracy_choice.json"), help="raw errors, kept")
+    asked = parser.parse_args()
+    raw: dict[str, Any] = json.loads(asked.keep.read_text()) if asked.keep.exists() else {}
+    for scene in asked.scene or SCENES:
+        rows = raw.setdefault(scene, [])
+        for index, gear in enumerate(random_gears(SEED, asked.gears)):
+            if index < len(rows):
+                continue
+            rows.append(tried(scene, gear))
+            print(scene, index, rows[-1].get("refused") or f"doubt {rows[-1]['doubt']:.4f}", flush=True)
+            with replacing(asked.keep) as partial:
+                partial.write_text(json.dumps(raw))
+        publish(raw, asked.out)
+
+
+def tried(scene: str, gear: SteeringGear) -> dict[str, Any]:
+    """Errors and costs of all settings on one gear, or why it has none."""
+    gear = for_scene(scene, gear)
+    try:
+        truth = truth_of(scene, gear, METHODS)
+    except (ArithmeticError, InputError) as error:
+        return {"refused": str(error)}
+    doubt = truth.judged.uncertainty
+    if doubt > LARGEST_DOUBT:
+        return {"refused": f"the reference is known to {doubt:.3f} % only", "doubt": doubt}
+    return {"doubt": doubt, "errors": [error_and_cost(truth, gear, *setting) for setting in SETTINGS]}
+
+
+def for_scene(scene: str, gear: SteeringGear) -> SteeringGear:
+    """One turn; the load test with a weight that loads both flanks."""
+    if scene != "load-test":
+        return gear
+    return gear.replace({"test.turns": 1 / gear.pinion.teeth, "test.load_mass": gear.yoke.preload / 40})
+
+
+def error_and_cost(
+    truth: Truth, gear: SteeringGear, preset: str, angles: int, settings: dict[str, int]
+) -> tuple[float, float] | None:
+    """[%] and processor seconds per revolution; None where the run fails."""
+    fidelity = Setting(preset, angles, settings, 0, 0, 0, 0).for_gear(gear)
+    runs = [run_scene(truth.scene, gear, fidelity) for _ in range(3 if preset == "quasi-static" else 1)]
+    if not runs[0].ok:
+        return None
+    errors, _ = truth.errors_of(runs[0], fidelity)
+    return errors.either_way, min(run.outcome.cpu_s for run in runs) / revolutions(truth.scene, gear)
+
+
+def publish(raw: dict[str, Any], path: Path) -> None:
+    """The table from all that was tried."""
+    scenes = {scene: scene_rows(rows) for scene, rows in raw.items() if any("errors" in row for row in rows)}
+    made = {"origin": provenance(), "seed": SEED, "margin": MARGIN, "scenes": scenes}
+    with replacing(path) as partial:
+        partial.write_text(json.dumps(made, indent=1) + "\n")
+
+
+def scene_rows(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """Floor, count of gears, settings."""
+    judged = [row for row in rows if "errors" in row]
+    doubts = np.array([row["doubt"] for row in judged])
+    settings = []
+    for at, (preset, angles, changes) in enumerate(SETTINGS):
+        found = [row["errors"][at] for row in judged]
+        there = np.array([one is not None for one in found])
+        if not there.any() or 1 - there.mean() > MOST_FAILURES:
+            continue
+        errors = np.array([one[0] for one in found if one]) + doubts[there]
+        settings.append(
+            {
+                "preset": preset,
+                "angles_per_pitch": angles,
+                "settings": changes,
+                "promised": float(f"{MARGIN * errors.max():.3g}"),
+                "median": float(f"{np.median(errors):.3g}"),
+                "cost": float(f"{np.mean([one[1] for one in found if one]):.3g}"),
+                "failed": float(f"{1 - there.mean():.3g}"),
+            }
+        )
+    floor = float(f"{MARGIN * doubts.max():.2g}")
+    return {"floor": floor, "gears": len(judged), "tried": len(rows), "settings": settings}
+
+
+if __name__ == "__main__":
+    main()
