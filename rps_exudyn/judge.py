@@ -19,7 +19,7 @@ from rps_exudyn.record import Record, contact_disagreement
 from rps_exudyn.solve import Outcome
 
 # What loaded material takes along or leaves behind where it passes an edge of the rack belongs to no account:
-# 0.02 % on the paper's gear, up to 1.5 % where an error of the shaft angle of 1 degree lets the teeth bear on it.
+# 0.02 % on the paper's gear, up to 1.5 % where an error of the shaft angle lets the teeth bear on an edge.
 ENERGY_BOUND = 2e-3  # of the drive's or the load's work ...
 EDGE_SHARE = 1.5e-2  # ... and that per degree of the shaft angle's error ...
 MISSED_TORQUE = 1e-3  # ... or what a torque that small would do: a gear without friction takes no work [N m]
