@@ -35,15 +35,12 @@ def print_result(result: "Result", files: Iterable[Path] = ()) -> None:
 
 def result_as_dict(result: "Result", files: Iterable[Path] = ()) -> dict[str, Any]:
     """All of a result but its signals, in SI units."""
-    from rps_exudyn.analysis.work_balance import work_shares
-
     return {
         "scene": result.scene,
         "status": result.status.value,
         "message": result.message,
         "fidelity": result.fidelity,
         "summary": result.summary,
-        "work_shares": work_shares(result.signals),
         "counters": result.counters,
         "geometry": result.geometry,
         "cpu_s": result.cpu_s,
@@ -207,15 +204,11 @@ def print_json(content: Mapping[str, Any]) -> None:
 
 
 def _summary_rows(result: "Result") -> Iterable[tuple[str, str, str]]:
-    from rps_exudyn.analysis.work_balance import work_shares
-
     for name, value in result.summary.items():
         yield name, SUMMARY[name].show(value), SUMMARY[name].long_name
     for name in ("mesh_normal_force_drive", "mesh_normal_force_coast"):
         if name in result.signals and result[name].size:
             yield f"mean of {name}", SIGNALS[name].show(float(result[name].mean())), SIGNALS[name].long_name
-    for name, share in work_shares(result.signals).items():
-        yield name, f"{share:.1%}", "share of work_drive"
 
 
 def _both_shown(path: str, pair: tuple[Any, Any]) -> tuple[str, str]:

@@ -12,7 +12,6 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.comparison import compare
-from rps_exudyn.analysis.work_balance import work_shares
 from rps_exudyn.charts import style
 from rps_exudyn.charts.comparison import draw_comparison
 from rps_exudyn.charts.several import torques_figure
@@ -67,13 +66,13 @@ def second_run(fidelity: Fidelity) -> Result:
 
 
 def row(name: str, result: Result, full: Result) -> str:
-    mean, shares = result.summary["torque_mean"], work_shares(result.signals)
+    mean = result.summary["torque_mean"]
     torque = compare(full, result).signals["pinion_torque"]
     cells = [
         name,
         f"{mean:.4f}",
         f"{100 * result.summary['torque_peak_to_peak'] / mean:.2g}",
-        *(f"{shares[f'work_{loss}_friction']:.1%}" if shares else "-" for loss in LOSSES),
+        *(f"{result.summary[f'loss_share_{loss}']:.1%}" for loss in LOSSES),
         f"{100 * torque.rms / torque.mean:.2g}",
         f"{result.counters['solver_cpu']:.2g}",
     ]

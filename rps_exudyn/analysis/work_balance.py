@@ -25,17 +25,6 @@ def losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
     }
 
 
-def drive_work(signals: Mapping[str, np.ndarray]) -> float:
-    """Work of the drive over the whole record [J]; 0 without work signals."""
-    return _change(signals, "work_drive")
-
-
-def work_shares(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
-    """Each loss as a share of the drive's work; empty if the drive did none (a single instant)."""
-    drive = drive_work(signals)
-    return {name: loss / drive for name, loss in losses(signals).items()} if drive else {}
-
-
 def describe_losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
     """The summary's loss shares, of all work lost; {} if none was."""
     lost = losses(signals)

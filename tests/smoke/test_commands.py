@@ -66,7 +66,6 @@ def test_run_prints_json(command: Command, simulated: Result) -> None:
     answer = command(["run", "--json", "--out", "a.h5"])
     assert answer.json["status"] == "ok"
     assert answer.json["summary"]["torque_mean"] == 0.6
-    assert answer.json["work_shares"]["work_mesh_friction"] == pytest.approx(0.5)
     assert answer.json["files"] == ["a.h5", "a.png"]
 
 
