@@ -33,8 +33,8 @@ FILES = {
     "free-pinion-torque": OF_TORQUE.split(),
     "load-test": ["closed_form", "quasi_static", "flank"],
     "rack-push": ["closed_form", "quasi_static", "flank"],
-    "reversal": ["reversal_at_rest", "reversal"],
-    "yoke-impact": ["impact"],
+    "reversal": ["quasi_static", "flank"],
+    "yoke-impact": ["newton"],
 }
 Planned = tuple[str, str, SteeringGear, Fidelity]
 
@@ -57,8 +57,8 @@ def measure_scene(scene: str, folder: Path, again: bool) -> None:
     truth = truth_of(scene, planned[0][2])
     done = _there(file) if not again else None
     measurement = Measurement(scene, truth.judged, origin=provenance())
-    measurement.points = done.points if done else []
     measurement.planned = [(study, label) for study, label, *_ in planned]
+    measurement.points = [p for p in done.points if (p.study, p.label) in measurement.planned] if done else []
     missing = set(measurement.missing)
     for study, label, gear, fidelity in planned:
         if (study, label) not in missing:

@@ -93,6 +93,11 @@ class Point:
     def ok(self) -> bool:
         return self.status == Status.OK
 
+    @property
+    def error(self) -> float:
+        """RMS however one interpolates [%]."""
+        return max(self.rms, self.rms_linear)
+
 
 @dataclass
 class Measurement:

@@ -3,16 +3,19 @@
 Geometry report and provenance of `simulate.run` are left out: what is measured is the model.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rps_exudyn.accuracy.explicit import explicit_motion
 from rps_exudyn.analysis.work_precision import Curve, Errors, Reference, agreed_reference, curve_errors
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.make_trip import make_trip
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.scenes.trip import swing_trip
+from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.simulate import SCENES
 
 JUDGED = {
@@ -78,20 +81,55 @@ def run_scene(scene: str, gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
     return SCENES[scene](gear, fidelity)
 
 
-def truth_of(scene: str, gear: SteeringGear, methods: dict[str, Fidelity] = METHODS) -> Truth:
-    """The reference on which the methods agree.
+def truth_of(scene: str, gear: SteeringGear, methods: Mapping[str, Fidelity] | None = None) -> Truth:
+    """The reference on which the methods agree, by default those of `METHODS`, or of an impact's own.
 
     Raises:
         ArithmeticError: one of them failed; its message says which and how.
     """
-    curves, lifts = {}, []
-    for name, fidelity in methods.items():
-        run = run_scene(scene, gear, fidelity)
-        if not run.ok:
-            raise ArithmeticError(f"{name}: {run.outcome.status}: {run.outcome.message}")
-        curves[name] = curve_of(scene, run, gear, fidelity)
-        lifts.append(curve_of(scene, run, gear, fidelity, "rack_y"))
-    return Truth(scene, gear, agreed_reference(curves), lifts[0])
+    if scene == "yoke-impact":
+        return _agreed(scene, gear, _impacts(gear))
+    told = {}
+    for name, fidelity in (methods or METHODS).items():
+        run = _sound(name, run_scene(scene, gear, fidelity))
+        told[name] = tuple(curve_of(scene, run, gear, fidelity, each) for each in (JUDGED[scene], "rack_y"))
+    return _agreed(scene, gear, told)
+
+
+Told = dict[str, tuple[Curve, ...]]  # method -> judged signal, lift
+
+
+def _agreed(scene: str, gear: SteeringGear, told: Told) -> Truth:
+    judged = {name: curves[0] for name, curves in told.items()}
+    return Truth(scene, gear, agreed_reference(judged), next(iter(told.values()))[1])
+
+
+def _sound(name: str, run: SceneRun) -> SceneRun:
+    if not run.ok:
+        raise ArithmeticError(f"{name}: {run.outcome.status}: {run.outcome.message}")
+    return run
+
+
+def _impacts(gear: SteeringGear) -> Told:
+    """An explicit method of the package's own, and Exudyn's with a fraction of the scene's step."""
+    trip, fidelity = shaken(gear), Fidelity.preset("flank").replace({**STRIPS, "tolerance": 1e-6})
+    told: Told = {}
+    for step in (0.5e-6, 1e-6):
+        steps = round(trip.steps * trip.time_step / step)
+        keep = round(2e-6 / step)
+        signals = explicit_motion(
+            gear, fidelity, trip.drive, step=step, steps=steps, keep=keep, pulse=trip.pulse
+        )
+        told[f"Runge-Kutta, {1e6 * step:g} us"] = _of_impact(signals)
+    for part in (16, 8):
+        finer = replace(trip, time_step=trip.time_step / part, steps=trip.steps * part)
+        name = f"Exudyn, {1e6 * finer.time_step:.2g} us"
+        told[name] = _of_impact(_sound(name, make_trip(gear, fidelity, finer)).signals)
+    return told
+
+
+def _of_impact(signals: Signals) -> tuple[Curve, ...]:
+    return tuple(Curve(signals["time"], signals[name]) for name in (JUDGED["yoke-impact"], "rack_y"))
 
 
 def curve_of(scene: str, run: SceneRun, gear: SteeringGear, fidelity: Fidelity, name: str = "") -> Curve:

@@ -5,6 +5,8 @@ study is drawn with what there is, and says what is missing.
 """
 
 from collections import Counter
+from collections.abc import Mapping
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +14,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rps_exudyn.accuracy.measurement import FAMILIES, PRESET_FAMILIES, Measurement, Point
-from rps_exudyn.analysis.work_precision import pareto_front
+from rps_exudyn.analysis.work_precision import pareto_front, power_law
 from rps_exudyn.charts import style
 from rps_exudyn.fidelity import PRESETS, Fidelity
+from rps_exudyn.quantities import SIGNALS
 
 STYLES = {
     "general contact": ("#b00020", "s"),
@@ -52,7 +55,7 @@ def work_precision_figure(measurement: Measurement) -> Figure:
     figure, (axes,) = style.panels([5.6], 9.0)
     axes.set(xscale="log", yscale="log")
     floor = measurement.reference.uncertainty
-    drawn = [point for point in measurement.points if point.ok and np.isfinite(point.rms)]
+    drawn = [point for point in measurement.points if point.ok and np.isfinite(point.error)]
     for family in FAMILIES:
         _draw_family(axes, family, [point for point in drawn if point.family == family], floor)
     _mark_defaults(axes, drawn, floor)
@@ -62,7 +65,7 @@ def work_precision_figure(measurement: Measurement) -> Figure:
         axes.axvline(wanted, **style.REFERENCE_LINE)
     axes.set_xlabel("error, RMS over the motion [% of the mean]")
     axes.set_ylabel("processor time of the solver [s per revolution]")
-    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), frameon=False, borderpad=0)
+    _legend_beside(axes)
     headline = f"{OF_SCENE[measurement.scene]}: cost of a model against its error"
     style.title(figure, headline, told_missing(measurement))
     return figure
@@ -78,12 +81,17 @@ def told_missing(measurement: Measurement) -> str:
     return f"unfinished: {total} of {len(measurement.planned)} points are missing ({parts})"
 
 
+def _legend_beside(axes: Axes) -> None:
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), frameon=False, borderpad=0)
+
+
 def _draw_family(axes: Axes, family: str, points: list[Point], floor: float) -> None:
     """All points faint, the Pareto front strong and joined."""
     if not points:
         return
     colour, marker = STYLES[family]
-    error = np.maximum([point.rms for point in points], floor)
+    error = np.maximum([point.error for point in points], floor)
     cost = np.array([point.cost for point in points])
     front = pareto_front(cost, error)
     axes.plot(error, cost, marker, color=colour, alpha=0.25, markersize=4, markeredgewidth=0)
@@ -97,7 +105,7 @@ def _mark_defaults(axes: Axes, points: list[Point], floor: float) -> None:
     for preset in PRESETS:
         for point in points:
             if is_default(point, preset):
-                error = max(point.rms, floor)
+                error = max(point.error, floor)
                 axes.plot(error, point.cost, "o", color="black", fillstyle="none", markersize=12, label=label)
                 label = "_"
                 break
@@ -138,3 +146,56 @@ def _draw_floor(axes: Axes, floor: float) -> None:
         fontsize=8,
         color="#444444",
     )
+
+
+# --- cost against size -----------------------------------------------------------------------------
+def draw_scaling(measured: Mapping[str, tuple[np.ndarray, np.ndarray]], path: str | Path) -> None:
+    """Cost over size of each problem, sizes and processor seconds (n,), with the exponent fitted to them.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    figure, (axes,) = style.panels([4.6], 9.0)
+    axes.set(xscale="log", yscale="log")
+    for colour, (name, (size, cost)) in zip(cycle(style.SEVERAL), measured.items(), strict=False):
+        power, factor = power_law(size, cost)
+        axes.plot(size, cost, "o", color=colour, markersize=5, label=f"{name}: exponent {power:.2f}")
+        axes.plot(size, factor * size**power, "-", color=colour, linewidth=1)
+    axes.set_xlabel("size: number of what the legend names")
+    axes.set_ylabel("processor time [s]")
+    _legend_beside(axes)
+    style.title(figure, "Cost against the size of the problem, and the exponents of cost ~ size^p")
+    style.save(figure, path)
+
+
+# --- the contact law's own uncertainty -------------------------------------------------------------
+def draw_law_band(
+    angle: np.ndarray, torques: Mapping[str, np.ndarray], default: str, path: str | Path
+) -> None:
+    """Torque over the angle [rad] by each law, shape (n,), and the band between the extremes.
+
+    `default` is the name of the law around which 1 % is drawn: what a numerical error of 1 % would be.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    figure, (axes,) = style.panels([4.2], 9.0)
+    degrees = SIGNALS["pinion_angle"].displayed(angle)
+    quantity = SIGNALS["pinion_torque"]
+    all_of_them = np.array(list(torques.values()))
+    low, high = all_of_them.min(axis=0), all_of_them.max(axis=0)
+    grey = style.COLOURS["reference"]
+    axes.fill_between(degrees, low, high, color=grey, alpha=0.2, linewidth=0, label="all of these laws")
+    for colour, (name, torque) in zip(cycle(style.SEVERAL), torques.items(), strict=False):
+        bold = name == default
+        axes.plot(
+            degrees, torque, color="black" if bold else colour, linewidth=2.2 if bold else 1.2, label=name
+        )
+    sure = torques[default]
+    for share in (0.99, 1.01):
+        axes.plot(degrees, share * sure, **style.REFERENCE_LINE, label="1 % off" if share < 1 else "_")
+    axes.set_ylabel(quantity.axis_label("pinion torque"))
+    style.angle_axis(axes)
+    _legend_beside(axes)
+    style.title(figure, "What the contact law itself leaves open")
+    style.save(figure, path)
