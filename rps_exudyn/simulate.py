@@ -7,6 +7,8 @@ from typing import Any
 from rps_exudyn.errors import InputError
 from rps_exudyn.fidelity import PRESETS, Fidelity
 from rps_exudyn.gears.checks import geometry_report
+from rps_exudyn.guards import refused
+from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.quantities import GEOMETRY
 from rps_exudyn.result import Result
@@ -31,6 +33,8 @@ def run(
 ) -> Result:
     """Simulate a scene; keyword arguments replace settings of the test, for instance `turns=1`.
 
+    A plan that would end in a wrong number (`guards`) is not run: its status is `invalid`.
+
     Look at the result's `status` before you use its numbers.
 
     Raises:
@@ -47,6 +51,33 @@ def run(
         raise InputError(f"fidelity is {fidelity!r}; it must be one of {', '.join(PRESETS)}, or a Fidelity.")
     gear = (gear or SteeringGear()).replace({f"test.{name}": value for name, value in test.items()})
     chosen = Fidelity.preset(fidelity) if isinstance(fidelity, str) else fidelity
+    if sentences := refused(scene, gear, chosen):
+        return _refused(scene, gear, chosen, "; ".join(sentences))
+    return unguarded(scene, gear, chosen)
+
+
+def _refused(scene: str, gear: SteeringGear, chosen: Fidelity, message: str) -> Result:
+    """Of a plan that was not run, because its numbers would be wrong."""
+    report = geometry_report(gear)
+    return Result(
+        scene=scene,
+        gear=gear,
+        fidelity=chosen.model_dump(),
+        solver={"refused": message},
+        status=Status.INVALID,
+        message=f"not run: {message}",
+        geometry={name: getattr(report, name) for name in GEOMETRY},
+        cpu_s=0.0,
+        wall_s=0.0,
+    )
+
+
+def unguarded(scene: str, gear: SteeringGear, chosen: Fidelity) -> Result:
+    """The same without a look at the plan before: for studies of what goes wrong then.
+
+    Raises:
+        InputError: a gear that cannot exist, or a test that it does not allow.
+    """
     wall, cpu = perf_counter(), process_time()
     report = geometry_report(gear)
     done = SCENES[scene](gear, chosen)

@@ -32,7 +32,11 @@ CLOSED = 1e-3  # of the drive's force: how well a period must end where it began
 
 def make_trip(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:
     """One trip; its run has no summary yet."""
-    return SOLVERS[fidelity.solver](gear, fidelity, trip)
+    try:
+        return SOLVERS[fidelity.solver](gear, fidelity, trip)
+    except np.linalg.LinAlgError as error:
+        message = f"the gear gives way without resistance at its start: {error}"
+        return SceneRun(Outcome(Status.NO_CONVERGENCE, message))
 
 
 def make_trips(gear: SteeringGear, fidelity: Fidelity, trips: Sequence[Trip]) -> SceneRun:

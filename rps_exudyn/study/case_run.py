@@ -11,6 +11,7 @@ from rps_exudyn.errors import InputError
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.refuge import robust_run
 from rps_exudyn.result import Result
 from rps_exudyn.study.case_file import FileForms, failed, kept
 from rps_exudyn.study.description import Keep
@@ -65,6 +66,8 @@ def _outcome(task: dict[str, Any]) -> Result:
     gear, fidelity = SteeringGear.from_tables(task["gear"]), Fidelity.from_tables(task["fidelity"])
     wall, cpu = perf_counter(), process_time()
     try:
+        if task.get("robust"):
+            return robust_run(task["scene"], gear, fidelity)
         return simulate.run(task["scene"], gear, fidelity=fidelity)
     except InputError as error:  # a gear that cannot be built, a test that leaves the rack
         status, message = Status.INVALID, " ".join(error.problems)

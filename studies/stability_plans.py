@@ -1,0 +1,282 @@
+"""Random admissible plans against a reference: how many are right, refused, failed, or silently wrong.
+
+    python studies/stability_plans.py 1000 --out results/stability/random_plans.csv
+
+A plan is a random gear, speed, step, solver and stiffness over at most one tooth pitch. It is run as the user
+gave it, without the guards that stand before a run, and those are asked besides: so one run tells both what
+they let pass and what they refuse for nothing. Each plan has its own seed, is on a hard time limit, and is
+repeated alone by `python studies/stability_plans.py 1 --first NUMBER`.
+"""
+
+import csv
+import json
+import multiprocessing
+import multiprocessing.connection
+import sys
+from argparse import ArgumentParser
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.errors import InputError
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.gears.checks import geometry_report
+from rps_exudyn.outcome import Status
+from rps_exudyn.parameters import SteeringGear
+
+SLOW = {"solver": "generalized-alpha", "step_angle": np.deg2rad(0.2)}
+SEED = 20261121
+TIME_LIMIT = 20.0  # [s] of one plan
+WRONG = 0.02  # error of the mean that must not be called ok
+FIGURE = {"free-pinion-torque": "torque_mean", "rack-push": "push_force_mean", "load-test": "torque_forward"}
+REFERENCE = {"solver": "equilibrium", "step_angle": np.deg2rad(0.25), "bush": "condensed", "zone_ratio": 0.1}
+LEAST_CONTACT_RATIO = 1.2  # total; a designer's gear has more
+COLUMNS = ("number", "verdict", "status", "error", "refused", "message", "seconds", "plan")
+
+
+@dataclass(frozen=True)
+class Plan:
+    scene: str
+    gear: SteeringGear
+    fidelity: Fidelity
+    text: str  # what was drawn
+
+
+def plan_of(number: int) -> Plan:
+    """The random plan of that number; a gear that cannot exist is drawn again."""
+    rng = np.random.default_rng([SEED, number])
+    while True:
+        settings, choices, scene = _drawn(rng)
+        try:
+            gear, fidelity = SteeringGear().replace(settings), Fidelity().replace(choices)
+            if geometry_report(gear).total_contact_ratio < LEAST_CONTACT_RATIO:
+                continue
+        except InputError:
+            continue
+        return Plan(scene, gear, fidelity, json.dumps({"scene": scene} | settings | choices, default=float))
+
+
+def _drawn(rng: np.random.Generator) -> tuple[dict[str, Any], dict[str, Any], str]:
+    def log(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    def seldom(share: float, value: float) -> float:
+        return float(value) if rng.random() < share else 0.0
+
+    teeth, module = int(rng.integers(5, 11)), 1e-3 * rng.uniform(1.5, 2.3)
+    helix, shift = np.deg2rad(rng.uniform(0, 35)), rng.uniform(0.5, 1.1)
+    tip = module * teeth / np.cos(helix) + 2 * module * (shift + rng.uniform(0.6, 1.0))
+    solver = str(rng.choice(["equilibrium", "generalized-alpha"], p=[0.4, 0.6]))
+    general = solver != "equilibrium" and rng.random() < 0.06
+    scene = str(rng.choice(list(FIGURE), p=[0.8, 0.12, 0.08]))
+    settings = {
+        "basic_rack.addendum": rng.uniform(0.8, 1.0),
+        "pinion.teeth": teeth,
+        "pinion.normal_module": module,
+        "pinion.pressure_angle": np.deg2rad(rng.uniform(17, 25)),
+        "pinion.helix_angle": helix,
+        "pinion.profile_shift": shift,
+        "pinion.tip_diameter": tip,
+        "pinion.face_width": rng.uniform(8e-3, 20e-3),
+        "pinion.runout": seldom(0.3, rng.uniform(0, 60e-6)),
+        "pinion.tip_relief": seldom(0.2, rng.uniform(0, 20e-6)),
+        "pinion.crowning": seldom(0.2, rng.uniform(0, 10e-6)),
+        "rack.tooth_angle": np.deg2rad(rng.uniform(-5, 15)),
+        "installation.angle_error": seldom(0.25, np.deg2rad(rng.uniform(-1, 1))),
+        "installation.axis_offset": seldom(0.2, rng.uniform(-1e-4, 1e-4)),
+        "yoke.preload": log(30, 900),
+        "yoke.friction": rng.uniform(0.02, 0.25),
+        "yoke.clearance": rng.uniform(0, 1e-4),
+        "yoke.seat_stiffness": log(1e7, 1e9),
+        "mesh.friction": rng.uniform(0.02, 0.25),
+        "mesh.stiffness": log(1e12, 5e14),
+        "mesh.damping": seldom(0.3, log(1e-6, 3e-3)),
+        "bush.drag": rng.uniform(5, 60),
+        "bush.segments": int(np.round(log(1, 40))),
+        "bush.youngs_modulus": log(3e7, 1e10),
+        "test.speed": log(0.5, 300) * np.pi / 30,
+        "test.turns": float(rng.choice([1.0, 0.5, 0.2])) / teeth,
+        "test.direction": int(rng.choice([-1, 1])),
+        "test.load_mass": log(1, 60),
+    }
+    choices: dict[str, Any] = {
+        "solver": solver,
+        "step_angle": np.deg2rad(log(0.1, 20)),
+        "zone_ratio": log(0.01, 1) if rng.random() < 0.3 else 0.1,
+        "yoke": "body",
+        "rack": str(rng.choice(["free", "guided"], p=[0.9, 0.1])),
+    }
+    if general:
+        choices |= {"mesh": "general-contact"}
+        settings["test.turns"] = 0.1 / teeth
+        choices["step_angle"] = min(choices["step_angle"], np.deg2rad(2))
+    elif rng.random() < 0.1:
+        choices |= {"mesh": "flank-generators"}
+    if solver != "equilibrium" and choices["rack"] == "free" and choices.get("mesh", "flank") == "flank":
+        choices["bush"] = str(rng.choice(["condensed", "chain", "rigid"], p=[0.7, 0.2, 0.1]))
+    if solver != "equilibrium" and rng.random() < 0.3:
+        choices["tolerance"] = log(1e-7, 1e-2)
+    return settings, choices, scene
+
+
+# --- one plan, in the child -------------------------------------------------------------------------
+def outcome_of(number: int) -> dict[str, Any]:
+    """What becomes of a plan, and of its reference."""
+    from rps_exudyn.simulate import unguarded
+
+    plan, start = plan_of(number), perf_counter()
+    refused = _refusal(plan)
+    try:
+        result = unguarded(plan.scene, plan.gear, plan.fidelity)
+    except InputError as error:
+        return {"status": "input-error", "message": str(error), "plan": plan.text, "refused": refused}
+    seconds = perf_counter() - start
+    value = result.summary.get(FIGURE[plan.scene], float("nan"))
+    error = value / reference(plan) - 1 if result.summary else float("nan")
+    told = {"status": result.status.value, "message": result.message, "refused": refused, "plan": plan.text}
+    return told | {"error": error, "seconds": seconds}
+
+
+def _refusal(plan: Plan) -> str:
+    from rps_exudyn.guards import refused
+
+    return "; ".join(refused(plan.scene, plan.gear, plan.fidelity))
+
+
+def reference(plan: Plan) -> float:
+    """The same figure of the same trip, run-in included, from equilibria in small steps, or from slow
+    dynamics; nan if none of them is sound itself."""
+    from rps_exudyn.scenes import trip
+    from rps_exudyn.simulate import unguarded
+
+    usual = trip.RUN_IN
+    trip.RUN_IN = run_in(plan, usual)
+    try:
+        return _reference(plan, unguarded)
+    finally:
+        trip.RUN_IN = usual
+
+
+def run_in(plan: Plan, least: float) -> float:
+    """What the plan turns before its record starts [rad]: whole steps of its own."""
+    turned = 2 * np.pi * plan.gear.test.turns
+    step = turned / np.ceil(turned / plan.fidelity.step_angle * (1 - 1e-12))
+    return float(step * np.ceil(least / step) * (1 - 1e-9))
+
+
+def _reference(plan: Plan, unguarded: Callable[..., Any]) -> float:
+    strip = {"mesh": "flank", "strip_stations": 6, "strip_points": 4}
+    generators = {"mesh": "flank-generators", "generators": 320}
+    for changes in (strip, generators, strip | SLOW, generators | SLOW):
+        chosen = plan.fidelity.replace({**REFERENCE, **changes})
+        result = unguarded(plan.scene, plan.gear, chosen)
+        if result.status is Status.OK:
+            return float(result.summary[FIGURE[plan.scene]])
+    return float("nan")
+
+
+def rehearse() -> None:
+    """Load or compile every kernel, which is on no plan's clock."""
+    from rps_exudyn.simulate import unguarded
+
+    for scene in FIGURE:
+        gear = SteeringGear().replace({"test.turns": 0.01})
+        for solver in ("equilibrium", "generalized-alpha"):
+            for mesh in ("flank", "flank-generators"):
+                unguarded(scene, gear, Fidelity().replace({"solver": solver, "mesh": mesh}))
+        unguarded(scene, gear, Fidelity().replace({"bush": "chain"}))
+        unguarded(scene, gear, Fidelity().replace({"mesh": "general-contact", "profile_samples": 8}))
+
+
+def child(pipe: multiprocessing.connection.Connection) -> None:
+    rehearse()
+    while True:
+        number = pipe.recv()
+        pipe.send("begun")
+        try:
+            pipe.send(outcome_of(number))
+        except Exception as error:
+            pipe.send({"status": "crashed", "message": f"{type(error).__name__}: {error}"})
+
+
+# --- all plans --------------------------------------------------------------------------------------
+class Child:
+    """A process that does plans, killed and started again when one is out of time."""
+
+    def __init__(self, work: Callable[[Any], None] = child) -> None:
+        self._work = work
+        self._start()
+
+    def _start(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.pipe, other = context.Pipe()
+        self.process = context.Process(target=self._work, args=(other,), daemon=True)
+        self.process.start()
+        other.close()
+
+    def do(self, number: int, limit: float) -> dict[str, Any]:
+        self.pipe.send(number)
+        try:
+            self.pipe.recv()
+            if self.pipe.poll(limit):
+                return dict(self.pipe.recv())
+            status, message = "timeout", f"more than {limit:g} s"
+        except EOFError:
+            status, message = "crashed", "its process ended"
+        self.process.kill()
+        self.process.join()
+        self._start()
+        return {"status": status, "message": message}
+
+
+def verdict(row: dict[str, Any]) -> str:
+    """right, refused rightly or for nothing, failed, wrong and told, or silently wrong."""
+    if row["status"] == "input-error":
+        return "wrong input"
+    error = row.get("error", float("nan"))
+    sound = row["status"] == "ok"
+    if sound and error != error:
+        return "refused" if row.get("refused") else "ok, no reference"
+    right = abs(error) <= WRONG
+    if row.get("refused"):
+        return "refused, was right" if sound and right else "refused"
+    if sound:
+        return "right" if right else "SILENTLY WRONG"
+    return f"{row['status']}, was right" if row["status"] == "invalid" and right else row["status"]
+
+
+def main() -> None:
+    parser = ArgumentParser(description=__doc__)
+    parser.add_argument("plans", type=int)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--out", type=Path)
+    asked = parser.parse_args()
+    worker, rows = Child(), []
+    for number in range(asked.first, asked.first + asked.plans):
+        row = worker.do(number, TIME_LIMIT + 10)  # with the reference
+        row = {"number": number, "plan": plan_of(number).text, "error": float("nan"), "refused": ""} | row
+        rows.append(row | {"verdict": verdict(row)})
+        if rows[-1]["verdict"].isupper() or asked.plans == 1:
+            print({name: rows[-1].get(name) for name in COLUMNS}, flush=True)
+        if asked.out and (number % 20 == 19 or number == asked.first + asked.plans - 1):
+            write(rows, asked.out)
+    print(json.dumps(Counter(row["verdict"] for row in rows), indent=1), file=sys.stderr)
+
+
+def write(rows: list[dict[str, Any]], path: Path) -> None:
+    with path.open("w", newline="") as file:
+        table = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator="\n")
+        table.writeheader()
+        table.writerows(
+            row | {n: f"{row[n]:.4g}" for n in ("error", "seconds") if isinstance(row.get(n), float)}
+            for row in rows
+        )
+
+
+if __name__ == "__main__":
+    main()
