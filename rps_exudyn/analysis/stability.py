@@ -1,0 +1,129 @@
+"""Whether a plan's number is right: against the same trip in equilibria of small steps; and where it stops being.
+
+plan = Plan("free-pinion-torque", gear, fidelity)
+trial = naked(plan)                    as if nothing were checked but that the solver got to its end
+cell_of(trial, reference(plan))        right, inaccurate, wrong, failed, not computed
+limit = bisected(lambda h: cell(h) is Cell.RIGHT, 1e-4, 1e-2)
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from rps_exudyn.errors import InputError
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.outcome import Status
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.result import Result
+from rps_exudyn.scenes import make_trip, trip
+from rps_exudyn.simulate import unguarded
+
+FIGURE = {
+    "free-pinion-torque": "torque_mean",
+    "rack-push": "push_force_mean",
+    "load-test": "torque_forward",
+    "reversal": "hysteresis_area",
+}
+"""Scene -> the figure that must be right."""
+
+INACCURATE, WRONG = 0.01, 0.05  # error of the figure
+RESIDUAL_BOUND = 0.05  # of the work
+STILL = {"solver": "equilibrium", "step_angle": np.deg2rad(0.25), "bush": "condensed"}
+SLOW = {"solver": "generalized-alpha", "step_angle": np.deg2rad(0.2)}
+STRIP = {"mesh": "flank", "strip_stations": 6, "strip_points": 4}
+GENERATORS = {"mesh": "flank-generators", "generators": 320}
+REFERENCES = (STILL | STRIP, STILL | GENERATORS, STILL | STRIP | SLOW, STILL | GENERATORS | SLOW)
+
+
+class Cell(StrEnum):
+    """One point of a stability map."""
+
+    RIGHT = "right"
+    INACCURATE = "inaccurate"  # by more than 1 %
+    WRONG = "wrong"  # it ends normally, by more than 5 % wrong, or its work does not add up
+    FAILED = "failed"  # and says so
+    NOT_COMPUTED = "not computed"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A gear in a scene, and how it is modelled."""
+
+    scene: str
+    gear: SteeringGear
+    fidelity: Fidelity
+
+    def figure(self, result: Result) -> float:
+        """The number that must be right; nan if there is none."""
+        return float(result.summary.get(FIGURE[self.scene], float("nan")))
+
+
+def naked(plan: Plan) -> Result:
+    """The run without guards and without judge: ok is what the solver calls a success."""
+    judged = make_trip.judged
+    make_trip.judged = lambda outcome, *_: outcome
+    try:
+        return unguarded(plan.scene, plan.gear, plan.fidelity)
+    finally:
+        make_trip.judged = judged
+
+
+def reference(plan: Plan) -> float:
+    """The figure of the same trip, run-in included, from equilibria in small steps, or from slow dynamics
+    where those find none; nan if none of them is sound itself."""
+    with run_in_of(plan):
+        for changes in REFERENCES:
+            try:
+                result = unguarded(plan.scene, plan.gear, plan.fidelity.replace(changes))
+            except InputError:
+                break
+            if result.status is Status.OK:
+                return plan.figure(result)
+    return float("nan")
+
+
+@contextmanager
+def run_in_of(plan: Plan) -> Iterator[None]:
+    """Within the block every trip begins where the plan's does: whole steps of its own before the record."""
+    usual = trip.RUN_IN
+    turned = 2 * np.pi * plan.gear.test.turns
+    step = turned / np.ceil(turned / plan.fidelity.step_angle * (1 - 1e-12))
+    trip.RUN_IN = float(step * np.ceil(usual / step) * (1 - 1e-9))
+    try:
+        yield
+    finally:
+        trip.RUN_IN = usual
+
+
+def error_of(value: float, true: float) -> float:
+    """Relative error; nan without a reference."""
+    return value / true - 1 if true else float("nan")
+
+
+def cell_of(plan: Plan, result: Result, true: float) -> Cell:
+    """What a map shows of a run that nobody checked."""
+    if result.status is not Status.OK:
+        return Cell.FAILED
+    error = abs(error_of(plan.figure(result), true))
+    residual = abs(result.summary.get("energy_residual", 0.0))
+    if not (error <= WRONG and residual <= RESIDUAL_BOUND):
+        return Cell.WRONG
+    return Cell.INACCURATE if error > INACCURATE else Cell.RIGHT
+
+
+def bisected(holds: Callable[[float], bool], good: float, bad: float, ratio: float = 1.05) -> float:
+    """The limit between a value that holds and one that does not, to 5 %, on a logarithmic scale.
+
+    Either may be the larger; nan if not `good` holds, `bad` if it holds too.
+    """
+    if not holds(good):
+        return float("nan")
+    if holds(bad):
+        return bad
+    while max(good / bad, bad / good) > ratio:
+        middle = float(np.sqrt(good * bad))
+        good, bad = (middle, bad) if holds(middle) else (good, middle)
+    return float(np.sqrt(good * bad))
