@@ -57,6 +57,7 @@ def run(
     /,
     *,
     setup: SetupOptions = PAPER_SETUP,
+    accuracy: str | None = None,
     out: Path | None = None,
     plot: Path | None = None,
     measured: Path | None = None,
@@ -68,6 +69,8 @@ def run(
 
     Args:
         scene: what the test rig does: free-pinion-torque, load-test, rack-push, reversal or yoke-impact.
+        accuracy: error of the torque that is allowed, for instance 1%: takes the cheapest model that keeps
+            it, of all or of the --fidelity given; see docs/accuracy.md.
         out: HDF5 file; without it SCENE.h5 in the current folder.
         plot: picture (.png, .svg, .pdf); without it a .png beside the HDF5 file.
         measured: CSV file of a measured torque with columns pinion_angle [deg] and pinion_torque [N m]; it is
@@ -75,15 +78,20 @@ def run(
         json: print the summary as JSON.
     """
     from rps_exudyn import simulate
+    from rps_exudyn.accuracy.choice import beyond_promise
     from rps_exudyn.analysis.measured import read_measured_torque
     from rps_exudyn.charts.style import PICTURES
 
-    chosen = setup.load()
+    chosen, why = setup.load_for(scene, accuracy) if accuracy is not None else (setup.load(), "")
+    if why:
+        _say(why)
     out = _checked_output(out or Path(f"{scene}.h5"), RESULT_FILES)
     plot = _checked_output(plot or out.with_suffix(".png"), PICTURES)
     curve = read_measured_torque(measured) if measured else None
     with redirect_stdout(sys.stderr):  # what libraries say; standard output is for the result
         result = simulate.run(scene, chosen.steering_gear, fidelity=chosen.fidelity)
+    if why and (beyond := beyond_promise(result.gear, result.signals)):
+        _say(beyond.lstrip("; "))
     _print_result(result, json, files=_keep(result, out, plot, curve), measured=curve)
     return _verdict(result)
 

@@ -47,8 +47,8 @@ class GearOptions:
 class SetupOptions(GearOptions):
     """Which gear, and how it is modelled."""
 
-    fidelity: str = "flank"
-    """What is modelled how: full, flank, quasi-static or closed-form; see `describe fidelity`."""
+    fidelity: str | None = None
+    """What is modelled how: full, flank (default), quasi-static or closed-form; see `describe fidelity`."""
     mesh: str | None = None
     """How the teeth touch, if not as in the fidelity: general-contact, flank, flank-generators, ratio or
     ratio-with-loss."""
@@ -67,9 +67,7 @@ class SetupOptions(GearOptions):
         from rps_exudyn.setup import Setup
 
         settings, problems = parse_settings(self.settings)
-        parts = ("mesh", "bush", "yoke", "rack", "solver")
-        chosen = {part: getattr(self, part) for part in parts}
-        settings |= {f"fidelity.{part}": choice for part, choice in chosen.items() if choice is not None}
+        settings |= {f"fidelity.{part}": choice for part, choice in self._parts().items()}
         tables = self.tables()
         if "fidelity" in tables:
             problems.append(
@@ -77,16 +75,35 @@ class SetupOptions(GearOptions):
             )
         if settings.pop("fidelity.name", None):
             problems.append("fidelity.name cannot be set: it says what was chosen.")
-        if self.fidelity not in PRESETS:
-            problems.append(unknown_preset(self.fidelity))
+        base = self.fidelity or "flank"
+        if base not in PRESETS:
+            problems.append(unknown_preset(base))
         changes = {
             path[len("fidelity.") :]: value
             for path, value in settings.items()
             if path.startswith("fidelity.")
         }
-        preset = {"name": name_of(self.fidelity, changes), **PRESETS.get(self.fidelity, {})}
+        preset = {"name": name_of(base, changes), **PRESETS.get(base, {})}
         with _all_at_once(problems):
             return Setup.from_tables(tables | {"fidelity": preset}, settings, where=str(self.gear or ""))
+
+    def load_for(self, scene: str, accuracy: str) -> "tuple[Setup, str]":
+        """Gear, the cheapest fidelity of this accuracy, and why it is; or an InputError."""
+        from rps_exudyn.accuracy.choice import choose, percent
+
+        settings, _ = parse_settings(self.settings)
+        own = [f"--{part}" for part in self._parts()]
+        own += [f"--set {path}" for path in settings if path.startswith("fidelity.")]
+        if own:
+            raise InputError(f"--accuracy chooses the model itself; leave out {', '.join(own)}.")
+        told = self.load()
+        choice = choose(scene, told.steering_gear, percent(accuracy), self.fidelity)
+        return told.model_copy(update={"fidelity": choice.fidelity}), choice.why
+
+    def _parts(self) -> dict[str, str]:
+        """Choices within the fidelity that were made."""
+        parts = {part: getattr(self, part) for part in ("mesh", "bush", "yoke", "rack", "solver")}
+        return {part: choice for part, choice in parts.items() if choice is not None}
 
 
 def parse_settings(texts: Iterable[str]) -> tuple[dict[str, Any], list[str]]:

@@ -21,9 +21,12 @@ import numpy as np
 
 from rps_exudyn.errors import InputError
 from rps_exudyn.fidelity import PRESETS, Fidelity, unknown_preset
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.scenes.trip import whole_periods
 from rps_exudyn.units import short
 
+LEAST_SLIDING = 0.1  # of the teeth's mean sliding, somewhere in mesh
 TABLE = Path(__file__).with_name("table.json")
 
 
@@ -36,8 +39,13 @@ class Setting:
     settings: Mapping[str, Any]  # of the fidelity, besides the step
     promised: float  # error [%]
     median: float  # error on the gears it was tried on [%]
-    cost: float  # processor seconds of the solver per revolution, mean over these gears
+    cost: float  # processor seconds of the solver per revolution where all teeth are alike, median of gears
+    cost_of_turn: float  # the same where errors single out a tooth, so that no pitch stands for another
     failed: float  # share of these gears on which it gave no result
+
+    def cost_for(self, gear: SteeringGear) -> float:
+        """Processor seconds of the solver per revolution of this gear, about."""
+        return self.cost if whole_periods(gear, 2 * np.pi) == gear.pinion.teeth else self.cost_of_turn
 
     def for_gear(self, gear: SteeringGear) -> Fidelity:
         """With the step that has so many angles on this gear's tooth pitch."""
@@ -90,16 +98,30 @@ def choose(scene: str, gear: SteeringGear, wanted: float, preset: str | None = N
             f"--accuracy is {wanted:g} %; the most exact setting {of}in the table for {scene} "
             f"promises {best:.2g} %."
         )
-    taken = min(enough, key=lambda each: each.cost)
-    return Choice(taken.for_gear(gear), taken, _why(taken, table, wanted, len(enough)))
+    taken = min(enough, key=lambda each: each.cost_for(gear))
+    why = _why(taken, table, wanted, len(enough), taken.cost_for(gear)) + beyond_promise(gear)
+    return Choice(taken.for_gear(gear), taken, why)
 
 
-def _why(taken: Setting, table: SceneTable, wanted: float, enough: int) -> str:
+def beyond_promise(gear: SteeringGear, signals: Mapping[str, np.ndarray] | None = None) -> str:
+    """Why the table promises nothing for this gear, or for what its run has shown; empty if it does."""
+    pair = GearPair.of(gear)
+    levers = pair.friction_lever(np.linspace(*pair.field, 201))
+    if levers.min() < LEAST_SLIDING * levers.mean():
+        return (
+            "; NOT promised for this gear, whose teeth hardly slide at the pitch point: friction jumps there"
+        )
+    if signals is not None and (signals.get("yokenut_force", np.zeros(1)) > 0).any():
+        return "; NOT promised for this run, in which the yoke stops at its nut"
+    return ""
+
+
+def _why(taken: Setting, table: SceneTable, wanted: float, enough: int, cost: float) -> str:
     knobs = ", ".join(f"{name} {value:g}" for name, value in taken.settings.items())
     return (
         f"{taken.preset}, {taken.angles_per_pitch} angles per tooth pitch{', ' if knobs else ''}{knobs}: the "
         f"cheapest of {enough} settings that keep {wanted:g} %; it promises {taken.promised:.2g} % (half of "
-        f"{table.gears} random gears stay below {taken.median:.2g} %) at about {1e3 * taken.cost:.2g} ms of "
+        f"{table.gears} random gears stay below {taken.median:.2g} %) at about {1e3 * cost:.2g} ms of "
         "processor time per revolution"
     )
 
