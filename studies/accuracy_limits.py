@@ -13,7 +13,7 @@ from time import process_time
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from rps_exudyn.accuracy.measurement import Measurement, load_measurement
+from rps_exudyn.accuracy.measurement import Measurement, Point, load_measurement
 from rps_exudyn.accuracy.runs import run_scene
 from rps_exudyn.analysis.work_precision import power_law
 from rps_exudyn.charts.work_precision import draw_law_band, draw_scaling
@@ -86,7 +86,7 @@ def from_study(measurement: Measurement) -> Series:
         points = [p for p in measurement.points if p.ok and p.study == study and label in p.label]
         return sizes(points, size), np.array([point.cost for point in points])
 
-    def sizes(points: list, size: str) -> np.ndarray:
+    def sizes(points: list[Point], size: str) -> np.ndarray:
         if size == "spheres":
             return np.array(
                 [p.fidelity.profile_samples * p.fidelity.axial_samples for p in points], dtype=float
@@ -103,7 +103,7 @@ def from_study(measurement: Measurement) -> Series:
 def turns() -> Series:
     """Turns of a gear with runout, so that none stands for another."""
     found: Series = {}
-    counts = np.array([0.5, 1.0, 2.0, 3.0])
+    counts = np.array([0.25, 0.5, 0.95, 1.9])  # no whole turns, of which one would stand for all
     for preset in ("quasi-static", "flank"):
         costs = [solver_cost(preset, {"test.turns": each, "pinion.runout": 1e-5}) for each in counts]
         found[f"turns, {preset}"] = (counts, np.array(costs))

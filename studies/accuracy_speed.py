@@ -33,9 +33,10 @@ FILES = {
     "free-pinion-torque": OF_TORQUE.split(),
     "load-test": ["closed_form", "quasi_static", "flank"],
     "rack-push": ["closed_form", "quasi_static", "flank"],
-    "reversal": ["quasi_static", "flank"],
+    "reversal": ["quasi_static", "flank", "newton"],
     "yoke-impact": ["newton"],
 }
+REPEATS = {"free-pinion-torque": 15, "yoke-impact": 1}
 Planned = tuple[str, str, SteeringGear, Fidelity]
 
 
@@ -64,7 +65,7 @@ def measure_scene(scene: str, folder: Path, again: bool) -> None:
         if (study, label) not in missing:
             continue
         warm_up(scene, gear, fidelity)
-        point = measure_point(study, label, truth, gear, fidelity)
+        point = measure_point(study, label, truth, gear, fidelity, REPEATS.get(scene, 3))
         cost, error = f"{1e3 * point.cost:10.3f} ms", f"{point.rms:9.4f} %"
         print(f"{point.status:15s} {cost} {error}  {study}: {label}", flush=True)
         measurement.points.append(point)
