@@ -24,11 +24,11 @@ from rps_exudyn.solve import Outcome
 ENERGY_BOUND = 1.5e-2  # of the drive's or the load's work ...
 EDGE_SHARE = 1.5e-2  # ... and that per degree of the shaft angle's error ...
 MISSED_TORQUE = 1e-3  # ... or what a torque that small would do: a gear without friction takes no work [N m]
-FEW_STEPS = 4
+HIDDEN = ((2, np.inf), (4, 1 / 4), (7, 1 / 16))  # up to so many samples: share of their range that may hide
 RESOLVED_BOUND = 0.03  # change of the mean when every second step is left out
 ROLLING_BOUND = 0.06  # of the travel; over whole periods a settled gear does not roll at all
 ROUNDING = 1e-9  # of the works of a gear that nothing moves [J]
-LEAST_TOUCHING = 12  # spheres of general contact; fewer miss up to 8 % of the torque
+LEAST_TOUCHING = 15  # spheres of general contact; fewer miss up to 8 % of the torque
 AGREEMENT_BOUND = 1e-6  # of Exudyn's contact forces with the compiled samples; 1e-9 is usual
 
 
@@ -122,18 +122,18 @@ def torque_resolved(signals: dict[str, np.ndarray]) -> Failure:
     even = (len(force) - 1) // 2 * 2 + 1
     work = float(np.trapezoid(force[:even], path[:even]))
     missed = abs(work - float(np.trapezoid(force[:even:2], path[:even:2])))
-    if len(force) <= FEW_STEPS:  # between them anything may hide that is as large as their differences
-        work = float(np.trapezoid(force, path))
-        missed = float(np.ptp(force) * np.ptp(path)) / 4
+    # between few of them anything may hide that is as large as their differences
+    hidden = float(np.ptp(force) * np.ptp(path)) * next(
+        (share for n, share in HIDDEN if len(force) <= n), 0.0
+    )
+    missed = max(missed, hidden)
     turned = float(np.abs(np.diff(signals["pinion_angle"])).sum())
-    if len(force) == 2:
-        missed = np.inf  # nothing is known but its ends
     if not missed <= RESOLVED_BOUND * abs(work) + MISSED_TORQUE * turned + ROUNDING:
         yield (
             Status.INVALID,
-            f"the steps are too coarse: {len(force) - 1} of them, and without every second one the mean "
-            f"is {missed / abs(work) if work else float('inf'):.1%} off, allowed are {RESOLVED_BOUND:.0%}; "
-            "lower fidelity.step_angle",
+            f"the steps are too coarse: {len(force) - 1} of them, between which up to "
+            f"{missed / abs(work) if work else np.inf:.1%} of the mean may hide, allowed are "
+            f"{RESOLVED_BOUND:.0%}; lower fidelity.step_angle",
         )
 
 

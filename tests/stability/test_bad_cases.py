@@ -1,8 +1,8 @@
 """No configuration of the corpus ends in a wrong number that is called ok."""
 
 import pytest
-from bad_cases import bad_cases
 
+from bad_cases import bad_cases
 from rps_exudyn.analysis.stability import Plan, error_of, reference
 from rps_exudyn.outcome import Status
 from rps_exudyn.simulate import run

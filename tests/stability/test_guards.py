@@ -1,0 +1,79 @@
+"""Plans that would end in a wrong number are not run, or repaired on request; and what was done is told."""
+
+import pytest
+
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.guards import breaches
+from rps_exudyn.limited_run import limited_run
+from rps_exudyn.outcome import Status
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.refuge import robust_run
+from rps_exudyn.simulate import run
+
+GEAR = SteeringGear().replace({"test.turns": 1 / 6})
+TORQUE = "free-pinion-torque"
+STILL = Fidelity.preset("quasi-static")
+SPHERES = Fidelity.preset("full").replace({"bush": "condensed", "profile_samples": 6, "axial_samples": 5})
+REFUSED = {
+    "fidelity.step_angle is 40 deg": (STILL.replace({"step_angle": "40 deg"}), {}),
+    "fidelity.profile_samples is 6": (SPHERES, {"mesh.stiffness": 3e14}),
+    "fidelity.strip_points is 1": (STILL.replace({"strip_points": 1}), {}),
+    "fidelity.tolerance is 1.0e-02": (Fidelity().replace({"bush": "chain", "tolerance": 1e-2}), {}),
+    "fidelity.tolerance is 1.0e-10": (Fidelity().replace({"bush": "chain", "tolerance": 1e-10}), {}),
+    "the deepest contact predicted": (Fidelity.preset("full"), {"mesh.stiffness": 1e11}),
+}
+
+
+@pytest.mark.parametrize("sentence", REFUSED)
+def test_plan_beyond_a_limit_is_not_run_and_the_repaired_one_is_within(sentence: str) -> None:
+    fidelity, settings = REFUSED[sentence]
+    gear = GEAR.replace(settings)
+    result = run(TORQUE, gear, fidelity=fidelity)
+    assert result.status is Status.INVALID
+    assert result.message.startswith(f"not run: {sentence}")
+    assert not result.signals
+    repairs = {
+        name: value for breach in breaches(TORQUE, gear, fidelity) for name, value in breach.repair.items()
+    }
+    assert not list(breaches(TORQUE, gear, fidelity.replace(repairs)))
+
+
+@pytest.mark.parametrize("preset", ["full", "flank", "quasi-static", "closed-form"])
+def test_presets_are_within_all_limits(preset: str) -> None:
+    assert not list(breaches(TORQUE, SteeringGear(), Fidelity.preset(preset)))
+
+
+def test_refuge_tells_every_try() -> None:
+    result = robust_run(TORQUE, GEAR, STILL.replace({"step_angle": "40 deg"}))
+    assert result.status is Status.OK
+    assert "step_angle" in result.message
+    assert result.fidelity["step_angle"] == pytest.approx(result.solver["tries"][-1]["changed"]["step_angle"])
+    assert result.summary["torque_mean"] == pytest.approx(0.6348, rel=1e-3)
+
+
+def test_refuge_leaves_a_sound_plan_alone() -> None:
+    result = robust_run(TORQUE, GEAR, STILL)
+    assert (result.status, result.message) == (Status.OK, "")
+    assert result.solver["tries"] == [{"changed": {}, "status": "ok", "message": ""}]
+
+
+def test_refuge_in_vain_keeps_the_first_failure() -> None:
+    too_soft = GEAR.replace({"mesh.stiffness": 1e11})
+    result = robust_run(TORQUE, too_soft, STILL.replace({"step_angle": "10 deg"}))
+    assert result.status is Status.INVALID
+    assert "mesh_penetration" in result.message
+    assert "nor did" in result.message
+    assert len(result.solver["tries"]) > 2
+
+
+def test_time_limit_ends_a_run_from_outside() -> None:
+    result = limited_run(TORQUE, GEAR, STILL.replace({"step_angle": "0.01 deg"}), 0.001)
+    assert result.status is Status.TIMEOUT
+    assert "time limit of 0.001 s" in result.message
+
+
+def test_run_within_its_time_limit_is_the_same_run() -> None:
+    result = limited_run(TORQUE, GEAR, STILL, 60.0)
+    assert result.summary["torque_mean"] == pytest.approx(
+        run(TORQUE, GEAR, fidelity=STILL).summary["torque_mean"]
+    )
