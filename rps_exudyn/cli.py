@@ -61,6 +61,8 @@ def run(
     out: Path | None = None,
     plot: Path | None = None,
     measured: Path | None = None,
+    robust: Flag = False,
+    time_limit: str | None = None,
     json: Flag = False,
 ) -> int:
     """Simulate one scene: print a summary, write an HDF5 file and a picture.
@@ -75,13 +77,16 @@ def run(
         plot: picture (.png, .svg, .pdf); without it a .png beside the HDF5 file.
         measured: CSV file of a measured torque with columns pinion_angle [deg] and pinion_torque [N m]; it is
             drawn over the simulated one and compared with it.
+        robust: where the run fails or its plan is refused, take the next safer settings, and say which.
+        time_limit: for instance "20 s": the run is ended after it, whatever its solver does.
         json: print the summary as JSON.
     """
-    from rps_exudyn import simulate
+    from rps_exudyn import limited_run as guarded
     from rps_exudyn.accuracy.choice import beyond_promise
     from rps_exudyn.analysis.measured import read_measured_torque
     from rps_exudyn.charts.style import PICTURES
 
+    limit = guarded.seconds(time_limit) if time_limit is not None else None
     chosen, why = setup.load_for(scene, accuracy) if accuracy is not None else (setup.load(), "")
     if why:
         _say(why)
@@ -89,7 +94,7 @@ def run(
     plot = _checked_output(plot or out.with_suffix(".png"), PICTURES)
     curve = read_measured_torque(measured) if measured else None
     with redirect_stdout(sys.stderr):  # what libraries say; standard output is for the result
-        result = simulate.run(scene, chosen.steering_gear, fidelity=chosen.fidelity)
+        result = guarded.run(scene, chosen.steering_gear, chosen.fidelity, robust, limit)
     if why and (beyond := beyond_promise(result.gear, result.signals)):
         _say(beyond.lstrip("; "))
     _print_result(result, json, files=_keep(result, out, plot, curve), measured=curve)
