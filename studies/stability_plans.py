@@ -235,7 +235,7 @@ def main() -> None:
         rows.append(row | {"verdict": verdict(row)})
         if rows[-1]["verdict"].isupper() or asked.plans == 1:
             print({name: rows[-1].get(name) for name in COLUMNS}, flush=True)
-        if asked.out and (number % 20 == 19 or number == asked.first + asked.plans - 1):
+        if asked.out:
             write(rows, asked.out)
     print(json.dumps(Counter(row["verdict"] for row in rows), indent=1), file=sys.stderr)
 

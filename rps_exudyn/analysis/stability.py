@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
+from unittest.mock import patch
 
 import numpy as np
 
@@ -69,12 +70,8 @@ class Plan:
 
 def naked(plan: Plan) -> Result:
     """The run without guards and without judge: ok is what the solver calls a success."""
-    judged = make_trip.judged
-    make_trip.judged = lambda outcome, *_: outcome
-    try:
+    with patch.object(make_trip, "judged", lambda outcome, *_: outcome):
         return unguarded(plan.scene, plan.gear, plan.fidelity)
-    finally:
-        make_trip.judged = judged
 
 
 def reference(plan: Plan, value: float) -> float:
