@@ -97,7 +97,10 @@ def error_and_cost(
     if not runs[0].ok:
         return None
     errors, _ = truth.errors_of(runs[0], fidelity)
-    return errors.either_way, min(run.outcome.cpu_s for run in runs) / revolutions(truth.scene, gear)
+    # of alike teeth one pitch is followed, be it for a pitch or for a whole turn
+    stands_for_turn = preset == "quasi-static" and whole_periods(gear, 2 * np.pi) == gear.pinion.teeth
+    turned = revolutions(truth.scene, gear) / (gear.test.turns if stands_for_turn else 1.0)
+    return errors.either_way, min(run.outcome.cpu_s for run in runs) / turned
 
 
 def publish(raw: dict[str, Any], gears: list[SteeringGear], path: Path) -> None:
