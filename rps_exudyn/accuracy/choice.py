@@ -26,7 +26,7 @@ from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.scenes.trip import whole_periods
 from rps_exudyn.units import short
 
-LEAST_SLIDING = 0.1  # of the teeth's mean sliding, somewhere in mesh
+LEAST_SLIDING = 0.2  # of the mean, somewhere in mesh: below it references of random gears do not agree
 TABLE = Path(__file__).with_name("table.json")
 
 
