@@ -64,7 +64,8 @@ def work_precision_figure(measurement: Measurement) -> Figure:
     for wanted in WANTED:
         axes.axvline(wanted, **style.REFERENCE_LINE)
     axes.set_xlabel("error, RMS over the motion [% of the mean]")
-    axes.set_ylabel("processor time of the solver [s per revolution]")
+    per = "run" if measurement.scene == "yoke-impact" else "revolution"
+    axes.set_ylabel(f"processor time of the solver [s per {per}]")
     _legend_beside(axes)
     headline = f"{OF_SCENE[measurement.scene]}: cost of a model against its error"
     style.title(figure, headline, told_missing(measurement))
