@@ -16,14 +16,16 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rps_exudyn.errors import InputError
     from rps_exudyn.parameters import SteeringGear
     from rps_exudyn.result import Result, load
     from rps_exudyn.simulate import run
     from rps_exudyn.study.dataset import open_study, study_frame
 
-__all__ = ["Result", "SteeringGear", "load", "open_study", "run", "study_frame"]
+__all__ = ["InputError", "Result", "SteeringGear", "load", "open_study", "run", "study_frame"]
 
 _HOME = {
+    "InputError": "errors",
     "SteeringGear": "parameters",
     "Result": "result",
     "load": "result",

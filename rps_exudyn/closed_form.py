@@ -105,10 +105,10 @@ def load_test(gear: SteeringGear, mass: float | None = None) -> LoadTest:
 
 def beyond_formulas(gear: SteeringGear) -> str:
     """Why the formulas do not hold for this gear, in words; empty where they do."""
-    pinion, lift = gear.pinion, gear.pinion.runout + abs(gear.installation.axis_offset)
+    pinion, lift = gear.pinion, gear.pinion.runout
     if lift >= gear.yoke.clearance:
         return (
-            f"the formulas know no yokenut, and a lift of {1e6 * lift:.4g} um uses up "
+            f"the formulas know no yokenut, and a runout of {1e6 * lift:.4g} um uses up "
             f"yoke.clearance = {1e6 * gear.yoke.clearance:.4g} um"
         )
     unknown = {
@@ -197,14 +197,14 @@ def tilting_stiffness(gear: SteeringGear) -> float:
     return float(along - both**2 / about)
 
 
-def unloading_force(gear: SteeringGear) -> float:
-    """Load on the rack at which, while it is raised, the coast flanks carry nothing any more [N].
+def unloading_force(gear: SteeringGear, direction: int = +1) -> float:
+    """Load on the rack at which the coast flanks carry nothing any more [N], raised (+1) or lowered (-1).
 
-    Without friction P cot(alpha_n) cos(beta_r) - D.
+    Without friction P cot(alpha_n) cos(beta_r) -+ D.
     """
-    drive = _mean_force(gear, -1, +1).force
+    drive = _mean_force(gear, -1, direction).force
     plunger = seat_wedge_factor(gear.yoke.seat_angle) * gear.yoke.friction * gear.yoke.preload
-    return float(gear.yoke.preload * drive[0] / drive[1] - gear.bush.drag - plunger)
+    return float(gear.yoke.preload * drive[0] / drive[1] - direction * (gear.bush.drag + plunger))
 
 
 # --- balance of the rack -------------------------------------------------------------------------

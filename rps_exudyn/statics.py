@@ -235,7 +235,7 @@ def approach_under(load: float, mesh_force: Callable[..., Any], data: Any, offse
         return np.asarray(mesh_force(q, still, data)[1:3] - np.array([0.0, load]))
 
     place, rest = settled(unbalanced, np.array([0.0, offset - TYPICAL_APPROACH]), np.ones(2))
-    if rest > 1e-3 * load:
+    if rest > 1e-3 * max(load, 1.0):
         raise InputError(
             f"yoke.preload is {load:g} N, more than teeth of mesh.stiffness carry "
             "within the range of their contact law."

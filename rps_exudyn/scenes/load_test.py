@@ -48,10 +48,12 @@ def load_test(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
 
 def _blamed(failed: SceneRun, weight: float, gear: SteeringGear) -> SceneRun:
     """With the limit of the gear, if the weight is beyond it."""
-    limit = unloading_force(gear)
-    if weight <= limit:
+    raised, lowered = (unloading_force(gear, sense) / GRAVITY for sense in (+1, -1))
+    if weight / GRAVITY <= min(raised, lowered):
         return failed
-    beyond = f"; above {limit / GRAVITY:.4g} kg the weight lifts one flank off"
+    beyond = (
+        f"; a weight lifts one flank off above {raised:.4g} kg while raised, {lowered:.4g} kg while lowered"
+    )
     return replace(failed, outcome=replace(failed.outcome, message=failed.outcome.message + beyond))
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from rps_exudyn.judge import first_angle
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.scenes.scene_run import Signals
 
@@ -22,7 +23,7 @@ def _flank_lifted(signals: Signals) -> Iterator[str]:
         if free.any():
             yield (
                 f"the {side} flanks carry nothing in {free.mean():.0%} of the record, first at "
-                f"{_first(signals, free)}; all load is on the {loaded} flanks"
+                f"{first_angle(signals, free)}; all load is on the {loaded} flanks"
             )
 
 
@@ -31,9 +32,5 @@ def _yoke_stopped(gear: SteeringGear, signals: Signals) -> Iterator[str]:
     if (force > 0).any():
         yield (
             f"yoke.clearance = {1e6 * gear.yoke.clearance:.4g} um is used up, first at "
-            f"{_first(signals, force > 0)}; the yokenut carries up to {force.max():.4g} N"
+            f"{first_angle(signals, force > 0)}; the yokenut carries up to {force.max():.4g} N"
         )
-
-
-def _first(signals: Signals, where: np.ndarray) -> str:
-    return f"{np.degrees(signals['pinion_angle'][np.argmax(where)]):.4g} deg"

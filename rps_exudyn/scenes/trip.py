@@ -12,6 +12,7 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.load import Pulse
 
+LEAST_PER_CYCLE = 400  # steps, so that the sinusoid passes its ends in many of them
 RUN_IN = np.deg2rad(0.5)  # pinion angle turned before the record starts, at least
 
 
@@ -60,7 +61,7 @@ def steady_trip(gear: SteeringGear, body: str, first: float, last: float, step_a
     Raises:
         InputError: it leaves the rack's teeth.
     """
-    check_travel(gear, (first, last))
+    check_travel(gear, (first, last), f"a test from {_deg(first)} to {_deg(last)}")
     periods = whole_periods(gear, abs(last - first)) or 1
     piece = abs(last - first) / periods
     per_piece = int(np.ceil(piece / step_angle * (1 - 1e-12)))
@@ -97,9 +98,10 @@ def swing_trip(gear: SteeringGear, step_angle: float) -> Trip:
         InputError: it leaves the rack's teeth.
     """
     test = gear.test
-    check_travel(gear, (test.start_angle - test.amplitude, test.start_angle + test.amplitude))
+    ends = test.start_angle - test.amplitude, test.start_angle + test.amplitude
+    check_travel(gear, ends, f"test.amplitude = {_deg(test.amplitude)} about {_deg(test.start_angle)}")
     drive = Swing("pinion", test.start_angle, test.amplitude, test.direction * test.speed)
-    per_cycle = 4 * int(np.ceil(drive.period * test.speed / step_angle / 4))
+    per_cycle = 4 * int(np.ceil(max(drive.period * test.speed / step_angle, LEAST_PER_CYCLE) / 4))
     time_step = drive.period / per_cycle
     return Trip(drive, time_step, int(np.ceil(RUN_IN / test.speed / time_step)), per_cycle * test.cycles)
 
@@ -115,8 +117,8 @@ def whole_periods(gear: SteeringGear, angle: float) -> int | None:
     return round(periods) if periods > 0.5 and abs(periods - round(periods)) < 1e-9 * periods else None
 
 
-def check_travel(gear: SteeringGear, angles: Sequence[float]) -> None:
-    """The pinion must stay on the rack's teeth at these angles [rad].
+def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> None:
+    """The pinion must stay on the rack's teeth at these angles [rad]; `test` says what leads there.
 
     Raises:
         InputError: it would not.
@@ -126,7 +128,11 @@ def check_travel(gear: SteeringGear, angles: Sequence[float]) -> None:
     farthest = max(abs(angle) for angle in angles)
     if farthest > allowed:
         raise InputError(
-            "test.turns, test.amplitude and test.start_angle lead to a pinion angle of "
-            f"{np.degrees(farthest):.6g} deg; the teeth for rack.travel = {gear.rack.travel * 1e3:g} mm "
-            f"allow {np.degrees(allowed):.6g} deg either way."
+            f"{test} leads to a pinion angle of {_deg(farthest)}; the teeth for "
+            f"rack.travel = {gear.rack.travel * 1e3:g} mm allow {_deg(allowed)} either way "
+            f"({allowed / (2 * np.pi):.4g} turns from the centre)."
         )
+
+
+def _deg(angle: float) -> str:
+    return f"{np.degrees(angle):.6g} deg"

@@ -17,7 +17,7 @@ from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.load import Pulse
 from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.make_trip import make_trip
-from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.scenes.trip import Trip, check_travel
 
 STEPS_PER_SWING = 20  # of the plunger between seat and yokenut, the fastest motion: forces to 0.1 %
@@ -35,7 +35,7 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
             "yoke-impact needs generalized-alpha and body: without inertia nothing hits."
         )
     run = make_trip(gear, fidelity, shaken(gear))
-    return run.described(
+    return run.noting(_closed(gear, run.signals)).described(
         lambda signals: {
             **describe_impacts(signals),
             **describe_rack(signals, float(GearPair.of(gear).gain)),
@@ -44,10 +44,21 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
     )
 
 
+def _closed(gear: SteeringGear, signals: Signals) -> str:
+    """A yokenut that is pressed on from the start is not hit by what presses more."""
+    force = signals.get("yokenut_force", np.zeros(1))
+    if not force[0] > 0:
+        return ""
+    return (
+        f"yoke.clearance = {1e6 * gear.yoke.clearance:.4g} um is closed from the start; the yokenut carries "
+        f"up to {force.max():.4g} N, and only contacts that open and close again count as impacts"
+    )
+
+
 def shaken(gear: SteeringGear) -> Trip:
     """The pinion held at the test's start angle, the rack shaken."""
     test, yoke = gear.test, gear.yoke
-    check_travel(gear, (test.start_angle,))
+    check_travel(gear, (test.start_angle,), "test.start_angle")
     if test.pulse_period < test.pulse_duration:
         raise InputError(
             f"test.pulse_period is {1e3 * test.pulse_period:g} ms; it must be at least test.pulse_duration = "

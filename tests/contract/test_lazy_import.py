@@ -30,7 +30,8 @@ def test_quick_commands_load_nothing_heavy(arguments: list[str]) -> None:
 
 def test_public_names_are_there_when_used() -> None:
     assert {name: getattr(rps_exudyn, name).__name__ for name in rps_exudyn.__all__} == {
-        name: name for name in ("Result", "SteeringGear", "load", "open_study", "run", "study_frame")
+        name: name
+        for name in ("InputError", "Result", "SteeringGear", "load", "open_study", "run", "study_frame")
     }
 
 

@@ -222,3 +222,17 @@ def test_impact_without_inertia_is_refused(fidelity: str) -> None:
 def test_pulses_that_overlap_are_refused() -> None:
     with pytest.raises(InputError, match=r"test\.pulse_period is 1 ms"):
         rps.run("yoke-impact", GEAR, pulse_period="1 ms")
+
+
+def test_a_clearance_that_is_closed_is_said() -> None:
+    """Pressing on a yokenut that the plunger already touches is no impact, but carries load."""
+    result = ran("yoke-impact", {**SHORT, "yoke.clearance": "-10 um"}, "flank")
+    assert "yoke.clearance = -10 um is closed from the start" in result.message
+
+
+@pytest.mark.parametrize("fidelity", ["flank", "quasi-static"])
+def test_a_small_reversal_is_followed_in_small_steps(fidelity: str) -> None:
+    """Half a degree either way: the torque still jumps by nearly twice the running torque."""
+    found = ran("reversal", {"test.amplitude": "0.5 deg"}, fidelity).summary
+    free = ran("free-pinion-torque").summary["torque_mean"]
+    assert found["torque_jump"] == pytest.approx(2 * free, rel=0.15)

@@ -31,7 +31,7 @@ def signals() -> dict[str, np.ndarray]:
 
 def test_sound_signals_pass(signals: dict[str, np.ndarray]) -> None:
     assert not list(judge.finite(signals))
-    assert not list(judge.rack_in_mesh(signals, 1e-3))
+    assert not list(judge.rack_in_mesh(signals, 0.0, 1e-3))
     assert not list(judge.teeth_loaded(signals))
     assert not list(judge.law_valid(MESH, signals))
     assert not list(judge.contact_agreed(1e-9))
@@ -47,7 +47,7 @@ def test_not_a_number(signals: dict[str, np.ndarray]) -> None:
 
 def test_rack_out_of_mesh(signals: dict[str, np.ndarray]) -> None:
     signals["rack_y"][20:] = 9e-3
-    ((status, message),) = judge.rack_in_mesh(signals, 0.9e-3)
+    ((status, message),) = judge.rack_in_mesh(signals, 0.0, 0.9e-3)
     assert status is Status.CONTACT_LOST
     assert f"{np.degrees(signals['pinion_angle'][20]):.4g} deg" in message
 
