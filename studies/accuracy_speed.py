@@ -33,7 +33,7 @@ FILES = {
     "free-pinion-torque": OF_TORQUE.split(),
     "load-test": ["closed_form", "quasi_static", "flank"],
     "rack-push": ["closed_form", "quasi_static", "flank"],
-    "reversal": ["quasi_static", "flank", "newton"],
+    "reversal": ["quasi_static", "flank"],
     "yoke-impact": ["newton"],
 }
 REPEATS = {"free-pinion-torque": 15, "yoke-impact": 1}
