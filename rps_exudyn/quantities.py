@@ -100,6 +100,9 @@ SIGNALS = {
     "work_drive": _energy("work of the drive on pinion or rack from the start of recording"),
     "work_load": _energy("work of the forces on the rack's end from the start of recording"),
     "work_mesh_friction": _energy("work lost to friction between the teeth from the start of recording"),
+    "work_mesh_edges": _energy(
+        "work that loaded material takes along over the rack's edges from the start of recording"
+    ),
     "work_mesh_damping": _energy("work lost to damping of the tooth contact from the start of recording"),
     "work_seat_friction": _energy(
         "work lost to friction between plunger and rack from the start of recording"

@@ -95,6 +95,8 @@ def signals_of(record: Record) -> dict[str, np.ndarray]:
     energy = record.energy.copy()
     for element in record.elements:
         out = record.outputs(element)
+        if element.name == "mesh":
+            signals["work_mesh_edges"] = _over_edges(record, element, out)
         ledger = out[:, element.size : element.size + LEDGER_SIZE]
         own = dict(zip(element.outputs, out[:, element.size + LEDGER_SIZE :].T, strict=True))
         if element.name == "load":
@@ -110,6 +112,19 @@ def signals_of(record: Record) -> dict[str, np.ndarray]:
         signals["mesh_normal_force"] = signals["mesh_normal_force_drive"] + signals["mesh_normal_force_coast"]
     signals["stored_energy"] = energy - energy[0]
     return signals
+
+
+def _over_edges(record: Record, mesh: ForceElement, out: np.ndarray) -> np.ndarray:
+    """Work that loaded material takes along where it passes the edges of the rack [J].
+
+    What the teeth's forces take from the bodies, and neither store, rub off nor damp: the contact laws press
+    along the normal only, so that material which enters or leaves loaded does so without a force.
+    """
+    rates = record.rates[:, stacked(mesh.bodies)]
+    taken = -np.einsum("ti,ti->t", out[:, : mesh.size], rates)
+    ledger = out[:, mesh.size : mesh.size + LEDGER_SIZE]
+    lost = taken - ledger[:, FRICTION_POWER] - ledger[:, DAMPING_POWER]
+    return _work(lost, record.time) - (ledger[:, ELASTIC_ENERGY] - ledger[0, ELASTIC_ENERGY])
 
 
 def axis_at_pitch_point(rack: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ NO_LOSS = ("work_drive", "work_load")
 """Work signals that tell what goes in: from the drive, and from the forces on the rack's end."""
 
 PLACES = {
-    "mesh": ("work_mesh_friction", "work_mesh_damping"),
+    "mesh": ("work_mesh_friction", "work_mesh_damping", "work_mesh_edges"),
     "seat": ("work_seat_friction",),
     "bush": ("work_bush_friction",),
     "bearing": ("work_bearing_friction",),
@@ -56,8 +56,13 @@ def energy_residual(signals: Mapping[str, np.ndarray]) -> float:
 
     Works count from their smallest to their largest: what a load puts in and takes out again is work too.
     """
-    larger = max((float(np.ptp(signals[name])) for name in NO_LOSS if name in signals), default=0.0)
+    larger = largest_work(signals)
     return missing_work(signals) / larger if larger else float("nan")
+
+
+def largest_work(signals: Mapping[str, np.ndarray]) -> float:
+    """The wider range of the drive's and the load's work [J]; 0 without any."""
+    return max((float(np.ptp(signals[name])) for name in NO_LOSS if name in signals), default=0.0)
 
 
 def missing_work(signals: Mapping[str, np.ndarray]) -> float:

@@ -6,7 +6,7 @@ from rps_exudyn.fidelity import PRESETS
 from rps_exudyn.result import load
 from shell import Command
 
-TOY = ["test.turns=0.00833333", "fidelity.profile_samples=8", "fidelity.axial_samples=6"]
+TOY = ["test.turns=0.00833333", "fidelity.profile_samples=12", "fidelity.axial_samples=10"]
 PRESET_SETTINGS: dict[str, list[str]] = {
     "full": TOY,
     "flank": ["test.turns=0.05"],

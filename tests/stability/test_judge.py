@@ -77,6 +77,14 @@ def test_a_gear_without_friction_may_miss_a_large_share_of_nothing(signals: dict
     assert not list(judge.work_balanced(signals, 2e-3))
 
 
+def test_work_that_goes_over_the_edges(signals: dict[str, np.ndarray]) -> None:
+    signals["work_mesh_edges"] = 0.02 * signals["work_drive"]
+    ((status, message),) = judge.edges_spared(signals, 1.5e-2)
+    assert status is Status.INVALID
+    assert "2.00%" in message
+    assert not list(judge.edges_spared(signals, 2.5e-2))
+
+
 @pytest.mark.parametrize("disagreement", [0.5, float("nan")])
 def test_two_evaluations_that_differ(disagreement: float) -> None:
     ((status, _),) = judge.contact_agreed(disagreement)
