@@ -2,8 +2,8 @@
 
     python studies/bench_scenes.py
 
-Prints the tables of results/README.md, section Scenes. Processor seconds of the whole command, compiled, least
-of three repeats.
+Prints the tables of results/README.md, section Scenes. Processor seconds of the whole command, compiled, the
+least of three repeats.
 """
 
 from collections.abc import Callable, Iterator

@@ -56,9 +56,7 @@ def generator_element(gear: SteeringGear, *, friction_zone: float, generators: i
         InputError: a gear with another contact law than pressure per depth.
     """
     if gear.mesh.law != "area":
-        raise InputError(
-            f"mesh.law is {gear.mesh.law}; fidelity.mesh = flank-generators knows only area."
-        )
+        raise InputError(f"mesh.law is {gear.mesh.law}; fidelity.mesh = flank-generators knows only area.")
     return _element(gear, flank_quadrature, pack_generators(gear, zone=friction_zone, generators=generators))
 
 
