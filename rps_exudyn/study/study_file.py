@@ -35,6 +35,7 @@ from rps_exudyn import units
 from rps_exudyn.declaration import Declared, read_toml
 from rps_exudyn.errors import InputError
 from rps_exudyn.fidelity import PRESETS, name_of
+from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.quantities import SIGNALS, SUMMARY
 from rps_exudyn.setup import Setup
 from rps_exudyn.study.description import DESIGNS, GRID_DESIGN, Axis, Keep, Value
@@ -44,6 +45,7 @@ KEYS = (
     "scene",
     "gear",
     "fidelity",
+    "accuracy",
     "design",
     "samples",
     "seed",
@@ -170,11 +172,14 @@ class _Reader:
         settings = self.flat(self.table(told, "set"), "set")
         axes = self.axes(told.get("axis", []), design == GRID_DESIGN)
         self.check_twice(axes, settings)
+        gear = self.gear(told)
+        model = self.cheapest if "accuracy" in told else self.fidelity
+        fidelity = model(told, gear, settings)
         return Study(
             file=self.file,
             title=self.text(told, "title", self.file.stem),
             scene=self.scene(told),
-            tables={**self.gear(told), "fidelity": self.fidelity(told, settings)},
+            tables={**gear, "fidelity": fidelity},
             settings=settings,
             axes=axes,
             design=design,
@@ -219,12 +224,28 @@ class _Reader:
 
         return self.choice(told, "scene", tuple(SCENES), "free-pinion-torque")
 
-    def fidelity(self, told: Mapping[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
+    def fidelity(
+        self, told: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]
+    ) -> dict[str, Any]:
         name = self.choice(told, "fidelity", tuple(PRESETS), "flank")
-        changes = {
-            path[len(FIDELITY) :]: value for path, value in settings.items() if path.startswith(FIDELITY)
-        }
-        return {"name": name_of(name, changes), **PRESETS[name]}
+        return {"name": name_of(name, _choices(settings)), **PRESETS[name]}
+
+    def cheapest(
+        self, told: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]
+    ) -> dict[str, Any]:
+        """The cheapest model, of all or of the preset named, that keeps the accuracy on the base gear."""
+        from rps_exudyn.accuracy.choice import choose, percent
+
+        if own := _choices(settings):
+            self.wrong("accuracy", f"chooses the model itself; leave out fidelity.{', fidelity.'.join(own)}.")
+            return {}
+        preset = self.choice(told, "fidelity", tuple(PRESETS), "flank") if "fidelity" in told else None
+        with self.gathering():
+            of_gear = {path: value for path, value in settings.items() if not path.startswith(FIDELITY)}
+            base = SteeringGear.from_tables(gear, of_gear, where=str(self.file))
+            chosen = choose(self.scene(told), base, percent(self.text(told, "accuracy", "")), preset)
+            return chosen.fidelity.model_dump()
+        return {}
 
     def gear(self, told: Mapping[str, Any]) -> dict[str, Any]:
         """The gear file's tables; it must lie in the study file's folder or below."""

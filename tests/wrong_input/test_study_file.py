@@ -34,6 +34,12 @@ MISTAKES = {
     "unknown key": (f"speed = 3\n{START}{AXIS}", "speed is no key of a study; there are title, scene"),
     "unknown scene": (f'scene = "race"\n{AXIS}', "scene is 'race'; it must be one of free-pinion-torque"),
     "unknown fidelity": (f'fidelity = "best"\n{AXIS}', "fidelity is 'best'; it must be one of full"),
+    "accuracy that is no percentage": (f'accuracy = "x"\n{AXIS}', "it must be a percentage greater than 0"),
+    "accuracy beyond the floor": (f'accuracy = "1e-6 %"\n{AXIS}', "the strictest that can be promised"),
+    "accuracy and a model of one's own": (
+        f'accuracy = "1%"\n[set]\nfidelity.step_angle = "1 deg"\n{AXIS}',
+        "accuracy chooses the model itself; leave out fidelity.step_angle",
+    ),
     "no axis": (START, "axis is missing: a study varies something"),
     "axis no table": ("axis = 3", "axis must be tables, each under [[axis]]"),
     "unknown axis": (
