@@ -26,6 +26,7 @@ SETTLING_STEPS = 600
 TYPICAL_APPROACH = 15e-6  # of the rack under the yoke's preload [m]
 MAX_HALVINGS = 8
 MAX_RESCUES = 100
+FARTHEST_SEARCH = 1e-4  # of each coordinate from where the path leads [m]
 JUMP = 0.5  # of the contact's forces where its quadrature changes [N]: an equilibrium may lie on one
 
 
@@ -160,17 +161,23 @@ def _search(
         v[free] = (q[free] - base[free]) * per_time
         return np.asarray(balance.force(q, v, balance.data))
 
-    found = least_squares(
-        lambda place: force(place)[free] / levers,
-        ahead[free] * levers,
-        x_scale=1e-6,
-        diff_step=1e-9,
-        xtol=1e-15,
-        ftol=1e-15,
-        gtol=1e-15,
-        max_nfev=500,
-    )
-    forces[k] = force(found.x)
+    start = ahead[free] * levers
+    with np.errstate(all="ignore"):  # far from an equilibrium the forces may be of any size
+        try:
+            found = least_squares(
+                lambda place: force(place)[free] / levers,
+                start,
+                bounds=(start - FARTHEST_SEARCH, start + FARTHEST_SEARCH),
+                x_scale=1e-6,
+                diff_step=1e-9,
+                xtol=1e-15,
+                ftol=1e-15,
+                gtol=1e-15,
+                max_nfev=500,
+            )
+        except (ValueError, np.linalg.LinAlgError):  # not finite there, or beyond any number
+            return np.inf
+        forces[k] = force(found.x)
     coordinates[k], rates[k] = q, v
     return float(np.abs(found.fun).max())
 
