@@ -5,22 +5,84 @@ The step must be short against the fastest motion, that of the plunger between i
 revolution takes hundreds of times the force evaluations of implicit steps: for references, not for work.
 """
 
-from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from rps_exudyn.drive import Drive
 from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.gear_kernel import STACK
+from rps_exudyn.gear_kernel import STACK, GearData, Kernel
 from rps_exudyn.gears.polyhedron import MassProperties
 from rps_exudyn.gears.solids import rack_solid
 from rps_exudyn.model import build_model
 from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parts.force_element import ForceElement
 from rps_exudyn.parts.load import DeadForceData, Pulse, dead_force
 from rps_exudyn.parts.motion import rotation_matrix, spin_map
 from rps_exudyn.record import Record, signals_of
 from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.solve import SolverPlan, solve
+
+
+@dataclass(frozen=True, eq=False)
+class FreeMotion:
+    """What moves by itself in a driven gear: where it starts, its masses and its forces.
+
+    Coordinates and rates are the stack's, (8,); those that the rig prescribes follow their rate.
+    """
+
+    elements: list[ForceElement]
+    drive: Drive
+    place: np.ndarray  # at time 0, in equilibrium
+    rate: np.ndarray
+    moving: np.ndarray  # coordinates that nothing prescribes
+    mass: np.ndarray  # (8, 8) at the start
+    force: Kernel  # (q, v, data) -> (8,)
+    data: GearData
+    bar: MassProperties
+    pulse: Pulse | None = None
+
+    @classmethod
+    def of(
+        cls, gear: SteeringGear, fidelity: Fidelity, drive: Drive, pulse: Pulse | None = None
+    ) -> "FreeMotion":
+        """Of a gear in its equilibrium; the bush must be condensed."""
+        model = build_model(gear, fidelity, drive, pulse=pulse)
+        force, data = model.forces.dynamics
+        q, v = model.start.coordinates[0].copy(), model.start.rates[0].copy()
+        model.mbs.Assemble()
+        solve(model.mbs, SolverPlan(end_time=1e-6, steps=1))  # so that the masses are there
+        mass = np.array(model.mbs.sys["dynamicSolver"].GetSystemMassMatrix())
+        moving = np.array([i for i in range(q.size) if i not in (drive.coordinate, *model.forces.locked)])
+        elements = model.forces.elements
+        model.release()
+        bar = rack_solid(gear).mass_properties
+        return cls(elements, drive, q, v, moving, mass, force, data, bar, pulse)
+
+    def inverse_mass(self, q: np.ndarray) -> np.ndarray:
+        """Over what moves; the rack's masses turn with it."""
+        turned, rack = self.mass.copy(), STACK["rack"]
+        turned[rack, rack] = rigid_mass(q[rack][3:], self.bar)
+        return np.asarray(np.linalg.inv(turned[np.ix_(self.moving, self.moving)]))
+
+    def acceleration(self, t: float, q: np.ndarray, v: np.ndarray, inverse: np.ndarray) -> np.ndarray:
+        """Of every coordinate, (8,); 0 of those prescribed."""
+        forces, rack = np.array(self.force(q, v, self.data)), STACK["rack"]
+        if self.pulse is not None and (shake := self.pulse.force(t)).any():
+            dead = DeadForceData((shake[0], shake[1], shake[2]), self.pulse.place)
+            forces[rack] += dead_force(q[rack], v[rack], dead)[:6]
+        forces[rack] -= centrifugal(q[rack][3:], v[rack][3:], self.bar)
+        a = np.zeros(q.size)
+        a[self.moving] = inverse @ forces[self.moving]
+        return a
+
+    def recorded(self, times: np.ndarray, places: np.ndarray, rates: np.ndarray) -> Record:
+        """A motion with the drive's torque or force."""
+        states = zip(places, rates, strict=True)
+        driven = np.array([self.force(*state, self.data)[self.drive.coordinate] for state in states])
+        no_energy = np.zeros(times.size)  # kinetic: not asked for
+        overcome = -self.drive.sign * driven
+        return Record(self.elements, times, places, rates, overcome, self.drive.body, no_energy)
 
 
 def explicit_motion(
@@ -37,38 +99,8 @@ def explicit_motion(
 
     The bush must be condensed. Nothing is judged here.
     """
-    model = build_model(gear, fidelity, drive, pulse=pulse)
-    force, data = model.forces.dynamics
-    q, v = model.start.coordinates[0].copy(), model.start.rates[0].copy()
-    model.mbs.Assemble()
-    solve(model.mbs, SolverPlan(end_time=1e-6, steps=1))  # so that the masses are there
-    mass = np.array(model.mbs.sys["dynamicSolver"].GetSystemMassMatrix())
-    moving = np.array([i for i in range(q.size) if i not in (drive.coordinate, *model.forces.locked)])
-    model.release()
-    rack = STACK["rack"]
-    bar = rack_solid(gear).mass_properties
-
-    def inverse_mass(q: np.ndarray) -> np.ndarray:
-        """The rack's masses turn with it."""
-        turned = mass.copy()
-        turned[rack, rack] = rigid_mass(q[rack][3:], bar)
-        return np.asarray(np.linalg.inv(turned[np.ix_(moving, moving)]))
-
-    def acceleration(t: float, q: np.ndarray, v: np.ndarray, inverse: np.ndarray) -> np.ndarray:
-        forces = np.array(force(q, v, data))
-        if pulse is not None and (shake := pulse.force(t)).any():
-            dead = DeadForceData((shake[0], shake[1], shake[2]), pulse.place)
-            forces[rack] += dead_force(q[rack], v[rack], dead)[:6]
-        forces[rack] -= centrifugal(q[rack][3:], v[rack][3:], bar)
-        a = np.zeros(q.size)
-        a[moving] = inverse @ forces[moving]
-        return a
-
-    times, places, rates = _runge_kutta(acceleration, inverse_mass, q, v, step, steps, keep)
-    driven = np.array([force(*state, data)[drive.coordinate] for state in zip(places, rates, strict=True)])
-    no_energy = np.zeros(times.size)  # kinetic: not asked for
-    record = Record(model.forces.elements, times, places, rates, -drive.sign * driven, drive.body, no_energy)
-    return signals_of(record)
+    motion = FreeMotion.of(gear, fidelity, drive, pulse)
+    return signals_of(motion.recorded(*runge_kutta(motion, motion.rate, step, steps, keep)))
 
 
 def rigid_mass(angles: np.ndarray, body: MassProperties) -> np.ndarray:
@@ -91,19 +123,14 @@ def centrifugal(angles: np.ndarray, rates: np.ndarray, body: MassProperties) -> 
     return np.concatenate([pull, spin.T @ (about_point @ bent + np.cross(omega, about_point @ omega))])
 
 
-def _runge_kutta(
-    acceleration: Callable[[float, np.ndarray, np.ndarray, np.ndarray], np.ndarray],
-    inverse_mass: Callable[[np.ndarray], np.ndarray],
-    q: np.ndarray,
-    v: np.ndarray,
-    step: float,
-    steps: int,
-    keep: int,
+def runge_kutta(
+    motion: FreeMotion, rate: np.ndarray, step: float, steps: int, keep: int = 1
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times (n,), places and rates (n, size)."""
+    """Times (n,), places and rates (n, 8) from the motion's place and a `rate`; every `keep`-th step [s]."""
+    acceleration, q, v = motion.acceleration, motion.place, rate
     kept = [(0.0, q, v)]
     for k in range(steps):
-        t, half, inverse = k * step, step / 2, inverse_mass(q)
+        t, half, inverse = k * step, step / 2, motion.inverse_mass(q)
         a1 = acceleration(t, q, v, inverse)
         v2 = v + half * a1
         a2 = acceleration(t + half, q + half * v, v2, inverse)
