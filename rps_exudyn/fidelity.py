@@ -13,7 +13,6 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Literal, Self
 
 import numpy as np
-from pydantic import model_validator
 
 from rps_exudyn.declaration import (
     Angle,
@@ -62,7 +61,7 @@ class Fidelity(Table):
     )
     tolerance: Number = parameter(
         1e-4,
-        "relative tolerance of Newton's method in time steps; with a chain 1e-6 unless given",
+        "time steps: unbalanced force at which Newton's method stops, over the yoke's preload",
         "estimate",
         gt=0,
         le=0.01,
@@ -90,15 +89,6 @@ class Fidelity(Table):
         0.1, "friction zone over the smallest sliding speed of the teeth", "estimate", gt=0, le=1
     )
 
-    @model_validator(mode="before")
-    @classmethod
-    def _chain_needs_more(cls, choices: Any) -> Any:
-        """Newton measures against the largest residual, and in a chain that is its own stiff springs': at
-        1 degree per step and 15 rpm a tolerance of 1e-4 misses 0.3 % of the torque, 1e-6 0.007 %."""
-        if isinstance(choices, Mapping) and choices.get("bush") in CHAINS and "tolerance" not in choices:
-            return {**choices, "tolerance": 1e-6}
-        return choices
-
     def misfits(self) -> Iterator[Problem]:
         return _misfits(self)
 
@@ -124,10 +114,7 @@ class Fidelity(Table):
         Raises:
             InputError: an unknown choice, or a value that is not allowed.
         """
-        tables = self.model_dump()
-        if "bush" in settings:  # its tolerance comes with it
-            del tables["tolerance"]
-        return self.from_tables(tables, {**settings, "name": name_of(self.name, settings)})
+        return self.from_tables(self.model_dump(), {**settings, "name": name_of(self.name, settings)})
 
 
 def unknown_preset(name: str) -> str:

@@ -14,15 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.fidelity import CHAINS, Fidelity
+from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.general_contact import SPHERE_RADIUS
 from rps_exudyn.parameters import SteeringGear
 
 STEPS_PER_PITCH = 2  # fewer cannot show the tooth frequency; `judge` sees whether more are needed
 REPAIRED_STEPS_PER_PITCH = 20
-CHAIN_TOLERANCES = (5e-8, 2e-4)  # Newton's; 1e-3 misses more than 5 % over 6 degrees
-LONG_CHAIN = 10  # segments; shorter ones bear any tolerance
 DEEPEST = 1.5  # deepest contact over the mean one, measured on the paper's gear
 LEAST_GENERATORS = 20  # 0.5 % of the torque
 LEAST_ROWS = 8  # of spheres along the face width
@@ -54,7 +52,6 @@ def breaches(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Iterator[Bre
         return
     if scene in STEADY:
         yield from _tooth_pitch_resolved(gear, fidelity)
-    yield from _tolerance_reachable(gear, fidelity)
     yield from _contact_integrated(gear, fidelity)
     yield from _spheres_deep_enough(gear, fidelity)
 
@@ -75,21 +72,6 @@ def _tooth_pitch_resolved(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Br
             {"step_angle": float(pitch / REPAIRED_STEPS_PER_PITCH)},
             "{:.4g} deg",
         )
-
-
-def _tolerance_reachable(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
-    """Newton's residual is measured against the largest force, in a chain that of its own stiff springs:
-    below their round-off no step converges, far above it the gear's own forces do not count."""
-    if fidelity.bush not in CHAINS or fidelity.solver != "generalized-alpha":
-        return
-    value, (low, high) = fidelity.tolerance, CHAIN_TOLERANCES
-    springs = f"the bush's chain of {gear.bush.segments} segments, "
-    if value < low:
-        why = springs + "whose springs' round-off is above that,"
-        yield Breach("fidelity.tolerance", value, low, why, {"tolerance": low}, "{:.1e}")
-    elif value > high and gear.bush.segments >= LONG_CHAIN:
-        why = springs + "beside whose forces those of the teeth do not count then,"
-        yield Breach("fidelity.tolerance", value, high, why, {"tolerance": high}, "{:.1e}")
 
 
 def _contact_integrated(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.fidelity import CHAINS, Fidelity
 from rps_exudyn.guards import breaches
 from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
@@ -50,7 +50,7 @@ def _ladder(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Iterator[dict
     if fidelity.mesh == "flank":
         changes |= {"mesh": "flank-generators"}
         yield dict(changes)
-    statics_can = fidelity.bush not in ("chain", "adams-chain") and scene != "yoke-impact"
+    statics_can = fidelity.bush not in CHAINS and scene != "yoke-impact"
     if fidelity.solver == "generalized-alpha" and statics_can:
         yield changes | {"solver": "equilibrium"}
     elif fidelity.solver == "equilibrium":

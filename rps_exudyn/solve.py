@@ -28,8 +28,8 @@ class SolverPlan:
     end_time: float  # [s]
     steps: int
     spectral_radius: float = 0.7
-    relative_tolerance: float = 1e-5
-    absolute_tolerance: float = 1e-7
+    absolute_tolerance: float = 0.01  # of Newton's method, on the root mean square of the residual [N, N m]
+    relative_tolerance: float = 1e-12  # on the residual over that of the step's first guess
     max_iterations: int = 20
     discontinuous_tolerance: float = 1e-4
     adaptive_step: bool = True

@@ -27,6 +27,7 @@ from rps_exudyn.scenes.trip import Trip
 from rps_exudyn.solve import Outcome, SolverPlan, solve
 from rps_exudyn.statics import adaptive_path, equilibrium_path
 
+LEAST_FORCE = 10.0  # that a tolerance is a share of [N]
 CLOSED = 1e-3  # of the drive's force: how well a period must end where it began to stand for all
 
 
@@ -61,7 +62,8 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:
     recorder = Recorder(model).attach()
     model.mbs.Assemble()
     steps = trip.lead + trip.steps
-    plan = SolverPlan(end_time=steps * trip.time_step, steps=steps, relative_tolerance=fidelity.tolerance)
+    unbalanced = fidelity.tolerance * max(gear.yoke.preload, LEAST_FORCE)
+    plan = SolverPlan(end_time=steps * trip.time_step, steps=steps, absolute_tolerance=unbalanced)
     outcome = solve(model.mbs, plan)
     record = recorder.record().since(trip.record_start)
     model.release()

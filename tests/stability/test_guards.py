@@ -18,8 +18,6 @@ REFUSED = {
     "fidelity.step_angle is 40 deg": (STILL.replace({"step_angle": "40 deg"}), {}),
     "fidelity.profile_samples is 6": (SPHERES, {"mesh.stiffness": 3e14}),
     "fidelity.strip_points is 1": (STILL.replace({"strip_points": 1}), {}),
-    "fidelity.tolerance is 1.0e-02": (Fidelity().replace({"bush": "chain", "tolerance": 1e-2}), {}),
-    "fidelity.tolerance is 1.0e-10": (Fidelity().replace({"bush": "chain", "tolerance": 1e-10}), {}),
     "the deepest contact predicted": (Fidelity.preset("full"), {"mesh.stiffness": 1e11}),
 }
 
