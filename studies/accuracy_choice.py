@@ -18,10 +18,10 @@ import numpy as np
 
 from rps_exudyn.accuracy.choice import TABLE, Setting
 from rps_exudyn.accuracy.population import random_gears
-from rps_exudyn.accuracy.runs import STRIPS, Truth, moving, revolutions, run_scene, still, truth_of
+from rps_exudyn.accuracy.references import as_run, by_generators, by_strips, moving, truth_of
+from rps_exudyn.accuracy.runs import Truth, revolutions, run_scene
 from rps_exudyn.atomic import replacing
 from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.provenance import provenance
 from rps_exudyn.scenes.trip import whole_periods
@@ -40,9 +40,9 @@ SETTINGS: list[tuple[str, int, dict[str, int]]] = AT_REST + IN_MOTION
 """Preset, angles per pitch, and what else."""
 
 METHODS = {
-    "generators": still(320, "0.5 deg"),
-    "strips": Fidelity.preset("quasi-static").replace({"step_angle": "0.25 deg", **STRIPS}),
-    "dynamics": moving("0.5 deg", 1e-5),
+    "generators": as_run(by_generators(320, "0.5 deg")),
+    "strips": as_run(by_strips("0.25 deg")),
+    "dynamics": as_run(moving("0.5 deg", 1e-5)),
 }
 SCENES = ("free-pinion-torque", "load-test", "rack-push")
 
@@ -96,7 +96,7 @@ def error_and_cost(
     runs = [run_scene(truth.scene, gear, fidelity) for _ in range(3 if preset == "quasi-static" else 1)]
     if not runs[0].ok:
         return None
-    errors, _ = truth.errors_of(runs[0], fidelity)
+    errors, _ = truth.errors_of(runs[0].signals, fidelity)
     # of alike teeth one pitch is followed, be it for a pitch or for a whole turn
     stands_for_turn = preset == "quasi-static" and whole_periods(gear, 2 * np.pi) == gear.pinion.teeth
     turned = revolutions(truth.scene, gear) / (gear.test.turns if stands_for_turn else 1.0)

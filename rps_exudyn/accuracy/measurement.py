@@ -4,7 +4,7 @@ Each point is kept the moment it is measured, failed ones too; what is planned a
 """
 
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.scenes.scene_run import SceneRun
 
 FILETYPE = "rps_exudyn-work-precision"
-VERSION = (1, 0)
+VERSION = (1, 1)
 
 REPEATS = 15
 ENOUGH_TIME = 1.5  # processor seconds spent on repeating one point
@@ -34,6 +34,9 @@ FAMILIES = {
     "quasi-static": "the same contact in equilibrium",
     "generators": "equilibrium, contact integrated over generators",
     "spheres at rest": "equilibrium, contact of the spheres",
+    "shaped pinion": "spheres at rest on flanks as they are cut, against those on the analytic flank",
+    "meshed pinion": "spheres at rest on triangles, likewise",
+    "explicit": "flank contact, Exudyn's explicit solvers",
     "closed form": "formulas",
     "ratio": "kinematic ratio in Exudyn",
 }
@@ -99,6 +102,19 @@ class Point:
         return max(self.rms, self.rms_linear)
 
 
+@dataclass(frozen=True)
+class Order:
+    """p of error ~ size^p over measured points; nan where too few of them stand above the floor."""
+
+    family: str
+    knob: str  # what is made smaller
+    error: str  # which error falls with it
+    observed: float
+    expected: float
+    points: int  # that were fitted
+    why: str  # this is expected
+
+
 @dataclass
 class Measurement:
     """All points of one scene."""
@@ -108,6 +124,7 @@ class Measurement:
     points: list[Point] = field(default_factory=list)
     planned: list[tuple[str, str]] = field(default_factory=list)  # study and label of each point
     origin: dict[str, str] = field(default_factory=dict)
+    orders: list[Order] = field(default_factory=list)  # of convergence, fitted
 
     @property
     def missing(self) -> list[tuple[str, str]]:
@@ -128,28 +145,45 @@ class Measurement:
             _write(self, file)
 
 
-def measure_point(
-    study: str, label: str, truth: Truth, gear: SteeringGear, fidelity: Fidelity, repeats: int = REPEATS
-) -> Point:
+@dataclass(frozen=True)
+class Plan:
+    """A point to be measured."""
+
+    study: str
+    label: str
+    family: str
+    fidelity: Fidelity
+    revolutions: float  # of the pinion that a run makes
+    run: Callable[[], SceneRun]
+
+    @classmethod
+    def of_scene(cls, study: str, label: str, scene: str, gear: SteeringGear, fidelity: Fidelity) -> "Plan":
+        """A run of the package."""
+        turned = revolutions(scene, gear)
+        return cls(
+            study, label, family_of(fidelity), fidelity, turned, lambda: run_scene(scene, gear, fidelity)
+        )
+
+
+def measure_point(plan: Plan, truth: Truth, repeats: int = REPEATS) -> Point:
     """Run it until its least cost is known well enough, and hold it against the reference."""
-    scene = truth.scene
     runs: list[SceneRun] = []
     spent = 0.0
     while not runs or (len(runs) < repeats and spent < ENOUGH_TIME):
-        runs.append(run_scene(scene, gear, fidelity))
+        runs.append(plan.run())
         spent += runs[-1].outcome.cpu_s
     best = min(runs, key=lambda run: run.outcome.cpu_s)
-    turned = revolutions(scene, gear)
+    turned = plan.revolutions
     told: dict[str, float] = {name: count / turned for name, count in best.outcome.counters.items()}
     if best.ok:
-        errors, lift = truth.errors_of(best, fidelity)
+        errors, lift = truth.errors_of(best.signals, plan.fidelity)
         told |= {name: value for name, value in asdict(errors).items() if value is not None}
         told |= {"lift": lift} if lift is not None else {}
     return Point(
-        study=study,
-        label=label,
-        family=family_of(fidelity),
-        settings=json.dumps(fidelity.model_dump()),
+        study=plan.study,
+        label=plan.label,
+        family=plan.family,
+        settings=json.dumps(plan.fidelity.model_dump()),
         status=str(best.outcome.status),
         message=best.outcome.message if not best.ok else "",
         cost=best.outcome.cpu_s / turned,
@@ -185,6 +219,7 @@ def load_measurement(path: str | Path) -> Measurement:
             points=[Point(**dict(zip(columns, row, strict=True))) for row in rows],
             planned=[(study, label) for study, label in json.loads(file.attrs["planned"])],
             origin=json.loads(file.attrs["origin"]),
+            orders=[Order(**row) for row in json.loads(file.attrs.get("orders", "[]"))],
         )
 
 
@@ -195,6 +230,7 @@ def _write(measurement: Measurement, file: h5py.File) -> None:
         scene=measurement.scene,
         planned=json.dumps(measurement.planned),
         origin=json.dumps(measurement.origin),
+        orders=json.dumps([asdict(each) for each in measurement.orders]),
     )
     reference = file.create_group("reference")
     curve = measurement.reference.curve

@@ -19,6 +19,7 @@ from scipy.interpolate import CubicSpline
 from rps_exudyn.analysis.orders import order_amplitude
 
 EVEN_POINTS = 3601  # of a piece, at which curves are compared
+FAR_ABOVE = 5  # times the floor: errors that tell an order
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +156,7 @@ def pareto_front(cost: np.ndarray, error: np.ndarray) -> np.ndarray:
 def observed_order(size: np.ndarray, error: np.ndarray, floor: float) -> float | None:
     """p of error ~ size^p over the points well above the floor; None with fewer than three."""
     size, error = np.asarray(size, dtype=float), np.asarray(error, dtype=float)
-    told = np.isfinite(error) & (error > 5 * floor) & (size > 0)
+    told = np.isfinite(error) & (error > FAR_ABOVE * floor) & (size > 0)
     return power_law(size[told], error[told])[0] if told.sum() >= 3 else None
 
 

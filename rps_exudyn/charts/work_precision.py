@@ -26,6 +26,9 @@ STYLES = {
     "quasi-static": ("#38761d", "^"),
     "generators": ("#6aa84f", "v"),
     "spheres at rest": ("#e69138", "P"),
+    "shaped pinion": ("#c27ba0", "h"),
+    "meshed pinion": ("#b45f06", "p"),
+    "explicit": ("#45818e", "<"),
     "closed form": ("#000000", "*"),
     "ratio": ("#777777", "X"),
 }

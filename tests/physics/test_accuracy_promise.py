@@ -5,7 +5,8 @@ import pytest
 
 from rps_exudyn.accuracy.choice import beyond_promise, choose
 from rps_exudyn.accuracy.population import random_gears
-from rps_exudyn.accuracy.runs import STRIPS, curve_of, run_scene
+from rps_exudyn.accuracy.references import STRIPS
+from rps_exudyn.accuracy.runs import curve_of, run_scene
 from rps_exudyn.analysis.work_precision import Reference, curve_errors
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.parameters import SteeringGear
@@ -25,7 +26,7 @@ def judged() -> list[tuple[SteeringGear, Reference]]:
             break
         run = run_scene(SCENE, gear, REFERENCE)
         if run.ok and not beyond_promise(gear, run.signals):
-            found.append((gear, Reference(curve_of(SCENE, run, gear, REFERENCE), 0.0, {})))
+            found.append((gear, Reference(curve_of(SCENE, run.signals, gear, REFERENCE), 0.0, {})))
     assert len(found) == GEARS
     return found
 
@@ -38,7 +39,7 @@ def test_at_least_nineteen_of_twenty_gears_are_as_exact_as_promised(
     for gear, reference in judged:
         fidelity = choose(SCENE, gear, wanted).fidelity
         run = run_scene(SCENE, gear, fidelity)
-        curve = curve_of(SCENE, run, gear, fidelity)
+        curve = curve_of(SCENE, run.signals, gear, fidelity)
         errors.append(curve_errors(curve, reference).either_way if run.ok else np.inf)
     assert sum(error > wanted for error in errors) <= ALLOWED_MISSES, np.round(errors, 3)
     assert np.median(errors) < wanted / 2

@@ -1,0 +1,80 @@
+"""Witnesses of the accuracy study: methods of little in common that must agree, and facets that must not."""
+
+import numpy as np
+import pytest
+
+from rps_exudyn.accuracy.faceted import faceted_run, largest_deviation, meshed, shaped, spheres
+from rps_exudyn.accuracy.flywheel import explicit_run
+from rps_exudyn.accuracy.references import as_run, by_generators, by_strips, moving, slowly, truth_of
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.mesh_contact.general_contact import SIDES, flank_triangle
+from rps_exudyn.outcome import Status
+from rps_exudyn.parameters import SteeringGear
+
+GEAR = SteeringGear()
+PITCH = GEAR.replace({"test.turns": 1 / 6})
+
+
+def test_reversal_by_generators_by_strips_and_in_motion() -> None:
+    """Without the inertia, or with 4 points on a generator, they differ three times as much."""
+    gear, step = GEAR.replace({"test.amplitude": "15 deg"}), "0.05 deg"
+    truth = truth_of(
+        "reversal",
+        gear,
+        {
+            "generators": slowly(by_generators(80, step)),
+            "strips": slowly(by_strips(step)),
+            "moving": as_run(moving(step, 1e-5)),
+            "massless": as_run(by_strips(step)),
+        },
+    )
+    differences = truth.judged.differences
+    assert differences["generators - strips"] < 0.01
+    assert differences["strips - moving"] < 0.03
+    assert differences["moving - massless"] > 2 * differences["strips - moving"]
+
+
+@pytest.mark.parametrize("solver", ["VelocityVerlet", "RK44"])
+def test_exudyns_explicit_solvers_turn_the_gear_alike(solver: str) -> None:
+    gear = GEAR.replace({"test.turns": 1 / 36})
+    known = as_run(by_strips("0.5 deg"))("free-pinion-torque", gear)[0]
+    run = explicit_run(gear, Fidelity.preset("flank"), solver, 30e-6)
+    assert run.ok, run.outcome.message
+    there = np.interp(known["pinion_angle"], run.signals["pinion_angle"], run.signals["pinion_torque"])
+    assert there == pytest.approx(known["pinion_torque"], rel=5e-4)
+    turned = run.signals["pinion_angle"][-1] - run.signals["pinion_angle"][0]
+    assert turned / run.signals["time"][-1] == pytest.approx(gear.test.speed, rel=1e-6)
+
+
+def test_explicit_steps_beyond_the_stable_ones_are_a_failure() -> None:
+    run = explicit_run(GEAR.replace({"test.turns": 1 / 36}), Fidelity.preset("flank"), "RK44", 100e-6)
+    assert run.outcome.status is Status.DIVERGED
+    assert "100 us" in run.outcome.message
+
+
+def test_shaping_costs_torque_with_the_square_of_the_cut() -> None:
+    grid = spheres(54, 12, "2 deg")
+    smooth = faceted_run(PITCH, grid, None).signals["pinion_torque"]
+
+    def error(cuts: int) -> float:
+        torque = faceted_run(PITCH, grid, shaped(cuts)).signals["pinion_torque"]
+        return float(np.sqrt(np.mean((torque - smooth) ** 2)) / smooth.mean())
+
+    coarse, fine = error(100), error(200)
+    assert coarse == pytest.approx(0.0094, rel=0.15)
+    assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.25)
+
+
+def test_facets_deviate_as_far_as_they_say() -> None:
+    assert largest_deviation(GEAR, meshed(1e-6)) == pytest.approx(1e-6, rel=0.2)
+    assert largest_deviation(GEAR, shaped(100)) == pytest.approx(3.1e-6, rel=0.1)
+
+
+def test_rack_triangles_have_no_chord_error() -> None:
+    """A rack's flank is a plane: one triangle is exact."""
+    bar, rng = RackBar.of(GEAR), np.random.default_rng(1)
+    for side in SIDES:
+        flank = bar.flank(0, side)
+        places = rng.dirichlet(np.ones(3), 100) @ flank_triangle(bar, flank)
+        assert np.abs((places - flank.point) @ flank.normal).max() < 1e-15
