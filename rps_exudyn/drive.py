@@ -12,12 +12,19 @@ import numpy as np
 
 from rps_exudyn.gear_kernel import STACK
 
+DrivenBody = Literal["pinion", "rack"]
+
+
+def travel_per_radian(body: DrivenBody, gain: float) -> float:
+    """Of a body for one radian of the pinion [rad or m]; `gain` is the rack's [m]."""
+    return 1.0 if body == "pinion" else gain
+
 
 @dataclass(frozen=True)
 class Drive(ABC):
     """A motion of one body."""
 
-    body: Literal["pinion", "rack"]
+    body: DrivenBody
 
     @abstractmethod
     def place(self, time: np.ndarray | float) -> np.ndarray:
@@ -37,13 +44,18 @@ class Drive(ABC):
         """The coordinate over the place: the pinion's counts about its axis, against the steering angle."""
         return -1 if self.body == "pinion" else +1
 
+    @property
+    def signal(self) -> str:
+        """Name of the torque or force that the drive overcomes."""
+        return "pinion_torque" if self.body == "pinion" else "rack_force"
+
     def pinion_angle(self, gain: float, time: float) -> float:
-        """The pinion's angle [rad], up to elasticity; `gain` is the rack's travel per radian."""
-        return float(self.place(time)) / (1.0 if self.body == "pinion" else gain)
+        """The pinion's angle [rad], up to elasticity."""
+        return float(self.place(time)) / travel_per_radian(self.body, gain)
 
     def pinion_speed(self, gain: float, time: float) -> float:
         """Its time derivative [rad/s]."""
-        return float(self.rate(time)) / (1.0 if self.body == "pinion" else gain)
+        return float(self.rate(time)) / travel_per_radian(self.body, gain)
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,8 @@ def judged(
         *([] if record.pulse_power is not None else [teeth_loaded(signals)]),  # a pulse may part them
         *(law_valid(element, signals) for element in record.elements),
         *([] if friction_zone is None else [friction_developed(signals, friction_zone, GearPair.of(gear))]),
-        *([] if friction_zone is None else [torque_resolved(signals), settled(signals, gear)]),
+        *([] if friction_zone is None else [torque_resolved(signals)]),
+        *([] if friction_zone is None or record.settled else [settled(signals, gear)]),
         contact_agreed(contact_disagreement(record)),
         spheres_enough(record, bool(gear.installation.angle_error)),
         work_balanced(signals, ENERGY_BOUND),
@@ -140,16 +141,20 @@ def torque_resolved(signals: dict[str, np.ndarray]) -> Failure:
 
 
 def settled(signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
-    """Nothing but friction holds the rack against rolling: pressed aside at its start it rolls back over
-    many degrees, and the torque is not yet that of steady sliding."""
-    rolled = abs(float(signals["rack_roll"][-1] - signals["rack_roll"][0])) * gear.rack.bar_diameter / 2
-    share = rolled / max(float(np.abs(np.diff(signals["rack_displacement"])).sum()), 1e-12)
+    """The rack has rolled into its place: until then the torque is not that of steady sliding."""
+    share = rolling_share(signals, gear)
     if share > ROLLING_BOUND:
         yield (
             Status.INVALID,
             f"the rack is not settled: over the record its surface rolls by {share:.1%} of its travel, "
             f"allowed are {ROLLING_BOUND:.0%}; begin earlier or record longer",
         )
+
+
+def rolling_share(signals: dict[str, np.ndarray], gear: SteeringGear) -> float:
+    """How far the bar's surface rolls over the record, over the rack's travel."""
+    rolled = abs(float(signals["rack_roll"][-1] - signals["rack_roll"][0])) * gear.rack.bar_diameter / 2
+    return rolled / max(float(np.abs(np.diff(signals["rack_displacement"])).sum()), 1e-12)
 
 
 def contact_agreed(disagreement: float) -> Failure:

@@ -34,7 +34,7 @@ from rps_exudyn.parts.bush import add_chain, resting_segments
 from rps_exudyn.parts.force_element import COORDINATES, add_forces
 from rps_exudyn.parts.load import Pulse
 from rps_exudyn.parts.motion import rotation_matrix, spin_map
-from rps_exudyn.statics import EquilibriumPath, equilibrium_path
+from rps_exudyn.statics import EquilibriumPath, settled_path
 
 if TYPE_CHECKING:
     import exudyn
@@ -90,6 +90,7 @@ def build_model(
     *,
     rack_load: float = 0.0,
     pulse: Pulse | None = None,
+    settling: Sequence[float] | np.ndarray = (),
 ) -> SteeringModel:
     """The gear in a rig, by default turned at its test's speed from the test's start angle.
 
@@ -98,13 +99,15 @@ def build_model(
     Args:
         rack_load: pulls the rack's end towards -X [N].
         pulse: force that acts on the rack besides.
+        settling: instants below 0 of equilibria that lead to the start [s].
     """
     import exudyn as exu
 
     if drive is None:
         drive = Steady("pinion", gear.test.start_angle, gear.test.direction * gear.test.speed)
     forces = gear_forces(gear, fidelity, rack_load)
-    start = equilibrium_path(forces.statics, GearPair.of(gear), drive, np.zeros(1))
+    before = np.asarray(settling, dtype=float)
+    start = settled_path(forces.statics, GearPair.of(gear), drive, before, np.zeros(1)).last
     SC = exu.SystemContainer()
     model = SteeringModel(gear, fidelity, forces, drive, SC, SC.AddSystem(), start, pulse=pulse)
     if not start.converged:

@@ -50,6 +50,7 @@ class Record:
     energy: np.ndarray  # kinetic, and elastic of what is no force element [J]
     contact: np.ndarray | None = None  # the solver's own contact forces on pinion and rack, (n, 7)
     pulse_power: np.ndarray | None = None  # of what shakes the rack [W]
+    settled: bool = False  # whether a tooth pitch was turned before
 
     def since(self, time: float) -> "Record":
         """The part that covers what comes after a time [s]: it begins with the last step until then.

@@ -51,7 +51,19 @@ class EquilibriumPath:
     tangents: int
     rescues: int  # instants that Newton's method did not find by itself
     residual: float  # largest unbalanced force, of instants found; or at the first one not found [N]
-    converged: bool  # at all instants
+    lost_at: float | None  # the first instant without an equilibrium [s]
+    begun: float  # the first instant of all [s]
+
+    @property
+    def converged(self) -> bool:
+        """At all instants."""
+        return self.lost_at is None
+
+    @property
+    def last(self) -> "EquilibriumPath":
+        """Its last instant alone."""
+        rows = {name: getattr(self, name)[-1:] for name in ("time", "coordinates", "rates", "forces")}
+        return replace(self, **rows)
 
 
 def steady_rates(pair: GearPair, speed: float) -> np.ndarray:
@@ -110,7 +122,7 @@ def equilibrium_path(balance: Balance, pair: GearPair, drive: Drive, time: np.nd
         unbalanced = max(unbalanced, residual)
         found += 1
     evaluations, iterations, tangents = counts.tolist()
-    converged = found == len(time)
+    lost_at = float(time[found]) if found < len(time) else None
     return EquilibriumPath(
         time[:found],
         coordinates[:found],
@@ -120,9 +132,23 @@ def equilibrium_path(balance: Balance, pair: GearPair, drive: Drive, time: np.nd
         iterations,
         tangents,
         rescues,
-        unbalanced if converged else residual,
-        converged,
+        residual if lost_at is not None else unbalanced,
+        lost_at,
+        float(time[0]),
     )
+
+
+def settled_path(
+    balance: Balance, pair: GearPair, drive: Drive, settling: np.ndarray, time: np.ndarray
+) -> EquilibriumPath:
+    """As `equilibrium_path`, and before it the equilibria at the instants `settling` that lead there.
+
+    If they do not, the gear starts from where it rests at once, which may be far from where it will slide.
+    """
+    path = equilibrium_path(balance, pair, drive, np.concatenate([settling, time]))
+    if path.lost_at is None or path.lost_at >= time[0]:
+        return path
+    return equilibrium_path(balance, pair, drive, time)
 
 
 def _settled_guess(balance: Balance, free: np.ndarray, guess: np.ndarray, rates: np.ndarray) -> np.ndarray:
@@ -183,24 +209,29 @@ def _search(
 
 
 def adaptive_path(
-    balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray, tolerance: float
+    balance: Balance,
+    pair: GearPair,
+    drive: Drive,
+    settling: np.ndarray,
+    time: np.ndarray,
+    tolerance: float,
 ) -> EquilibriumPath:
-    """As `equilibrium_path`, with instants put between those given where the drive's force bends.
+    """As `settled_path`, with instants put between those of `time` where the drive's force bends.
 
     An instant is missed by as much as the force differs from the cubic through its four neighbours; the
     intervals beside one that is missed by more than `tolerance` [N m or N] are halved, until none is.
     """
-    path = equilibrium_path(balance, pair, drive, time)
+    path = settled_path(balance, pair, drive, settling, time)
     evaluations, iterations, tangents = path.evaluations, path.iterations, path.tangents
     for _ in range(MAX_HALVINGS):
         if not path.converged:
             break
-        missed = _missed(time, path.forces[:, drive.coordinate]) > tolerance
+        missed = _missed(time, path.forces[-len(time) :, drive.coordinate]) > tolerance
         halved = missed[:-1] | missed[1:]
         if not halved.any():
             break
         time = np.insert(time, np.flatnonzero(halved) + 1, ((time[:-1] + time[1:]) / 2)[halved])
-        path = equilibrium_path(balance, pair, drive, time)
+        path = settled_path(balance, pair, drive, settling, time)
         evaluations += path.evaluations
         iterations += path.iterations
         tangents += path.tangents

@@ -13,7 +13,7 @@ from rps_exudyn.record import Record, signals_of
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.scenes.trip import Trip
 from rps_exudyn.solve import Outcome
-from rps_exudyn.statics import equilibrium_path
+from rps_exudyn.statics import settled_path
 
 
 def equilibria(gear: SteeringGear, forces: GearForces, trip: Trip, inertia: float = 0.0) -> SceneRun:
@@ -22,7 +22,7 @@ def equilibria(gear: SteeringGear, forces: GearForces, trip: Trip, inertia: floa
     The rig also overcomes an `inertia` [kg m^2 of the pinion, kg of the rack] of all that follows the drive.
     """
     start = process_time()
-    path = equilibrium_path(forces.statics, GearPair.of(gear), trip.drive, trip.time)
+    path = settled_path(forces.statics, GearPair.of(gear), trip.drive, trip.settling_time, trip.time)
     cpu = process_time() - start
     counters = {
         "steps": len(path.time),

@@ -12,22 +12,24 @@ from time import process_time
 import numpy as np
 
 from rps_exudyn.closed_form import closed_form
+from rps_exudyn.drive import travel_per_radian
 from rps_exudyn.errors import InputError
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.forces import gear_forces
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.judge import judged
+from rps_exudyn.judge import judged, rolling_share
 from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.path_follower import TOLERANCE
 from rps_exudyn.record import Record, repeated, signals_of
 from rps_exudyn.scenes.by_formula import by_formula
-from rps_exudyn.scenes.scene_run import SceneRun, joined, without_equilibrium
+from rps_exudyn.scenes.scene_run import SceneRun, joined
 from rps_exudyn.scenes.trip import Trip
 from rps_exudyn.solve import Outcome, SolverPlan, solve
-from rps_exudyn.statics import adaptive_path, equilibrium_path
+from rps_exudyn.statics import EquilibriumPath, adaptive_path, settled_path
 
 LEAST_FORCE = 10.0  # that a tolerance is a share of [N]
+ROLLING = 2e-4  # of the rack's travel, over a tooth pitch or more: the torque is settled to 0.15 % then
 CLOSED = 1e-3  # of the drive's force: how well a period must end where it began to stand for all
 
 
@@ -56,9 +58,11 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:
     from rps_exudyn.model import build_model
     from rps_exudyn.recording import Recorder
 
-    model = build_model(gear, fidelity, trip.drive, rack_load=trip.rack_load, pulse=trip.pulse)
+    model = build_model(
+        gear, fidelity, trip.drive, rack_load=trip.rack_load, pulse=trip.pulse, settling=trip.settling_time
+    )
     if not model.start.converged:
-        return without_equilibrium(_place(trip, 0.0), model.start.residual)
+        return SceneRun(lost(trip, model.start, Outcome(Status.OK)))
     recorder = Recorder(model).attach()
     model.mbs.Assemble()
     steps = trip.lead + trip.steps
@@ -67,7 +71,7 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:
     outcome = solve(model.mbs, plan)
     record = recorder.record().since(trip.record_start)
     model.release()
-    return _told(gear, trip, outcome, record, model.forces.friction_zone)
+    return _told(gear, trip, outcome, record, model.start, model.forces.friction_zone)
 
 
 # --- equilibria ------------------------------------------------------------------------------------
@@ -75,26 +79,36 @@ def by_equilibrium(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneR
     """From equilibrium to equilibrium; a curve that repeats is followed over one period only."""
     if trip.pulse is not None:
         raise InputError("fidelity.solver is equilibrium, which knows no pulses: choose generalized-alpha.")
-    run = _along_equilibria(gear, fidelity, trip.one_period())
+    run = _settled(gear, fidelity, trip.one_period())
     if trip.periods == 1 or not run.ok:
         return run
-    force = run.signals["pinion_torque" if trip.drive.body == "pinion" else "rack_force"]
+    force = run.signals[trip.drive.signal]
     if abs(force[-1] - force[0]) > CLOSED * np.abs(force).max():
-        return _along_equilibria(gear, fidelity, trip)
+        return _settled(gear, fidelity, trip)
     settings = {**run.outcome.settings, "periods_alike": trip.periods}
     return SceneRun(replace(run.outcome, settings=settings), repeated(run.signals, trip.periods))
+
+
+def _settled(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:
+    """Without the equilibria that lead to the start, if a record of a tooth pitch or more shows that they are
+    not needed: the rack hardly rolls over it."""
+    if trip.turned(gear) >= 2 * np.pi / gear.pinion.teeth * (1 - 1e-9):
+        run = _along_equilibria(gear, fidelity, trip.at_once())
+        if run.ok and rolling_share(run.signals, gear) <= ROLLING:
+            return run
+    return _along_equilibria(gear, fidelity, trip)
 
 
 def _along_equilibria(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:
     forces = gear_forces(gear, fidelity, trip.rack_load)
     start = process_time()
     pair, drive = GearPair.of(gear), trip.drive
+    course = forces.statics, pair, drive, trip.settling_time, trip.time
     if fidelity.torque_tolerance > 0:
         allowed = fidelity.torque_tolerance * abs(closed_form(gear).free_torque)
-        allowed /= 1.0 if drive.body == "pinion" else pair.gain
-        path = adaptive_path(forces.statics, pair, drive, trip.time, allowed)
+        path = adaptive_path(*course, allowed / travel_per_radian(drive.body, pair.gain))
     else:
-        path = equilibrium_path(forces.statics, pair, drive, trip.time)
+        path = settled_path(*course)
     found = len(path.time)
     outcome = Outcome(
         Status.OK,
@@ -115,32 +129,39 @@ def _along_equilibria(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> Sce
         },
     )
     if not path.converged:
-        failed = without_equilibrium(_place(trip, trip.time[min(found, len(trip.time) - 1)]), path.residual)
-        outcome = replace(outcome, status=failed.outcome.status, message=failed.outcome.message)
+        outcome = lost(trip, path, outcome)
     overcome = -drive.sign * path.forces[:, drive.coordinate]
     record = Record(
         forces.elements, path.time, path.coordinates, path.rates, overcome, drive.body, np.zeros(found)
     )
-    return _told(gear, trip, outcome, record.since(trip.record_start), forces.friction_zone)
+    return _told(gear, trip, outcome, record.since(trip.record_start), path, forces.friction_zone)
 
 
 # --- common ----------------------------------------------------------------------------------------
-def _told(gear: SteeringGear, trip: Trip, outcome: Outcome, record: Record, zone: float) -> SceneRun:
-    """Signals of a record, and whether it may be called ok."""
+def _told(
+    gear: SteeringGear, trip: Trip, outcome: Outcome, record: Record, start: EquilibriumPath, zone: float
+) -> SceneRun:
+    """Signals of a record that began as `start` did, and whether it may be called ok."""
     if len(record.time) < 2:
         return SceneRun(outcome)
+    pitch = 2 * np.pi / gear.pinion.teeth
+    record = replace(record, settled=-start.begun * gear.test.speed >= pitch * (1 - 1e-9))
     signals = signals_of(record)
     if outcome.status is Status.OK:
         outcome = judged(outcome, gear, record, signals, zone if trip.is_steady else None)
     return SceneRun(outcome, signals)
 
 
-def _place(trip: Trip, time: float) -> str:
-    """Where the rig stands, for a reader."""
-    place = float(trip.drive.place(time))
-    if trip.drive.body == "pinion":
-        return f"{np.degrees(place):.4g} deg"
-    return f"{1e3 * place:.4g} mm of rack travel"
+def lost(trip: Trip, path: EquilibriumPath, outcome: Outcome) -> Outcome:
+    """The outcome of a trip whose path ends where it found no equilibrium."""
+    place = float(trip.drive.place(path.lost_at or 0.0))
+    shown = (
+        f"{np.degrees(place):.4g} deg"
+        if trip.drive.body == "pinion"
+        else f"{1e3 * place:.4g} mm of rack travel"
+    )
+    message = f"no equilibrium was found at {shown}, {path.residual:.3g} N remain unbalanced"
+    return replace(outcome, status=Status.NO_CONVERGENCE, message=message)
 
 
 SOLVERS: dict[str, Callable[[SteeringGear, Fidelity, Trip], SceneRun]] = {

@@ -55,9 +55,3 @@ def joined(runs: Sequence[SceneRun]) -> SceneRun:
             before = signals[name][-1] if name == "time" or is_work(name) else 0.0
             signals[name] = np.concatenate([signals[name], before + values])
     return SceneRun(outcome, signals)
-
-
-def without_equilibrium(place: str, residual: float) -> SceneRun:
-    """The run that could not start, or not go on."""
-    message = f"no equilibrium was found at {place}, {residual:.3g} N remain unbalanced"
-    return SceneRun(Outcome(Status.NO_CONVERGENCE, message))

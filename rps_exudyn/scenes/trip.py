@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rps_exudyn.drive import Drive, Steady, Swing
+from rps_exudyn.drive import Drive, DrivenBody, Steady, Swing, travel_per_radian
 from rps_exudyn.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
@@ -14,11 +14,16 @@ from rps_exudyn.parts.load import Pulse
 
 LEAST_PER_CYCLE = 400  # steps, so that the sinusoid passes its ends in many of them
 RUN_IN = np.deg2rad(0.5)  # pinion angle turned before the record starts, at least
+SETTLING = 12  # equilibria over the tooth pitch before that: the torque after them is settled to 0.02 %
 
 
 @dataclass(frozen=True)
 class Trip:
-    """A motion in even time steps, recorded after a run-in, so that what the start stirs up has died."""
+    """A motion in even time steps, recorded after a run-in, so that what the start stirs up has died.
+
+    Nothing but friction holds the rack against rolling: where it first rests may be many degrees of
+    turning off. So equilibria lead to the start, over as much of a tooth pitch as the rack has teeth there.
+    """
 
     drive: Drive
     time_step: float  # [s]
@@ -27,6 +32,12 @@ class Trip:
     periods: int = 1  # of the gear, all alike, that the record covers
     rack_load: float = 0.0  # pulls the rack's end towards -X [N]
     pulse: Pulse | None = None
+    settling: float = 0.0  # how long before the start the equilibria begin [s]
+
+    @property
+    def settling_time(self) -> np.ndarray:
+        """Instants of the equilibria before the start, below 0; none where the start itself is one [s]."""
+        return np.linspace(-self.settling, 0.0, SETTLING if self.settling else 0, endpoint=False)
 
     @property
     def time(self) -> np.ndarray:
@@ -47,12 +58,20 @@ class Trip:
         """The same with a load that pulls the rack's end towards -X [N]."""
         return replace(self, rack_load=load)
 
+    def turned(self, gear: SteeringGear) -> float:
+        """Pinion angle between the ends of the record of a steady trip [rad]."""
+        return self.steps * self.time_step * gear.test.speed
+
+    def at_once(self) -> "Trip":
+        """The same from where the gear first rests, without what leads there."""
+        return replace(self, settling=0.0)
+
     def one_period(self) -> "Trip":
         """Its first period."""
         return replace(self, steps=self.steps // self.periods, periods=1)
 
 
-def steady_trip(gear: SteeringGear, body: str, first: float, last: float, step_angle: float) -> Trip:
+def steady_trip(gear: SteeringGear, body: DrivenBody, first: float, last: float, step_angle: float) -> Trip:
     """Between two pinion angles [rad] at the test's speed, in steps of at most `step_angle` [rad].
 
     `body` is the one that the rig moves; the rack moves as far and as fast as it would with the pinion.
@@ -67,16 +86,21 @@ def steady_trip(gear: SteeringGear, body: str, first: float, last: float, step_a
     per_piece = int(np.ceil(piece / step_angle * (1 - 1e-12)))
     step = piece / per_piece
     lead, sense = int(np.ceil(RUN_IN / step)), float(np.sign(last - first))
-    scale = 1.0 if body == "pinion" else float(GearPair.of(gear).gain)
-    drive = Steady(
-        "pinion" if body == "pinion" else "rack",
-        scale * (first - sense * lead * step),
-        scale * sense * gear.test.speed,
+    start = first - sense * lead * step
+    scale = travel_per_radian(body, float(GearPair.of(gear).gain))
+    drive = Steady(body, scale * start, scale * sense * gear.test.speed)
+    before = min(2 * np.pi / gear.pinion.teeth, max(0.0, largest_angle(gear) + sense * start))
+    return Trip(
+        drive,
+        step / gear.test.speed,
+        lead,
+        per_piece * periods,
+        periods,
+        settling=before / gear.test.speed,
     )
-    return Trip(drive, step / gear.test.speed, lead, per_piece * periods, periods)
 
 
-def trips_of_test(gear: SteeringGear, body: str, step_angle: float) -> list[Trip]:
+def trips_of_test(gear: SteeringGear, body: DrivenBody, step_angle: float) -> list[Trip]:
     """The trips that `test.path` asks for.
 
     Raises:
@@ -123,8 +147,7 @@ def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> None
     Raises:
         InputError: it would not.
     """
-    bar = RackBar.of(gear)
-    allowed = bar.largest_displacement / bar.pair.gain
+    allowed = largest_angle(gear)
     farthest = max(abs(angle) for angle in angles)
     if farthest > allowed:
         raise InputError(
@@ -132,6 +155,12 @@ def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> None
             f"rack.travel = {gear.rack.travel * 1e3:g} mm allow {_deg(allowed)} either way "
             f"({allowed / (2 * np.pi):.4g} turns from the centre)."
         )
+
+
+def largest_angle(gear: SteeringGear) -> float:
+    """How far the pinion may turn either way from the rack's middle [rad]."""
+    bar = RackBar.of(gear)
+    return float(bar.largest_displacement / bar.pair.gain)
 
 
 def _deg(angle: float) -> str:
