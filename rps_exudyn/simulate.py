@@ -1,6 +1,7 @@
 """Run one scene on one gear, whatever its outcome, and keep what came out."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from time import perf_counter, process_time
 from typing import Any
 
@@ -27,11 +28,22 @@ SCENES: dict[str, Callable[[SteeringGear, Fidelity], SceneRun]] = {
     "yoke-impact": yoke_impact,
 }
 
+FLANK = Fidelity.preset("flank")
+"""What is run if nothing is chosen."""
+
 
 def run(
-    scene: str, gear: SteeringGear | None = None, *, fidelity: str | Fidelity = "flank", **test: Any
+    scene: str,
+    gear: SteeringGear | None = None,
+    *,
+    fidelity: str | Fidelity = FLANK,
+    accuracy: str | None = None,
+    **test: Any,
 ) -> Result:
     """Simulate a scene; keyword arguments replace settings of the test, for instance `turns=1`.
+
+    With `accuracy`, for instance "1%", the cheapest model that keeps this error is taken, of all or of the
+    preset named by `fidelity`; `result.solver["accuracy"]` says which and why.
 
     A plan that would end in a wrong number (`guards`) is not run: its status is `invalid`.
 
@@ -50,7 +62,28 @@ def run(
     if not isinstance(fidelity, str | Fidelity):
         raise InputError(f"fidelity is {fidelity!r}; it must be one of {', '.join(PRESETS)}, or a Fidelity.")
     gear = (gear or SteeringGear()).replace({f"test.{name}": value for name, value in test.items()})
+    if accuracy is not None:
+        return _run_at(scene, gear, fidelity, accuracy)
     chosen = Fidelity.preset(fidelity) if isinstance(fidelity, str) else fidelity
+    return _guarded(scene, gear, chosen)
+
+
+def _run_at(scene: str, gear: SteeringGear, preset: str | Fidelity, accuracy: str) -> Result:
+    """By the cheapest model of this accuracy."""
+    from rps_exudyn.accuracy.choice import beyond_promise, choose, percent
+
+    if isinstance(preset, Fidelity) and preset is not FLANK:
+        raise InputError(
+            "accuracy chooses the model itself; give fidelity by the name of a preset, or leave it out."
+        )
+    choice = choose(scene, gear, percent(accuracy), preset if isinstance(preset, str) else None)
+    result = _guarded(scene, gear, choice.fidelity)
+    told = choice.why + beyond_promise(gear, result.signals).removeprefix(beyond_promise(gear))
+    return replace(result, solver={**result.solver, "accuracy": told})
+
+
+def _guarded(scene: str, gear: SteeringGear, chosen: Fidelity) -> Result:
+    """Not run if its numbers would be wrong."""
     if sentences := refused(scene, gear, chosen):
         return _refused(scene, gear, chosen, "; ".join(sentences))
     return unguarded(scene, gear, chosen)

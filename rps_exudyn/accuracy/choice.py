@@ -1,8 +1,9 @@
 """The cheapest model that keeps a wanted accuracy, from the table that was measured and published with it.
 
     choice = choose("free-pinion-torque", gear, percent("1%"))
-    rps.run("free-pinion-torque", gear, fidelity=choice.fidelity)
-    print(choice.why)
+    choice.fidelity, choice.why
+
+`rps.run(..., accuracy="1%")` and `rps-exudyn run --accuracy 1%` use it.
 
 The error is that of the scene's torque or force, RMS over the motion in % of its mean, whether one joins the
 computed angles by straight lines or smoothly. What a setting promises is its worst error on many random
@@ -35,7 +36,7 @@ class Setting:
     """A row of the table."""
 
     preset: str
-    angles_per_pitch: int
+    angles_per_pitch: int | None  # None: steps are the scene's own
     settings: Mapping[str, Any]  # of the fidelity, besides the step
     promised: float  # error [%]
     median: float  # error on the gears it was tried on [%]
@@ -49,8 +50,10 @@ class Setting:
 
     def for_gear(self, gear: SteeringGear) -> Fidelity:
         """With the step that has so many angles on this gear's tooth pitch."""
-        step = 2 * np.pi / gear.pinion.teeth / self.angles_per_pitch
-        return Fidelity.preset(self.preset).replace({"step_angle": step, **self.settings})
+        settings = dict(self.settings)
+        if self.angles_per_pitch is not None:
+            settings = {"step_angle": 2 * np.pi / gear.pinion.teeth / self.angles_per_pitch, **settings}
+        return Fidelity.preset(self.preset).replace(settings)
 
 
 @dataclass(frozen=True)
@@ -111,18 +114,24 @@ def beyond_promise(gear: SteeringGear, signals: Mapping[str, np.ndarray] | None 
         return (
             "; NOT promised for this gear, whose teeth hardly slide at the pitch point: friction jumps there"
         )
-    if signals is not None and (signals.get("yokenut_force", np.zeros(1)) > 0).any():
+    if (
+        signals
+        and np.ptp(signals["pinion_angle"]) > 0
+        and (signals.get("yokenut_force", np.zeros(1)) > 0).any()
+    ):
         return "; NOT promised for this run, in which the yoke stops at its nut"
     return ""
 
 
 def _why(taken: Setting, table: SceneTable, wanted: float, enough: int, cost: float) -> str:
-    knobs = ", ".join(f"{name} {value:g}" for name, value in taken.settings.items())
+    angles = taken.angles_per_pitch
+    knobs = [f"{angles} angles per tooth pitch"] if angles is not None else []
+    knobs += [f"{name} {value:g}" for name, value in taken.settings.items()]
+    per = "run" if table.scene == "yoke-impact" else "revolution"
     return (
-        f"{taken.preset}, {taken.angles_per_pitch} angles per tooth pitch{', ' if knobs else ''}{knobs}: the "
-        f"cheapest of {enough} settings that keep {wanted:g} %; it promises {taken.promised:.2g} % (half of "
-        f"{table.gears} random gears stay below {taken.median:.2g} %) at about {1e3 * cost:.2g} ms of "
-        "processor time per revolution"
+        f"{taken.preset}, {', '.join(knobs) or 'as it is'}: the cheapest of {enough} settings that keep "
+        f"{wanted:g} %; it promises {taken.promised:.2g} % (half of {table.gears} random gears stay below "
+        f"{taken.median:.2g} %) at about {1e3 * cost:.2g} ms of processor time per {per}"
     )
 
 

@@ -1,0 +1,35 @@
+"""`rps.run(..., accuracy="1%")`: the same choice as the command's, and the same refusals."""
+
+import pytest
+
+import rps_exudyn as rps
+from rps_exudyn.accuracy.choice import choose
+from rps_exudyn.errors import InputError
+from rps_exudyn.fidelity import Fidelity
+
+
+def test_the_cheapest_model_is_taken_and_told() -> None:
+    gear = rps.SteeringGear()
+    result = rps.run("free-pinion-torque", gear, accuracy="1%")
+    choice = choose("free-pinion-torque", gear, 1.0)
+    assert result.status == "ok"
+    assert result.fidelity == choice.fidelity.model_dump()
+    assert result.solver["accuracy"] == choice.why
+
+
+def test_of_the_preset_named() -> None:
+    result = rps.run("rack-push", accuracy="1%", fidelity="flank", turns=0.2)
+    assert result.fidelity["solver"] == "generalized-alpha"
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"accuracy": "one"}, "for instance 1%"),
+        ({"accuracy": "1e-9%"}, "which is the strictest"),
+        ({"accuracy": "1%", "fidelity": Fidelity()}, "accuracy chooses the model itself"),
+    ],
+)
+def test_refused_in_a_sentence(given: dict[str, object], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        rps.run("free-pinion-torque", **given)
