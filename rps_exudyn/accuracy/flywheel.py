@@ -33,7 +33,7 @@ KEPT = np.deg2rad(0.2)  # pinion angle between two records
 def explicit_run(gear: SteeringGear, fidelity: Fidelity, solver: str, step: float) -> SceneRun:
     """One way from the test's start, in steps of `step` [s]; a run that blew up says so."""
     trip = trips_of_test(gear, "pinion", fidelity.step_angle)[0]
-    model = build_model(gear, fidelity, trip.drive)
+    model = build_model(gear, fidelity, trip.drive, settling=trip.settling_time)
     _drive_by_flywheel(model)
     end = float(trip.time[-1])
     steps = int(np.ceil(end / step))
