@@ -189,7 +189,8 @@ def runout_harmonics(gear: SteeringGear) -> tuple[float, float]:
 def tilting_stiffness(gear: SteeringGear) -> float:
     """Force along Y at the mesh over the rack's lift there, of bush and seat, which hold the rack straight;
     [N/m]."""
-    bush, to_fit = bush_chain(gear), housing_station(gear, bush_chain(gear).end_station)
+    bush = bush_chain(gear)
+    to_fit = housing_station(gear, bush.end_station)
     k = lateral_stiffness(bush)[np.ix_([0, 3], [0, 3])]  # along y, about z
     seat = gear.yoke.seat_stiffness * gear.yoke.seat_length**2 / 12
     lift, tilt = np.array([1.0, 0.0]), np.array([to_fit, 1.0])  # what the fit sees of both

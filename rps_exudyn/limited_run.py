@@ -13,8 +13,7 @@ from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.refuge import robust_run
-from rps_exudyn.result import Result, load
-from rps_exudyn.study.case_file import failed
+from rps_exudyn.result import Result, failed, load
 from rps_exudyn.study.processes import Processes
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from rps_exudyn import provenance as origin
 from rps_exudyn.atomic import replacing
 from rps_exudyn.errors import InputError
+from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.hdf5 import opened
 from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
@@ -69,6 +70,28 @@ class Result:
         """
         with replacing(path) as partial, h5py.File(partial, "w") as file:
             _write(self, file)
+
+
+def failed(
+    scene: str,
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    status: Status,
+    message: str,
+    cpu_s: float = 0.0,
+    wall_s: float = 0.0,
+) -> Result:
+    """A simulation that came to nothing, as a result all the same."""
+    return Result(
+        scene=scene,
+        gear=gear,
+        fidelity=fidelity.model_dump(),
+        solver={},
+        status=status,
+        message=message,
+        cpu_s=cpu_s,
+        wall_s=wall_s,
+    )
 
 
 def load(path: str | Path) -> Result:

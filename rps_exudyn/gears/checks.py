@@ -93,10 +93,15 @@ class GeometryReport:
     mass_properties: PartMasses
     warnings: tuple[str, ...]
 
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Those of `quantities.GEOMETRY`."""
+        return {name: getattr(self, name) for name in GEOMETRY}
+
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain numbers, lists and text (SI)."""
-        numbers: dict[str, Any] = {name: getattr(self, name) for name in GEOMETRY}
-        numbers["mass_properties"] = {
+        told: dict[str, Any] = {**self.numbers}
+        told["mass_properties"] = {
             part: {
                 "volume": item.volume,
                 "mass": item.mass,
@@ -105,8 +110,8 @@ class GeometryReport:
             }
             for part, item in self.mass_properties.items()
         }
-        numbers["warnings"] = list(self.warnings)
-        return numbers
+        told["warnings"] = list(self.warnings)
+        return told
 
 
 def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:

@@ -14,9 +14,6 @@ from typing import Any
 import h5py
 import numpy as np
 
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.outcome import Status
-from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.quantities import GROUPS
 from rps_exudyn.result import Result, attributes_of
 from rps_exudyn.study.description import Keep
@@ -35,28 +32,6 @@ def kept(result: Result, keep: Keep) -> Result:
         chosen = np.unique(np.linspace(0, length - 1, keep.samples).round().astype(int))
         signals = {name: values[chosen] for name, values in signals.items()}
     return replace(result, signals=signals)
-
-
-def failed(
-    scene: str,
-    gear: SteeringGear,
-    fidelity: Fidelity,
-    status: Status,
-    message: str,
-    cpu_s: float,
-    wall_s: float,
-) -> Result:
-    """A case that came to nothing, as a result all the same."""
-    return Result(
-        scene=scene,
-        gear=gear,
-        fidelity=fidelity.model_dump(),
-        solver={},
-        status=status,
-        message=message,
-        cpu_s=cpu_s,
-        wall_s=wall_s,
-    )
 
 
 class FileForms:

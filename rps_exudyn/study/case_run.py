@@ -12,8 +12,8 @@ from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.refuge import robust_run
-from rps_exudyn.result import Result
-from rps_exudyn.study.case_file import FileForms, failed, kept
+from rps_exudyn.result import Result, failed
+from rps_exudyn.study.case_file import FileForms, kept
 from rps_exudyn.study.description import Keep
 
 

@@ -15,7 +15,8 @@ from rps_exudyn.atomic import replacing
 from rps_exudyn.errors import InputError
 from rps_exudyn.outcome import Status
 from rps_exudyn.provenance import provenance
-from rps_exudyn.study.case_file import FileForms, failed
+from rps_exudyn.result import failed
+from rps_exudyn.study.case_file import FileForms
 from rps_exudyn.study.cases import describe, setup_of
 from rps_exudyn.study.description import Case, Description
 from rps_exudyn.study.processes import Done, Run, Task

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from rps_exudyn.outcome import Status
-from rps_exudyn.result import Result, load
+from rps_exudyn.result import Result, failed, load
 from rps_exudyn.setup import Setup
-from rps_exudyn.study.case_file import FileForms, failed, kept
+from rps_exudyn.study.case_file import FileForms, kept
 from rps_exudyn.study.cases import case_hash, describe, points, setup_of
 from rps_exudyn.study.description import Axis, Description, Keep
 from rps_exudyn.study.study_file import Study, read_study
