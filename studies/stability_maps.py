@@ -1,264 +1,295 @@
 """Stability maps: where each method stops being right, and what theory predicts. results/stability/.
 
-    python studies/stability_maps.py            all maps, about ten minutes
-    python studies/stability_maps.py chain      one of them
+    python studies/stability_maps.py                  all maps
+    python studies/stability_maps.py step_speed       one of them
 
-Cells are runs without guards and without judge, against the same trip in small steps. The limits of explicit
-integration (`ball`, `chain`) are bisected to 5 % and stand beside 2 / omega_max of the linearised system.
+The plans are those of studies/stability_*.toml, which `rps-exudyn study` runs too; here each is run without
+guards and judge, and held against the same trip in small steps. Beside them stand explicit methods: Runge and
+Kutta's of fourth order on the gear (`accuracy.explicit`), Exudyn's velocity Verlet on the bush's chain.
 """
 
 import json
 import sys
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from pathlib import Path
+from time import process_time
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
+from stability_explicit import GEAR, DrivenGear, chain_frequency, chain_is_bounded, simple_limits
 
-from rps_exudyn.analysis.stability import Cell, Plan, bisected, cell_of, naked, reference
-from rps_exudyn.charts.stability import draw_limits, draw_map
+from rps_exudyn import guards
+from rps_exudyn.accuracy.explicit import runge_kutta
+from rps_exudyn.analysis.explicit_limit import STEPS
+from rps_exudyn.analysis.stability import (
+    INACCURATE,
+    REFERENCES,
+    SLOW,
+    STILL,
+    WRONG,
+    Cell,
+    Choices,
+    Line,
+    Plan,
+    StabilityMap,
+    cell_of,
+    error_of,
+    processor_time,
+    reference,
+    tried,
+)
+from rps_exudyn.charts.stability import draw_maps
 from rps_exudyn.errors import InputError
 from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.forces import gear_forces
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.solids import bush_segment_solid
-from rps_exudyn.guards import DEEPEST, predicted_depth
-from rps_exudyn.mesh_contact.general_contact import SPHERE_RADIUS
+from rps_exudyn.guards import DEEPEST, STEPS_PER_PITCH, predicted_depth
+from rps_exudyn.mesh_contact import general_contact
 from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.parts.bush import add_chain, bush_chain, resting_segments
+from rps_exudyn.parts.bush import bush_chain
+from rps_exudyn.provenance import provenance
+from rps_exudyn.statics import equilibrium_path
+from rps_exudyn.study.cases import setup_of
+from rps_exudyn.study.description import Axis, Case
+from rps_exudyn.study.study_file import read_study
+from rps_exudyn.study.table import axis_quantity
 
-OUT = Path(__file__).parents[1] / "results" / "stability"
-GEAR = SteeringGear().replace({"test.turns": 1 / 6})
+STUDIES = Path(__file__).parent
+OUT = STUDIES.parent / "results" / "stability"
+TIME_LIMIT = 30.0  # processor time of a cell, and of its reference [s]
+
+Predict = Callable[[SteeringGear, Fidelity], float]
 
 
-# --- explicit integration against omega_max ---------------------------------------------------------
-@dataclass(frozen=True)
-class Limit:
-    """A bisected limit of the step and the predicted one [s]."""
+# --- studies ----------------------------------------------------------------------------------------
+def maps_of(
+    file: str, lines: dict[str, Predict], methods: Sequence[Choices] = REFERENCES
+) -> list[StabilityMap]:
+    """The maps of a study over two axes; of a third, its first, one map for each value.
 
-    name: str
-    measured: float
-    predicted: float
+    `lines` are predicted values of y, in its display unit, for the cell's gear and fidelity.
+    """
+    study = read_study(STUDIES / f"stability_{file}.toml")
+    *kinds, x, y = study.axes
+    maps = []
+    for kind in kinds[0].values or () if kinds else [None]:
+        fixed = {kinds[0].name: kind} if kinds else {}
 
+        def plan_of(a: Any, b: Any, fixed: dict[str, Any] = fixed) -> Plan:
+            setup = setup_of(study, Case("", fixed | {x.name: a, y.name: b}))
+            return Plan(study.scene, setup.steering_gear, setup.fidelity)
 
-def ball() -> list[Limit]:
-    """A ball of 10 g on a plate in GeneralContact, by velocity Verlet."""
-    limits = []
-    for stiffness in (1e5, 1e6, 1e7, 1e8):
-        limit = bisected(
-            lambda h, k=stiffness: _bounded(_ball(k), h, 400),
-            *(s / np.sqrt(stiffness / 0.01) for s in (1, 4)),
+        cells = [[cell_and_told(plan_of(a, b), methods) for a in x.values or ()] for b in y.values or ()]
+        plans = [plan_of(a, (y.values or ())[0]) for a in x.values or ()]
+        maps.append(
+            StabilityMap(
+                f"{plans[0].fidelity.solver}, {plans[0].fidelity.mesh}",
+                *(_label(axis) for axis in (x, y)),
+                *(_displayed(axis) for axis in (x, y)),
+                [[str(cell) for cell, _ in row] for row in cells],
+                [[told for _, told in row] for row in cells],
+                [Line(label, [at(p.gear, p.fidelity) for p in plans]) for label, at in lines.items()],
+            )
         )
-        limits.append(Limit(f"ball, k = {stiffness:g} N/m", limit, 2 / np.sqrt(stiffness / 0.01)))
-    return limits
+    return maps
 
 
-def chain() -> list[Limit]:
-    """The bush's chain alone, by velocity Verlet."""
+def cell_and_told(plan: Plan, methods: Sequence[Choices]) -> tuple[Cell, bool]:
+    """What a plan gives when nobody checks it, and whether guards or judge would object."""
+    try:
+        with processor_time(TIME_LIMIT):
+            result, told = tried(plan)
+    except InputError:  # for instance a preload that the teeth do not carry
+        return Cell.FAILED, True
+    except TimeoutError:
+        return Cell.FAILED, False
+    try:
+        with processor_time(TIME_LIMIT):
+            true = reference(plan, plan.figure(result), methods)
+    except TimeoutError:
+        true = float("nan")
+    return cell_of(plan, result, true), told
+
+
+def _label(axis: Axis) -> str:
+    return axis_quantity(axis).axis_label(axis.paths[0])
+
+
+def _displayed(axis: Axis) -> list[float]:
+    return [float(round(axis_quantity(axis).displayed(value), 12)) for value in axis.values or ()]
+
+
+def two_steps_per_pitch(gear: SteeringGear, fidelity: Fidelity) -> float:
+    """What the guard allows [deg]."""
+    return 360 / gear.pinion.teeth / STEPS_PER_PITCH
+
+
+GUARD: dict[str, Predict] = {"two steps per tooth pitch": two_steps_per_pitch}
+
+
+# --- Runge and Kutta on the gear --------------------------------------------------------------------
+def explicit_map(
+    title: str, driven: str, path: str, x: Sequence[float], steps: Sequence[float], unit: float = 1.0
+) -> StabilityMap:
+    """Steps [us] over one parameter, in `unit`.
+
+    Of a driven gear the mean torque or force of 400 steps against equilibria; a held one must calm down, all
+    of its friction sticking.
+    """
+    gears = [DrivenGear.of(driven, path, value * unit) for value in x]
+    judge = _calm_cell if driven == "nothing" else _driven_cell
+    cells = [[str(judge(gear, 1e-6 * h)) for gear in gears] for h in steps]
+    limits = 1e6 * np.array([(gear.predicted, *simple_limits(gear.motion)) for gear in gears])
+    names = "linearised gear", "2.83 / omega_max", "2.79 / c_max"
+    lines = [Line(name, list(column)) for name, column in zip(names, limits.T, strict=True)]
+    return StabilityMap(title, path, "step [µs]", list(x), list(steps), cells, [], lines)
+
+
+def _calm_cell(gear: DrivenGear, step: float) -> Cell:
+    return Cell.RIGHT if gear.calms(step) else Cell.WRONG
+
+
+def _driven_cell(gear: DrivenGear, step: float) -> Cell:
+    motion = gear.motion
+    with np.errstate(all="ignore"):
+        times, places, rates = runge_kutta(motion, motion.rate, step, STEPS, 4)
+        if not np.isfinite(rates).all():
+            return Cell.FAILED
+        value = float(np.mean(motion.recorded(times, places, rates).drive))
+    still = gear_forces(gear.gear, gear.fidelity).statics
+    path = equilibrium_path(still, GearPair.of(gear.gear), motion.drive, times)
+    true = float(np.mean(-motion.drive.sign * path.forces[:, motion.drive.coordinate]))
+    error = abs(error_of(value, true))
+    if not error <= WRONG:
+        return Cell.WRONG
+    return Cell.INACCURATE if error > INACCURATE else Cell.RIGHT
+
+
+# --- the bush's chain in Exudyn ---------------------------------------------------------------------
+def chain_map(segments: Sequence[float], steps: Sequence[float]) -> StabilityMap:
+    """Steps [us] of velocity Verlet; it calls every explosion a success."""
+    cells = [
+        [str(Cell.RIGHT if chain_is_bounded(int(n), 1e-6 * h) else Cell.WRONG) for n in segments]
+        for h in steps
+    ]
+    limits = [2e6 / chain_frequency(int(n)) for n in segments]
+    return StabilityMap(
+        "Verlet, the chain alone",
+        "bush.segments",
+        "step [µs]",
+        list(segments),
+        list(steps),
+        cells,
+        [],
+        [Line("2 / omega_max", limits)],
+    )
+
+
+# --- spheres ----------------------------------------------------------------------------------------
+def depth_limit(gear: SteeringGear, fidelity: Fidelity) -> float:
+    """Preload at which the deepest sphere is as deep as its radius [N]."""
+    one = predicted_depth(gear.replace({"yoke.preload": 1.0}))
+    return float((general_contact.SPHERE_RADIUS / (DEEPEST * one)) ** 1.5)
+
+
+def radius_preload() -> list[StabilityMap]:
+    """The spheres' radius, which no parameter of the gear is, over the preload, on soft teeth."""
+    radii, preloads = [0.01, 0.02, 0.05, 0.1, 0.2], [100.0, 200.0, 500.0, 1000.0, 2000.0]
+    cells: list[list[tuple[Cell, bool]]] = [[] for _ in preloads]
     limits = []
-    for segments in (1, 2, 5, 10, 25):
-        predicted = 2 / _largest_frequency(_chain(segments))
-        limit = bisected(lambda h, n=segments: _bounded(_chain(n), h, 2000), 0.5 * predicted, 2 * predicted)
-        limits.append(Limit(f"chain of {segments}", limit, predicted))
-    return limits
+    choices = {"mesh": "general-contact", "solver": "equilibrium", "step_angle": np.deg2rad(3)}
+    for radius in radii:
+        with (
+            patch.object(general_contact, "SPHERE_RADIUS", 1e-3 * radius),
+            patch.object(guards, "SPHERE_RADIUS", 1e-3 * radius),
+        ):
+            for row, preload in zip(cells, preloads, strict=True):
+                settings = {
+                    "mesh.stiffness": 1e13,
+                    "yoke.preload": preload,
+                    "yoke.clearance": 1e-3,
+                    "test.turns": 1 / 6,
+                }
+                plan = Plan("free-pinion-torque", GEAR.replace(settings), Fidelity().replace(choices))
+                row.append(cell_and_told(plan, REFERENCES))
+            limits.append(depth_limit(plan.gear, plan.fidelity))
+    return [
+        StabilityMap(
+            "spheres in equilibrium, contact stiffness 1e13 N/m³",
+            "radius of the spheres [mm]",
+            "yoke.preload [N]",
+            radii,
+            preloads,
+            [[str(cell) for cell, _ in row] for row in cells],
+            [[told for _, told in row] for row in cells],
+            [Line("deepest sphere at its radius", limits)],
+        )
+    ]
 
 
-def _ball(stiffness: float) -> Any:
-    import exudyn as exu
-    from exudyn.itemInterface import (
-        MarkerBodyPosition,
-        MarkerBodyRigid,
-        NodePoint,
-        ObjectGround,
-        ObjectMassPoint,
-    )
-
-    exu.config.printToConsole, exu.config.suppressWarnings = False, True
-    mbs = exu.SystemContainer().AddSystem()
-    plate = mbs.AddMarker(MarkerBodyRigid(bodyNumber=mbs.AddObject(ObjectGround())))
-    contact = mbs.AddGeneralContact()
-    contact.verboseMode, contact.sphereSphereContact = 0, False
-    contact.SetFrictionPairings(np.zeros((1, 1)))
-    contact.SetSearchTreeBox(pMin=[-1, -1, -1], pMax=[3, 3, 1])
-    contact.SetSearchTreeCellSize(numberOfCells=[4, 4, 4])
-    corners = np.array([[-1.0, -1, 0], [3, -1, 0], [-1, 3, 0]])
-    contact.AddTrianglesRigidBodyBased(plate, 1e6 * stiffness, 0.0, 0, corners, [[0, 1, 2]])
-    node = mbs.AddNode(NodePoint(referenceCoordinates=[0.1, 0.1, 0.6e-3], initialVelocities=[0, 0, 1e-9]))
-    body = mbs.AddObject(ObjectMassPoint(mass=0.01, nodeNumber=node))
-    contact.AddSphereWithMarker(mbs.AddMarker(MarkerBodyPosition(bodyNumber=body)), 1e-3, stiffness, 0.0, 0)
-    from exudyn.itemInterface import Force, MarkerNodePosition
-
-    marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
-    mbs.AddLoad(Force(markerNumber=marker, loadVector=[0, 0, -0.4e-3 * stiffness]))  # which holds it there
-    mbs.Assemble()
-    return mbs
+# --- all --------------------------------------------------------------------------------------------
+def round_off(gear: SteeringGear, fidelity: Fidelity) -> float:
+    """What the chain's stiffest spring makes of the round-off of the segments' places, over the preload."""
+    stiffest = max(connection.stiffness[0] for connection in bush_chain(gear).connections)
+    return float(stiffest * np.finfo(float).eps * gear.bush.distance / gear.yoke.preload)
 
 
-def _chain(segments: int) -> Any:
-    import exudyn as exu
-
-    exu.config.printToConsole, exu.config.suppressWarnings = False, True
-    gear = GEAR.replace({"bush.segments": segments})
-    mbs, parts = exu.SystemContainer().AddSystem(), bush_chain(gear)
-    rest = resting_segments(gear, parts, np.array([1e-3, 1e-3, 1e-3, 1e-5, 1e-5, 1e-5]), parts.end_station)
-    solid = bush_segment_solid(gear).mass_properties
-    height = GearPair.of(gear).bar_axis_height
-    add_chain(mbs, gear, parts, rest, mass=solid.mass, inertia=solid.inertia, axis_height=height)
-    mbs.Assemble()
-    return mbs
+SAME_SPHERES = (STILL, STILL | SLOW)
+US = [5.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 80.0]
+STIFFNESSES = [1e12, 5e12, 2e13, 1e14, 5e14]
+SPEEDS = [0.5, 3.0, 15.0, 60.0, 300.0]
+ZONES = [0.001, 0.01, 0.1, 0.5, 1.0]
+STUCK_US = [0.03, 0.1, 0.5, 2.0, 5.0, 20.0, 40.0, 60.0]
+DENSITIES = [785.0, 2500.0, 7850.0, 78500.0, 785000.0]
 
 
-def _largest_frequency(mbs: Any) -> float:
-    from scipy.linalg import eigh
-
-    mass, stiffness, _ = mbs.ComputeLinearizedSystem()
-    return float(np.sqrt(eigh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2, eigvals_only=True)[-1]))
-
-
-def _bounded(mbs: Any, step: float, steps: int) -> bool:
-    """Whether what was disturbed a little stays small."""
-    import exudyn as exu
-
-    settings = exu.SimulationSettings()
-    settings.solution.file.write = False
-    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
-    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = step * steps, steps
-    try:
-        mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.VelocityVerlet)
-    except exu.ExudynError:  # a mass matrix of nan
-        return False
-    state = mbs.systemData.GetODE2Coordinates()
-    return bool(np.isfinite(state).all() and np.abs(state).max() < 1e-4)
-
-
-# --- maps of the gear -------------------------------------------------------------------------------
-@dataclass(frozen=True)
-class Map:
-    """Cells over two axes; `predicted` is a limit of y at each x, or nan."""
-
-    title: str
-    x_name: str
-    y_name: str
-    x: list[float]
-    y: list[float]
-    cells: list[list[str]]  # [y][x]
-    predicted: list[float]
-    prediction: str
-
-
-def mapped(
-    title: str,
-    x: tuple[str, list[float]],
-    y: tuple[str, list[float]],
-    plan_at: Callable[[float, float], Plan],
-    predicted: Callable[[float], float] = lambda x: float("nan"),
-    prediction: str = "",
-) -> Map:
-    cells = [[str(_cell(plan_at(a, b))) for a in x[1]] for b in y[1]]
-    limits = [predicted(a) for a in x[1]]
-    return Map(title, x[0], y[0], x[1], y[1], cells, limits, prediction)
-
-
-def _cell(plan: Plan) -> Cell:
-    try:
-        result = naked(plan)
-    except InputError:
-        return Cell.NOT_COMPUTED
-    return cell_of(plan, result, reference(plan, plan.figure(result)))
-
-
-def plan_of(settings: dict[str, Any], choices: dict[str, Any], turns: float = 1 / 6) -> Plan:
-    gear = GEAR.replace({"test.turns": turns} | settings)
-    return Plan("free-pinion-torque", gear, Fidelity().replace(choices))
-
-
-STEPS = [0.25, 1.0, 4.0, 12.0, 30.0, 40.0]  # [deg]
-
-
-def step_stiffness() -> Map:
-    return mapped(
-        "generalized-alpha, flank: step and contact stiffness",
-        ("mesh.stiffness [N/m^3]", [1e12, 5e12, 2e13, 1e14, 5e14]),
-        ("step [deg]", STEPS),
-        lambda k, h: plan_of({"mesh.stiffness": k}, {"step_angle": np.deg2rad(h)}),
-        lambda k: 30.0,
-        "two steps per tooth pitch",
-    )
-
-
-def step_speed() -> Map:
-    return mapped(
-        "generalized-alpha, flank: step and test speed",
-        ("test.speed [rpm]", [0.5, 3.0, 15.0, 60.0, 300.0]),
-        ("step [deg]", STEPS),
-        lambda n, h: plan_of({"test.speed": n * np.pi / 30}, {"step_angle": np.deg2rad(h)}),
-        lambda n: 30.0,
-        "two steps per tooth pitch",
-    )
-
-
-def step_zone() -> Map:
-    return mapped(
-        "generalized-alpha, flank: step and friction zone",
-        ("zone over the least sliding speed", [0.001, 0.01, 0.1, 0.5, 1.0]),
-        ("step [deg]", STEPS),
-        lambda z, h: plan_of({}, {"step_angle": np.deg2rad(h), "zone_ratio": z}),
-        lambda z: 30.0,
-        "two steps per tooth pitch",
-    )
-
-
-def tolerance_segments() -> Map:
-    return mapped(
-        "generalized-alpha, chain: tolerance and segments, steps of 1 deg",
-        ("bush.segments", [1.0, 5.0, 25.0]),
-        ("Newton's relative tolerance", [1e-2, 1e-3, 1e-4, 1e-6, 1e-7]),
-        lambda n, t: plan_of({"bush.segments": int(n)}, {"bush": "chain", "tolerance": t}, 1 / 60),
-        lambda n: 5e-8,
-        "round-off of the springs",
-    )
-
-
-def preload_stiffness() -> Map:
-    """A sphere passes through where it is deeper than its radius."""
-
-    def preload(stiffness: float) -> float:
-        one = predicted_depth(GEAR.replace({"yoke.preload": 1.0, "mesh.stiffness": stiffness}))
-        return float((SPHERE_RADIUS / (DEEPEST * one)) ** 1.5)
-
-    spheres = {"mesh": "general-contact", "solver": "equilibrium", "step_angle": np.deg2rad(3)}
-    return mapped(
-        "spheres of 0.1 mm: preload and contact stiffness",
-        ("mesh.stiffness [N/m^3]", [1e11, 3e11, 1e12, 3e12, 2e13]),
-        ("yoke.preload [N]", [30.0, 100.0, 300.0, 1000.0, 3000.0]),
-        lambda k, p: plan_of({"mesh.stiffness": k, "yoke.preload": p, "yoke.clearance": "1 mm"}, spheres),
-        preload,
-        "deepest sphere at its radius",
-    )
-
-
-MAPS = {
-    map_.__name__: map_
-    for map_ in (step_stiffness, step_speed, step_zone, tolerance_segments, preload_stiffness)
-}
+MAPS: dict[str, Callable[[], list[StabilityMap]]] = {
+    "step_stiffness": lambda: [
+        *maps_of("step_stiffness", GUARD),
+        explicit_map("Runge-Kutta, rack driven", "rack", "mesh.stiffness", STIFFNESSES, US),
+    ],
+    "step_speed": lambda: [
+        *maps_of("step_speed", GUARD),
+        explicit_map("Runge-Kutta, pinion driven", "pinion", "test.speed", SPEEDS, US, np.pi / 30),
+    ],
+    "step_zone": lambda: [
+        *maps_of("step_zone", GUARD),
+        explicit_map("Runge-Kutta, pinion driven", "pinion", "fidelity.zone_ratio", ZONES, US),
+        explicit_map("Runge-Kutta, pinion held: stick", "nothing", "fidelity.zone_ratio", ZONES, STUCK_US),
+    ],
+    "step_inertia": lambda: [
+        *maps_of("step_inertia", GUARD),
+        explicit_map("Runge-Kutta, rack driven", "rack", "pinion.density", DENSITIES, US),
+    ],
+    "step_segments": lambda: [
+        *maps_of("step_segments", GUARD),
+        chain_map([1, 2, 5, 10, 25], [0.5, 0.8, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0]),
+    ],
+    "step_stiffness_spheres": lambda: maps_of("step_stiffness_spheres", GUARD, SAME_SPHERES),
+    "tolerance_segments": lambda: maps_of("tolerance_segments", {"round-off of the springs": round_off}),
+    "preload_stiffness": lambda: maps_of("preload_stiffness", {"deepest sphere at its radius": depth_limit}),
+    "radius_preload": radius_preload,
+}  # fmt: skip
 
 
 def main() -> None:
-    asked = sys.argv[1:] or ["ball", "chain", *MAPS]
-    for name in asked:
-        if name in MAPS:
-            found = MAPS[name]()
-            (OUT / f"{name}.json").write_text(json.dumps(asdict(found), indent=1))
-            draw_map(asdict(found), OUT / f"{name}.png")
-            print(name, *found.cells, sep="\n  ", flush=True)
-        else:
-            limits = [asdict(limit) for limit in {"ball": ball, "chain": chain}[name]()]
-            (OUT / f"{name}.json").write_text(json.dumps(limits, indent=1))
-            for limit in limits:
-                print(limit, limit["measured"] / limit["predicted"], flush=True)
-    files = [OUT / "ball.json", OUT / "chain.json"]
-    if all(file.exists() for file in files):
-        draw_limits([limit for file in files for limit in json.loads(file.read_text())], OUT / "explicit.png")
+    for name in sys.argv[1:] or MAPS:
+        start = process_time()
+        maps = [asdict(found) for found in MAPS[name]()]
+        seconds = round(process_time() - start, 1)
+        content = {"name": name, "cpu_s": seconds, "origin": provenance(), "maps": maps}
+        (OUT / f"{name}.json").write_text(json.dumps(content, indent=1))
+        draw_maps(maps, OUT / f"{name}.png")
+        print(name, f"{seconds:g} s", flush=True)
+        for found in maps:
+            print(
+                " ",
+                found["title"],
+                *(" ".join(cell[:5] for cell in row) for row in found["cells"]),
+                sep="\n    ",
+            )
 
 
 if __name__ == "__main__":

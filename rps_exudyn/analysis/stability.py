@@ -6,21 +6,26 @@ cell_of(trial, reference(plan, ...))   right, inaccurate, wrong, failed, not com
 limit = bisected(lambda h: cell(h) is Cell.RIGHT, 1e-4, 1e-2)
 """
 
-from collections.abc import Callable, Iterator
+import signal
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 from unittest.mock import patch
 
 import numpy as np
 
 from rps_exudyn.errors import InputError
 from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.guards import refused
+from rps_exudyn.judge import judged
 from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.result import Result
 from rps_exudyn.scenes import make_trip, trip
 from rps_exudyn.simulate import unguarded
+from rps_exudyn.solve import Outcome
 
 FIGURE = {
     "free-pinion-torque": "torque_mean",
@@ -45,6 +50,9 @@ REFERENCES = (
 )
 
 
+Choices = Mapping[str, Any]  # of a fidelity
+
+
 class Cell(StrEnum):
     """One point of a stability map."""
 
@@ -63,18 +71,78 @@ class Plan:
     gear: SteeringGear
     fidelity: Fidelity
 
+    def with_step(self, degrees: float) -> "Plan":
+        """The same in steps of so many degrees of the pinion's angle."""
+        return Plan(self.scene, self.gear, self.fidelity.replace({"step_angle": np.deg2rad(degrees)}))
+
     def figure(self, result: Result) -> float:
         """The number that must be right; nan if there is none."""
         return float(result.summary.get(FIGURE[self.scene], float("nan")))
 
 
+@dataclass(frozen=True)
+class Line:
+    """A predicted limit in a map: a value of y at each x, nan where there is none."""
+
+    label: str
+    y: list[float]
+
+
+@dataclass(frozen=True)
+class StabilityMap:
+    """Cells over two axes, in display units, and the limits that theory predicts in them."""
+
+    title: str
+    x_name: str
+    y_name: str
+    x: list[float]
+    y: list[float]
+    cells: list[list[str]]  # [y][x]
+    told: list[list[bool]]  # whether guards or judge would not let it pass
+    lines: list[Line]
+
+
 def naked(plan: Plan) -> Result:
     """The run without guards and without judge: ok is what the solver calls a success."""
-    with patch.object(make_trip, "judged", lambda outcome, *_: outcome):
-        return unguarded(plan.scene, plan.gear, plan.fidelity)
+    return tried(plan)[0]
 
 
-def reference(plan: Plan, value: float) -> float:
+def tried(plan: Plan) -> tuple[Result, bool]:
+    """The same, and whether guards or judge would have had something against it."""
+    verdicts: list[Outcome] = []
+
+    def only_noted(outcome: Outcome, *seen: Any) -> Outcome:
+        verdicts.append(judged(outcome, *seen))
+        return outcome
+
+    with patch.object(make_trip, "judged", only_noted):
+        result = unguarded(plan.scene, plan.gear, plan.fidelity)
+    against = any(verdict.status is not Status.OK for verdict in verdicts)
+    return result, against or bool(refused(plan.scene, plan.gear, plan.fidelity))
+
+
+@contextmanager
+def processor_time(seconds: float) -> Iterator[None]:
+    """Within the block Python raises after so much processor time; a force law that Exudyn calls does too,
+    and the run then ends without convergence.
+
+    Raises:
+        TimeoutError: the time is over.
+    """
+
+    def over(number: int, frame: Any) -> None:
+        raise TimeoutError(f"more than {seconds:g} s of processor time")
+
+    before = signal.signal(signal.SIGVTALRM, over)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+        signal.signal(signal.SIGVTALRM, before)
+
+
+def reference(plan: Plan, value: float, methods: Sequence[Choices] = REFERENCES) -> float:
     """The figure of the same trip, run-in included, from equilibria in small steps or from dynamics in small
     steps; nan if none of them is sound itself.
 
@@ -82,7 +150,7 @@ def reference(plan: Plan, value: float) -> float:
     """
     found: list[float] = []
     with run_in_of(plan):
-        for changes in REFERENCES:
+        for changes in methods:
             if found and (abs(error_of(value, found[-1])) <= INACCURATE or value != value):
                 break
             try:

@@ -1,0 +1,309 @@
+"""The largest step of explicit methods along single lines, bisected to 5 %, beside the predicted one.
+
+    python studies/stability_explicit.py       writes results/stability/explicit.json and explicit.png
+
+A small disturbance must not grow. Predicted from the system linearised where it stands, that of the gear by
+differences of its forces. In Exudyn's own solvers a ball on a plate and the bush's chain; on the gear itself
+Runge and Kutta's method of fourth order, the package's witness (`accuracy.explicit`): explicit solvers of
+Exudyn hold a driven gear still.
+"""
+
+import json
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.accuracy.explicit import FreeMotion
+from rps_exudyn.analysis.explicit_limit import (
+    disturbance_dies,
+    explicit_euler,
+    largest_damping,
+    largest_frequency,
+    runge_kutta_4,
+    stable_step,
+    state_matrix,
+)
+from rps_exudyn.analysis.stability import bisected
+from rps_exudyn.charts.stability import draw_limits
+from rps_exudyn.drive import DrivenBody, Steady, travel_per_radian
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.solids import bush_segment_solid
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parts.bush import add_chain, bush_chain, resting_segments
+
+OUT = Path(__file__).parents[1] / "results" / "stability"
+GEAR = SteeringGear()
+RPM = np.pi / 30
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A bisected limit of the step and the predicted one [s]."""
+
+    line: str
+    at: str
+    measured: float
+    predicted: float
+    by_frequency: float = float("nan")  # of omega_max or c_max alone
+    by_damping: float = float("nan")
+
+
+# --- Exudyn's explicit solvers ----------------------------------------------------------------------
+def ball_pressed() -> Iterator[Limit]:
+    """A ball of 10 g on a plate in GeneralContact, by velocity Verlet: 2 / omega."""
+    for stiffness in (1e5, 1e6, 1e7, 1e8):
+        predicted = 2 / np.sqrt(stiffness / BALL)
+        limit = bisected(
+            lambda h, k=stiffness: _bounded(_ball(k), h, 400, "VelocityVerlet"),
+            0.45 * predicted,
+            2.5 * predicted,
+        )
+        yield Limit("Verlet, ball on a plate", f"{stiffness:g} N/m", limit, predicted)
+
+
+STICK_ZONE = 1e-3  # [m/s]
+STICK_LIMITS = {"ExplicitEuler": explicit_euler, "VelocityVerlet": explicit_euler, "RK44": runge_kutta_4}
+
+
+def ball_held_by_friction() -> Iterator[Limit]:
+    """The same ball within the friction zone, where Coulomb's law is a damper: h mu N / (m v_zone)."""
+    stiffness, friction = 1e5, 0.5
+    rate = friction * 0.4e-3 * stiffness / (BALL * STICK_ZONE)
+    for solver, growth in STICK_LIMITS.items():
+        predicted = stable_step(np.array([[-rate]]), growth)
+
+        def sticks(h: float, solver: str = solver) -> bool:
+            mbs = _ball(stiffness, friction, 0.01 * STICK_ZONE)
+            _march(mbs, h, 400, solver)
+            return bool(abs(mbs.systemData.GetODE2Coordinates_t()[0]) < 0.01 * STICK_ZONE)
+
+        limit = bisected(sticks, 0.45 * predicted, 2.5 * predicted)
+        yield Limit("stick of a ball", solver, limit, predicted, by_damping=predicted)
+
+
+def chain_alone() -> Iterator[Limit]:
+    """The bush's chain alone, by velocity Verlet: 2 / omega_max."""
+    for segments in (1, 2, 5, 10, 25):
+        predicted = 2 / chain_frequency(segments)
+        limit = bisected(lambda h, n=segments: chain_is_bounded(n, h), 0.45 * predicted, 2.5 * predicted)
+        yield Limit("Verlet, bush as a chain", f"{segments} segments", limit, predicted)
+
+
+BALL = 0.01  # [kg]
+
+
+def _ball(stiffness: float, friction: float = 0.0, slip: float = 0.0) -> Any:
+    """Pressed 0.4 mm deep; it slides along x with `slip` [m/s]."""
+    import exudyn as exu
+    from exudyn.itemInterface import (
+        Force,
+        MarkerBodyPosition,
+        MarkerBodyRigid,
+        MarkerNodePosition,
+        NodePoint,
+        ObjectGround,
+        ObjectMassPoint,
+    )
+
+    exu.config.printToConsole, exu.config.suppressWarnings = False, True
+    mbs = exu.SystemContainer().AddSystem()
+    plate = mbs.AddMarker(MarkerBodyRigid(bodyNumber=mbs.AddObject(ObjectGround())))
+    contact = mbs.AddGeneralContact()
+    contact.verboseMode, contact.sphereSphereContact = 0, False
+    contact.frictionProportionalZone = STICK_ZONE
+    contact.SetFrictionPairings(friction * np.eye(1))
+    contact.SetSearchTreeBox(pMin=[-1, -1, -1], pMax=[3, 3, 1])
+    contact.SetSearchTreeCellSize(numberOfCells=[4, 4, 4])
+    corners = np.array([[-1.0, -1, 0], [3, -1, 0], [-1, 3, 0]])
+    contact.AddTrianglesRigidBodyBased(plate, 1e6 * stiffness, 0.0, 0, corners, [[0, 1, 2]])
+    rates = [slip, 0, 1e-9]
+    node = mbs.AddNode(NodePoint(referenceCoordinates=[0.1, 0.1, 0.6e-3], initialVelocities=rates))
+    body = mbs.AddObject(ObjectMassPoint(mass=BALL, nodeNumber=node))
+    contact.AddSphereWithMarker(mbs.AddMarker(MarkerBodyPosition(bodyNumber=body)), 1e-3, stiffness, 0.0, 0)
+    marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+    mbs.AddLoad(Force(markerNumber=marker, loadVector=[0, 0, -0.4e-3 * stiffness]))  # which holds it there
+    mbs.Assemble()
+    return mbs
+
+
+def _chain(segments: int) -> Any:
+    import exudyn as exu
+
+    exu.config.printToConsole, exu.config.suppressWarnings = False, True
+    gear = GEAR.replace({"bush.segments": segments})
+    mbs, parts = exu.SystemContainer().AddSystem(), bush_chain(gear)
+    rest = resting_segments(gear, parts, np.array([1e-3, 1e-3, 1e-3, 1e-5, 1e-5, 1e-5]), parts.end_station)
+    solid = bush_segment_solid(gear).mass_properties
+    height = GearPair.of(gear).bar_axis_height
+    add_chain(mbs, gear, parts, rest, mass=solid.mass, inertia=solid.inertia, axis_height=height)
+    mbs.Assemble()
+    return mbs
+
+
+def chain_frequency(segments: int) -> float:
+    """omega_max of the chain as Exudyn linearises it [rad/s]."""
+    from scipy.linalg import eigh
+
+    mass, stiffness, _ = _chain(segments).ComputeLinearizedSystem()
+    return float(np.sqrt(eigh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2, eigvals_only=True)[-1]))
+
+
+def chain_is_bounded(segments: int, step: float) -> bool:
+    """Whether a chain that was bent a little stays so for 2000 steps of velocity Verlet."""
+    return _bounded(_chain(segments), step, 2000, "VelocityVerlet")
+
+
+def _bounded(mbs: Any, step: float, steps: int, solver: str) -> bool:
+    """Whether what was disturbed a little stays small."""
+    import exudyn as exu
+
+    try:
+        _march(mbs, step, steps, solver)
+    except exu.ExudynError:  # a mass matrix of nan
+        return False
+    state = mbs.systemData.GetODE2Coordinates()
+    return bool(np.isfinite(state).all() and np.abs(state).max() < 1e-4)
+
+
+def _march(mbs: Any, step: float, steps: int, solver: str) -> None:
+    import exudyn as exu
+
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    time = settings.timeIntegration
+    time.endTime, time.numberOfSteps = step * steps, steps
+    time.adaptiveStep = time.automaticStepSize = False
+    mbs.SolveDynamic(settings, solverType=getattr(exu.DynamicSolverType, solver))
+
+
+# --- Runge and Kutta on the gear --------------------------------------------------------------------
+@dataclass(frozen=True)
+class Gears:
+    """One parameter of a driven gear at several values."""
+
+    line: str
+    driven: str  # "pinion", "rack", whose pinion is free, or "nothing": the pinion is held
+    path: str  # of the gear's parameter or, after "fidelity.", of a choice
+    values: tuple[float, ...]
+    show: str = "{:g}"
+    unit: float = 1.0
+
+
+LINES = (
+    Gears(
+        "rack driven, contact stiffness",
+        "rack",
+        "mesh.stiffness",
+        (1e12, 5e12, 2e13, 1e14, 5e14),
+        "{:g} N/m³",
+    ),
+    Gears("pinion driven, seat stiffness", "pinion", "yoke.seat_stiffness", (2e7, 2e8, 2e9), "{:g} N/m"),
+    Gears("pinion driven, plunger mass", "pinion", "yoke.plunger_mass", (0.006, 0.06, 0.6), "{:g} g", 1e-3),
+    Gears(
+        "rack driven, pinion density",
+        "rack",
+        "pinion.density",
+        (785.0, 2500.0, 7850.0, 78500.0),
+        "{:g} kg/m³",
+    ),
+    Gears("rack driven, mesh damping", "rack", "mesh.damping", (1e-6, 1e-5, 1e-4, 1e-3), "{:g} µs", 1e-6),
+    Gears(
+        "pinion driven, speed",
+        "pinion",
+        "test.speed",
+        tuple(n * RPM for n in (0.5, 3, 15, 60, 300)),
+        "{:g} rpm",
+        RPM,
+    ),
+    Gears(
+        "pinion driven, friction zone",
+        "pinion",
+        "fidelity.zone_ratio",
+        (0.01, 0.1, 1.0),
+        "{:g} of the sliding speed",
+    ),
+    Gears(
+        "pinion held, friction zone",
+        "nothing",
+        "fidelity.zone_ratio",
+        (0.01, 0.03, 0.1, 0.3, 1.0),
+        "{:g} of the sliding speed",
+    ),
+)
+
+
+def on_the_gear() -> Iterator[Limit]:
+    """Every line by Runge and Kutta's method of fourth order."""
+    for line in LINES:
+        for value in line.values:
+            driven = DrivenGear.of(line.driven, line.path, value)
+            limit = bisected(driven.calms, 0.45 * driven.predicted, 2.5 * driven.predicted)
+            at = line.show.format(round(value / line.unit, 9))
+            yield Limit(line.line, at, limit, driven.predicted, *simple_limits(driven.motion))
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenGear:
+    """A gear driven from its centre at the test's speed, or held there, for Runge and Kutta's method."""
+
+    gear: SteeringGear
+    fidelity: Fidelity
+    motion: FreeMotion
+
+    @classmethod
+    def of(cls, driven: str, path: str, value: float) -> "DrivenGear":
+        """With one parameter changed."""
+        choice = path.removeprefix("fidelity.")
+        fidelity = Fidelity().replace({choice: value} if choice != path else {})
+        gear = GEAR.replace({path: value} if choice == path else {})
+        return cls(gear, fidelity, FreeMotion.of(gear, fidelity, _drive(gear, driven)))
+
+    @property
+    def zone(self) -> float:
+        """Friction's [m/s]."""
+        sliding = GearPair.of(self.gear).least_sliding * self.gear.test.speed
+        return float(self.fidelity.zone_ratio * sliding)
+
+    @property
+    def predicted(self) -> float:
+        """Largest stable step of Runge and Kutta's method [s]."""
+        return stable_step(state_matrix(self.motion), runge_kutta_4)
+
+    def calms(self, step: float) -> bool:
+        """Whether a disturbance dies at that step [s]."""
+        return disturbance_dies(self.motion, step, self.zone)
+
+
+def _drive(gear: SteeringGear, driven: str) -> Steady:
+    body: DrivenBody = "rack" if driven == "rack" else "pinion"
+    speed = 0.0 if driven == "nothing" else gear.test.speed
+    return Steady(body, 0.0, travel_per_radian(body, float(GearPair.of(gear).gain)) * speed)
+
+
+def simple_limits(motion: FreeMotion) -> tuple[float, float]:
+    """Bounds of the method over omega_max and over c_max alone [s]: of an oscillator, of a damper."""
+    frequency, damping = largest_frequency(motion), largest_damping(motion)
+    oscillator = np.array([[0.0, 1.0], [-(frequency**2), 0.0]])
+    return stable_step(oscillator, runge_kutta_4), stable_step(np.array([[-damping]]), runge_kutta_4)
+
+
+# --- all --------------------------------------------------------------------------------------------
+def main() -> None:
+    start, limits = process_time(), []
+    for each in (ball_pressed, ball_held_by_friction, chain_alone, on_the_gear):
+        for limit in each():
+            limits.append(asdict(limit))
+            print(limit, f"{limit.measured / limit.predicted:.3f}", flush=True)
+    (OUT / "explicit.json").write_text(json.dumps(limits, indent=1))
+    draw_limits(limits, OUT / "explicit.png")
+    print(f"{process_time() - start:.0f} s of processor time")
+
+
+if __name__ == "__main__":
+    main()

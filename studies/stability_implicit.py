@@ -1,0 +1,178 @@
+"""The largest step of implicit dynamics and of equilibria whose mean is right, bisected to 5 %.
+
+    python studies/stability_implicit.py       writes results/stability/implicit.json
+
+Along lines of stiffness, speed, friction zone, teeth, inertia and segments; over one tooth pitch, of which
+every step is a whole fraction, and over several, which tells the step itself. Beside each stands what the
+guard before a run allows: `guards.STEPS_PER_PITCH` steps per tooth pitch.
+"""
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.analysis.stability import (
+    STILL,
+    STRIP,
+    Plan,
+    bisected,
+    error_of,
+    naked,
+    processor_time,
+    reference,
+    tried,
+)
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.guards import STEPS_PER_PITCH
+from rps_exudyn.outcome import Status
+from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.result import Result
+
+OUT = Path(__file__).parents[1] / "results" / "stability"
+GEAR = SteeringGear()
+FINEST, COARSEST, LADDER = 1.0, 40.0, 1.25  # [deg], [deg], from step to step
+PITCHES = (1.0, 5.4)  # of a record
+BOUNDS = (0.01, 0.05)
+SIGNAL = {"free-pinion-torque": "pinion_torque", "rack-push": "rack_force"}
+TIME_LIMIT = 20.0  # processor time of a run [s]
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """One parameter at several values."""
+
+    line: str
+    path: str
+    values: tuple[float, ...]
+    show: str = "{:g}"
+    unit: float = 1.0
+    scene: str = "free-pinion-torque"
+    choices: dict[str, Any] = field(default_factory=dict)
+    along: dict[str, tuple[float, ...]] = field(default_factory=dict)  # parameters that move with it
+
+    def plans(self, pitches: float) -> Iterator[tuple[str, Plan]]:
+        """What is varied, and the plan, for each value."""
+        for k, value in enumerate(self.values):
+            gear = GEAR.replace({self.path: value} | {path: values[k] for path, values in self.along.items()})
+            gear = gear.replace({"test.turns": pitches / gear.pinion.teeth})
+            told = self.show.format(round(value / self.unit, 9))
+            yield told, Plan(self.scene, gear, Fidelity().replace(self.choices))
+
+
+RPM = np.pi / 30
+SPEEDS = tuple(n * RPM for n in (0.5, 3, 15, 60, 300))
+TEETH = {"along": {"pinion.tip_diameter": (16.2e-3, 18.2e-3, 22.2e-3, 26.2e-3)}}
+PUSH = "rack-push"
+SWEEPS = (
+    Sweep("contact stiffness", "mesh.stiffness", (1e12, 2e13, 5e14), "{:g} N/m³"),
+    Sweep("test speed", "test.speed", SPEEDS, "{:g} rpm", RPM),
+    Sweep("friction zone 0.01", "test.speed", SPEEDS[::2], "{:g} rpm", RPM, choices={"zone_ratio": 0.01}),
+    Sweep("friction zone 1", "test.speed", SPEEDS[::2], "{:g} rpm", RPM, choices={"zone_ratio": 1.0}),
+    Sweep("teeth", "pinion.teeth", (5, 6, 8, 10), **TEETH),
+    Sweep(
+        "pinion's density, rack driven", "pinion.density", (785.0, 7850.0, 785e3), "{:g} kg/m³", scene=PUSH
+    ),
+    Sweep("segments of the bush", "bush.segments", (1, 5, 25), choices={"bush": "chain"}),
+    Sweep(
+        "equilibria, stiffness",
+        "mesh.stiffness",
+        (1e12, 2e13, 5e14),
+        "{:g} N/m³",
+        choices={"solver": "equilibrium"},
+    ),
+)
+
+
+@dataclass(frozen=True)
+class CoarseStep:
+    """The largest step that is right, as all finer ones are [deg]; nan if not even the finest is."""
+
+    line: str
+    at: str
+    pitches: float  # of the record
+    mean_1: float  # error of the mean 1 %
+    mean_5: float  # 5 %
+    curve_1: float  # error of the curve, joined by straight lines, RMS in % of the mean
+    curve_5: float
+    guard: float  # allowed before a run
+    beyond: str  # what comes after the limit of 5 % of the mean
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What a step gives."""
+
+    mean: float  # error, infinite of a run that fails
+    curve: float
+    words: str
+
+
+def coarse_steps() -> Iterator[CoarseStep]:
+    """Of every sweep."""
+    for sweep in SWEEPS:
+        for pitches in PITCHES:
+            for at, plan in sweep.plans(pitches):
+                yield _coarse_step(sweep.line, at, pitches, plan)
+
+
+def _coarse_step(line: str, at: str, pitches: float, plan: Plan) -> CoarseStep:
+    finest = plan.with_step(FINEST)
+    still = naked(Plan(plan.scene, plan.gear, plan.fidelity.replace(STILL | STRIP)))
+    true = reference(finest, finest.figure(naked(finest)))
+    seen: dict[float, Trial] = {}
+
+    def trial(step: float) -> Trial:
+        if step not in seen:
+            seen[step] = _trial(plan.with_step(step), true, still)
+        return seen[step]
+
+    limits = [_largest(lambda h, b=bound: trial(h).mean <= b) for bound in BOUNDS]
+    limits += [_largest(lambda h, b=bound: trial(h).curve <= b) for bound in BOUNDS]
+    wrong = min((step for step, found in seen.items() if not found.mean <= BOUNDS[1]), default=None)
+    beyond = seen[wrong].words if wrong else "none up to the largest step allowed"
+    return CoarseStep(line, at, pitches, *limits, 360 / plan.gear.pinion.teeth / STEPS_PER_PITCH, beyond)
+
+
+def _trial(plan: Plan, true: float, still: Result) -> Trial:
+    try:
+        with processor_time(TIME_LIMIT):
+            result, told = tried(plan)
+    except TimeoutError as error:
+        return Trial(np.inf, np.inf, str(error))
+    if result.status is not Status.OK:
+        return Trial(np.inf, np.inf, result.status.value)
+    error, signal = error_of(plan.figure(result), true), SIGNAL[plan.scene]
+    joined = np.interp(still["pinion_angle"], result["pinion_angle"], result[signal])
+    curve = float(np.sqrt(np.mean((joined - still[signal]) ** 2)) / abs(true))
+    return Trial(abs(error), curve, f"{error:+.1%} of the mean, {'told' if told else 'not told'}")
+
+
+def _largest(holds: Callable[[float], bool]) -> float:
+    """The largest step [deg] up to which all hold, on a ladder and then bisected to 5 %."""
+    good = FINEST
+    if not holds(good):
+        return float("nan")
+    while good < COARSEST:
+        bad = min(good * LADDER, COARSEST)
+        if not holds(bad):
+            return bisected(holds, good, bad)
+        good = bad
+    return COARSEST
+
+
+def main() -> None:
+    start, steps = process_time(), []
+    for step in coarse_steps():
+        steps.append(asdict(step))
+        print(step, flush=True)
+    (OUT / "implicit.json").write_text(json.dumps(steps, indent=1))
+    print(f"{process_time() - start:.0f} s of processor time")
+
+
+if __name__ == "__main__":
+    main()
