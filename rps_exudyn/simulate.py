@@ -11,8 +11,7 @@ from rps_exudyn.gears.checks import geometry_report
 from rps_exudyn.guards import refused
 from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.quantities import GEOMETRY
-from rps_exudyn.result import Result
+from rps_exudyn.result import Result, failed
 from rps_exudyn.scenes.free_pinion_torque import free_pinion_torque
 from rps_exudyn.scenes.load_test import load_test
 from rps_exudyn.scenes.rack_push import rack_push
@@ -28,19 +27,17 @@ SCENES: dict[str, Callable[[SteeringGear, Fidelity], SceneRun]] = {
     "yoke-impact": yoke_impact,
 }
 
-FLANK = Fidelity.preset("flank")
-"""What is run if nothing is chosen."""
-
 
 def run(
     scene: str,
     gear: SteeringGear | None = None,
     *,
-    fidelity: str | Fidelity = FLANK,
+    fidelity: str | Fidelity | None = None,
     accuracy: str | None = None,
     **test: Any,
 ) -> Result:
-    """Simulate a scene; keyword arguments replace settings of the test, for instance `turns=1`.
+    """Simulate a scene, by default with the preset `flank`; keyword arguments replace settings of the test,
+    for instance `turns=1`.
 
     With `accuracy`, for instance "1%", the cheapest model that keeps this error is taken, of all or of the
     preset named by `fidelity`; `result.solver["accuracy"]` says which and why.
@@ -59,24 +56,24 @@ def run(
             f"gear is a {type(gear).__name__}; it must be a SteeringGear, for instance "
             'SteeringGear().replace({"yoke.preload": "400 N"}).'
         )
-    if not isinstance(fidelity, str | Fidelity):
+    if not isinstance(fidelity, str | Fidelity | None):
         raise InputError(f"fidelity is {fidelity!r}; it must be one of {', '.join(PRESETS)}, or a Fidelity.")
     gear = (gear or SteeringGear()).replace({f"test.{name}": value for name, value in test.items()})
     if accuracy is not None:
         return _run_at(scene, gear, fidelity, accuracy)
-    chosen = Fidelity.preset(fidelity) if isinstance(fidelity, str) else fidelity
+    chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity or "flank")
     return _guarded(scene, gear, chosen)
 
 
-def _run_at(scene: str, gear: SteeringGear, preset: str | Fidelity, accuracy: str) -> Result:
+def _run_at(scene: str, gear: SteeringGear, preset: str | Fidelity | None, accuracy: str) -> Result:
     """By the cheapest model of this accuracy."""
     from rps_exudyn.accuracy.choice import beyond_promise, choose, percent
 
-    if isinstance(preset, Fidelity) and preset is not FLANK:
+    if isinstance(preset, Fidelity):
         raise InputError(
             "accuracy chooses the model itself; give fidelity by the name of a preset, or leave it out."
         )
-    choice = choose(scene, gear, percent(accuracy), preset if isinstance(preset, str) else None)
+    choice = choose(scene, gear, percent(accuracy), preset)
     result = _guarded(scene, gear, choice.fidelity)
     told = choice.why + beyond_promise(gear, result.signals).removeprefix(beyond_promise(gear))
     return replace(result, solver={**result.solver, "accuracy": told})
@@ -91,18 +88,8 @@ def _guarded(scene: str, gear: SteeringGear, chosen: Fidelity) -> Result:
 
 def _refused(scene: str, gear: SteeringGear, chosen: Fidelity, message: str) -> Result:
     """Of a plan that was not run, because its numbers would be wrong."""
-    report = geometry_report(gear)
-    return Result(
-        scene=scene,
-        gear=gear,
-        fidelity=chosen.model_dump(),
-        solver={"refused": message},
-        status=Status.INVALID,
-        message=f"not run: {message}",
-        geometry={name: getattr(report, name) for name in GEOMETRY},
-        cpu_s=0.0,
-        wall_s=0.0,
-    )
+    nothing = failed(scene, gear, chosen, Status.INVALID, f"not run: {message}")
+    return replace(nothing, solver={"refused": message}, geometry=geometry_report(gear).numbers)
 
 
 def unguarded(scene: str, gear: SteeringGear, chosen: Fidelity) -> Result:
@@ -124,7 +111,7 @@ def unguarded(scene: str, gear: SteeringGear, chosen: Fidelity) -> Result:
         signals=done.signals,
         summary=done.summary,
         counters={**done.outcome.counters, "solver_cpu": done.outcome.cpu_s},
-        geometry={name: getattr(report, name) for name in GEOMETRY},
+        geometry=report.numbers,
         cpu_s=process_time() - cpu,
         wall_s=perf_counter() - wall,
     )

@@ -11,7 +11,7 @@ from rps_exudyn.fidelity import Fidelity
 SCENE = "free-pinion-torque"
 
 
-@pytest.mark.parametrize("fidelity", [3, None, {"mesh": "flank"}])
+@pytest.mark.parametrize("fidelity", [3, {"mesh": "flank"}])
 def test_fidelity_is_a_name_or_a_fidelity(fidelity: Any) -> None:
     with pytest.raises(InputError, match=r"^fidelity is .*; it must be one of full, .*, or a Fidelity\.$"):
         rps.run(SCENE, fidelity=fidelity)
