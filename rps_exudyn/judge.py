@@ -130,8 +130,7 @@ def torque_resolved(signals: dict[str, np.ndarray]) -> Failure:
         (share for n, share in HIDDEN if len(force) <= n), 0.0
     )
     missed = max(missed, hidden)
-    turned = float(np.abs(np.diff(signals["pinion_angle"])).sum())
-    if not missed <= RESOLVED_BOUND * abs(work) + MISSED_TORQUE * turned + ROUNDING:
+    if not missed <= RESOLVED_BOUND * abs(work) + least_work(signals):
         yield (
             Status.INVALID,
             f"the steps are too coarse: {len(force) - 1} of them, between which up to "
@@ -202,8 +201,12 @@ def edges_spared(signals: dict[str, np.ndarray], bound: float) -> Failure:
 
 
 def _is_small(work: float, bound: float, signals: dict[str, np.ndarray]) -> bool:
-    turned = float(np.abs(np.diff(signals["pinion_angle"])).sum())
-    return abs(work) <= max(bound * largest_work(signals), MISSED_TORQUE * turned + ROUNDING)
+    return abs(work) <= max(bound * largest_work(signals), least_work(signals))
+
+
+def least_work(signals: dict[str, np.ndarray]) -> float:
+    """Below which work does not count [J]."""
+    return MISSED_TORQUE * float(np.abs(np.diff(signals["pinion_angle"])).sum()) + ROUNDING
 
 
 def first_angle(signals: dict[str, np.ndarray], where: np.ndarray) -> str:

@@ -108,9 +108,7 @@ def choose(scene: str, gear: SteeringGear, wanted: float, preset: str | None = N
 
 def beyond_promise(gear: SteeringGear, signals: Mapping[str, np.ndarray] | None = None) -> str:
     """Why the table promises nothing for this gear, or for what its run has shown; empty if it does."""
-    pair = GearPair.of(gear)
-    levers = pair.friction_lever(np.linspace(*pair.field, 201))
-    if levers.min() < LEAST_SLIDING * levers.mean():
+    if GearPair.of(gear).slowest_sliding < LEAST_SLIDING:
         return (
             "; NOT promised for this gear, whose teeth hardly slide at the pitch point: friction jumps there"
         )
