@@ -44,9 +44,11 @@ def cluster(address: str, time_limit: float) -> Iterator[Run]:
 def _connected(address: str) -> "Iterator[Client]":
     try:
         from distributed import Client
+        from distributed.comm.addressing import get_address_host_port
     except ImportError:
         raise InputError("--cluster needs Dask: pip install 'rps-exudyn[cluster]'.") from None
     try:
+        get_address_host_port(address)  # a client that fails at it prints a traceback much later
         client = Client(address, timeout=CONNECTING, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         raise InputError(f"--cluster {address}: no scheduler answers there ({_first_line(error)}).") from None
