@@ -49,8 +49,15 @@ class Limit:
     at: str
     measured: float
     predicted: float
-    by_frequency: float = float("nan")  # of omega_max or c_max alone
-    by_damping: float = float("nan")
+    by_frequency: float | None = None  # predicted from omega_max alone ...
+    by_damping: float | None = None  # ... and from c_max alone
+
+
+def _about(predicted: float) -> tuple[float, float]:
+    """Steps well below and above a prediction, powers of four: where bisection looks is not its choice."""
+    return 4.0 ** np.floor(np.log(predicted / 1.5) / np.log(4)), 4.0 ** np.ceil(
+        np.log(predicted * 1.5) / np.log(4)
+    )
 
 
 # --- Exudyn's explicit solvers ----------------------------------------------------------------------
@@ -59,9 +66,7 @@ def ball_pressed() -> Iterator[Limit]:
     for stiffness in (1e5, 1e6, 1e7, 1e8):
         predicted = 2 / np.sqrt(stiffness / BALL)
         limit = bisected(
-            lambda h, k=stiffness: _bounded(_ball(k), h, 400, "VelocityVerlet"),
-            0.45 * predicted,
-            2.5 * predicted,
+            lambda h, k=stiffness: _bounded(_ball(k), h, 400, "VelocityVerlet"), *_about(predicted)
         )
         yield Limit("Verlet, ball on a plate", f"{stiffness:g} N/m", limit, predicted)
 
@@ -82,7 +87,7 @@ def ball_held_by_friction() -> Iterator[Limit]:
             _march(mbs, h, 400, solver)
             return bool(abs(mbs.systemData.GetODE2Coordinates_t()[0]) < 0.01 * STICK_ZONE)
 
-        limit = bisected(sticks, 0.45 * predicted, 2.5 * predicted)
+        limit = bisected(sticks, *_about(predicted))
         yield Limit("stick of a ball", solver, limit, predicted, by_damping=predicted)
 
 
@@ -90,7 +95,7 @@ def chain_alone() -> Iterator[Limit]:
     """The bush's chain alone, by velocity Verlet: 2 / omega_max."""
     for segments in (1, 2, 5, 10, 25):
         predicted = 2 / chain_frequency(segments)
-        limit = bisected(lambda h, n=segments: chain_is_bounded(n, h), 0.45 * predicted, 2.5 * predicted)
+        limit = bisected(lambda h, n=segments: chain_is_bounded(n, h), *_about(predicted))
         yield Limit("Verlet, bush as a chain", f"{segments} segments", limit, predicted)
 
 
@@ -243,7 +248,7 @@ def on_the_gear() -> Iterator[Limit]:
     for line in LINES:
         for value in line.values:
             driven = DrivenGear.of(line.driven, line.path, value)
-            limit = bisected(driven.calms, 0.45 * driven.predicted, 2.5 * driven.predicted)
+            limit = bisected(driven.calms, *_about(driven.predicted))
             at = line.show.format(round(value / line.unit, 9))
             yield Limit(line.line, at, limit, driven.predicted, *simple_limits(driven.motion))
 

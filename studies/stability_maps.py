@@ -81,8 +81,8 @@ def maps_of(
             setup = setup_of(study, Case("", fixed | {x.name: a, y.name: b}))
             return Plan(study.scene, setup.steering_gear, setup.fidelity)
 
-        cells = [[cell_and_told(plan_of(a, b), methods) for a in x.values or ()] for b in y.values or ()]
-        plans = [plan_of(a, (y.values or ())[0]) for a in x.values or ()]
+        cells = [[cell_and_told(plan_of(a, b), methods) for a in _rising(x)] for b in _rising(y)]
+        plans = [plan_of(a, _rising(y)[0]) for a in _rising(x)]
         maps.append(
             StabilityMap(
                 f"{plans[0].fidelity.solver}, {plans[0].fidelity.mesh}",
@@ -117,8 +117,13 @@ def _label(axis: Axis) -> str:
     return axis_quantity(axis).axis_label(axis.paths[0])
 
 
+def _rising(axis: Axis) -> list[Any]:
+    """Its values; a study file may begin with those that are cheap and safe to try."""
+    return sorted(axis.values or ())
+
+
 def _displayed(axis: Axis) -> list[float]:
-    return [float(round(axis_quantity(axis).displayed(value), 12)) for value in axis.values or ()]
+    return [float(round(axis_quantity(axis).displayed(value), 12)) for value in _rising(axis)]
 
 
 def two_steps_per_pitch(gear: SteeringGear, fidelity: Fidelity) -> float:

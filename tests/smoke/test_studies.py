@@ -42,7 +42,9 @@ def test_study_runs_at_toy_size(file: Path, tmp_path: Path) -> None:
     tally = run_study(plan, in_this_process, workers_write=True)
     assert tally.statuses[Status.OK] >= len(plan.missing) / 2
     store = Store.open(tmp_path / file.stem)
-    expected = "efficiency_forward" if store.description.scene == "load-test" else "torque_mean"
+    expected = {"load-test": "efficiency_forward", "rack-push": "push_force_mean"}.get(
+        store.description.scene, "torque_mean"
+    )
     for _, row in store.rows():
         assert row.status is not Status.OK or expected in row.summary
     assert not store.skipped

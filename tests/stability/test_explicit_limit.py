@@ -1,0 +1,68 @@
+"""The largest step of explicit integration follows from the linearised gear, within 10 %."""
+
+import numpy as np
+import pytest
+
+from rps_exudyn.accuracy.explicit import FreeMotion
+from rps_exudyn.analysis.explicit_limit import (
+    disturbance_dies,
+    explicit_euler,
+    largest_damping,
+    largest_frequency,
+    runge_kutta_4,
+    stable_step,
+    state_matrix,
+)
+from rps_exudyn.drive import Steady
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters import SteeringGear
+
+STEPS = 120
+SPEED = SteeringGear().test.speed
+TRAVEL = float(GearPair.of(SteeringGear()).gain) * SPEED
+DRIVES = {
+    "plunger on its seat, pinion driven": (Steady("pinion", 0.0, SPEED), {}, {}),
+    "light pinion on hard teeth, rack driven": (Steady("rack", 0.0, TRAVEL), {"mesh.stiffness": 5e14}, {}),
+    "damped teeth, rack driven": (Steady("rack", 0.0, TRAVEL), {"mesh.damping": 1e-4}, {}),
+    "stick, pinion held": (Steady("pinion", 0.0, 0.0), {}, {"zone_ratio": 0.03}),
+}
+
+
+@pytest.mark.parametrize("case", DRIVES)
+def test_disturbance_dies_below_the_predicted_step_and_grows_above(case: str) -> None:
+    drive, settings, choices = DRIVES[case]
+    gear, fidelity = SteeringGear().replace(settings), Fidelity().replace(choices)
+    motion = FreeMotion.of(gear, fidelity, drive)
+    limit = stable_step(state_matrix(motion), runge_kutta_4)
+    zone = float(fidelity.zone_ratio * GearPair.of(gear).least_sliding * gear.test.speed)
+    assert disturbance_dies(motion, 0.9 * limit, zone, STEPS)
+    assert not disturbance_dies(motion, 1.1 * limit, zone, STEPS)
+
+
+def test_stick_is_limited_by_friction_alone_and_sliding_by_the_largest_frequency() -> None:
+    """h mu N / (m_eff v_zone) where everything sticks; the zone does not matter where everything slides."""
+    still, turning = (
+        FreeMotion.of(SteeringGear(), Fidelity(), Steady("pinion", 0.0, speed)) for speed in (0.0, SPEED)
+    )
+    stick = stable_step(state_matrix(still), runge_kutta_4)
+    assert stick == pytest.approx(2.785 / largest_damping(still), rel=0.02)
+    slide = stable_step(state_matrix(turning), runge_kutta_4)
+    assert slide == pytest.approx(2.83 / largest_frequency(turning), rel=0.1)
+    assert stick < slide / 5
+
+
+@pytest.mark.parametrize(
+    ("growth", "matrix", "bound"),
+    [
+        (runge_kutta_4, [[0.0, 1.0], [-1e8, 0.0]], 2 * np.sqrt(2) / 1e4),  # an oscillator
+        (runge_kutta_4, [[-1e4]], 2.7853 / 1e4),  # a damper
+        (explicit_euler, [[-1e4]], 2.0 / 1e4),
+    ],
+)
+def test_bounds_of_the_methods(growth, matrix, bound) -> None:  # type: ignore[no-untyped-def]
+    assert stable_step(np.array(matrix), growth) == pytest.approx(bound, rel=5e-3)
+
+
+def test_what_grows_by_itself_is_no_instability_of_the_method() -> None:
+    assert stable_step(np.array([[+1.0]]), runge_kutta_4) == np.inf
