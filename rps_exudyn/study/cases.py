@@ -13,8 +13,9 @@ from rps_exudyn.errors import InputError
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.setup import Setup
+from rps_exudyn.study.axis_tables import CUT
+from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import GRID_DESIGN, Axis, Case, Description, Value
-from rps_exudyn.study.study_file import CUT, Study
 
 MODEL_VERSION = 1
 """To be raised when the same parameters give other numbers: finished cases are then done anew."""

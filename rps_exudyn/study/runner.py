@@ -18,11 +18,11 @@ from rps_exudyn.provenance import provenance
 from rps_exudyn.result import failed
 from rps_exudyn.study.case_file import FileForms
 from rps_exudyn.study.cases import describe, setup_of
+from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Case, Description
 from rps_exudyn.study.processes import Done, Run, Task
 from rps_exudyn.study.progress import Log, bar
 from rps_exudyn.study.store import CaseRow, Store
-from rps_exudyn.study.study_file import Study
 
 
 @dataclass(frozen=True)

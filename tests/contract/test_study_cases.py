@@ -11,8 +11,9 @@ from rps_exudyn.result import Result, failed, load
 from rps_exudyn.setup import Setup
 from rps_exudyn.study.case_file import FileForms, kept
 from rps_exudyn.study.cases import case_hash, describe, points, setup_of
+from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Axis, Description, Keep
-from rps_exudyn.study.study_file import Study, read_study
+from rps_exudyn.study.study_file import read_study
 
 LINKED = """
 scene = "free-pinion-torque"

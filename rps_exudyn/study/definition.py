@@ -1,0 +1,76 @@
+"""A study as its author means it: a base of gear and fidelity, and axes that vary it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from rps_exudyn.fidelity import name_of
+from rps_exudyn.setup import Setup
+from rps_exudyn.study.description import Axis, Keep
+
+FIDELITY = "fidelity."
+
+
+@dataclass(frozen=True)
+class Study:
+    """What a study file says. `tables` and `settings` make the base that the axes vary."""
+
+    file: Path
+    title: str
+    scene: str
+    tables: Mapping[str, Any]
+    settings: Mapping[str, Any]
+    axes: tuple[Axis, ...]
+    design: str
+    samples: int
+    seed: int
+    time_limit: float  # [s]
+    keep: Keep
+
+    @property
+    def name(self) -> str:
+        return self.file.stem
+
+    @cached_property
+    def base(self) -> Setup:
+        """Gear and fidelity that the axes vary.
+
+        Raises:
+            InputError: parameters that are wrong.
+        """
+        return Setup.from_tables(self.tables, self.settings, where=str(self.file))
+
+    def setup(self, settings: Mapping[str, Any]) -> Setup:
+        """The base with these settings (path -> value); the fidelity's name says what they changed in it.
+
+        Raises:
+            InputError: they do not fit each other.
+        """
+        if chosen := choices(settings):
+            settings = {**settings, f"{FIDELITY}name": name_of(self.base.fidelity.name, chosen)}
+        return Setup.from_tables(self._base_tables, settings, where=str(self.file))
+
+    @cached_property
+    def _base_tables(self) -> dict[str, Any]:
+        """All in SI: units are read once, not in every case."""
+        return self.base.model_dump()
+
+    def toy(self) -> "Study":
+        """The same study at the smallest size that still shows whether it works."""
+        return replace(self, axes=tuple(_first_two(axis) for axis in self.axes), samples=min(self.samples, 4))
+
+
+def choices(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """What of the settings concerns the fidelity, by the names within it."""
+    return {
+        path.removeprefix(FIDELITY): value for path, value in settings.items() if path.startswith(FIDELITY)
+    }
+
+
+def _first_two(axis: Axis) -> Axis:
+    if axis.values is None:
+        return axis
+    along = {path: values[:2] for path, values in axis.along.items()}
+    return replace(axis, values=axis.values[:2], along=along)
