@@ -2,8 +2,8 @@
 
     python studies/accuracy_limits.py [--out results/accuracy_speed]
 
-Draws contact_law.png and scaling.png, prints their numbers. Spheres and segments are read from the file that
-studies/accuracy_speed.py wrote for the free pinion torque.
+Draws contact_law.png and scaling.png, prints their numbers, keeps them in limits.json and writes report.html
+anew. Spheres and segments are read from what studies/accuracy_speed.py measured of the free pinion torque.
 """
 
 import argparse
@@ -13,12 +13,13 @@ from time import process_time
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from rps_exudyn.accuracy.limits import Limits
 from rps_exudyn.accuracy.measurement import Measurement, Point, load_measurement
 from rps_exudyn.accuracy.runs import run_scene
-from rps_exudyn.analysis.work_precision import power_law
 from rps_exudyn.charts.work_precision import draw_law_band, draw_scaling
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.report.accuracy_page import write_accuracy_report
 
 GEAR = SteeringGear()
 PITCH = 1 / GEAR.pinion.teeth
@@ -39,23 +40,31 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=Path(__file__).parents[1] / "results" / "accuracy_speed")
     folder = parser.parse_args().out
-    contact_law(folder)
-    scaling(folder)
-
-
-def contact_law(folder: Path) -> None:
-    angle = np.linspace(0, 2 * np.pi * PITCH, 241)
+    angle = np.linspace(0, 2 * np.pi * PITCH, 61)
     torques = {name: torque(angle, settings) for name, settings in LAWS.items()}
-    sure = torques[DEFAULT]
+    mean = torques[DEFAULT].mean()
+    zones = [(zone, 100 * (torque(angle, {}, {"zone_ratio": zone}).mean() / mean - 1)) for zone in ZONES]
+    limits = Limits(angle, torques, DEFAULT, zones, scaling(folder))
+    draw_law_band(angle, torques, DEFAULT, folder / "contact_law.png")
+    draw_scaling(limits.scaling, folder / "scaling.png")
+    limits.save(folder)
+    tell(limits)
+    write_accuracy_report(folder, folder / "report.html")
+
+
+def tell(limits: Limits) -> None:
+    """The tables of results/README.md."""
+    sure = limits.torques[DEFAULT]
     print("| contact law | mean N mm | against the default % | peak to peak N mm |\n|---|---|---|---|")
-    for name, found in torques.items():
+    for name, found in limits.torques.items():
         off = 100 * (found.mean() / sure.mean() - 1)
         print(f"| {name} | {1e3 * found.mean():.1f} | {off:+.2f} | {1e3 * np.ptp(found):.1f} |")
-    for zone in ZONES:
-        found = torque(angle, {}, {"zone_ratio": zone})
-        off = 100 * (found.mean() / sure.mean() - 1)
+    for zone, off in limits.zones:
         print(f"friction zone {zone:g} of the smallest sliding speed: {off:+.4f} %")
-    draw_law_band(angle, torques, DEFAULT, folder / "contact_law.png")
+    print("\n| size | from | to | CPU s | exponent |\n|---|---|---|---|---|")
+    for (name, (size, cost)), power in zip(limits.scaling.items(), limits.exponents, strict=True):
+        told = f"{size[0]:g} | {size[-1]:g} | {cost[0]:.3g} to {cost[-1]:.3g}"
+        print(f"| {name} | {told} | {power:.2f} |")
 
 
 def torque(angle: np.ndarray, gear: dict[str, object], model: dict[str, object] | None = None) -> np.ndarray:
@@ -66,14 +75,10 @@ def torque(angle: np.ndarray, gear: dict[str, object], model: dict[str, object] 
     return CubicSpline(run.signals["pinion_angle"], run.signals["pinion_torque"])(angle)
 
 
-def scaling(folder: Path) -> None:
+def scaling(folder: Path) -> "Series":
+    """Of what the study measured, as far as it is there, and of turns and cases."""
     file = folder / "free-pinion-torque.h5"
-    measured = {**(from_study(load_measurement(file)) if file.exists() else {}), **turns(), **cases()}
-    draw_scaling(measured, folder / "scaling.png")
-    print("\n| size | from | to | CPU s | exponent |\n|---|---|---|---|---|")
-    for name, (size, cost) in measured.items():
-        told = f"{size[0]:g} | {size[-1]:g} | {cost[0]:.3g} to {cost[-1]:.3g}"
-        print(f"| {name} | {told} | {power_law(size, cost)[0]:.2f} |")
+    return {**(from_study(load_measurement(file)) if file.exists() else {}), **turns(), **cases()}
 
 
 Series = dict[str, tuple[np.ndarray, np.ndarray]]

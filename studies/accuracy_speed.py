@@ -27,6 +27,7 @@ from rps_exudyn.errors import InputError
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.provenance import provenance
+from rps_exudyn.report.accuracy_page import write_accuracy_report
 from rps_exudyn.study.cases import describe, setup_of
 from rps_exudyn.study.description import Axis, Value
 from rps_exudyn.study.study_file import read_study
@@ -71,6 +72,7 @@ def main() -> None:
     asked.out.mkdir(parents=True, exist_ok=True)
     for scene in asked.scene or FILES:
         measure_scene(scene, asked.out, asked.again)
+        write_accuracy_report(asked.out, asked.out / "report.html")
 
 
 def measure_scene(scene: str, folder: Path, again: bool) -> None:

@@ -56,7 +56,7 @@ def draw_work_precision(measurement: Measurement, path: str | Path) -> None:
 def work_precision_figure(measurement: Measurement) -> Figure:
     """Cost upwards, error to the right, both in decades; each family's Pareto front is its line."""
     figure, (axes,) = style.panels([5.6], 9.0)
-    axes.set(xscale="log", yscale="log")
+    _in_decades(axes)
     floor = measurement.reference.uncertainty
     drawn = [point for point in measurement.points if point.ok and np.isfinite(point.error)]
     for family in FAMILIES:
@@ -85,6 +85,12 @@ def told_missing(measurement: Measurement) -> str:
     return f"unfinished: {total} of {len(measurement.planned)} points are missing ({parts})"
 
 
+def _in_decades(axes: Axes) -> None:
+    axes.set(xscale="log", yscale="log")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(lambda value, _: f"{value:g}")
+
+
 def _legend_beside(axes: Axes) -> None:
     if axes.get_legend_handles_labels()[1]:
         axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), frameon=False, borderpad=0)
@@ -98,7 +104,8 @@ def _draw_family(axes: Axes, family: str, points: list[Point], floor: float) -> 
     error = np.maximum([point.error for point in points], floor)
     cost = np.array([point.cost for point in points])
     front = pareto_front(cost, error)
-    axes.plot(error, cost, marker, color=colour, alpha=0.25, markersize=4, markeredgewidth=0)
+    # as an image, of which a page with hundreds of marks is half as large
+    axes.plot(error, cost, marker, color=colour, alpha=0.25, markersize=4, markeredgewidth=0, rasterized=True)
     order = np.argsort(error[front])
     axes.plot(error[front][order], cost[front][order], marker + "-", color=colour, markersize=6, label=family)
 
@@ -159,8 +166,13 @@ def draw_scaling(measured: Mapping[str, tuple[np.ndarray, np.ndarray]], path: st
     Raises:
         InputError: the file cannot be written.
     """
+    style.save(scaling_figure(measured), path)
+
+
+def scaling_figure(measured: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Figure:
+    """Both axes in decades."""
     figure, (axes,) = style.panels([4.6], 9.0)
-    axes.set(xscale="log", yscale="log")
+    _in_decades(axes)
     for colour, (name, (size, cost)) in zip(cycle(style.SEVERAL), measured.items(), strict=False):
         power, factor = power_law(size, cost)
         axes.plot(size, cost, "o", color=colour, markersize=5, label=f"{name}: exponent {power:.2f}")
@@ -169,7 +181,7 @@ def draw_scaling(measured: Mapping[str, tuple[np.ndarray, np.ndarray]], path: st
     axes.set_ylabel("processor time [s]")
     _legend_beside(axes)
     style.title(figure, "Cost against the size of the problem, and the exponents of cost ~ size^p")
-    style.save(figure, path)
+    return figure
 
 
 # --- the contact law's own uncertainty -------------------------------------------------------------
@@ -183,6 +195,11 @@ def draw_law_band(
     Raises:
         InputError: the file cannot be written.
     """
+    style.save(law_band_figure(angle, torques, default), path)
+
+
+def law_band_figure(angle: np.ndarray, torques: Mapping[str, np.ndarray], default: str) -> Figure:
+    """The band between the extremes, grey."""
     figure, (axes,) = style.panels([4.2], 9.0)
     degrees = SIGNALS["pinion_angle"].displayed(angle)
     quantity = SIGNALS["pinion_torque"]
@@ -202,4 +219,4 @@ def draw_law_band(
     style.angle_axis(axes)
     _legend_beside(axes)
     style.title(figure, "What the contact law itself leaves open")
-    style.save(figure, path)
+    return figure

@@ -1,0 +1,92 @@
+"""The report of the accuracy study: of a whole one, of a stopped one, of an empty folder."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rps_exudyn.accuracy.limits import Limits, load_limits
+from rps_exudyn.accuracy.measurement import Measurement, Point, load_measurement
+from rps_exudyn.accuracy.orders import fitted_orders
+from rps_exudyn.analysis.work_precision import Curve, Reference
+from rps_exudyn.errors import InputError
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.report.accuracy_page import front_of, write_accuracy_report
+
+
+def point(step: float, cost: float, error: float, message: str = "") -> Point:
+    fidelity = Fidelity.preset("quasi-static").replace({"step_angle": np.deg2rad(step), "strip_stations": 6})
+    numbers = {} if message else {"rms": error**2, "rms_linear": error, "bias": 0.0, "steps": 62.0}
+    return Point(
+        "quasi_static",
+        f"step {step:g}",
+        "quasi-static",
+        json.dumps(fidelity.model_dump()),
+        "no-convergence" if message else "ok",
+        message,
+        cost,
+        3,
+        **numbers,
+    )
+
+
+@pytest.fixture
+def stopped() -> Measurement:
+    """Lines of order 2 in the step; one point failed, one was not measured."""
+    time = np.linspace(0, 1, 20)
+    points = [point(step, 1e-3 / step, 0.01 * step**2) for step in (1, 2, 4)]
+    points += [point(5, 1e-3, 0.01, message="<no equilibrium>")]
+    planned = [("quasi_static", f"step {step}") for step in (1, 2, 4, 5, 8)]
+    reference = Reference(Curve(time, 1 + 0 * time), 1e-5, {"one - another": 1e-5})
+    return Measurement("free-pinion-torque", reference, points, planned, {"date": "today"})
+
+
+def test_a_stopped_study_is_told_and_the_rest_shown(stopped: Measurement, tmp_path: Path) -> None:
+    stopped.orders = fitted_orders(stopped)
+    stopped.save(tmp_path / "free-pinion-torque.h5")
+    write_accuracy_report(tmp_path, tmp_path / "report.html")
+    page = (tmp_path / "report.html").read_text()
+    assert "unfinished: 1 of 5 points are missing (1 of quasi_static)" in page
+    assert "&lt;no equilibrium&gt;" in page
+    assert "python studies/accuracy_speed.py --scene reversal" in page
+    assert "Nothing was measured: python studies/accuracy_limits.py" in page
+    assert "one - another" in page
+    assert "mathdefault" not in page
+    assert page.count("<svg") == 1
+
+
+def test_orders_are_fitted_and_kept(stopped: Measurement, tmp_path: Path) -> None:
+    stopped.orders = fitted_orders(stopped)
+    lines, splines = stopped.orders
+    assert (lines.observed, lines.expected, lines.points) == (pytest.approx(2.0), 2.0, 3)
+    assert splines.observed == pytest.approx(4.0)
+    stopped.save(tmp_path / "a.h5")
+    assert load_measurement(tmp_path / "a.h5").orders == stopped.orders
+
+
+def test_too_few_points_tell_no_order(stopped: Measurement) -> None:
+    del stopped.points[0]
+    assert [np.isnan(each.observed) for each in fitted_orders(stopped)] == [True, True]
+    stopped.scene = "reversal"
+    assert fitted_orders(stopped) == []
+
+
+def test_front_is_sorted_by_cost(stopped: Measurement) -> None:
+    beaten = point(3, 1.0, 1.0)
+    sound = [each for each in [*stopped.points, beaten] if each.ok]
+    assert [each.label for each in front_of(sound, 1e-5)] == ["step 4", "step 2", "step 1"]
+    assert len(front_of(sound, 10.0)) == 1  # below the floor nothing is more exact
+
+
+def test_limits_are_kept(tmp_path: Path) -> None:
+    angle = np.linspace(0, 1, 5)
+    size = np.array([1.0, 2, 4])
+    limits = Limits(angle, {"law": 1 + angle}, "law", [(0.1, 0.0)], {"turns": (size, 0.1 * size**2)})
+    limits.save(tmp_path)
+    assert load_limits(tmp_path).exponents == [pytest.approx(2.0)]
+    write_accuracy_report(tmp_path, tmp_path / "report.html")
+    assert (tmp_path / "report.html").read_text().count("<svg") == 2
+    (tmp_path / "limits.json").write_text("{}")
+    with pytest.raises(InputError, match=r"limits\.json is no file of"):
+        load_limits(tmp_path)
