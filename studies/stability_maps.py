@@ -85,7 +85,7 @@ def maps_of(
         plans = [plan_of(a, _rising(y)[0]) for a in _rising(x)]
         maps.append(
             StabilityMap(
-                f"{plans[0].fidelity.solver}, {plans[0].fidelity.mesh}",
+                _title(plans, x),
                 *(_label(axis) for axis in (x, y)),
                 *(_displayed(axis) for axis in (x, y)),
                 [[str(cell) for cell, _ in row] for row in cells],
@@ -94,6 +94,13 @@ def maps_of(
             )
         )
     return maps
+
+
+def _title(plans: Sequence[Plan], x: Axis) -> str:
+    """Solver, contact and, if it is the same everywhere, speed."""
+    fidelity, speed = plans[0].fidelity, plans[0].gear.test.speed * 30 / np.pi
+    at = "" if "test.speed" in x.paths else f", {speed:.3g} rpm"
+    return f"{fidelity.solver}, {fidelity.mesh}{', chain' if fidelity.bush == 'chain' else ''}{at}"
 
 
 def cell_and_told(plan: Plan, methods: Sequence[Choices]) -> tuple[Cell, bool]:
@@ -111,6 +118,11 @@ def cell_and_told(plan: Plan, methods: Sequence[Choices]) -> tuple[Cell, bool]:
     except TimeoutError:
         true = float("nan")
     return cell_of(plan, result, true), told
+
+
+def _axis(path: str) -> Axis:
+    """Of one parameter, in its usual unit."""
+    return Axis(path, (path,), "", None, "grid")
 
 
 def _label(axis: Axis) -> str:
@@ -136,20 +148,21 @@ GUARD: dict[str, Predict] = {"two steps per tooth pitch": two_steps_per_pitch}
 
 # --- Runge and Kutta on the gear --------------------------------------------------------------------
 def explicit_map(
-    title: str, driven: str, path: str, x: Sequence[float], steps: Sequence[float], unit: float = 1.0
+    title: str, driven: str, path: str, x: Sequence[float], steps: Sequence[float]
 ) -> StabilityMap:
-    """Steps [us] over one parameter, in `unit`.
+    """Steps [us] over one parameter in its display unit.
 
     Of a driven gear the mean torque or force of 400 steps against equilibria; a held one must calm down, all
     of its friction sticking.
     """
+    unit = 1 / axis_quantity(_axis(path)).displayed(1.0)
     gears = [DrivenGear.of(driven, path, value * unit) for value in x]
     judge = _calm_cell if driven == "nothing" else _driven_cell
     cells = [[str(judge(gear, 1e-6 * h)) for gear in gears] for h in steps]
     limits = 1e6 * np.array([(gear.predicted, *simple_limits(gear.motion)) for gear in gears])
     names = "linearised gear", "2.83 / omega_max", "2.79 / c_max"
     lines = [Line(name, list(column)) for name, column in zip(names, limits.T, strict=True)]
-    return StabilityMap(title, path, "step [µs]", list(x), list(steps), cells, [], lines)
+    return StabilityMap(title, _label(_axis(path)), "step [µs]", list(x), list(steps), cells, [], lines)
 
 
 def _calm_cell(gear: DrivenGear, step: float) -> Cell:
@@ -253,20 +266,20 @@ DENSITIES = [785.0, 2500.0, 7850.0, 78500.0, 785000.0]
 MAPS: dict[str, Callable[[], list[StabilityMap]]] = {
     "step_stiffness": lambda: [
         *maps_of("step_stiffness", GUARD),
-        explicit_map("Runge-Kutta, rack driven", "rack", "mesh.stiffness", STIFFNESSES, US),
+        explicit_map("Runge-Kutta, rack driven at 15 rpm", "rack", "mesh.stiffness", STIFFNESSES, US),
     ],
     "step_speed": lambda: [
         *maps_of("step_speed", GUARD),
-        explicit_map("Runge-Kutta, pinion driven", "pinion", "test.speed", SPEEDS, US, np.pi / 30),
+        explicit_map("Runge-Kutta, pinion driven", "pinion", "test.speed", SPEEDS, US),
     ],
     "step_zone": lambda: [
         *maps_of("step_zone", GUARD),
-        explicit_map("Runge-Kutta, pinion driven", "pinion", "fidelity.zone_ratio", ZONES, US),
+        explicit_map("Runge-Kutta, pinion driven at 15 rpm", "pinion", "fidelity.zone_ratio", ZONES, US),
         explicit_map("Runge-Kutta, pinion held: stick", "nothing", "fidelity.zone_ratio", ZONES, STUCK_US),
     ],
     "step_inertia": lambda: [
         *maps_of("step_inertia", GUARD),
-        explicit_map("Runge-Kutta, rack driven", "rack", "pinion.density", DENSITIES, US),
+        explicit_map("Runge-Kutta, rack driven at 15 rpm", "rack", "pinion.density", DENSITIES, US),
     ],
     "step_segments": lambda: [
         *maps_of("step_segments", GUARD),
