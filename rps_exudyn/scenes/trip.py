@@ -12,6 +12,7 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.load import Pulse
 
+LEAST_STEPS = 8  # of a record, or of each of its periods: between fewer a tooth's ripple hides
 LEAST_PER_CYCLE = 400  # steps, so that the sinusoid passes its ends in many of them
 RUN_IN = np.deg2rad(0.5)  # pinion angle turned before the record starts, at least
 SETTLING = 12  # equilibria over the tooth pitch before that: the torque after them is settled to 0.02 %
@@ -75,7 +76,7 @@ def steady_trip(gear: SteeringGear, body: DrivenBody, first: float, last: float,
     """Between two pinion angles [rad] at the test's speed, in steps of at most `step_angle` [rad].
 
     `body` is the one that the rig moves; the rack moves as far and as fast as it would with the pinion.
-    A trip over whole periods of the gear gets the same steps in each of them.
+    A trip over whole periods of the gear gets the same steps in each of them, `LEAST_STEPS` at least.
 
     Raises:
         InputError: it leaves the rack's teeth.
@@ -83,7 +84,7 @@ def steady_trip(gear: SteeringGear, body: DrivenBody, first: float, last: float,
     check_travel(gear, (first, last), f"a test from {_deg(first)} to {_deg(last)}")
     periods = whole_periods(gear, abs(last - first)) or 1
     piece = abs(last - first) / periods
-    per_piece = int(np.ceil(piece / step_angle * (1 - 1e-12)))
+    per_piece = max(LEAST_STEPS, int(np.ceil(piece / step_angle * (1 - 1e-12))))
     step = piece / per_piece
     lead, sense = int(np.ceil(RUN_IN / step)), float(np.sign(last - first))
     start = first - sense * lead * step
