@@ -9,10 +9,11 @@ Exudyn hold a driven gear still.
 """
 
 import json
-from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from time import process_time
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -198,8 +199,10 @@ class Gears:
     values: tuple[float, ...]
     show: str = "{:g}"
     unit: float = 1.0
+    choices: Mapping[str, Any] = field(default_factory=dict)  # of the fidelity besides
 
 
+SPHERES = {"mesh": "general-contact", "profile_samples": 20, "axial_samples": 14}
 LINES = (
     Gears(
         "rack driven, contact stiffness",
@@ -207,6 +210,14 @@ LINES = (
         "mesh.stiffness",
         (1e12, 5e12, 2e13, 1e14, 5e14),
         "{:g} N/m³",
+    ),
+    Gears(
+        "rack driven, spheres, contact stiffness",
+        "rack",
+        "mesh.stiffness",
+        (5e12, 2e13, 1e14),
+        "{:g} N/m³",
+        choices=SPHERES,
     ),
     Gears("pinion driven, seat stiffness", "pinion", "yoke.seat_stiffness", (2e7, 2e8, 2e9), "{:g} N/m"),
     Gears("pinion driven, plunger mass", "pinion", "yoke.plunger_mass", (0.006, 0.06, 0.6), "{:g} g", 1e-3),
@@ -247,7 +258,7 @@ def on_the_gear() -> Iterator[Limit]:
     """Every line by Runge and Kutta's method of fourth order."""
     for line in LINES:
         for value in line.values:
-            driven = DrivenGear.of(line.driven, line.path, value)
+            driven = DrivenGear.of(line.driven, line.path, value, line.choices)
             limit = bisected(driven.calms, *_about(driven.predicted))
             at = line.show.format(round(value / line.unit, 9))
             yield Limit(line.line, at, limit, driven.predicted, *simple_limits(driven.motion))
@@ -262,10 +273,12 @@ class DrivenGear:
     motion: FreeMotion
 
     @classmethod
-    def of(cls, driven: str, path: str, value: float) -> "DrivenGear":
-        """With one parameter changed."""
+    def of(
+        cls, driven: str, path: str, value: float, choices: Mapping[str, Any] = MappingProxyType({})
+    ) -> "DrivenGear":
+        """With one parameter changed; `choices` are the fidelity's besides."""
         choice = path.removeprefix("fidelity.")
-        fidelity = Fidelity().replace({choice: value} if choice != path else {})
+        fidelity = Fidelity().replace(dict(choices) | ({choice: value} if choice != path else {}))
         gear = GEAR.replace({path: value} if choice == path else {})
         return cls(gear, fidelity, FreeMotion.of(gear, fidelity, _drive(gear, driven)))
 

@@ -14,11 +14,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from time import process_time
+from types import MappingProxyType
 from typing import Any
 from unittest.mock import patch
 
 import numpy as np
-from stability_explicit import GEAR, DrivenGear, chain_frequency, chain_is_bounded, simple_limits
+from stability_explicit import GEAR, SPHERES, DrivenGear, chain_frequency, chain_is_bounded, simple_limits
 
 from rps_exudyn import guards
 from rps_exudyn.accuracy.explicit import runge_kutta
@@ -148,7 +149,12 @@ GUARD: dict[str, Predict] = {"two steps per tooth pitch": two_steps_per_pitch}
 
 # --- Runge and Kutta on the gear --------------------------------------------------------------------
 def explicit_map(
-    title: str, driven: str, path: str, x: Sequence[float], steps: Sequence[float]
+    title: str,
+    driven: str,
+    path: str,
+    x: Sequence[float],
+    steps: Sequence[float],
+    choices: Choices = MappingProxyType({}),
 ) -> StabilityMap:
     """Steps [us] over one parameter in its display unit.
 
@@ -156,7 +162,7 @@ def explicit_map(
     of its friction sticking.
     """
     unit = 1 / axis_quantity(_axis(path)).displayed(1.0)
-    gears = [DrivenGear.of(driven, path, value * unit) for value in x]
+    gears = [DrivenGear.of(driven, path, value * unit, choices) for value in x]
     judge = _calm_cell if driven == "nothing" else _driven_cell
     cells = [[str(judge(gear, 1e-6 * h)) for gear in gears] for h in steps]
     limits = 1e6 * np.array([(gear.predicted, *simple_limits(gear.motion)) for gear in gears])
@@ -285,7 +291,10 @@ MAPS: dict[str, Callable[[], list[StabilityMap]]] = {
         *maps_of("step_segments", GUARD),
         chain_map([1, 2, 5, 10, 25], [0.5, 0.8, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0]),
     ],
-    "step_stiffness_spheres": lambda: maps_of("step_stiffness_spheres", GUARD, SAME_SPHERES),
+    "step_stiffness_spheres": lambda: [
+        *maps_of("step_stiffness_spheres", GUARD, SAME_SPHERES),
+        explicit_map("Runge-Kutta, same spheres", "rack", "mesh.stiffness", STIFFNESSES[1:], US, SPHERES),
+    ],
     "tolerance_segments": lambda: maps_of("tolerance_segments", {"round-off of the springs": round_off}),
     "preload_stiffness": lambda: maps_of("preload_stiffness", {"deepest sphere at its radius": depth_limit}),
     "radius_preload": radius_preload,
