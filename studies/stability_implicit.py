@@ -66,7 +66,12 @@ class Sweep:
 
 RPM = np.pi / 30
 SPEEDS = tuple(n * RPM for n in (0.5, 3, 15, 60, 300))
-TEETH = {"along": {"pinion.tip_diameter": (16.2e-3, 18.2e-3, 22.2e-3, 26.2e-3)}}
+TEETH = {
+    "along": {
+        "pinion.tip_diameter": (16.2e-3, 18.2e-3, 22.2e-3, 26.2e-3),
+        "pinion.shaft_diameter": (9e-3, 11e-3, 11e-3, 11e-3),
+    }
+}
 PUSH = "rack-push"
 SWEEPS = (
     Sweep("contact stiffness", "mesh.stiffness", (1e12, 2e13, 5e14), "{:g} N/m³"),
@@ -170,7 +175,7 @@ def main() -> None:
     for step in coarse_steps():
         steps.append(asdict(step))
         print(step, flush=True)
-    (OUT / "implicit.json").write_text(json.dumps(steps, indent=1))
+        (OUT / "implicit.json").write_text(json.dumps(steps, indent=1))
     print(f"{process_time() - start:.0f} s of processor time")
 
 

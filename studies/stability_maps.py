@@ -212,45 +212,53 @@ def chain_map(segments: Sequence[float], steps: Sequence[float]) -> StabilityMap
 
 
 # --- spheres ----------------------------------------------------------------------------------------
+RADII, PRELOADS = [0.01, 0.02, 0.05, 0.1, 0.2], [100.0, 200.0, 500.0, 1000.0, 2000.0]  # [mm], [N]
+PRESSED = {"mesh.stiffness": 1e13, "yoke.clearance": 1e-3}
+COMPILED_DEPTH = 2  # radii at which the compiled spheres pass, where Exudyn's pass at one
+
+
 def depth_limit(gear: SteeringGear, fidelity: Fidelity) -> float:
     """Preload at which the deepest sphere is as deep as its radius [N]."""
     one = predicted_depth(gear.replace({"yoke.preload": 1.0}))
     return float((general_contact.SPHERE_RADIUS / (DEEPEST * one)) ** 1.5)
 
 
-def radius_preload() -> list[StabilityMap]:
-    """The spheres' radius, which no parameter of the gear is, over the preload, on soft teeth."""
-    radii, preloads = [0.01, 0.02, 0.05, 0.1, 0.2], [100.0, 200.0, 500.0, 1000.0, 2000.0]
-    cells: list[list[tuple[Cell, bool]]] = [[] for _ in preloads]
-    limits = []
-    choices = {"mesh": "general-contact", "solver": "equilibrium", "step_angle": np.deg2rad(3)}
-    for radius in radii:
+def compiled_depth_limit(gear: SteeringGear, fidelity: Fidelity) -> float:
+    """The same for a depth of two radii [N]."""
+    return COMPILED_DEPTH**1.5 * depth_limit(gear, fidelity)
+
+
+DEPTHS: dict[str, Predict] = {
+    "deepest sphere at its radius": depth_limit,
+    "at two radii": compiled_depth_limit,
+}
+
+
+def radius_preload(title: str, turns: float, choices: Choices) -> StabilityMap:
+    """The spheres' radius, which no parameter of the gear is, over the preload."""
+    cells: list[list[tuple[Cell, bool]]] = [[] for _ in PRELOADS]
+    limits: dict[str, list[float]] = {label: [] for label in DEPTHS}
+    for radius in 1e-3 * np.array(RADII):
         with (
-            patch.object(general_contact, "SPHERE_RADIUS", 1e-3 * radius),
-            patch.object(guards, "SPHERE_RADIUS", 1e-3 * radius),
+            patch.object(general_contact, "SPHERE_RADIUS", float(radius)),
+            patch.object(guards, "SPHERE_RADIUS", float(radius)),
         ):
-            for row, preload in zip(cells, preloads, strict=True):
-                settings = {
-                    "mesh.stiffness": 1e13,
-                    "yoke.preload": preload,
-                    "yoke.clearance": 1e-3,
-                    "test.turns": 1 / 6,
-                }
-                plan = Plan("free-pinion-torque", GEAR.replace(settings), Fidelity().replace(choices))
-                row.append(cell_and_told(plan, REFERENCES))
-            limits.append(depth_limit(plan.gear, plan.fidelity))
-    return [
-        StabilityMap(
-            "spheres in equilibrium, contact stiffness 1e13 N/m³",
-            "radius of the spheres [mm]",
-            "yoke.preload [N]",
-            radii,
-            preloads,
-            [[str(cell) for cell, _ in row] for row in cells],
-            [[told for _, told in row] for row in cells],
-            [Line("deepest sphere at its radius", limits)],
-        )
-    ]
+            for row, preload in zip(cells, PRELOADS, strict=True):
+                gear = GEAR.replace(PRESSED | {"yoke.preload": preload, "test.turns": turns})
+                fidelity = Fidelity().replace({"mesh": "general-contact"} | dict(choices))
+                row.append(cell_and_told(Plan("free-pinion-torque", gear, fidelity), REFERENCES))
+            for label, at in DEPTHS.items():
+                limits[label].append(at(gear, fidelity))
+    return StabilityMap(
+        title,
+        "radius of the spheres [mm]",
+        "yoke.preload [N]",
+        RADII,
+        PRELOADS,
+        [[str(cell) for cell, _ in row] for row in cells],
+        [[told for _, told in row] for row in cells],
+        [Line(label, values) for label, values in limits.items()],
+    )
 
 
 # --- all --------------------------------------------------------------------------------------------
@@ -261,6 +269,8 @@ def round_off(gear: SteeringGear, fidelity: Fidelity) -> float:
 
 
 SAME_SPHERES = (STILL, STILL | SLOW)
+STILL_SPHERES = {"solver": "equilibrium", "step_angle": np.deg2rad(3)}
+MOVING_SPHERES = {"step_angle": np.deg2rad(1)}
 US = [5.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 80.0]
 STIFFNESSES = [1e12, 5e12, 2e13, 1e14, 5e14]
 SPEEDS = [0.5, 3.0, 15.0, 60.0, 300.0]
@@ -296,8 +306,11 @@ MAPS: dict[str, Callable[[], list[StabilityMap]]] = {
         explicit_map("Runge-Kutta, same spheres", "rack", "mesh.stiffness", STIFFNESSES[1:], US, SPHERES),
     ],
     "tolerance_segments": lambda: maps_of("tolerance_segments", {"round-off of the springs": round_off}),
-    "preload_stiffness": lambda: maps_of("preload_stiffness", {"deepest sphere at its radius": depth_limit}),
-    "radius_preload": radius_preload,
+    "preload_stiffness": lambda: maps_of("preload_stiffness", DEPTHS),
+    "radius_preload": lambda: [
+        radius_preload("equilibrium, compiled spheres, 1e13 N/m³", 1 / 6, STILL_SPHERES),
+        radius_preload("generalized-alpha, Exudyn's spheres, 1e13 N/m³", 1 / 60, MOVING_SPHERES),
+    ],
 }  # fmt: skip
 
 
