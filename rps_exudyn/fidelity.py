@@ -49,7 +49,11 @@ class Fidelity(Table):
         "generalized-alpha", "how the motion is found", "estimate"
     )
     step_angle: Angle = parameter(
-        "1 deg", "pinion rotation per time step or equilibrium", "estimate", gt=0, le=np.deg2rad(40)
+        "1 deg",
+        "largest pinion rotation per time step or equilibrium; a record has at least four",
+        "estimate",
+        gt=0,
+        le=np.deg2rad(40),
     )
     torque_tolerance: Number = parameter(
         0.0,

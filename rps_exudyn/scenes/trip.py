@@ -12,7 +12,7 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.load import Pulse
 
-LEAST_STEPS = 8  # of a record, or of each of its periods: between fewer a tooth's ripple hides
+LEAST_STEPS = 4  # of a record, or of each of its periods: four see the torque of most gears to a percent
 LEAST_PER_CYCLE = 400  # steps, so that the sinusoid passes its ends in many of them
 RUN_IN = np.deg2rad(0.5)  # pinion angle turned before the record starts, at least
 SETTLING = 12  # equilibria over the tooth pitch before that: the torque after them is settled to 0.02 %
