@@ -159,7 +159,10 @@ def scene_table(scene: str) -> SceneTable:
     """
     scenes = _tables()["scenes"]
     if scene not in scenes:
-        raise InputError(f"--accuracy knows {', '.join(scenes)}; nothing was measured for {scene}.")
+        raise InputError(
+            f"--accuracy knows {', '.join(scenes)}; for {scene} too few random gears have a reference, "
+            "so that nothing can be promised."
+        )
     told = scenes[scene]
     return SceneTable(scene, told["floor"], told["gears"], tuple(Setting(**row) for row in told["settings"]))
 

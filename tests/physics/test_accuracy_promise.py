@@ -5,8 +5,9 @@ import pytest
 
 from rps_exudyn.accuracy.choice import beyond_promise, choose
 from rps_exudyn.accuracy.population import random_gears
-from rps_exudyn.accuracy.references import STRIPS
+from rps_exudyn.accuracy.references import STRIPS, by_strips
 from rps_exudyn.accuracy.runs import curve_of, run_scene
+from rps_exudyn.accuracy.slow_swing import slow_swing
 from rps_exudyn.analysis.work_precision import Reference, curve_errors
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.parameters import SteeringGear
@@ -43,3 +44,19 @@ def test_at_least_nineteen_of_twenty_gears_are_as_exact_as_promised(
         errors.append(curve_errors(curve, reference).either_way if run.ok else np.inf)
     assert sum(error > wanted for error in errors) <= ALLOWED_MISSES, np.round(errors, 3)
     assert np.median(errors) < wanted / 2
+
+
+def test_a_reversals_promise_holds_as_well() -> None:
+    """Held against equilibria with the inertia of the swing."""
+    wanted, errors = 1.5, []
+    for gear in random_gears(SEED, 8):
+        truth = slow_swing(gear, by_strips("0.05 deg"))
+        if not truth.ok or beyond_promise(gear, truth.signals):
+            continue
+        fidelity = choose("reversal", gear, wanted).fidelity
+        run = run_scene("reversal", gear, fidelity)
+        reference = Reference(curve_of("reversal", truth.signals, gear, by_strips("0.05 deg")), 0.0, {})
+        curve = curve_of("reversal", run.signals, gear, fidelity) if run.ok else None
+        errors.append(curve_errors(curve, reference).either_way if curve else np.inf)
+    assert len(errors) >= 4
+    assert max(errors) <= wanted, np.round(errors, 3)

@@ -2,8 +2,10 @@
 
 import pytest
 
-from rps_exudyn.accuracy.choice import percent, scene_table
+from rps_exudyn.accuracy.choice import choose, percent, scene_table
 from rps_exudyn.errors import InputError
+from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.parameters import SteeringGear
 from shell import Command
 
 
@@ -32,10 +34,21 @@ def test_stricter_than_any_setting_of_the_preset(command: Command) -> None:
 
 
 def test_scene_or_preset_that_was_not_measured(command: Command) -> None:
-    assert "nothing was measured for yoke-impact" in refused(command, "yoke-impact", "--accuracy", "1%")
+    assert "for yoke-impact too few random gears" in refused(command, "yoke-impact", "--accuracy", "1%")
     assert "accuracies are known of flank, quasi-static" in refused(
         command, "--fidelity", "closed-form", "--accuracy", "1%"
     )
+
+
+def test_settings_in_a_scenes_own_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    row = {"preset": "flank", "angles_per_pitch": None, "settings": {"tolerance": 1e-3}, "promised": 2.0}
+    row |= {"median": 1.0, "cost": 2.0, "cost_of_turn": 2.0, "failed": 0.0}
+    table = {"scenes": {"yoke-impact": {"floor": 0.1, "gears": 12, "settings": [row]}}}
+    monkeypatch.setattr("rps_exudyn.accuracy.choice._tables", lambda: table)
+    choice = choose("yoke-impact", SteeringGear(), 3.0)
+    assert choice.fidelity.step_angle == Fidelity.preset("flank").step_angle
+    assert choice.fidelity.tolerance == 1e-3
+    assert choice.why.endswith("ms of processor time per run")
 
 
 def test_with_choices_of_ones_own(command: Command) -> None:
