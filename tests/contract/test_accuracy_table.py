@@ -6,25 +6,53 @@ import numpy as np
 import pytest
 
 from rps_exudyn.accuracy.choice import choose, scene_table
-from rps_exudyn.accuracy.measurement import PRESET_FAMILIES, load_measurement
+from rps_exudyn.accuracy.measurement import FAMILIES, PRESET_FAMILIES, load_measurement
+from rps_exudyn.accuracy.runs import JUDGED
 from rps_exudyn.analysis.work_precision import pareto_front
 from rps_exudyn.charts.work_precision import is_default
 from rps_exudyn.parameters import SteeringGear
 
 PUBLISHED = Path(__file__).parents[2] / "results" / "accuracy_speed"
 GEAR = SteeringGear()
-FLOORS = {"free-pinion-torque": 0.01, "load-test": 0.05, "rack-push": 0.05}
-"""How well the default gear's references must be known [%]."""
+STEADY = ("free-pinion-torque", "load-test", "rack-push")
 
 
-@pytest.mark.parametrize("scene", [*FLOORS, "yoke-impact"])
+@pytest.mark.parametrize("scene", JUDGED)
 def test_references_are_known_as_well_as_asked(scene: str) -> None:
-    assert load_measurement(PUBLISHED / f"{scene}.h5").reference.uncertainty <= FLOORS.get(scene, 0.05)
+    published = load_measurement(PUBLISHED / f"{scene}.h5")
+    assert published.reference.uncertainty <= (0.01 if scene == "free-pinion-torque" else 0.05)
+    assert len(published.reference.differences) >= 3
+    assert published.missing == []
+
+
+@pytest.mark.parametrize("scene", STEADY)
+def test_orders_of_convergence_are_those_expected(scene: str) -> None:
+    """Kinks of the torque cost cubics some of their order."""
+    orders = load_measurement(PUBLISHED / f"{scene}.h5").orders
+    assert {each.family for each in orders} >= {"quasi-static", "flank"}
+    for each in orders:
+        lost = 1.5 if "splines" in each.error else 0.35
+        assert each.expected - lost <= each.observed <= each.expected + 0.8, each
+
+
+def test_every_family_was_measured() -> None:
+    points = load_measurement(PUBLISHED / "free-pinion-torque.h5").points
+    assert {point.family for point in points if point.ok} == set(FAMILIES)
+    failed = [point for point in points if not point.ok]
+    assert {"explicit", "quasi-static"} <= {point.family for point in failed}
+    assert all(point.message for point in failed)
+
+
+def test_the_report_is_small_and_whole() -> None:
+    page = (PUBLISHED / "report.html").read_text(encoding="utf-8")
+    assert len(page.encode()) < 300_000
+    assert page.count("<svg") == len(JUDGED) + 2
+    assert "unfinished" not in page
 
 
 STEADY_TURNING_ASKS_LESS = pytest.mark.xfail(
     strict=True,
-    reason="tolerance 1e-2 gives the free pinion torque in half the time; the default 1e-4 is for impacts",
+    reason="4 x 2 strips are more exact than the default's 3 x 2 at the same time, within what can be told",
 )
 
 
@@ -55,7 +83,7 @@ def test_costs_at_one_and_a_tenth_of_a_percent() -> None:
     assert np.isfinite(cheapest("general contact", 0.5))
 
 
-@pytest.mark.parametrize("scene", FLOORS)
+@pytest.mark.parametrize("scene", STEADY)
 def test_stricter_is_never_cheaper(scene: str) -> None:
     table = scene_table(scene)
     strictest = min(each.promised for each in table.settings)
