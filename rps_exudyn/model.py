@@ -90,7 +90,7 @@ def build_model(
     *,
     rack_load: float = 0.0,
     pulse: Pulse | None = None,
-    settling: Sequence[float] | np.ndarray = (),
+    settling: Sequence[np.ndarray] = (),
 ) -> SteeringModel:
     """The gear in a rig, by default turned at its test's speed from the test's start angle.
 
@@ -99,15 +99,14 @@ def build_model(
     Args:
         rack_load: pulls the rack's end towards -X [N].
         pulse: force that acts on the rack besides.
-        settling: instants below 0 of equilibria that lead to the start [s].
+        settling: instants below 0 of equilibria that lead to the start [s], see `settled_path`.
     """
     import exudyn as exu
 
     if drive is None:
         drive = Steady("pinion", gear.test.start_angle, gear.test.direction * gear.test.speed)
     forces = gear_forces(gear, fidelity, rack_load)
-    before = np.asarray(settling, dtype=float)
-    start = settled_path(forces.statics, GearPair.of(gear), drive, before, np.zeros(1)).last
+    start = settled_path(forces.statics, GearPair.of(gear), drive, settling, np.zeros(1)).last
     SC = exu.SystemContainer()
     model = SteeringModel(gear, fidelity, forces, drive, SC, SC.AddSystem(), start, pulse=pulse)
     if not start.converged:

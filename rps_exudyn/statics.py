@@ -6,7 +6,7 @@ by backward differences, so that this is the limit of slow dynamics and not a mo
 instant they are those of steady motion: rack and pinion move at the gear's gain, nothing else moves.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -27,6 +27,7 @@ TYPICAL_APPROACH = 15e-6  # of the rack under the yoke's preload [m]
 MAX_HALVINGS = 8
 MAX_RESCUES = 100
 FARTHEST_SEARCH = 1e-4  # of each coordinate from where the path leads [m]
+ROLLING = 0.02  # of the rack's travel: what is left of the start then is 0.2 % of the torque
 JUMP = 0.5  # of the contact's forces where its quadrature changes [N]: an equilibrium may lie on one
 
 
@@ -139,16 +140,27 @@ def equilibrium_path(balance: Balance, pair: GearPair, drive: Drive, time: np.nd
 
 
 def settled_path(
-    balance: Balance, pair: GearPair, drive: Drive, settling: np.ndarray, time: np.ndarray
+    balance: Balance, pair: GearPair, drive: Drive, settling: Sequence[np.ndarray], time: np.ndarray
 ) -> EquilibriumPath:
-    """As `equilibrium_path`, and before it the equilibria at the instants `settling` that lead there.
+    """As `equilibrium_path`, and before it the equilibria that lead there at the first of the instants
+    `settling` after which the rack does not roll any more, or at the last of them.
 
-    If they do not, the gear starts from where it rests at once, which may be far from where it will slide.
+    If none lead there, the gear starts where it rests at once, which may be far from where it will slide.
     """
-    path = equilibrium_path(balance, pair, drive, np.concatenate([settling, time]))
-    if path.lost_at is None or path.lost_at >= time[0]:
-        return path
-    return equilibrium_path(balance, pair, drive, time)
+    led = None
+    for before in settling:
+        path = equilibrium_path(balance, pair, drive, np.concatenate([before, time]))
+        if path.lost_at is None or path.lost_at >= time[0]:
+            led = path
+            if _rolling(path, len(before)) <= ROLLING:
+                break
+    return led or equilibrium_path(balance, pair, drive, time)
+
+
+def _rolling(path: EquilibriumPath, instants: int) -> float:
+    """How far the bar rolls to and fro over the later half of the first instants, over its travel."""
+    travel, roll = (path.coordinates[instants // 2 : instants, STACK["rack"]][:, i] for i in (0, 3))
+    return float(np.ptp(roll) * LEVERS[STACK["rack"]][3] / np.ptp(travel))
 
 
 def _settled_guess(balance: Balance, free: np.ndarray, guess: np.ndarray, rates: np.ndarray) -> np.ndarray:
@@ -212,7 +224,7 @@ def adaptive_path(
     balance: Balance,
     pair: GearPair,
     drive: Drive,
-    settling: np.ndarray,
+    settling: Sequence[np.ndarray],
     time: np.ndarray,
     tolerance: float,
 ) -> EquilibriumPath:

@@ -15,7 +15,8 @@ from rps_exudyn.parts.load import Pulse
 LEAST_STEPS = 4  # of a record, or of each of its periods: four see the torque of most gears to a percent
 LEAST_PER_CYCLE = 400  # steps, so that the sinusoid passes its ends in many of them
 RUN_IN = np.deg2rad(0.5)  # pinion angle turned before the record starts, at least
-SETTLING = 12  # equilibria over the tooth pitch before that: the torque after them is settled to 0.02 %
+SETTLING = 12  # equilibria over the tooth pitch before that: the torque after them is settled to 0.02 % ...
+THOROUGH = 48  # ... and over each of three tooth pitches where the rack rolls
 
 
 @dataclass(frozen=True)
@@ -33,12 +34,19 @@ class Trip:
     periods: int = 1  # of the gear, all alike, that the record covers
     rack_load: float = 0.0  # pulls the rack's end towards -X [N]
     pulse: Pulse | None = None
-    settling: float = 0.0  # how long before the start the equilibria begin [s]
+    settling: float = 0.0  # how long before the start the equilibria begin [s] ...
+    thorough: float = 0.0  # ... where the rack rolls [s]
 
     @property
-    def settling_time(self) -> np.ndarray:
-        """Instants of the equilibria before the start, below 0; none where the start itself is one [s]."""
-        return np.linspace(-self.settling, 0.0, SETTLING if self.settling else 0, endpoint=False)
+    def settling_time(self) -> tuple[np.ndarray, ...]:
+        """Instants of the equilibria before the start, below 0: over a tooth pitch, and over more of them in
+        smaller steps for a rack that rolls; none where the start itself is one [s]."""
+        if not self.settling:
+            return ()
+        return (
+            np.linspace(-self.settling, 0.0, SETTLING, endpoint=False),
+            np.linspace(-self.thorough, 0.0, 3 * THOROUGH, endpoint=False),
+        )
 
     @property
     def time(self) -> np.ndarray:
@@ -65,7 +73,7 @@ class Trip:
 
     def at_once(self) -> "Trip":
         """The same from where the gear first rests, without what leads there."""
-        return replace(self, settling=0.0)
+        return replace(self, settling=0.0, thorough=0.0)
 
     def one_period(self) -> "Trip":
         """Its first period."""
@@ -90,14 +98,15 @@ def steady_trip(gear: SteeringGear, body: DrivenBody, first: float, last: float,
     start = first - sense * lead * step
     scale = travel_per_radian(body, float(GearPair.of(gear).gain))
     drive = Steady(body, scale * start, scale * sense * gear.test.speed)
-    before = min(2 * np.pi / gear.pinion.teeth, max(0.0, largest_angle(gear) + sense * start))
+    pitch, toothed = 2 * np.pi / gear.pinion.teeth, max(0.0, largest_angle(gear) + sense * start)
     return Trip(
         drive,
         step / gear.test.speed,
         lead,
         per_piece * periods,
         periods,
-        settling=before / gear.test.speed,
+        settling=min(pitch, toothed) / gear.test.speed,
+        thorough=min(3 * pitch, toothed) / gear.test.speed,
     )
 
 
