@@ -25,6 +25,7 @@ DEEPEST = 1.5  # deepest contact over the mean one, measured on the paper's gear
 LEAST_GENERATORS = 20  # 0.5 % of the torque
 LEAST_ROWS = 8  # of spheres along the face width
 SPACING = 2.5  # of spheres along the profile, over the width of the strip that touches: 1 % of the torque
+LEAST_FORM = 0.3  # of the mean depth: 1 % of the torque by general contact
 STEADY = ("free-pinion-torque", "load-test", "rack-push")
 
 
@@ -54,6 +55,7 @@ def breaches(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Iterator[Bre
         yield from _tooth_pitch_resolved(gear, fidelity)
     yield from _contact_integrated(gear, fidelity)
     yield from _spheres_deep_enough(gear, fidelity)
+    yield from _form_in_the_mesh(gear, fidelity)
 
 
 def refused(scene: str, gear: SteeringGear, fidelity: Fidelity) -> list[str]:
@@ -76,12 +78,14 @@ def _tooth_pitch_resolved(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Br
 
 def _contact_integrated(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
     """Enough lines or spheres that the teeth's contact is an integral and not a few points."""
-    limits = {
-        "flank": {"strip_points": 2},
-        "flank-generators": {"generators": LEAST_GENERATORS},
-        "general-contact": {"profile_samples": least_profile_samples(gear), "axial_samples": LEAST_ROWS},
-    }
-    for choice, limit in limits.get(fidelity.mesh, {}).items():
+    limits: dict[str, int] = {}
+    if fidelity.mesh == "flank":
+        limits = {"strip_points": 2}
+    elif fidelity.mesh == "flank-generators":
+        limits = {"generators": LEAST_GENERATORS}
+    elif fidelity.mesh == "general-contact":
+        limits = {"profile_samples": least_profile_samples(gear), "axial_samples": LEAST_ROWS}
+    for choice, limit in limits.items():
         value = getattr(fidelity, choice)
         if value < limit:
             why = "the integral over the contact"
@@ -116,8 +120,10 @@ def least_profile_samples(gear: SteeringGear) -> int:
 
 def _spheres_deep_enough(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
     """A sphere deeper than its radius passes through the triangles unnoticed."""
+    if fidelity.mesh != "general-contact":
+        return
     depth = DEEPEST * predicted_depth(gear)
-    if fidelity.mesh == "general-contact" and depth > SPHERE_RADIUS:
+    if depth > SPHERE_RADIUS:
         yield Breach(
             "the deepest contact predicted from yoke.preload and mesh.stiffness",
             1e6 * depth,
@@ -126,3 +132,21 @@ def _spheres_deep_enough(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Bre
             {"mesh": "flank"},
             "{:.0f} um",
         )
+
+
+def _form_in_the_mesh(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
+    """The pinion's mesh is ruled from end to end of its generators: between them it knows of no relief."""
+    if fidelity.mesh != "general-contact":
+        return
+    limit = LEAST_FORM * predicted_depth(gear)
+    for name in ("tip_relief", "crowning"):
+        value = getattr(gear.pinion, name)
+        if value > limit:
+            yield Breach(
+                f"pinion.{name}",
+                1e6 * value,
+                1e6 * limit,
+                "general contact, whose mesh is ruled from end to end of the flanks,",
+                {"mesh": "flank"},
+                "{:.2g} um",
+            )
