@@ -22,11 +22,13 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.stability import Plan, error_of, reference
+from rps_exudyn.analysis.stability import REFERENCES, Plan, error_of, naked, reference
 from rps_exudyn.errors import InputError
 from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.gears.checks import geometry_report
+from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.result import Result
 
 SEED = 20261121
 TIME_LIMIT = 20.0  # [s] of one plan
@@ -125,10 +127,24 @@ def outcome_of(number: int) -> dict[str, Any]:
     except InputError as error:
         return {"status": "input-error", "message": str(error), "plan": text, "refused": refused}
     seconds = perf_counter() - start
-    value = plan.figure(result)
-    error = error_of(value, reference(plan, value)) if result.summary else float("nan")
     told = {"status": result.status.value, "message": result.message, "refused": refused, "plan": text}
-    return told | {"error": error, "seconds": seconds}
+    return told | {"seconds": seconds} | _error(plan, result)
+
+
+def _error(plan: Plan, result: Result) -> dict[str, Any]:
+    """Of its figure; a run that is not ok is held against equilibria alone.
+
+    Where no reference is sound itself, teeth deeper than their law for instance, one that nobody judged is
+    better than none, and the verdict says so.
+    """
+    value, sound = plan.figure(result), result.status is Status.OK
+    if not result.summary:
+        return {"error": float("nan")}
+    error = error_of(value, reference(plan, value, REFERENCES if sound else REFERENCES[:2]))
+    if sound and error != error:
+        finer = Plan(plan.scene, plan.gear, plan.fidelity.replace(REFERENCES[2]))
+        return {"error": error_of(value, plan.figure(naked(finer))), "reference": "not sound"}
+    return {"error": error}
 
 
 def _refusal(plan: Plan) -> str:
@@ -205,11 +221,11 @@ def verdict(row: dict[str, Any]) -> str:
         return "wrong input"
     error = row.get("error", float("nan"))
     sound = row["status"] == "ok"
-    if sound and error != error:
-        return "refused" if row.get("refused") else "ok, no reference"
     right = abs(error) <= WRONG
     if row.get("refused"):
         return "refused, was right" if sound and right else "refused"
+    if sound and row.get("reference"):
+        return "right, reference not sound" if right else "ok, no reference"
     if sound:
         return "right" if right else "SILENTLY WRONG"
     return f"{row['status']}, was right" if row["status"] == "invalid" and right else row["status"]
