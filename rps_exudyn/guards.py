@@ -80,7 +80,7 @@ def _contact_integrated(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Brea
     """Enough lines or spheres that the teeth's contact is an integral and not a few points."""
     limits: dict[str, int] = {}
     if fidelity.mesh == "flank":
-        limits = {"strip_points": 2}
+        limits = {"strip_points": 2, "strip_stations": 2}
     elif fidelity.mesh == "flank-generators":
         limits = {"generators": LEAST_GENERATORS}
     elif fidelity.mesh == "general-contact":
