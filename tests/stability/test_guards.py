@@ -18,6 +18,9 @@ REFUSED = {
     "fidelity.step_angle is 40 deg": (STILL.replace({"step_angle": "40 deg"}), {}),
     "fidelity.profile_samples is 6": (SPHERES, {"mesh.stiffness": 3e14}),
     "fidelity.strip_points is 1": (STILL.replace({"strip_points": 1}), {}),
+    "fidelity.strip_stations is 1": (STILL.replace({"strip_stations": 1}), {}),
+    "pinion.tip_relief is 5 um": (Fidelity.preset("full"), {"pinion.tip_relief": "5 um"}),
+    "pinion.crowning is 5 um": (Fidelity.preset("full"), {"pinion.crowning": "5 um"}),
     "the deepest contact predicted": (Fidelity.preset("full"), {"mesh.stiffness": 1e11}),
 }
 
@@ -47,6 +50,15 @@ def test_refuge_tells_every_try() -> None:
     assert "step_angle" in result.message
     assert result.fidelity["step_angle"] == pytest.approx(result.solver["tries"][-1]["changed"]["step_angle"])
     assert result.summary["torque_mean"] == pytest.approx(0.6348, rel=1e-3)
+
+
+def test_refuge_of_a_misaligned_gear_is_right_and_says_what_it_changed() -> None:
+    askew = GEAR.replace({"installation.angle_error": "0.8 deg"})
+    result = robust_run(TORQUE, askew, STILL.replace({"step_angle": "35 deg", "strip_points": 1}))
+    assert result.status is Status.OK
+    assert "strip_points 2" in result.message
+    generators = run(TORQUE, askew, fidelity=STILL.replace({"mesh": "flank-generators"}))
+    assert result.summary["torque_mean"] == pytest.approx(generators.summary["torque_mean"], rel=5e-3)
 
 
 def test_refuge_leaves_a_sound_plan_alone() -> None:

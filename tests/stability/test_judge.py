@@ -8,6 +8,7 @@ import pytest
 
 from rps_exudyn import judge
 from rps_exudyn.outcome import Status
+from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.force_element import ForceElement
 
 DEEPEST = 50e-6
@@ -89,3 +90,20 @@ def test_work_that_goes_over_the_edges(signals: dict[str, np.ndarray]) -> None:
 def test_two_evaluations_that_differ(disagreement: float) -> None:
     ((status, _),) = judge.contact_agreed(disagreement)
     assert status is Status.INVALID
+
+
+@pytest.mark.parametrize(("ripple", "told"), [(0.5, True), (0.01, False)])
+def test_rolling_that_equilibria_follow_too_coarsely(
+    signals: dict[str, np.ndarray], ripple: float, told: bool
+) -> None:
+    """Rolling to and fro within few steps matters where the torque varies with it."""
+    angle = signals["pinion_angle"]
+    signals["rack_displacement"] = 8e-3 * angle
+    signals["rack_roll"] = 0.05 * np.sin(20 * angle)
+    signals["pinion_torque"] = 0.6 * (1 + ripple * np.sin(20 * angle))
+    assert bool(list(judge.rolling_followed(signals, SteeringGear()))) is told
+
+
+def test_rack_that_hardly_rolls_is_followed(signals: dict[str, np.ndarray]) -> None:
+    signals["rack_displacement"], signals["rack_roll"] = 8e-3 * signals["pinion_angle"], np.zeros(50)
+    assert not list(judge.rolling_followed(signals, SteeringGear()))
