@@ -71,7 +71,7 @@ class Fidelity(Table):
         le=0.01,
     )
     strip_stations: int = parameter(
-        3, "flank: Gauss points along each segment of a line of contact", "estimate", ge=1, le=12
+        4, "flank: Gauss points along each segment of a line of contact", "estimate", ge=1, le=12
     )
     strip_points: int = parameter(
         2, "flank: Gauss points across the strip of contact", "estimate", ge=1, le=12
