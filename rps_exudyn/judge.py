@@ -26,7 +26,7 @@ EDGE_BOUND = 1.5e-2  # likewise ...
 EDGE_SHARE = 1.5e-2  # ... and that per degree of the shaft angle's error ...
 MISSED_TORQUE = 1e-3  # ... or what a torque that small would do: a gear without friction takes no work [N m]
 # Up to so many samples: share of their range that may hide between them
-HIDDEN = ((2, np.inf), (4, 1 / 2), (5, 1 / 6), (7, 1 / 16), (9, 1 / 32))
+HIDDEN = ((2, np.inf), (4, 1 / 2), (5, 1 / 6), (7, 1 / 16), (12, 1 / 32))
 RESOLVED_BOUND = 0.03  # change of the mean when every second step is left out
 ROLLING_BOUND = 0.06  # of the travel; over whole periods a settled gear does not roll at all
 LAG_BOUND = 0.015  # of the rack's travel, half a step late; the torque's error is about as large
