@@ -27,8 +27,8 @@ PRESS = 12e-6  # by which the rack is pressed into the mesh [m]
 
 EVALUATORS: dict[str, tuple[Callable[..., Any], Callable[[SteeringGear], np.ndarray]]] = {
     "strip, 2 stations x 2": (flank_contact, lambda gear: pack(gear, along=2)),
-    "strip, 3 x 2 (default)": (flank_contact, pack),
-    "strip, 4 x 2": (flank_contact, lambda gear: pack(gear, along=4)),
+    "strip, 3 x 2": (flank_contact, lambda gear: pack(gear, along=3)),
+    "strip, 4 x 2 (default)": (flank_contact, pack),
     "strip, 6 x 3": (flank_contact, lambda gear: pack(gear, along=6, across=3)),
     "20 generators": (flank_quadrature, lambda gear: pack_generators(gear, generators=20)),
     "40 generators": (flank_quadrature, lambda gear: pack_generators(gear, generators=40)),

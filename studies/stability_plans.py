@@ -208,11 +208,11 @@ class Child:
 
 
 def stands(row: dict[str, Any]) -> bool:
-    """Whether no check that has changed concerns this row: right in four steps or more, or failed."""
+    """Whether no change of checks or least steps concerns a row: right in eight steps or more, or failed."""
     drawn = json.loads(row["plan"])
     steps = np.ceil(2 * np.pi * drawn["test.turns"] / drawn["step_angle"])
     told = ("no-convergence", "diverged", "timeout", "contact-lost")
-    return (row["verdict"] == "right" and steps >= 4) or row["verdict"] in told
+    return (row["verdict"] == "right" and steps >= 8) or row["verdict"] in told
 
 
 def verdict(row: dict[str, Any]) -> str:

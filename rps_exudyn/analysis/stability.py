@@ -8,7 +8,7 @@ limit = bisected(lambda h: cell(h) is Cell.RIGHT, 1e-4, 1e-2)
 
 import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -107,6 +107,11 @@ def naked(plan: Plan) -> Result:
     return tried(plan)[0]
 
 
+def _steps_as_asked() -> AbstractContextManager[object]:
+    """Within the block no trip takes finer steps than its fidelity asks for."""
+    return patch.multiple(trip, LEAST_STEPS=1, LEAST_OF_PART=1)
+
+
 def tried(plan: Plan) -> tuple[Result, bool]:
     """The same, and whether guards or judge would have had something against it."""
     verdicts: list[Outcome] = []
@@ -115,7 +120,7 @@ def tried(plan: Plan) -> tuple[Result, bool]:
         verdicts.append(judged(outcome, *seen))
         return outcome
 
-    with patch.object(make_trip, "judged", only_noted), patch.object(trip, "LEAST_STEPS", 1):
+    with patch.object(make_trip, "judged", only_noted), _steps_as_asked():
         result = unguarded(plan.scene, plan.gear, plan.fidelity)
     against = any(verdict.status is not Status.OK for verdict in verdicts)
     return result, against or bool(refused(plan.scene, plan.gear, plan.fidelity))

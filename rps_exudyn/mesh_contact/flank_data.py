@@ -55,7 +55,7 @@ from rps_exudyn.parameters import SteeringGear
     N_FIXED,
 ) = range(35)
 
-ALONG, ACROSS = 3, 2  # Gauss points: stations in each segment of a line, nodes across the strip
+ALONG, ACROSS = 4, 2  # Gauss points: stations in each segment of a line, nodes across the strip
 
 
 def pack(

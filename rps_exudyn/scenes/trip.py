@@ -12,7 +12,8 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.load import Pulse
 
-LEAST_STEPS = 4  # of a record, or of each of its periods: four see the torque of most gears to a percent
+LEAST_STEPS = 4  # of each period: four see the torque of most gears to a percent ...
+LEAST_OF_PART = 8  # ... and of a record that is not made of whole ones: they cost little
 LEAST_PER_CYCLE = 400  # steps, so that the sinusoid passes its ends in many of them
 RUN_IN = np.deg2rad(0.5)  # pinion angle turned before the record starts, at least
 SETTLING = 12  # equilibria over the tooth pitch before that: the torque after them is settled to 0.02 % ...
@@ -84,15 +85,17 @@ def steady_trip(gear: SteeringGear, body: DrivenBody, first: float, last: float,
     """Between two pinion angles [rad] at the test's speed, in steps of at most `step_angle` [rad].
 
     `body` is the one that the rig moves; the rack moves as far and as fast as it would with the pinion.
-    A trip over whole periods of the gear gets the same steps in each of them, `LEAST_STEPS` at least.
+    A trip over whole periods of the gear gets the same steps in each of them, at least four; any other at
+    least eight.
 
     Raises:
         InputError: it leaves the rack's teeth.
     """
     check_travel(gear, (first, last), f"a test from {_deg(first)} to {_deg(last)}")
-    periods = whole_periods(gear, abs(last - first)) or 1
+    whole = whole_periods(gear, abs(last - first))
+    periods, least = (whole, LEAST_STEPS) if whole else (1, LEAST_OF_PART)
     piece = abs(last - first) / periods
-    per_piece = max(LEAST_STEPS, int(np.ceil(piece / step_angle * (1 - 1e-12))))
+    per_piece = max(least, int(np.ceil(piece / step_angle * (1 - 1e-12))))
     step = piece / per_piece
     lead, sense = int(np.ceil(RUN_IN / step)), float(np.sign(last - first))
     start = first - sense * lead * step
