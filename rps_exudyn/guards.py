@@ -25,7 +25,6 @@ DEEPEST = 1.5  # deepest contact over the mean one, measured on the paper's gear
 LEAST_GENERATORS = 20  # 0.5 % of the torque
 LEAST_ROWS = 8  # of spheres along the face width
 SPACING = 2.5  # of spheres along the profile, over the width of the strip that touches: 1 % of the torque
-LEAST_FORM = 0.3  # of the mean depth: 1 % of the torque by general contact
 STEADY = ("free-pinion-torque", "load-test", "rack-push")
 
 
@@ -55,7 +54,6 @@ def breaches(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Iterator[Bre
         yield from _tooth_pitch_resolved(gear, fidelity)
     yield from _contact_integrated(gear, fidelity)
     yield from _spheres_deep_enough(gear, fidelity)
-    yield from _form_in_the_mesh(gear, fidelity)
 
 
 def refused(scene: str, gear: SteeringGear, fidelity: Fidelity) -> list[str]:
@@ -132,21 +130,3 @@ def _spheres_deep_enough(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Bre
             {"mesh": "flank"},
             "{:.0f} um",
         )
-
-
-def _form_in_the_mesh(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
-    """The pinion's mesh is ruled from end to end of its generators: between them it knows of no relief."""
-    if fidelity.mesh != "general-contact":
-        return
-    limit = LEAST_FORM * predicted_depth(gear)
-    for name in ("tip_relief", "crowning"):
-        value = getattr(gear.pinion, name)
-        if value > limit:
-            yield Breach(
-                f"pinion.{name}",
-                1e6 * value,
-                1e6 * limit,
-                "general contact, whose mesh is ruled from end to end of the flanks,",
-                {"mesh": "flank"},
-                "{:.2g} um",
-            )

@@ -148,36 +148,22 @@ def processor_time(seconds: float) -> Iterator[None]:
 
 
 def reference(plan: Plan, value: float, methods: Sequence[Choices] = REFERENCES) -> float:
-    """The figure of the same trip, run-in included, from equilibria in small steps or from dynamics in small
-    steps; nan if none of them is sound itself.
+    """The figure of the same trip from equilibria in small steps or from dynamics in small steps; nan if none
+    of them is sound itself.
 
     Both are right answers where inertia matters: of several the one nearest to `value` is returned.
     """
     found: list[float] = []
-    with run_in_of(plan):
-        for changes in methods:
-            if found and (abs(error_of(value, found[-1])) <= INACCURATE or value != value):
-                break
-            try:
-                result = unguarded(plan.scene, plan.gear, plan.fidelity.replace(changes))
-            except InputError:
-                break
-            if result.status is Status.OK:
-                found.append(plan.figure(result))
+    for changes in methods:
+        if found and (abs(error_of(value, found[-1])) <= INACCURATE or value != value):
+            break
+        try:
+            result = unguarded(plan.scene, plan.gear, plan.fidelity.replace(changes))
+        except InputError:
+            break
+        if result.status is Status.OK:
+            found.append(plan.figure(result))
     return min(found, key=lambda true: abs(error_of(value, true)), default=float("nan"))
-
-
-@contextmanager
-def run_in_of(plan: Plan) -> Iterator[None]:
-    """Within the block every trip begins where the plan's does: whole steps of its own before the record."""
-    usual = trip.RUN_IN
-    turned = 2 * np.pi * plan.gear.test.turns
-    step = turned / np.ceil(turned / plan.fidelity.step_angle * (1 - 1e-12))
-    trip.RUN_IN = float(step * np.ceil(usual / step) * (1 - 1e-9))
-    try:
-        yield
-    finally:
-        trip.RUN_IN = usual
 
 
 def error_of(value: float, true: float) -> float:

@@ -42,13 +42,19 @@ GATE_MARGIN = np.deg2rad(25.0)  # beyond the angle at which a tooth space's flan
 
 
 def contact_data(gear: SteeringGear, *, profile: int, axial: int, friction_zone: float) -> SampledContactData:
-    """Spheres on the triangulated flanks of all tooth spaces, and the planes they meet."""
+    """Spheres on the triangulated flanks of all tooth spaces, and the planes they meet.
+
+    The mesh is that of the perfect flanks, ruled from end to end of their generators; relief, crowning and
+    errors, which bend within a generator, move the spheres by as much as they move the flank.
+    """
     pair, form, bar = GearPair.of(gear), FlankForm.of(gear), RackBar.of(gear)
-    mesh = pinion_mesh(pair, CHORD_ERROR, form)
+    mesh = pinion_mesh(pair, CHORD_ERROR)
 
     def samples_of(tooth: int, side: int) -> FlankSamples:
-        samples = sample_flank(Flank(pair, tooth, side, form), profile, axial)
-        return onto_mesh(samples, mesh.vertices[mesh.flanks[tooth % pair.teeth, side].faces])
+        perfect = sample_flank(Flank(pair, tooth, side), profile, axial)
+        formed = sample_flank(Flank(pair, tooth, side, form), profile, axial)
+        on_mesh = onto_mesh(perfect, mesh.vertices[mesh.flanks[tooth % pair.teeth, side].faces])
+        return formed._replace(points=on_mesh.points + formed.points - perfect.points)
 
     samples = [[samples_of(*flank) for flank in borders(space)] for space in range(pair.teeth)]
     rack_flanks = [bar.flank(0, side) for side in SIDES]

@@ -58,9 +58,12 @@ def _blamed(failed: SceneRun, weight: float, gear: SteeringGear) -> SceneRun:
 
 
 def oriented(signals: Signals, gear: SteeringGear) -> Signals:
-    """Angle and torque as if the weight were raised by positive angles."""
+    """Angle and torque as if the weight were raised by positive angles; the time, which tells trips apart."""
     sense = gear.test.direction
-    return {name: sense * signals[name] for name in ("pinion_angle", "pinion_torque")}
+    return {
+        "time": signals["time"],
+        **{name: sense * signals[name] for name in ("pinion_angle", "pinion_torque")},
+    }
 
 
 def _free_torque(signals: Signals) -> float:

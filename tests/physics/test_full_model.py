@@ -185,6 +185,21 @@ def test_pressure_by_depth_rubs_more_than_an_even_load(pitch: Result) -> None:
     assert 1.02 < pitch.summary["torque_mean"] / first_order_torque(GEAR) < 1.05
 
 
+@pytest.mark.parametrize(
+    "form",
+    [{"pinion.tip_relief": "20 um"}, {"pinion.crowning": "8 um"}, {"pinion.profile_slope": "5 um"}],
+    ids=lambda form: next(iter(form)),
+)
+def test_modified_flanks_ask_for_the_same_torque_by_spheres_and_by_strips(form: dict[str, object]) -> None:
+    """Spheres have a bias of 0.1 %; of 11 % if the mesh shows a relief at the ends of its generators only."""
+    gear = GEAR.replace({**form, "test.turns": 1 / GEAR.pinion.teeth})
+    spheres, strips = (
+        run("free-pinion-torque", gear, fidelity=Fidelity.preset("quasi-static").replace(choices)).summary
+        for choices in ({"mesh": "general-contact", "step_angle": "6 deg"}, {"strip_stations": 6})
+    )
+    assert spheres["torque_mean"] == pytest.approx(strips["torque_mean"], rel=3e-3)
+
+
 def test_chain_and_condensed_bush_give_the_same_torque(pitch: Result, condensed_pitch: Result) -> None:
     """The chain's static stiffness is condensed exactly; what is left out, its stretch and inertia, does
     no work over a pitch."""

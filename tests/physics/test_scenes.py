@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
+from rps_exudyn.analysis.efficiency import measured_load_test
 from rps_exudyn.closed_form import GRAVITY, pushing_force, unloading_force
 from rps_exudyn.errors import InputError
 from rps_exudyn.fidelity import Fidelity
@@ -13,6 +14,7 @@ from rps_exudyn.outcome import Status
 from rps_exudyn.parameters import SteeringGear
 from rps_exudyn.parts.bush import bush_chain, housing_station
 from rps_exudyn.result import Result
+from rps_exudyn.scenes.load_test import oriented
 
 GEAR = SteeringGear()
 PITCH = 1 / GEAR.pinion.teeth  # [turns]
@@ -73,6 +75,17 @@ def test_raising_and_lowering_differ_by_twice_the_free_torque(fidelity: str, mas
     largest = max(ideal, found["free_torque"])
     assert (forward + reverse) / 2 == pytest.approx(ideal, abs=0.015 * largest)
     assert (forward - reverse) / 2 == pytest.approx(found["free_torque"], abs=0.015 * largest)
+
+
+def test_the_load_test_counts_every_instant() -> None:
+    """The second trip begins where the first ended, up to rounding, which cost a step each way."""
+    signals = {
+        "time": np.array([0.0, 1, 2, 2, 3, 4]),
+        "pinion_angle": np.array([0.0, 0.5, 1, 1 + 1e-15, 0.5, 0]),
+        "pinion_torque": np.array([2.0, 2, 8, -1, -1, -5]),
+    }
+    found = measured_load_test(oriented(signals, GEAR), 100.0, GAIN, 1.0)
+    assert (found.torque_forward, found.torque_reverse) == pytest.approx((3.5, -2.0))
 
 
 @pytest.mark.parametrize("direction", [1, -1])

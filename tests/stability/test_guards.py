@@ -19,8 +19,6 @@ REFUSED = {
     "fidelity.profile_samples is 6": (SPHERES, {"mesh.stiffness": 3e14}),
     "fidelity.strip_points is 1": (STILL.replace({"strip_points": 1}), {}),
     "fidelity.strip_stations is 1": (STILL.replace({"strip_stations": 1}), {}),
-    "pinion.tip_relief is 5 um": (Fidelity.preset("full"), {"pinion.tip_relief": "5 um"}),
-    "pinion.crowning is 5 um": (Fidelity.preset("full"), {"pinion.crowning": "5 um"}),
     "the deepest contact predicted": (Fidelity.preset("full"), {"mesh.stiffness": 1e11}),
 }
 
