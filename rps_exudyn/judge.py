@@ -58,7 +58,7 @@ def judged(
         *([] if friction_zone is None or record.settled else [settled(signals, gear)]),
         *([] if friction_zone is None or not equilibria else [rolling_followed(signals, gear)]),
         contact_agreed(contact_disagreement(record)),
-        spheres_enough(record, bool(gear.installation.angle_error)),
+        spheres_enough(record, _on_an_edge(gear, signals)),
         work_balanced(signals, ENERGY_BOUND),
         edges_spared(signals, EDGE_BOUND + EDGE_SHARE * np.degrees(abs(gear.installation.angle_error))),
     )
@@ -190,7 +190,7 @@ def contact_agreed(disagreement: float) -> Failure:
         )
 
 
-def spheres_enough(record: Record, misaligned: bool) -> Failure:
+def spheres_enough(record: Record, on_an_edge: bool) -> Failure:
     """Enough spheres touch that their sum is an integral over the contact."""
     mesh = next(element for element in record.elements if element.name == "mesh")
     if mesh.kernel is not sampled_force:
@@ -198,12 +198,18 @@ def spheres_enough(record: Record, misaligned: bool) -> Failure:
     columns = dict(zip(mesh.outputs, range(mesh.size + LEDGER_SIZE, 1000), strict=False))
     some = replace(record, coordinates=record.coordinates[::8], rates=record.rates[::8])
     touching = float(np.median(some.outputs(mesh)[:, columns["mesh_touching"]]))
-    least = LEAST_TOUCHING * (2 if misaligned else 1)  # where teeth bear on an edge it is one row of them
+    least = LEAST_TOUCHING * (2 if on_an_edge else 1)
     if touching < least:
         yield (
             Status.INVALID,
             f"{touching:g} spheres touch, of {least} needed: raise fidelity.profile_samples or axial_samples",
         )
+
+
+def _on_an_edge(gear: SteeringGear, signals: dict[str, np.ndarray]) -> bool:
+    """Whether the teeth may bear on an edge, one row of spheres: shafts askew, or the yoke at its nut."""
+    stopped = (signals.get("yokenut_force", np.zeros(1)) > 0).any()
+    return bool(gear.installation.angle_error) or bool(stopped)
 
 
 def work_balanced(signals: dict[str, np.ndarray], bound: float) -> Failure:
