@@ -16,20 +16,20 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rps_exudyn.errors import InputError
-    from rps_exudyn.parameters import SteeringGear
-    from rps_exudyn.result import Result, load
-    from rps_exudyn.simulate import run
+    from rps_exudyn.base.errors import InputError
+    from rps_exudyn.parameters.gear import SteeringGear
+    from rps_exudyn.results.result import Result, load
+    from rps_exudyn.simulate.run import run
     from rps_exudyn.study.dataset import open_study, study_frame
 
 __all__ = ["InputError", "Result", "SteeringGear", "load", "open_study", "run", "study_frame"]
 
 _HOME = {
-    "InputError": "errors",
-    "SteeringGear": "parameters",
-    "Result": "result",
-    "load": "result",
-    "run": "simulate",
+    "InputError": "base.errors",
+    "SteeringGear": "parameters.gear",
+    "Result": "results.result",
+    "load": "results.result",
+    "run": "simulate.run",
     "open_study": "study.dataset",
     "study_frame": "study.dataset",
 }

@@ -2,6 +2,6 @@
 
 import sys
 
-from rps_exudyn.cli import main
+from rps_exudyn.cli.commands import main
 
 sys.exit(main())

@@ -17,9 +17,14 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.accuracy.choice import TABLE, Setting
-from rps_exudyn.accuracy.population import random_gears
-from rps_exudyn.accuracy.references import (
+from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.provenance import provenance
+from rps_exudyn.scenes.trip import whole_periods
+from rps_exudyn.simulate.by_accuracy import TABLE, Setting
+from rps_exudyn.verification.population import random_gears
+from rps_exudyn.verification.references import (
     as_run,
     by_generators,
     by_strips,
@@ -29,12 +34,7 @@ from rps_exudyn.accuracy.references import (
     slowly,
     truth_of,
 )
-from rps_exudyn.accuracy.runs import Truth, revolutions, run_scene
-from rps_exudyn.atomic import replacing
-from rps_exudyn.errors import InputError
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.provenance import provenance
-from rps_exudyn.scenes.trip import whole_periods
+from rps_exudyn.verification.runs import Truth, revolutions, run_scene
 
 SEED = 2024  # other gears than those the promise is tested on
 MARGIN = 1.25

@@ -13,13 +13,13 @@ from time import process_time
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from rps_exudyn.accuracy.limits import Limits
-from rps_exudyn.accuracy.measurement import Measurement, Point, load_measurement
-from rps_exudyn.accuracy.runs import run_scene
-from rps_exudyn.charts.work_precision import draw_law_band, draw_scaling
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.report.accuracy_page import write_accuracy_report
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.verification.accuracy_page import write_accuracy_report
+from rps_exudyn.verification.law_and_scaling import Limits
+from rps_exudyn.verification.measurement import Measurement, Point, load_measurement
+from rps_exudyn.verification.runs import run_scene
+from rps_exudyn.verification.work_precision_chart import draw_law_band, draw_scaling
 
 GEAR = SteeringGear()
 PITCH = 1 / GEAR.pinion.teeth

@@ -15,23 +15,23 @@ from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
 
-from rps_exudyn.accuracy.faceted import Surface, faceted_run, largest_deviation, meshed, shaped, spheres
-from rps_exudyn.accuracy.flywheel import explicit_run
-from rps_exudyn.accuracy.measurement import Measurement, Plan, Point, load_measurement, measure_point
-from rps_exudyn.accuracy.orders import fitted_orders
-from rps_exudyn.accuracy.references import truth_of
-from rps_exudyn.accuracy.runs import JUDGED, Truth, curve_of, run_scene
-from rps_exudyn.analysis.work_precision import Reference
-from rps_exudyn.charts.work_precision import draw_work_precision
-from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.provenance import provenance
-from rps_exudyn.report.accuracy_page import write_accuracy_report
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.provenance import provenance
 from rps_exudyn.study.cases import describe, setup_of
 from rps_exudyn.study.description import Axis, Value
 from rps_exudyn.study.study_file import read_study
 from rps_exudyn.study.table import axis_quantity
+from rps_exudyn.verification.accuracy_page import write_accuracy_report
+from rps_exudyn.verification.convergence import fitted_orders
+from rps_exudyn.verification.faceted import Surface, faceted_run, largest_deviation, meshed, shaped, spheres
+from rps_exudyn.verification.flywheel import explicit_run
+from rps_exudyn.verification.measurement import Measurement, Plan, Point, load_measurement, measure_point
+from rps_exudyn.verification.references import truth_of
+from rps_exudyn.verification.runs import JUDGED, Truth, curve_of, run_scene
+from rps_exudyn.verification.work_precision import Reference
+from rps_exudyn.verification.work_precision_chart import draw_work_precision
 
 STUDIES = Path(__file__).parent
 OF_TORQUE = (

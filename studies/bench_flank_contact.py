@@ -20,7 +20,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.flank_contact import flank_contact
 from rps_exudyn.mesh_contact.flank_data import pack, pack_generators
 from rps_exudyn.mesh_contact.flank_quadrature import flank_quadrature
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
 
 ANGLES = np.linspace(0, np.pi / 3, 25)[:-1]
 PRESS = 12e-6  # by which the rack is pressed into the mesh [m]

@@ -10,14 +10,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rps_exudyn.gears.checks import check_gear, geometry_report
 from rps_exudyn.gears.deviation import flank_deviation
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pinion_mesh import flank_patch, pinion_mesh
+from rps_exudyn.gears.report import check_gear, geometry_report
 from rps_exudyn.gears.shaping import shaped_pinion
 from rps_exudyn.gears.solids import rack_solid
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
 
 GEAR = SteeringGear()
 PAIR = GearPair.of(GEAR)

@@ -11,10 +11,10 @@ from time import process_time
 from typing import Any
 from unittest.mock import patch
 
-from rps_exudyn import simulate
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import make_trip
+from rps_exudyn.simulate import run as simulate
 
 OUT = Path(__file__).parents[1] / "results" / "stability" / "guard_cost.json"
 PITCH = 1 / SteeringGear().pinion.teeth

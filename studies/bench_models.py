@@ -20,10 +20,10 @@ from scipy.interpolate import CubicSpline
 import rps_exudyn as rps
 from rps_exudyn.charts import style
 from rps_exudyn.charts.several import torques_figure
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.quantities import SIGNALS
-from rps_exudyn.result import Result
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.results.result import Result
 
 GEAR = SteeringGear()
 PITCH = 1 / GEAR.pinion.teeth

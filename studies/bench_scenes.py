@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from rps_exudyn.closed_form import GRAVITY, closed_form, pushing_force, runout_harmonics
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.outcome import Status
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.result import Result
-from rps_exudyn.simulate import run
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result
+from rps_exudyn.simulate.run import run
+from rps_exudyn.solvers.closed_form import GRAVITY, closed_form, pushing_force, runout_harmonics
 
 PRESETS = ("flank", "quasi-static", "closed-form")
 GEAR = SteeringGear()

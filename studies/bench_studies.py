@@ -16,10 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from rps_exudyn import simulate
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.study.case_file import FileForms, kept
-from rps_exudyn.study.description import Keep
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.case_file import FileForms, Keep, kept
+from rps_exudyn.simulate import run as simulate
 from rps_exudyn.study.store import Store
 
 GRID = """

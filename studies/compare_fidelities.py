@@ -15,9 +15,9 @@ from rps_exudyn.analysis.comparison import compare
 from rps_exudyn.charts import style
 from rps_exudyn.charts.comparison import draw_comparison
 from rps_exudyn.charts.several import torques_figure
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.result import Result
-from rps_exudyn.simulate import run
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.results.result import Result
+from rps_exudyn.simulate.run import run
 
 SCENE = "free-pinion-torque"
 FIDELITIES = {

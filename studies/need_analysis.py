@@ -12,13 +12,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.outcome import Status
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.quantities import SUMMARY
-from rps_exudyn.result import Result
-from rps_exudyn.simulate import SCENES, run
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.result import Result
+from rps_exudyn.simulate.run import SCENES, run
 
 FOLDER = Path(__file__).parents[1] / "results" / "scenes" / "need"
 

@@ -23,10 +23,10 @@ from rps_exudyn.charts.losses import losses_figure
 from rps_exudyn.charts.scene import draw
 from rps_exudyn.charts.several import torques_figure
 from rps_exudyn.charts.spectrum import spectrum_figure
-from rps_exudyn.closed_form import load_test
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.quantities import SUMMARY
-from rps_exudyn.result import Result
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.result import Result
+from rps_exudyn.solvers.closed_form import load_test
 
 GEAR = SteeringGear()
 RUNOUT = GEAR.replace({"pinion.runout": "40 um"})

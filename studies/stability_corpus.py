@@ -8,9 +8,9 @@ import sys
 from collections import Counter
 from pathlib import Path
 
-from rps_exudyn.analysis.stability import Plan, error_of, naked, reference
-from rps_exudyn.outcome import Status
-from rps_exudyn.simulate import run
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.simulate.run import run
+from rps_exudyn.verification.stability import Plan, error_of, naked, reference
 
 HERE = Path(__file__).parents[1]
 sys.path.insert(0, str(HERE / "tests"))

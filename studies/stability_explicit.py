@@ -18,8 +18,14 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.accuracy.explicit import FreeMotion
-from rps_exudyn.analysis.explicit_limit import (
+from rps_exudyn.forces.bush import bush_chain, resting_segments
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.solids import bush_segment_solid
+from rps_exudyn.multibody.bush_chain import add_chain
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.drive import DrivenBody, Steady, travel_per_radian
+from rps_exudyn.verification.explicit_limit import (
     disturbance_dies,
     explicit_euler,
     largest_damping,
@@ -28,14 +34,9 @@ from rps_exudyn.analysis.explicit_limit import (
     stable_step,
     state_matrix,
 )
-from rps_exudyn.analysis.stability import bisected
-from rps_exudyn.charts.stability import draw_limits
-from rps_exudyn.drive import DrivenBody, Steady, travel_per_radian
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.solids import bush_segment_solid
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.parts.bush import add_chain, bush_chain, resting_segments
+from rps_exudyn.verification.runge_kutta import FreeMotion
+from rps_exudyn.verification.stability import bisected
+from rps_exudyn.verification.stability_charts import draw_limits
 
 OUT = Path(__file__).parents[1] / "results" / "stability"
 GEAR = SteeringGear()

@@ -16,7 +16,12 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.stability import (
+from rps_exudyn.checks.before_run import STEPS_PER_PITCH
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result
+from rps_exudyn.verification.stability import (
     STILL,
     STRIP,
     Plan,
@@ -27,11 +32,6 @@ from rps_exudyn.analysis.stability import (
     reference,
     tried,
 )
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.guards import STEPS_PER_PITCH
-from rps_exudyn.outcome import Status
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.result import Result
 
 OUT = Path(__file__).parents[1] / "results" / "stability"
 GEAR = SteeringGear()

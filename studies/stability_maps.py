@@ -21,10 +21,24 @@ from unittest.mock import patch
 import numpy as np
 from stability_explicit import GEAR, SPHERES, DrivenGear, chain_frequency, chain_is_bounded, simple_limits
 
-from rps_exudyn import guards
-from rps_exudyn.accuracy.explicit import runge_kutta
-from rps_exudyn.analysis.explicit_limit import STEPS
-from rps_exudyn.analysis.stability import (
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.checks import before_run as guards
+from rps_exudyn.checks.before_run import DEEPEST, STEPS_PER_PITCH, predicted_depth
+from rps_exudyn.forces.bush import bush_chain
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.mesh_contact import spheres as general_contact
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.provenance import provenance
+from rps_exudyn.solvers.equilibrium import equilibrium_path
+from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.study.cases import setup_of
+from rps_exudyn.study.description import Axis, Case
+from rps_exudyn.study.study_file import read_study
+from rps_exudyn.study.table import axis_quantity
+from rps_exudyn.verification.explicit_limit import STEPS
+from rps_exudyn.verification.runge_kutta import runge_kutta
+from rps_exudyn.verification.stability import (
     INACCURATE,
     REFERENCES,
     SLOW,
@@ -41,21 +55,7 @@ from rps_exudyn.analysis.stability import (
     reference,
     tried,
 )
-from rps_exudyn.charts.stability import draw_maps
-from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.forces import gear_forces
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.guards import DEEPEST, STEPS_PER_PITCH, predicted_depth
-from rps_exudyn.mesh_contact import general_contact
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.parts.bush import bush_chain
-from rps_exudyn.provenance import provenance
-from rps_exudyn.statics import equilibrium_path
-from rps_exudyn.study.cases import setup_of
-from rps_exudyn.study.description import Axis, Case
-from rps_exudyn.study.study_file import read_study
-from rps_exudyn.study.table import axis_quantity
+from rps_exudyn.verification.stability_charts import draw_maps
 
 STUDIES = Path(__file__).parent
 OUT = STUDIES.parent / "results" / "stability"

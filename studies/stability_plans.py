@@ -22,13 +22,13 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.stability import REFERENCES, Plan, error_of, naked, reference
-from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.gears.checks import geometry_report
-from rps_exudyn.outcome import Status
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.result import Result
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result
+from rps_exudyn.verification.stability import REFERENCES, Plan, error_of, naked, reference
 
 SEED = 20261121
 TIME_LIMIT = 20.0  # [s] of one plan
@@ -118,7 +118,7 @@ def _drawn(rng: np.random.Generator) -> tuple[dict[str, Any], dict[str, Any], st
 # --- one plan, in the child -------------------------------------------------------------------------
 def outcome_of(number: int) -> dict[str, Any]:
     """What becomes of a plan, and of its reference."""
-    from rps_exudyn.simulate import unguarded
+    from rps_exudyn.simulate.run import unguarded
 
     (plan, text), start = plan_of(number), perf_counter()
     refused = _refusal(plan)
@@ -148,14 +148,14 @@ def _error(plan: Plan, result: Result) -> dict[str, Any]:
 
 
 def _refusal(plan: Plan) -> str:
-    from rps_exudyn.guards import refused
+    from rps_exudyn.checks.before_run import refused
 
     return "; ".join(refused(plan.scene, plan.gear, plan.fidelity))
 
 
 def rehearse() -> None:
     """Load or compile every kernel, which is on no plan's clock."""
-    from rps_exudyn.simulate import unguarded
+    from rps_exudyn.simulate.run import unguarded
 
     for scene in SCENES:
         gear = SteeringGear().replace({"test.turns": 0.01})

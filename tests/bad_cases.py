@@ -10,9 +10,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn.analysis.stability import Plan
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.verification.stability import Plan
 
 TORQUE = "free-pinion-torque"
 STILL = {"solver": "equilibrium"}

@@ -8,10 +8,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn.outcome import Status
-from rps_exudyn.provenance import provenance
-from rps_exudyn.result import Result
-from rps_exudyn.study.description import Axis, Case, Description, Keep
+from rps_exudyn.results.case_file import Keep
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.provenance import provenance
+from rps_exudyn.results.result import Result
+from rps_exudyn.study.description import Axis, Case, Description
 from rps_exudyn.study.store import Store
 
 PRELOAD = Axis("preload", ("yoke.preload",), "N", (100.0, 200.0, 400.0), "grid")

@@ -15,10 +15,9 @@ values = [{preloads}]
 STAND_IN = '''
 import os, signal, time
 import numpy as np
-import rps_exudyn.simulate as simulate
-from rps_exudyn.outcome import Status
+import rps_exudyn.simulate.run as simulate
+from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.solve import Outcome
 
 
 def scene(gear, fidelity):

@@ -18,8 +18,8 @@ import numpy as np
 
 from rps_exudyn.analysis.passes import Signals, longest_pass
 from rps_exudyn.analysis.torque import mean
-from rps_exudyn.quantities import SIGNALS
-from rps_exudyn.result import Result
+from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.results.result import Result
 
 ABSENT = None
 """Stands for a setting or a number that one of the results does not have."""

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from rps_exudyn.analysis.passes import Signals
-from rps_exudyn.errors import InputError
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
 
 POINTS = (80, 100)  # along the roll, along the face
 DEEPEST = 0.1e-3  # what stands deeper in a rack flank's plane is at its back or beyond the mesh [m]
@@ -108,7 +108,7 @@ def _depth(
 
 def _rack_poses(pair: GearPair, signals: Signals) -> tuple[np.ndarray, np.ndarray]:
     """Reference points (n, 3) [m] and rotation matrices rack -> housing (n, 3, 3)."""
-    from rps_exudyn.parts.motion import rotation_matrix
+    from rps_exudyn.forces.rigid_motion import rotation_matrix
 
     x = signals["rack_displacement"]
     angles = np.column_stack([signals[f"rack_{name}"] for name in ("roll", "yaw", "pitch")])

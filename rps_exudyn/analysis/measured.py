@@ -18,12 +18,12 @@ from pathlib import Path
 
 import numpy as np
 
-from rps_exudyn import units
 from rps_exudyn.analysis.comparison import SignalPair, signal_pair
 from rps_exudyn.analysis.passes import Signals, common_angles, longest_pass, passes
 from rps_exudyn.analysis.torque import describe_torque
-from rps_exudyn.errors import InputError
-from rps_exudyn.quantities import SIGNALS
+from rps_exudyn.base import units
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.results.quantities import SIGNALS
 
 COLUMNS = ("pinion_angle", "pinion_torque")
 HEADER = "pinion_angle [deg], pinion_torque [N m]"

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rps_exudyn.analysis.orders import order_amplitude
+from rps_exudyn.analysis.harmonics import order_amplitude
 from rps_exudyn.analysis.passes import Signals, passes
 
 RANGES = {"rack_lift_range": "rack_y", "rack_roll_range": "rack_roll", "rack_yaw_range": "rack_yaw"}

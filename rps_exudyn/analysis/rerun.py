@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.provenance import FIELDS
-from rps_exudyn.result import Result
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.results.provenance import FIELDS
+from rps_exudyn.results.result import Result
 
 VARYING = ("date",)  # of the provenance: says nothing about the numbers
 

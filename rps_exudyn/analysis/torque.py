@@ -5,7 +5,7 @@ A record in both directions is first taken apart, see `passes`.
 
 import numpy as np
 
-from rps_exudyn.analysis.orders import LEAST_PER_PERIOD, order_amplitude
+from rps_exudyn.analysis.harmonics import LEAST_PER_PERIOD, order_amplitude
 
 
 def mean(angle: np.ndarray, values: np.ndarray) -> float:

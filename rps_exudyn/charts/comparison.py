@@ -5,9 +5,9 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.comparison import Comparison
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.charts import style
-from rps_exudyn.errors import InputError
-from rps_exudyn.quantities import SIGNALS
+from rps_exudyn.results.quantities import SIGNALS
 
 
 def draw_comparison(comparison: Comparison, names: tuple[str, str], path: str | Path) -> None:

@@ -6,11 +6,11 @@ from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.contact_pattern import contact_pattern, one_pitch
 from rps_exudyn.analysis.passes import passes
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.charts import style
 from rps_exudyn.charts.heading import head
-from rps_exudyn.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.result import Result
+from rps_exudyn.results.result import Result
 
 FLANKS = {-1: "flanks that drive the rack towards +X", +1: "flanks that drive it towards -X"}
 MILLIMETRES, MEGAPASCAL = 1e3, 1e-6

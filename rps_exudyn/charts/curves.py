@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.analysis.passes import Signals, passes
 from rps_exudyn.charts import style
-from rps_exudyn.quantities import SIGNALS
+from rps_exudyn.results.quantities import SIGNALS
 
 DIRECTIONS = {+1: ("towards +X", "forward"), -1: ("towards -X", "backward")}
 AGAINST_MOTION = "torque against the motion"

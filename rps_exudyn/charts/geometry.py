@@ -11,12 +11,12 @@ from matplotlib.figure import Figure
 from rps_exudyn.charts import style
 from rps_exudyn.charts.shading import shaded_image
 from rps_exudyn.gears.assembly import assembled
-from rps_exudyn.gears.checks import GeometryReport, geometry_report
 from rps_exudyn.gears.clearance import active_field
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank, transverse_profile
 from rps_exudyn.gears.polyhedron import Solid, from_manifold, to_manifold
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.gears.report import GeometryReport, geometry_report
+from rps_exudyn.parameters.gear import SteeringGear
 
 PART_COLOURS = {
     "pinion": (0.36, 0.55, 0.78),

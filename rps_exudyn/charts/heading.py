@@ -5,9 +5,9 @@ from collections.abc import Mapping
 from matplotlib.figure import Figure
 
 from rps_exudyn.charts import style
-from rps_exudyn.outcome import Status
-from rps_exudyn.quantities import SUMMARY
-from rps_exudyn.result import Result
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.result import Result
 
 
 def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str]) -> None:

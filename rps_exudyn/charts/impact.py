@@ -5,8 +5,8 @@ from matplotlib.figure import Figure
 from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.charts import style
 from rps_exudyn.charts.heading import head, scene_of
-from rps_exudyn.quantities import SIGNALS
-from rps_exudyn.result import Result
+from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.results.result import Result
 
 FIGURES = {
     "impacts": "impacts",

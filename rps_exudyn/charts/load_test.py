@@ -11,8 +11,8 @@ from rps_exudyn.analysis.passes import passes
 from rps_exudyn.charts import style
 from rps_exudyn.charts.curves import DIRECTIONS, add_measured
 from rps_exudyn.charts.heading import head, scene_of
-from rps_exudyn.quantities import SIGNALS
-from rps_exudyn.result import Result
+from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.results.result import Result
 
 DOES = {+1: "raising", -1: "lowering"}
 FIGURES = {

@@ -7,11 +7,11 @@ from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.work_balance import describe_losses, loss_torques
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.charts import style
 from rps_exudyn.charts.heading import head
-from rps_exudyn.errors import InputError
-from rps_exudyn.quantities import SIGNALS
-from rps_exudyn.result import Result
+from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.results.result import Result
 
 CALLED = {"bearing": "bearings", "bush": "bush", "seat": "plunger's seat", "mesh": "teeth"}
 

@@ -6,7 +6,7 @@ from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.charts import style
 from rps_exudyn.charts.curves import DIRECTIONS, over_angle
 from rps_exudyn.charts.heading import head, scene_of
-from rps_exudyn.result import Result
+from rps_exudyn.results.result import Result
 
 # signal -> name on the axis, colour, height [in], least span shown [display unit]
 _PANELS = {

@@ -8,8 +8,8 @@ from rps_exudyn.charts import style
 from rps_exudyn.charts.curves import add_measured
 from rps_exudyn.charts.heading import head, scene_of
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.quantities import SIGNALS
-from rps_exudyn.result import Result
+from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.results.result import Result
 
 FIGURES = {
     "hysteresis_area": "loop",

@@ -12,7 +12,7 @@ from rps_exudyn.charts.load_test import load_test_figure
 from rps_exudyn.charts.rack_push import rack_push_figure
 from rps_exudyn.charts.reversal import reversal_figure
 from rps_exudyn.charts.torque import torque_figure
-from rps_exudyn.result import Result
+from rps_exudyn.results.result import Result
 
 PICTURES: dict[str, Callable[[Result, MeasuredTorque | None], Figure]] = {
     "free-pinion-torque": torque_figure,

@@ -8,8 +8,8 @@ from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.charts import style
 from rps_exudyn.charts.curves import AGAINST_MOTION, add_measured
-from rps_exudyn.quantities import SIGNALS
-from rps_exudyn.result import Result
+from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.results.result import Result
 
 DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (3, 1.5)), (0, (1, 1)), (0, (6, 2, 1, 2)), "-")
 """By which curves that lie over each other are told apart."""

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.comparison import turns_one_way
 from rps_exudyn.charts import style
-from rps_exudyn.quantities import SIGNALS
-from rps_exudyn.result import Result
+from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.results.result import Result
 
 WIDTH, FIRST_HEIGHT, HEIGHT = 5.2, 2.2, 1.5  # [in]; readable on a phone
 COLOURS = ("torque", "other", "lift", "roll", "failure", "reference")

@@ -2,13 +2,13 @@
 
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.orders import order_spectrum
+from rps_exudyn.analysis.harmonics import order_spectrum
 from rps_exudyn.analysis.passes import passes
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.charts import style
 from rps_exudyn.charts.heading import head
-from rps_exudyn.errors import InputError
-from rps_exudyn.quantities import SUMMARY
-from rps_exudyn.result import Result
+from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.result import Result
 
 HIGHEST = 36
 

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from rps_exudyn.atomic import replacing
-from rps_exudyn.quantities import SIGNALS, Quantity
+from rps_exudyn.base.atomic import replacing
+from rps_exudyn.results.quantities import SIGNALS, Quantity
 
 COLOURS = {
     "torque": "#0b5394",

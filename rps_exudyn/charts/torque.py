@@ -12,8 +12,8 @@ from rps_exudyn.analysis.passes import passes
 from rps_exudyn.charts import style
 from rps_exudyn.charts.curves import add_measured, over_angle, torque_against_motion
 from rps_exudyn.charts.heading import head, scene_of
-from rps_exudyn.quantities import SUMMARY
-from rps_exudyn.result import Result
+from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.result import Result
 
 # signal -> name on the axis, colour, height [in], least span shown [display unit]
 _PANELS = {

@@ -5,7 +5,7 @@ import numpy as np
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.polyhedron import Solid
 from rps_exudyn.gears.solids import CHORD_ERROR, bush_segment_solid, gear_solids
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
 
 
 def rack_position(pair: GearPair, angle: float) -> np.ndarray:

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from rps_exudyn.atomic import replacing
-from rps_exudyn.errors import InputError
+from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.assembly import assembled
 from rps_exudyn.gears.solids import CHORD_ERROR
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
 
 FORMATS = (".stl", ".glb")
 

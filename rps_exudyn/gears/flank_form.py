@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
 
 
 @dataclass(frozen=True)

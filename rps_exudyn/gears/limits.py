@@ -10,7 +10,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 
 import numpy as np
 
-from rps_exudyn import units
+from rps_exudyn.base import units
 from rps_exudyn.gears.basic_rack import (
     crest_width,
     cutter_tip_centre,
@@ -29,7 +29,7 @@ from rps_exudyn.gears.clearance import (
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.trochoid import form_point
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
 
 LEAST_CREST = 0.05  # narrowest crest, in modules; below it a tooth counts as pointed
 STANDARD_ROUNDING = (

@@ -10,7 +10,7 @@ from functools import cached_property
 import manifold3d
 import numpy as np
 
-from rps_exudyn.errors import InputError
+from rps_exudyn.base.errors import InputError
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ import numpy as np
 from rps_exudyn.gears.basic_rack import arc_segments, rack_tooth, straight_depth
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.polyhedron import cylinder, from_manifold, prism
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
 
 PAST_THE_BUSH = 20e-3  # how far the bar reaches out of the bush at full travel [m]
 

@@ -14,7 +14,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.pinion_mesh import pinion_mesh
 from rps_exudyn.gears.polyhedron import Solid, cylinder, from_manifold, to_manifold
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
 
 CHORD_ERROR = 1e-6  # of the meshes unless wanted otherwise [m]
 STEEL = 7850.0  # density of the yokenut, which is fixed and only shown [kg/m^3]

@@ -24,7 +24,7 @@ GeneralContact). Loads act normal to the rack's plane, at points of the pinion's
 
 import numpy as np
 
-from rps_exudyn.compiled import inlined, kernel
+from rps_exudyn.base.compiled import inlined, kernel
 from rps_exudyn.mesh_contact.flank_data import (
     COS_BASE_HELIX,
     DAMPING,

@@ -6,16 +6,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rps_exudyn.compiled import kernel_over
-from rps_exudyn.errors import InputError
+from rps_exudyn.base.compiled import kernel_over
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map, times
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.flank_contact import flank_contact
 from rps_exudyn.mesh_contact.flank_data import pack, pack_generators
 from rps_exudyn.mesh_contact.flank_quadrature import flank_quadrature
 from rps_exudyn.mesh_contact.wrench import MESH_OUTPUTS, on_coordinates
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.parts.force_element import ForceElement
-from rps_exudyn.parts.motion import rotation_matrix, spin_map, times
+from rps_exudyn.parameters.gear import SteeringGear
 
 Kernel = Callable[..., Any]
 

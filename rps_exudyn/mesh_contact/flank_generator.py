@@ -7,7 +7,7 @@ interval with exact ends; that holds for strips of any width.
 
 import numpy as np
 
-from rps_exudyn.compiled import inlined, kernel
+from rps_exudyn.base.compiled import inlined, kernel
 from rps_exudyn.mesh_contact.flank_data import (
     BAR_RADIUS,
     BASE_RADIUS,

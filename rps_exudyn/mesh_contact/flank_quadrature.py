@@ -5,14 +5,8 @@ Law "area" only.
 
 import numpy as np
 
-from rps_exudyn.compiled import kernel
-from rps_exudyn.mesh_contact.flank_data import (
-    N_ACROSS,
-    Q_FORM,
-    Q_TIP,
-    RELIEF,
-    RELIEF_START,
-)
+from rps_exudyn.base.compiled import kernel
+from rps_exudyn.mesh_contact.flank_data import N_ACROSS, Q_FORM, Q_TIP, RELIEF, RELIEF_START
 from rps_exudyn.mesh_contact.flank_generator import press_area
 from rps_exudyn.mesh_contact.flank_line import (
     LINES,

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rps_exudyn.compiled import inlined
+from rps_exudyn.base.compiled import inlined
 from rps_exudyn.mesh_contact.flank_data import (
     AXIS_OFFSET,
     BASE_RADIUS,

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.compiled import inlined
+from rps_exudyn.base.compiled import inlined
 from rps_exudyn.mesh_contact.flank_data import (
     BAR_RADIUS,
     BASE_RADIUS,

@@ -9,12 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.closed_form import closed_form
-from rps_exudyn.compiled import kernel
-from rps_exudyn.errors import InputError
+from rps_exudyn.base.compiled import kernel
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.parts.force_element import ForceElement
+from rps_exudyn.parameters.gear import SteeringGear
 
 COUPLING = 1e9  # stiffness in place of rigidity [N/m]
 GUIDE = 1e5  # against rotations of the rack [N m/rad]
@@ -42,17 +41,12 @@ def ratio_force(q, v, data):  # type: ignore[no-untyped-def]
     return out
 
 
-def ratio_element(gear: SteeringGear) -> ForceElement:
-    """The ratio alone."""
-    return _element(gear, 0.0)
+def ratio_element(gear: SteeringGear, loss: float = 0.0) -> ForceElement:
+    """The ratio, with a constant loss torque of the mesh [N m].
 
-
-def ratio_element_with_loss(gear: SteeringGear) -> ForceElement:
-    """The ratio with the mesh's loss by the closed form."""
-    return _element(gear, closed_form(gear).towards(gear.test.direction).mesh_loss)
-
-
-def _element(gear: SteeringGear, loss: float) -> ForceElement:
+    Raises:
+        InputError: the pinion has a runout.
+    """
     if gear.pinion.runout > 0:
         raise InputError(
             f"pinion.runout is {1e6 * gear.pinion.runout:g} um; the kinematic ratio knows no runout: "

@@ -10,10 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.compiled import kernel
+from rps_exudyn.base.compiled import kernel
+from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.forces.friction import coulomb
+from rps_exudyn.forces.rigid_motion import cross, dot, rotation_matrix, spin_map, times
 from rps_exudyn.mesh_contact.wrench import MESH_OUTPUTS, WRENCH_SIZE, on_coordinates
-from rps_exudyn.parts.force_element import ForceElement
-from rps_exudyn.parts.motion import coulomb, cross, dot, rotation_matrix, spin_map, times
 
 
 class SampledContactData(NamedTuple):

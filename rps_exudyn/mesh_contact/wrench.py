@@ -13,8 +13,8 @@ displacement 0. Forces on the pinion are the exact opposite, so that momentum an
 
 import numpy as np
 
-from rps_exudyn.compiled import kernel
-from rps_exudyn.parts.motion import times_transposed
+from rps_exudyn.base.compiled import kernel
+from rps_exudyn.forces.rigid_motion import times_transposed
 
 TORQUE = 0  # moment of the contact on the pinion about k, at its axis of rotation [N m]
 FORCE = slice(1, 4)  # on the rack, housing frame [N]

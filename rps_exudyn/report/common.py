@@ -4,9 +4,9 @@ import json
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from rps_exudyn.declaration import Declared
+from rps_exudyn.parameters.declaration import Declared
+from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.report.blocks import Facts, Fold, Grid
-from rps_exudyn.setup import Setup
 
 PROVENANCE = {
     "package_version": "rps-exudyn",

@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from rps_exudyn.atomic import replacing
-from rps_exudyn.errors import InputError
+from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.report.blocks import Article
 from rps_exudyn.report.html import page
 from rps_exudyn.report.result_page import result_article, side_by_side
 from rps_exudyn.report.study_page import study_article
-from rps_exudyn.result import load
+from rps_exudyn.results.result import load
 from rps_exudyn.study.store import Store
 
 SUFFIXES = (".html", ".htm")

@@ -7,24 +7,13 @@ from matplotlib.figure import Figure
 
 from rps_exudyn.charts.scene import PICTURES
 from rps_exudyn.charts.signals import WIDTH, signals_figure
-from rps_exudyn.outcome import Status
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.quantities import COUNTERS, GEOMETRY, SUMMARY, Quantity
-from rps_exudyn.report.blocks import (
-    Article,
-    Block,
-    Code,
-    Facts,
-    Fold,
-    Grid,
-    Pictures,
-    Section,
-    Text,
-    Warning,
-)
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.report.blocks import Article, Block, Code, Facts, Fold, Grid, Pictures, Section, Text, Warning
 from rps_exudyn.report.common import fidelity_facts, parameter_grid, provenance_facts, told
 from rps_exudyn.report.pictures import picture
-from rps_exudyn.result import Result
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, SUMMARY, Quantity
+from rps_exudyn.results.result import Result
 
 
 def result_article(result: Result, path: Path) -> Article:

@@ -7,17 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from rps_exudyn.analysis import sensitivity
-from rps_exudyn.analysis.effects import MainEffect, grid_effect, sampled_effect, surface
-from rps_exudyn.charts.effects import (
-    distribution_figure,
-    main_effect_figure,
-    scattered_figure,
-    surface_figure,
-)
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.charts.signals import overlaid_figure
-from rps_exudyn.errors import InputError
-from rps_exudyn.quantities import SUMMARY
 from rps_exudyn.report.blocks import (
     Article,
     Block,
@@ -32,8 +23,17 @@ from rps_exudyn.report.blocks import (
     Warning,
 )
 from rps_exudyn.report.common import fidelity_facts, parameter_grid, provenance_facts
+from rps_exudyn.report.effects_charts import (
+    distribution_figure,
+    main_effect_figure,
+    scattered_figure,
+    surface_figure,
+)
 from rps_exudyn.report.pictures import picture
+from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.study import sensitivity
 from rps_exudyn.study.description import GRID_DESIGN, Axis, Case
+from rps_exudyn.study.effects import MainEffect, grid_effect, sampled_effect, surface
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import PENDING, CaseTable, axis_quantity, show_value
 

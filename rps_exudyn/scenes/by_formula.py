@@ -5,15 +5,14 @@ from time import process_time
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from rps_exudyn.closed_form import beyond_formulas, mean_state, pushing_force, runout_harmonics
-from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.outcome import Status
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.scenes.trip import Trip
-from rps_exudyn.solve import Outcome
+from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state, pushing_force, runout_harmonics
 
 
 def by_formula(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:

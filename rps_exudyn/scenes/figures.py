@@ -9,7 +9,7 @@ from rps_exudyn.analysis.rack_motion import describe_rack
 from rps_exudyn.analysis.torque import describe_torque
 from rps_exudyn.analysis.work_balance import describe_losses, energy_residual
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.scene_run import Signals
 
 

@@ -3,14 +3,14 @@
 One way over `test.turns`, there and back, or lock to lock and back (`test.path`).
 """
 
-from rps_exudyn.closed_form import beyond_formulas, closed_form
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import figures_of_turning
 from rps_exudyn.scenes.make_trip import make_trips
 from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.scenes.trip import trips_of_test
+from rps_exudyn.solvers.closed_form import beyond_formulas, closed_form
 
 
 def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:

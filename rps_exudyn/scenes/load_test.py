@@ -9,16 +9,16 @@ from dataclasses import replace
 
 from rps_exudyn.analysis.efficiency import LoadTest, describe_load_test, measured_load_test
 from rps_exudyn.analysis.torque import mean
-from rps_exudyn.closed_form import GRAVITY, unloading_force
-from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import figures_of_motion
 from rps_exudyn.scenes.make_trip import make_trip, make_trips
 from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.scenes.trip import trips_of_test
+from rps_exudyn.solvers.closed_form import GRAVITY, unloading_force
 
 
 def load_test(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:

@@ -11,22 +11,22 @@ from time import process_time
 
 import numpy as np
 
-from rps_exudyn.closed_form import closed_form
-from rps_exudyn.drive import travel_per_radian
-from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.forces import gear_forces
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.checks.after_run import judged, rolling_share
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.judge import judged, rolling_share
-from rps_exudyn.outcome import Status
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.path_follower import TOLERANCE
-from rps_exudyn.record import Record, repeated, signals_of
+from rps_exudyn.multibody.solve import SolverPlan, solve
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.by_formula import by_formula
 from rps_exudyn.scenes.scene_run import SceneRun, joined
 from rps_exudyn.scenes.trip import Trip
-from rps_exudyn.solve import Outcome, SolverPlan, solve
-from rps_exudyn.statics import EquilibriumPath, adaptive_path, settled_path
+from rps_exudyn.solvers.closed_form import closed_form
+from rps_exudyn.solvers.drive import travel_per_radian
+from rps_exudyn.solvers.equilibrium import EquilibriumPath, adaptive_path, settled_path
+from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.path_follower import TOLERANCE
+from rps_exudyn.solvers.record import Record, repeated, signals_of
 
 LEAST_FORCE = 10.0  # that a tolerance is a share of [N]
 ROLLING = 2e-4  # of the rack's travel, over a tooth pitch or more: the torque is settled to 0.15 % then
@@ -55,8 +55,8 @@ def make_trips(gear: SteeringGear, fidelity: Fidelity, trips: Sequence[Trip]) ->
 # --- dynamics --------------------------------------------------------------------------------------
 def by_dynamics(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:
     """In Exudyn."""
-    from rps_exudyn.model import build_model
-    from rps_exudyn.recording import Recorder
+    from rps_exudyn.multibody.model import build_model
+    from rps_exudyn.multibody.recorder import Recorder
 
     model = build_model(
         gear, fidelity, trip.drive, rack_load=trip.rack_load, pulse=trip.pulse, settling=trip.settling_time

@@ -6,8 +6,8 @@ The rack moves as fast as the pinion would move it at the test's speed, over the
 import numpy as np
 
 from rps_exudyn.analysis.passes import passes
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import figures_of_motion
 from rps_exudyn.scenes.make_trip import make_trips
 from rps_exudyn.scenes.remarks import remarks

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rps_exudyn.judge import first_angle
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.checks.after_run import first_angle
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.scene_run import Signals
 
 

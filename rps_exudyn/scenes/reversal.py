@@ -4,8 +4,8 @@ Steering is fastest, at the test's speed, where it passes the middle; it stands 
 """
 
 from rps_exudyn.analysis.hysteresis import describe_reversal
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import figures_of_motion
 from rps_exudyn.scenes.make_trip import make_trip
 from rps_exudyn.scenes.remarks import remarks

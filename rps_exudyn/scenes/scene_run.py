@@ -6,9 +6,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rps_exudyn.outcome import Status
-from rps_exudyn.quantities import is_work
-from rps_exudyn.solve import Outcome
+from rps_exudyn.results.outcome import Outcome, Status
+from rps_exudyn.results.quantities import is_work
 
 Signals = dict[str, np.ndarray]
 

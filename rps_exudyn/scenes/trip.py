@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rps_exudyn.drive import Drive, DrivenBody, Steady, Swing, travel_per_radian
-from rps_exudyn.errors import InputError
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.forces.external_load import Pulse
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.parts.load import Pulse
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.drive import Drive, DrivenBody, Steady, Swing, travel_per_radian
 
 LEAST_STEPS = 4  # of each period: four see the torque of most gears to a percent ...
 LEAST_OF_PART = 8  # ... and of a record that is not made of whole ones: they cost little

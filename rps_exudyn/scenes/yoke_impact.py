@@ -8,17 +8,17 @@ import numpy as np
 
 from rps_exudyn.analysis.impacts import describe_impacts
 from rps_exudyn.analysis.rack_motion import describe_rack
-from rps_exudyn.drive import Steady
-from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.forces.external_load import Pulse
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.parts.load import Pulse
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.make_trip import make_trip
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.scenes.trip import Trip, check_travel
+from rps_exudyn.solvers.drive import Steady
 
 STEPS_PER_SWING = 20  # of the plunger between seat and yokenut, the fastest motion: forces to 0.1 %
 

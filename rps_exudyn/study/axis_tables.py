@@ -6,9 +6,9 @@ from typing import Any, get_args
 
 import numpy as np
 
-from rps_exudyn import units
-from rps_exudyn.declaration import Declared
-from rps_exudyn.quantities import SIGNALS, SUMMARY
+from rps_exudyn.base import units
+from rps_exudyn.parameters.declaration import Declared
+from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.study.description import Axis, Value
 from rps_exudyn.study.toml_keys import Keys, shown
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.setup import Setup
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.study.axis_tables import CUT
 from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import GRID_DESIGN, Axis, Case, Description, Value

@@ -11,9 +11,9 @@ from contextlib import contextmanager
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
-from rps_exudyn.errors import InputError
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.simulate.processes import Done, Processes, Run, Task
 from rps_exudyn.study.cases import MODEL_VERSION
-from rps_exudyn.study.processes import Done, Processes, Run, Task
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -16,10 +16,10 @@ from typing import Any
 import h5py
 import numpy as np
 
-from rps_exudyn.atomic import replacing
-from rps_exudyn.errors import InputError
-from rps_exudyn.hdf5 import opened
-from rps_exudyn.quantities import SUMMARY, Quantity
+from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.hdf5 import opened
+from rps_exudyn.results.quantities import SUMMARY, Quantity
 from rps_exudyn.study.table import CaseTable, axis_quantity
 
 FILETYPE = "rps_exudyn-table"

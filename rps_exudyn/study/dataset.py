@@ -24,8 +24,9 @@ from xarray.core.indexing import (
     explicit_indexing_adapter,
 )
 
-from rps_exudyn.quantities import SIGNALS, SUMMARY, Quantity
-from rps_exudyn.study.description import Description, Keep
+from rps_exudyn.results.case_file import Keep
+from rps_exudyn.results.quantities import SIGNALS, SUMMARY, Quantity
+from rps_exudyn.study.description import Description
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable, axis_quantity
 

@@ -6,9 +6,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn.fidelity import name_of
-from rps_exudyn.setup import Setup
-from rps_exudyn.study.description import Axis, Keep
+from rps_exudyn.parameters.fidelity import name_of
+from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.results.case_file import Keep
+from rps_exudyn.study.description import Axis
 
 FIDELITY = "fidelity."
 

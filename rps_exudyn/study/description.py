@@ -10,7 +10,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn.errors import InputError
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.results.case_file import Keep
 
 FILETYPE = "rps_exudyn-study"
 VERSION = (1, 0)
@@ -53,14 +54,6 @@ class Case:
 
     hash: str
     values: Mapping[str, Value]
-
-
-@dataclass(frozen=True)
-class Keep:
-    """What of a result is stored besides its numbers: names of signals, thinned to at most `samples`."""
-
-    signals: tuple[str, ...] | None = None  # None: all of them; (): none
-    samples: int | None = None  # None: every one
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.study.cases import setup_of
 from rps_exudyn.study.description import Case
 from rps_exudyn.study.runner import Plan

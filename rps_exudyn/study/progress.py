@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn
 from rich.text import Text
 
-from rps_exudyn.outcome import Status
+from rps_exudyn.results.outcome import Status
 from rps_exudyn.study.description import Case
 from rps_exudyn.study.store import CaseRow
 

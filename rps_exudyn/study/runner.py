@@ -11,16 +11,16 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rps_exudyn.atomic import replacing
-from rps_exudyn.errors import InputError
-from rps_exudyn.outcome import Status
-from rps_exudyn.provenance import provenance
-from rps_exudyn.result import failed
-from rps_exudyn.study.case_file import FileForms
+from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.results.case_file import FileForms
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.provenance import provenance
+from rps_exudyn.results.result import failed
+from rps_exudyn.simulate.processes import Done, Run, Task
 from rps_exudyn.study.cases import describe, setup_of
 from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Case, Description
-from rps_exudyn.study.processes import Done, Run, Task
 from rps_exudyn.study.progress import Log, bar
 from rps_exudyn.study.store import CaseRow, Store
 

@@ -18,11 +18,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
-from rps_exudyn.atomic import check_writable, replacing
-from rps_exudyn.errors import InputError
-from rps_exudyn.outcome import Status
-from rps_exudyn.quantities import SUMMARY
-from rps_exudyn.result import Result, load
+from rps_exudyn.base.atomic import check_writable, replacing
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.result import Result, load
 from rps_exudyn.study.description import Case, Description
 
 FIXED_COLUMNS = ("hash", "status", "message", "cpu_s", "wall_s", "bytes", "modified_ns")

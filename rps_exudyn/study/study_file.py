@@ -28,15 +28,16 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn import units
-from rps_exudyn.declaration import read_toml
-from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import PRESETS, name_of
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.quantities import SIGNALS
+from rps_exudyn.base import units
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.declaration import read_toml
+from rps_exudyn.parameters.fidelity import PRESETS, name_of
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.case_file import Keep
+from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.study.axis_tables import check_twice, ends, read_axes
 from rps_exudyn.study.definition import FIDELITY, Study, choices
-from rps_exudyn.study.description import DESIGNS, GRID_DESIGN, Axis, Keep, Value
+from rps_exudyn.study.description import DESIGNS, GRID_DESIGN, Axis, Value
 from rps_exudyn.study.toml_keys import Keys, shown
 
 KEYS = (
@@ -100,7 +101,7 @@ class _StudyKeys(Keys):
         )
 
     def scene(self, told: Mapping[str, Any]) -> str:
-        from rps_exudyn.simulate import SCENES
+        from rps_exudyn.simulate.run import SCENES
 
         return self.choice(told, "scene", tuple(SCENES), "free-pinion-torque")
 
@@ -114,7 +115,7 @@ class _StudyKeys(Keys):
         self, told: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]
     ) -> dict[str, Any]:
         """The cheapest model, of all or of the preset named, that keeps the accuracy on the base gear."""
-        from rps_exudyn.accuracy.choice import choose, percent
+        from rps_exudyn.simulate.by_accuracy import choose, percent
 
         if own := choices(settings):
             self.wrong("accuracy", f"chooses the model itself; leave out fidelity.{', fidelity.'.join(own)}.")

@@ -15,9 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
-from rps_exudyn.outcome import Status
-from rps_exudyn.quantities import SUMMARY, Quantity
-from rps_exudyn.setup import Setup
+from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import SUMMARY, Quantity
 from rps_exudyn.study.description import Axis, Case, Description, Value
 from rps_exudyn.study.store import CaseRow, Store
 

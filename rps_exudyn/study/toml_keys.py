@@ -11,9 +11,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn import units
-from rps_exudyn.errors import InputError
-from rps_exudyn.setup import Setup
+from rps_exudyn.base import units
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.setup import Setup
 
 
 class Keys:

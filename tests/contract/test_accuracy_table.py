@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rps_exudyn.accuracy.choice import choose, scene_table
-from rps_exudyn.accuracy.measurement import FAMILIES, PRESET_FAMILIES, load_measurement
-from rps_exudyn.accuracy.runs import JUDGED
-from rps_exudyn.charts.work_precision import is_default
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.simulate.by_accuracy import choose, scene_table
+from rps_exudyn.verification.measurement import FAMILIES, PRESET_FAMILIES, load_measurement
+from rps_exudyn.verification.runs import JUDGED
+from rps_exudyn.verification.work_precision_chart import is_default
 
 PUBLISHED = Path(__file__).parents[2] / "results" / "accuracy_speed"
 GEAR = SteeringGear()

@@ -4,8 +4,8 @@ import exudyn as exu
 import pytest
 from exudyn.itemInterface import Force, MarkerNodePosition, NodePoint, ObjectMassPoint
 
-from rps_exudyn.outcome import Status
-from rps_exudyn.solve import SolverPlan, solve
+from rps_exudyn.multibody.solve import SolverPlan, solve
+from rps_exudyn.results.outcome import Status
 
 
 @pytest.mark.parametrize("printing", [True, False])

@@ -9,10 +9,10 @@ import h5py
 import pytest
 
 from made_up_study import description, grid_points, make_study
-from rps_exudyn.gears.checks import GeometryReport
-from rps_exudyn.outcome import Status
-from rps_exudyn.quantities import GROUPS
-from rps_exudyn.result import FILETYPE, VERSION, Result
+from rps_exudyn.gears.report import GeometryReport
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import GROUPS
+from rps_exudyn.results.result import FILETYPE, VERSION, Result
 from rps_exudyn.study import collected
 from rps_exudyn.study import description as study
 from rps_exudyn.study.store import Store

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import rps_exudyn
-from rps_exudyn.compiled import fingerprint
+from rps_exudyn.base.compiled import fingerprint
 
 PACKAGE = Path(rps_exudyn.__file__).parent
 
@@ -32,7 +32,13 @@ def test_swapped_entries_of_a_table_change_it(package: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["parts/force_element.py", "parts/motion.py", "gear_kernel.py", "path_follower.py"]
+    "name",
+    [
+        "forces/force_element.py",
+        "forces/rigid_motion.py",
+        "solvers/gear_kernel.py",
+        "solvers/path_follower.py",
+    ],
 )
 def test_any_kernel_source_changes_it(package: Path, name: str) -> None:
     with (package / name).open("a", encoding="utf-8") as source:
@@ -41,6 +47,6 @@ def test_any_kernel_source_changes_it(package: Path, name: str) -> None:
 
 
 def test_what_is_not_compiled_leaves_it(package: Path) -> None:
-    with (package / "cli.py").open("a", encoding="utf-8") as source:
+    with (package / "cli" / "commands.py").open("a", encoding="utf-8") as source:
         source.write("# changed\n")
     assert fingerprint(package) == fingerprint(PACKAGE)

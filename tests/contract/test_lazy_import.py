@@ -25,7 +25,7 @@ def test_import_loads_nothing_heavy_and_no_numpy() -> None:
     "arguments", [["--help"], ["run", "--help"], ["describe"], ["describe", "--json"], ["geometry", "--help"]]
 )
 def test_quick_commands_load_nothing_heavy(arguments: list[str]) -> None:
-    assert loaded_after(f"from rps_exudyn.cli import main; assert main({arguments}) == 0") == set()
+    assert loaded_after(f"from rps_exudyn.cli.commands import main; assert main({arguments}) == 0") == set()
 
 
 def test_public_names_are_there_when_used() -> None:

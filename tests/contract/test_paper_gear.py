@@ -3,8 +3,8 @@
 import re
 from pathlib import Path
 
-from rps_exudyn.declaration import read_toml
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.declaration import read_toml
+from rps_exudyn.parameters.gear import SteeringGear
 
 PAPER = Path(__file__).parents[2] / "studies" / "gears" / "paper.toml"
 

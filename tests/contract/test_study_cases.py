@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rps_exudyn.outcome import Status
-from rps_exudyn.result import Result, failed, load
-from rps_exudyn.setup import Setup
-from rps_exudyn.study.case_file import FileForms, kept
+from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.results.case_file import FileForms, Keep, kept
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result, failed, load
 from rps_exudyn.study.cases import case_hash, describe, points, setup_of
 from rps_exudyn.study.definition import Study
-from rps_exudyn.study.description import Axis, Description, Keep
+from rps_exudyn.study.description import Axis, Description
 from rps_exudyn.study.study_file import read_study
 
 LINKED = """

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from rps_exudyn.gears.basic_rack import pointed_radius, undercut_limit
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.trochoid import form_point
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
 
 
 @st.composite

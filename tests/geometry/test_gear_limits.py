@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rps_exudyn.errors import InputError
-from rps_exudyn.gears.checks import check_gear, geometry_report
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.clearance import pinion_tip_interference
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.limits import violations
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.quantities import GEOMETRY
+from rps_exudyn.gears.report import check_gear, geometry_report
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.quantities import GEOMETRY
 
 GEAR = SteeringGear()
 SLIM_SHAFT = {"pinion.shaft_diameter": "6 mm"}

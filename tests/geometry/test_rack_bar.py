@@ -8,7 +8,7 @@ import pytest
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.polyhedron import Solid, defect
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
 
 ROUNDING = 1e-14  # of booleans on a bar 0.65 m long [m]
 

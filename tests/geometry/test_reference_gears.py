@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from rps_exudyn.gears.basic_rack import half_angle
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.trochoid import form_point, trochoid
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
 
 GEARS: dict[str, dict[str, Any]] = json.loads(
     Path(__file__).with_name("reference").joinpath("reference_gears.json").read_text()

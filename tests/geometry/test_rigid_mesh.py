@@ -13,7 +13,7 @@ import pytest
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
 
 SEARCH_STEP = 4e-4  # between generators [rad]
 PAPER = GearPair.of(SteeringGear())

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from rps_exudyn.errors import InputError
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.assembly import assembled, rack_position
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
@@ -18,7 +18,7 @@ from rps_exudyn.gears.solids import (
     plunger_solid,
     yokenut_solid,
 )
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.gear import SteeringGear
 
 GEAR = SteeringGear()
 ROUNDING = 1e-13  # relative, of sums over some thousand faces

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from rps_exudyn.accuracy.choice import beyond_promise, choose
-from rps_exudyn.accuracy.population import random_gears
-from rps_exudyn.accuracy.references import STRIPS, by_strips
-from rps_exudyn.accuracy.runs import curve_of, run_scene
-from rps_exudyn.accuracy.slow_swing import slow_swing
-from rps_exudyn.analysis.work_precision import Reference, curve_errors
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.simulate.by_accuracy import beyond_promise, choose
+from rps_exudyn.verification.population import random_gears
+from rps_exudyn.verification.references import STRIPS, by_strips
+from rps_exudyn.verification.runs import curve_of, run_scene
+from rps_exudyn.verification.slow_swing import slow_swing
+from rps_exudyn.verification.work_precision import Reference, curve_errors
 
 SCENE = "free-pinion-torque"
 SEED = 7  # fixed before the table was made

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from rps_exudyn.accuracy.faceted import faceted_run, largest_deviation, meshed, shaped, spheres
-from rps_exudyn.accuracy.flywheel import explicit_run
-from rps_exudyn.accuracy.references import as_run, by_generators, by_strips, moving, slowly, truth_of
-from rps_exudyn.fidelity import Fidelity
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.mesh_contact.general_contact import SIDES, flank_triangle
-from rps_exudyn.outcome import Status
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.mesh_contact.spheres import SIDES, flank_triangle
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.verification.faceted import faceted_run, largest_deviation, meshed, shaped, spheres
+from rps_exudyn.verification.flywheel import explicit_run
+from rps_exudyn.verification.references import as_run, by_generators, by_strips, moving, slowly, truth_of
 
 GEAR = SteeringGear()
 PITCH = GEAR.replace({"test.turns": 1 / 6})

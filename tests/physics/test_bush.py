@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import Force, MarkerBodyRigid
 
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.parts.bush import Chain, Tube, add_chain, resting_segments, stored_in_chain
+from rps_exudyn.forces.bush import Chain, Tube, resting_segments, stored_in_chain
+from rps_exudyn.multibody.bush_chain import add_chain
+from rps_exudyn.parameters.gear import SteeringGear
 
 GEAR = SteeringGear()
 TUBE, LENGTH = Tube.of(GEAR), GEAR.bush.length

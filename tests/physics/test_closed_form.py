@@ -10,7 +10,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rps_exudyn.closed_form import (
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.closed_form import (
     closed_form,
     first_order_torque,
     load_test,
@@ -20,8 +22,6 @@ from rps_exudyn.closed_form import (
     seat_wedge_factor,
     torque_per_preload,
 )
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters import SteeringGear
 
 PAPER = SteeringGear()
 FLAT = 0.1 / seat_wedge_factor(PAPER.yoke.seat_angle)  # plunger friction that makes kappa mu_p 0.1

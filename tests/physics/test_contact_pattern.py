@@ -7,10 +7,10 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.analysis.contact_pattern import contact_pattern, one_pitch, pressures, unrolled
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.charts.contact_pattern import pattern_figure
-from rps_exudyn.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.result import Result
+from rps_exudyn.results.result import Result
 
 STIFFNESS = 2e13  # [N/m^3], mesh.stiffness
 

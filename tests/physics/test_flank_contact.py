@@ -11,9 +11,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.forces import gear_forces
-from rps_exudyn.gear_kernel import tangent
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
@@ -31,7 +28,10 @@ from rps_exudyn.mesh_contact.wrench import (
     NORMAL_DRIVE,
     TORQUE,
 )
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.gear_kernel import tangent
 
 PAPER = SteeringGear()
 ZONE = 1e-5  # [m/s], far below all sliding here

@@ -8,14 +8,14 @@ by G^-T (`parts.motion`).
 import numpy as np
 import pytest
 
-from rps_exudyn.closed_form import seat_wedge_factor
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.forces import GearForces, gear_forces
+from rps_exudyn.forces.force_element import ELASTIC_ENERGY, FRICTION_POWER, ForceElement
+from rps_exudyn.forces.rigid_motion import spin_map
+from rps_exudyn.forces.yoke import seat_wedge_factor
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.parts.force_element import ELASTIC_ENERGY, FRICTION_POWER, ForceElement
-from rps_exudyn.parts.motion import spin_map
-from rps_exudyn.statics import starting_guess, steady_rates
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.equilibrium import starting_guess, steady_rates
+from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 
 GEAR = SteeringGear()
 PAIR = GearPair.of(GEAR)

@@ -8,20 +8,21 @@ stretch over which the elastic ripple of mesh and torque cancels.
 import numpy as np
 import pytest
 
-from rps_exudyn.closed_form import closed_form, first_order_torque, seat_wedge_factor
-from rps_exudyn.drive import Steady
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.forces import gear_forces
+from rps_exudyn.forces.yoke import seat_wedge_factor
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.model import build_model
-from rps_exudyn.outcome import Status
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.record import contact_disagreement
-from rps_exudyn.recording import Recorder
-from rps_exudyn.result import Result
-from rps_exudyn.simulate import run
-from rps_exudyn.solve import SolverPlan, solve
-from rps_exudyn.statics import equilibrium_path
+from rps_exudyn.multibody.model import build_model
+from rps_exudyn.multibody.recorder import Recorder
+from rps_exudyn.multibody.solve import SolverPlan, solve
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result
+from rps_exudyn.simulate.run import run
+from rps_exudyn.solvers.closed_form import closed_form, first_order_torque
+from rps_exudyn.solvers.drive import Steady
+from rps_exudyn.solvers.equilibrium import equilibrium_path
+from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.record import contact_disagreement
 
 FULL = Fidelity.preset("full").replace({"profile_samples": 20, "axial_samples": 14, "step_angle": "0.25 deg"})
 CONDENSED = FULL.replace({"bush": "condensed"})

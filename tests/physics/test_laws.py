@@ -8,15 +8,16 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
-from rps_exudyn.closed_form import closed_form, runout_harmonics, seat_wedge_factor
-from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.forces.yoke import seat_wedge_factor
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.model import build_model
-from rps_exudyn.outcome import Status
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.recording import Recorder
-from rps_exudyn.result import Result
-from rps_exudyn.solve import SolverPlan, solve
+from rps_exudyn.multibody.model import build_model
+from rps_exudyn.multibody.recorder import Recorder
+from rps_exudyn.multibody.solve import SolverPlan, solve
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result
+from rps_exudyn.solvers.closed_form import closed_form, runout_harmonics
 
 GEAR = SteeringGear()
 PITCH = 1 / GEAR.pinion.teeth  # [turns]

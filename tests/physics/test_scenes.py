@@ -5,16 +5,16 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.analysis.efficiency import measured_load_test
-from rps_exudyn.closed_form import GRAVITY, pushing_force, unloading_force
-from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.forces.bush import bush_chain, housing_station
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.solids import rack_solid
-from rps_exudyn.outcome import Status
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.parts.bush import bush_chain, housing_station
-from rps_exudyn.result import Result
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.load_test import oriented
+from rps_exudyn.solvers.closed_form import GRAVITY, pushing_force, unloading_force
 
 GEAR = SteeringGear()
 PITCH = 1 / GEAR.pinion.teeth  # [turns]

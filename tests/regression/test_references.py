@@ -13,15 +13,15 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from rps_exudyn.drive import Steady
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.forces import gear_forces
-from rps_exudyn.gears.checks import geometry_report
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.quantities import GEOMETRY
-from rps_exudyn.simulate import run
-from rps_exudyn.statics import equilibrium_path
+from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.quantities import GEOMETRY
+from rps_exudyn.simulate.run import run
+from rps_exudyn.solvers.drive import Steady
+from rps_exudyn.solvers.equilibrium import equilibrium_path
+from rps_exudyn.solvers.gear_forces import gear_forces
 
 GEAR = SteeringGear()
 TOY = Fidelity.preset("full").replace({"profile_samples": 10, "axial_samples": 8, "step_angle": "0.5 deg"})

@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rps_exudyn.accuracy.limits import Limits, load_limits
-from rps_exudyn.accuracy.measurement import Measurement, Point, load_measurement
-from rps_exudyn.accuracy.orders import fitted_orders
-from rps_exudyn.analysis.work_precision import Curve, Reference
-from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.report.accuracy_page import front_of, write_accuracy_report
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.verification.accuracy_page import front_of, write_accuracy_report
+from rps_exudyn.verification.convergence import fitted_orders
+from rps_exudyn.verification.law_and_scaling import Limits, load_limits
+from rps_exudyn.verification.measurement import Measurement, Point, load_measurement
+from rps_exudyn.verification.work_precision import Curve, Reference
 
 
 def point(step: float, cost: float, error: float, message: str = "") -> Point:

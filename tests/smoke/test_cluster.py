@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from rps_exudyn.outcome import Status
+from rps_exudyn.results.outcome import Status
 from rps_exudyn.study.store import Store
 from shell import Command
 from study_files import write_grid, write_stand_in

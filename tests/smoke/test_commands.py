@@ -10,26 +10,26 @@ from typing import get_args
 
 import pytest
 
-from rps_exudyn.fidelity import PRESETS, Fidelity
-from rps_exudyn.outcome import Status
-from rps_exudyn.quantities import GEOMETRY
-from rps_exudyn.result import Result, load
-from rps_exudyn.setup import Setup
-from rps_exudyn.simulate import SCENES
+from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
+from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import GEOMETRY
+from rps_exudyn.results.result import Result, load
+from rps_exudyn.simulate.run import SCENES
 from shell import Command
 
 
 @pytest.fixture
 def simulated(monkeypatch: pytest.MonkeyPatch, made_up_result: Result) -> Result:
     """What `run` gets instead of a simulation."""
-    monkeypatch.setattr("rps_exudyn.simulate.run", lambda *_, **__: made_up_result)
+    monkeypatch.setattr("rps_exudyn.simulate.run.run", lambda *_, **__: made_up_result)
     return made_up_result
 
 
 @pytest.fixture
 def failing(monkeypatch: pytest.MonkeyPatch, failed_result: Result) -> Result:
     """The same, of a simulation that failed."""
-    monkeypatch.setattr("rps_exudyn.simulate.run", lambda *_, **__: failed_result)
+    monkeypatch.setattr("rps_exudyn.simulate.run.run", lambda *_, **__: failed_result)
     return failed_result
 
 
@@ -53,7 +53,7 @@ def test_run_hands_over_scene_and_gear(
         seen.update(scene=scene, gear=gear)
         return simulated
 
-    monkeypatch.setattr("rps_exudyn.simulate.run", record)
+    monkeypatch.setattr("rps_exudyn.simulate.run.run", record)
     arguments = ["run", "free-pinion-torque", "--set", "yoke.preload=0.4 kN", "--set", "test.direction=-1"]
     assert command([*arguments, "--out", "a.h5", "--plot", "b.svg"]).status == 0
     assert seen["scene"] == "free-pinion-torque"
@@ -76,7 +76,7 @@ def test_what_libraries_print_does_not_disturb_the_json(
         print("NOTE: solver has something to say")
         return made_up_result
 
-    monkeypatch.setattr("rps_exudyn.simulate.run", talkative)
+    monkeypatch.setattr("rps_exudyn.simulate.run.run", talkative)
     answer = command(["run", "--json"])
     assert answer.json["status"] == "ok"
     assert "NOTE" in answer.err
@@ -120,7 +120,7 @@ def test_run_hands_over_the_fidelity(
         seen.append(fidelity)
         return simulated
 
-    monkeypatch.setattr("rps_exudyn.simulate.run", record)
+    monkeypatch.setattr("rps_exudyn.simulate.run.run", record)
     step = ["--set", "fidelity.step_angle=0.5 deg"]
     assert command(["run"]).status == 0
     assert command(["run", "--fidelity", "full", "--bush", "rigid", *step]).status == 0

@@ -7,7 +7,7 @@ import pytest
 
 from rps_exudyn.analysis.comparison import compare
 from rps_exudyn.charts.comparison import comparison_figure
-from rps_exudyn.result import Result
+from rps_exudyn.results.result import Result
 
 
 def recorded(result: Result, angle: np.ndarray) -> Result:

@@ -13,9 +13,9 @@ import xarray
 
 import rps_exudyn as rps
 from made_up_study import description, grid_points, make_study, sampled, torque
-from rps_exudyn.result import Result
+from rps_exudyn.results.case_file import Keep
+from rps_exudyn.results.result import Result
 from rps_exudyn.study.collected import read_table
-from rps_exudyn.study.description import Keep
 from rps_exudyn.study.store import Store
 from shell import Command
 

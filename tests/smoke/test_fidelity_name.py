@@ -1,6 +1,6 @@
 """The name of a fidelity never hides what was changed in it."""
 
-from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.parameters.fidelity import Fidelity
 
 
 def test_name_says_what_was_changed() -> None:

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from made_up_study import GRID, HOSTILE, description, grid_points, make_study, sampled
-from rps_exudyn.outcome import Status
-from rps_exudyn.result import Result
-from rps_exudyn.simulate import SCENES
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result
+from rps_exudyn.simulate.run import SCENES
 from shell import Command
 
 POINTS = [{"preload": 110.0 + 7 * at, "friction": 0.1 + 0.01 * (at % 3)} for at in range(12)]

@@ -11,7 +11,7 @@ import pytest
 
 from made_up_study import HOSTILE, make_study, sampled
 from rps_exudyn.report.report import write_report
-from rps_exudyn.result import Result
+from rps_exudyn.results.result import Result
 
 sync_api = pytest.importorskip("playwright.sync_api")
 

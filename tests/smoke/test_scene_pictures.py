@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from rps_exudyn.analysis.measured import MeasuredTorque
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.charts.load_test import load_test_figure
 from rps_exudyn.charts.losses import losses_figure
 from rps_exudyn.charts.scene import PICTURES, draw
 from rps_exudyn.charts.several import torques_figure
 from rps_exudyn.charts.spectrum import spectrum_figure
 from rps_exudyn.charts.torque import torque_figure
-from rps_exudyn.errors import InputError
-from rps_exudyn.result import Result
+from rps_exudyn.results.result import Result
 
 
 @pytest.fixture

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from rps_exudyn.outcome import Status
-from rps_exudyn.study.processes import Done, Task
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.simulate.processes import Done, Task
 from rps_exudyn.study.runner import Plan, run_study
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.study_file import read_study
@@ -23,7 +23,7 @@ SHIPPED = (
 
 def in_this_process(tasks: Iterator[Task]) -> Iterator[Done]:
     """Without the time that starting processes takes."""
-    from rps_exudyn.study.case_run import CaseRunner
+    from rps_exudyn.simulate.case_run import CaseRunner
 
     runner = CaseRunner()
     for task in tasks:

@@ -8,7 +8,7 @@ import pytest
 
 from rps_exudyn.charts.scene import draw
 from rps_exudyn.charts.torque import torque_figure
-from rps_exudyn.result import Result
+from rps_exudyn.results.result import Result
 
 
 def test_panels_have_units_and_title_has_numbers(made_up_result: Result) -> None:

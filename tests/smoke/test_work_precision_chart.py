@@ -6,16 +6,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rps_exudyn.accuracy.measurement import Measurement, Point, load_measurement
-from rps_exudyn.analysis.work_precision import Curve, Reference
-from rps_exudyn.charts.work_precision import (
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.verification.measurement import Measurement, Point, load_measurement
+from rps_exudyn.verification.work_precision import Curve, Reference
+from rps_exudyn.verification.work_precision_chart import (
     draw_law_band,
     draw_scaling,
     draw_work_precision,
     told_missing,
     work_precision_figure,
 )
-from rps_exudyn.fidelity import Fidelity
 
 
 def point(label: str, cost: float, rms: float, status: str = "ok") -> Point:

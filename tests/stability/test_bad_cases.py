@@ -3,9 +3,9 @@
 import pytest
 
 from bad_cases import bad_cases
-from rps_exudyn.analysis.stability import Plan, error_of, reference
-from rps_exudyn.outcome import Status
-from rps_exudyn.simulate import run
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.simulate.run import run
+from rps_exudyn.verification.stability import Plan, error_of, reference
 
 LARGEST_ERROR = 0.02
 CASES = bad_cases()

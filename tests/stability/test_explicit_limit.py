@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
-from rps_exudyn.accuracy.explicit import FreeMotion
-from rps_exudyn.analysis.explicit_limit import (
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.drive import Steady
+from rps_exudyn.verification.explicit_limit import (
     disturbance_dies,
     explicit_euler,
     largest_damping,
@@ -13,10 +16,7 @@ from rps_exudyn.analysis.explicit_limit import (
     stable_step,
     state_matrix,
 )
-from rps_exudyn.drive import Steady
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.verification.runge_kutta import FreeMotion
 
 STEPS = 120
 SPEED = SteeringGear().test.speed

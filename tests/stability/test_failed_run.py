@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import Force, MarkerNodePosition
 
-from rps_exudyn import model as model_of_gear
-from rps_exudyn.model import SteeringModel
-from rps_exudyn.outcome import Status
-from rps_exudyn.result import load
+from rps_exudyn.multibody import model as model_of_gear
+from rps_exudyn.multibody.model import SteeringModel
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import load
 from shell import Command
 
 TURNS = 1 / 36

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import Force, MarkerNodePosition, NodePoint, ObjectMassPoint
 
-from rps_exudyn.outcome import Status
-from rps_exudyn.solve import SolverPlan, solve
+from rps_exudyn.multibody.solve import SolverPlan, solve
+from rps_exudyn.results.outcome import Status
 
 PLAN = SolverPlan(end_time=0.1, steps=100)
 

@@ -2,13 +2,13 @@
 
 import pytest
 
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.guards import breaches
-from rps_exudyn.limited_run import limited_run
-from rps_exudyn.outcome import Status
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.refuge import robust_run
-from rps_exudyn.simulate import run
+from rps_exudyn.checks.before_run import breaches
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.simulate.fallback import robust_run
+from rps_exudyn.simulate.isolated_run import limited_run
+from rps_exudyn.simulate.run import run
 
 GEAR = SteeringGear().replace({"test.turns": 1 / 6})
 TORQUE = "free-pinion-torque"

@@ -6,10 +6,10 @@ Each test takes a sound record and spoils one thing in it, as the failure would.
 import numpy as np
 import pytest
 
-from rps_exudyn import judge
-from rps_exudyn.outcome import Status
-from rps_exudyn.parameters import SteeringGear
-from rps_exudyn.parts.force_element import ForceElement
+from rps_exudyn.checks import after_run as judge
+from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
 
 DEEPEST = 50e-6
 MESH = ForceElement("mesh", ("pinion", "rack"), np.add, None, (), {"mesh_penetration": DEEPEST})

@@ -2,10 +2,10 @@
 
 import pytest
 
-from rps_exudyn.accuracy.choice import choose, percent, scene_table
-from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.simulate.by_accuracy import choose, percent, scene_table
 from shell import Command
 
 
@@ -44,7 +44,7 @@ def test_settings_in_a_scenes_own_steps(monkeypatch: pytest.MonkeyPatch) -> None
     row = {"preset": "flank", "angles_per_pitch": None, "settings": {"tolerance": 1e-3}, "promised": 2.0}
     row |= {"median": 1.0, "cost": 2.0, "cost_of_turn": 2.0, "failed": 0.0}
     table = {"scenes": {"yoke-impact": {"floor": 0.1, "gears": 12, "settings": [row]}}}
-    monkeypatch.setattr("rps_exudyn.accuracy.choice._tables", lambda: table)
+    monkeypatch.setattr("rps_exudyn.simulate.by_accuracy._tables", lambda: table)
     choice = choose("yoke-impact", SteeringGear(), 3.0)
     assert choice.fidelity.step_angle == Fidelity.preset("flank").step_angle
     assert choice.fidelity.tolerance == 1e-3

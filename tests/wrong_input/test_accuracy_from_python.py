@@ -3,9 +3,9 @@
 import pytest
 
 import rps_exudyn as rps
-from rps_exudyn.accuracy.choice import choose
-from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.simulate.by_accuracy import choose
 
 
 def test_the_cheapest_model_is_taken_and_told() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import h5py
 import pytest
 
-from rps_exudyn.result import Result
+from rps_exudyn.results.result import Result
 from shell import Command
 
 
@@ -18,7 +18,7 @@ def no_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
     def simulated(*_: object) -> None:
         pytest.fail("simulated in spite of wrong input")
 
-    monkeypatch.setattr("rps_exudyn.simulate.SCENES", {"free-pinion-torque": simulated})
+    monkeypatch.setattr("rps_exudyn.simulate.run.SCENES", {"free-pinion-torque": simulated})
 
 
 MISTAKES = {

@@ -5,8 +5,8 @@ from typing import Any
 import pytest
 
 import rps_exudyn as rps
-from rps_exudyn.errors import InputError
-from rps_exudyn.fidelity import Fidelity
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.fidelity import Fidelity
 
 SCENE = "free-pinion-torque"
 

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rps_exudyn import units
-from rps_exudyn.declaration import Declared
-from rps_exudyn.errors import InputError
-from rps_exudyn.parameters import SteeringGear
+from rps_exudyn.base import units
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.declaration import Declared
+from rps_exudyn.parameters.gear import SteeringGear
 
 TABLES = "basic_rack, pinion, rack, installation, yoke, bush, bearing, mesh, test"
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rps_exudyn.analysis.measured import compare_with_measured, read_measured_torque
-from rps_exudyn.errors import InputError
+from rps_exudyn.base.errors import InputError
 from shell import Command
 
 HEADER = "pinion_angle [deg], pinion_torque [N m]\n"

@@ -9,8 +9,8 @@ import pytest
 
 import rps_exudyn as rps
 from made_up_study import make_study
-from rps_exudyn.errors import InputError
-from rps_exudyn.result import Result
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.results.result import Result
 from rps_exudyn.study.collected import read_table
 from shell import Command
 

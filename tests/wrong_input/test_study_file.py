@@ -21,8 +21,8 @@ def no_process(monkeypatch: pytest.MonkeyPatch) -> None:
     def started(*_: object, **__: object) -> None:
         pytest.fail("a process was started in spite of wrong input")
 
-    monkeypatch.setattr("rps_exudyn.study.processes.Processes._start", started)
-    monkeypatch.setattr("rps_exudyn.provenance.git_hash", lambda: "")
+    monkeypatch.setattr("rps_exudyn.simulate.processes.Processes._start", started)
+    monkeypatch.setattr("rps_exudyn.results.provenance.git_hash", lambda: "")
 
 
 def axis(text: str) -> str:
@@ -194,7 +194,7 @@ def test_foreign_newer_or_damaged_study(
 
 
 def test_case_cannot_name_a_file_elsewhere(tmp_path: Path) -> None:
-    from rps_exudyn.errors import InputError
+    from rps_exudyn.base.errors import InputError
     from rps_exudyn.study.cases import describe
     from rps_exudyn.study.study_file import read_study
 

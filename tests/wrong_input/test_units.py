@@ -2,7 +2,7 @@
 
 import pytest
 
-from rps_exudyn import units
+from rps_exudyn.base import units
 
 ACCEPTED = [
     ("50 N/mm", "N/m", 5e4),

@@ -1,0 +1,76 @@
+"""Files that are complete or not there: written beside the target, then renamed onto it."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.units import short
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[Path]:
+    """A temporary file in the same folder that becomes `path` when the block succeeds.
+
+    Whatever happens, an existing `path` stays whole: it is replaced by the finished file, or not at all.
+
+    Raises:
+        InputError: the folder or the disk does not let the file be written.
+    """
+    check_writable(path)
+    target = Path(path).resolve()
+    partial = _beside(target)
+    try:
+        yield partial
+        _flush_to_disk(partial)
+        partial.replace(target)
+    except OSError as error:
+        raise InputError(f"{path} cannot be written: {error.strerror or error}.") from error
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def check_writable(path: str | Path) -> None:
+    """Find out before the work whether its result can be kept.
+
+    Raises:
+        InputError: `path` cannot be written; an existing file is untouched.
+    """
+    target = _resolved(path)
+    if target.exists() and not target.is_file():
+        raise InputError(f"{path} cannot be written: it is not a file.")
+    if not target.parent.is_dir():
+        raise InputError(f"{path} cannot be written: there is no folder {target.parent}.")
+    if target.exists() and not os.access(target, os.W_OK):
+        raise InputError(f"{path} cannot be written: the existing file is read-only.")
+    probe = _beside(target)
+    try:
+        probe.write_bytes(b"\0")
+    except OSError as error:
+        raise InputError(f"{short(str(path))} cannot be written: {error.strerror or error}.") from None
+    finally:
+        with suppress(OSError):  # of a name too long, which was told above
+            probe.unlink(missing_ok=True)
+
+
+def _resolved(path: str | Path) -> Path:
+    target = Path(path).resolve()
+    try:
+        target.exists()
+    except OSError as error:  # a name too long for a file
+        raise InputError(f"{short(str(path))} cannot be written: {error.strerror or error}.") from None
+    return target
+
+
+def _beside(target: Path) -> Path:
+    """Keeps the suffix, by which writers choose their format."""
+    return target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
+
+
+def _flush_to_disk(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDWR)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,59 @@
+"""HDF5 files of this package, opened for reading: what they are is checked before anything is read."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.units import short
+
+
+@contextmanager
+def opened(path: str | Path, filetype: str, what: str, version: tuple[int, int]) -> Iterator[h5py.File]:
+    """The file, if it is of this type and its major version is the one that is known.
+
+    Args:
+        filetype: the file's attribute of that name.
+        what: the same for a reader: "result".
+        version: major and minor version that this package writes.
+
+    Raises:
+        InputError: no such file, no HDF5, of another type, or of a newer format.
+    """
+    with _opened(path) as file:
+        if file.attrs.get("filetype") != filetype:
+            raise InputError(f"{path} is an HDF5 file, but not a {what} of rps-exudyn.")
+        _check_version(file, path, version)
+        yield file
+
+
+@contextmanager
+def _opened(path: str | Path) -> Iterator[h5py.File]:
+    try:
+        is_file, is_folder = Path(path).is_file(), Path(path).is_dir()
+    except OSError as error:  # a name too long for a file
+        raise InputError(f"{short(str(path))} cannot be read: {error.strerror or error}.") from None
+    if not is_file:
+        reason = "it is a folder" if is_folder else "there is no such file"
+        raise InputError(f"{path} cannot be read: {reason}.")
+    try:
+        file = h5py.File(path, "r")
+    except PermissionError:
+        raise InputError(f"{path} cannot be read: permission denied.") from None
+    except OSError:
+        raise InputError(f"{path} is no HDF5 file, or it is damaged.") from None
+    with file:
+        yield file
+
+
+def _check_version(file: h5py.File, path: str | Path, known: tuple[int, int]) -> None:
+    version = tuple(np.ravel(file.attrs.get("version", ())))
+    if not version or version[0] != known[0]:
+        found = ".".join(map(str, version)) or "missing"
+        raise InputError(
+            f"{path} has format version {found}, and this rps-exudyn reads {known[0]}.x; "
+            "use the rps-exudyn that wrote it, or a newer one."
+        )

@@ -1,0 +1,244 @@
+"""Is the number right? What a run must satisfy before it may be called ok.
+
+Wrong runs end with success flags and plausible torques, so every dynamic run is held against what must be
+true of it: teeth in mesh, contact within the range in which its law holds, work that adds up.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from rps_exudyn.analysis.work_balance import largest_work, missing_work
+from rps_exudyn.forces.force_element import LEDGER_SIZE, ForceElement
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.mesh_contact.sampled_contact import sampled_force
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Outcome, Status
+from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.solvers.record import Record, contact_disagreement
+
+ENERGY_BOUND = 2e-3  # of the drive's or the load's work; 1e-5 is usual ...
+# What loaded material takes along or leaves behind where it passes an edge of the rack: 0.04 % on the paper's
+# gear, more with much friction, and where an error of the shaft angle lets the teeth bear on an edge.
+EDGE_BOUND = 1.5e-2  # likewise ...
+EDGE_SHARE = 1.5e-2  # ... and that per degree of the shaft angle's error ...
+MISSED_TORQUE = 1e-3  # ... or what a torque that small would do: a gear without friction takes no work [N m]
+# Up to so many samples: share of their range that may hide between them
+HIDDEN = ((2, np.inf), (4, 1 / 2), (5, 1 / 6), (7, 1 / 16), (12, 1 / 32))
+RESOLVED_BOUND = 0.03  # change of the mean when every second step is left out
+ROLLING_BOUND = 0.06  # of the travel; over whole periods a settled gear does not roll at all
+LAG_BOUND = 0.015  # of the rack's travel, half a step late; the torque's error is about as large
+ROUNDING = 1e-9  # of the works of a gear that nothing moves [J]
+LEAST_TOUCHING = 15  # spheres of general contact; fewer miss up to 8 % of the torque
+AGREEMENT_BOUND = 1e-6  # of Exudyn's contact forces with the compiled samples; 1e-9 is usual
+
+
+def judged(
+    outcome: Outcome,
+    gear: SteeringGear,
+    record: Record,
+    signals: dict[str, np.ndarray],
+    friction_zone: float | None,
+) -> Outcome:
+    """The outcome of a run that reached its end, after all checks: the first that fails is its cause.
+
+    Of a steady motion `friction_zone` [m/s] is the sliding speed below which friction is not fully developed.
+    """
+    equilibria = outcome.settings.get("name") == "equilibrium"
+    in_mesh = gear.basic_rack.addendum * gear.pinion.normal_module / 2
+    checks = (
+        finite(signals),
+        rack_in_mesh(signals, gear.installation.axis_offset, in_mesh),
+        *([] if record.pulse_power is not None else [teeth_loaded(signals)]),  # a pulse may part them
+        *(law_valid(element, signals) for element in record.elements),
+        *([] if friction_zone is None else [friction_developed(signals, friction_zone, GearPair.of(gear))]),
+        *([] if friction_zone is None else [torque_resolved(signals)]),
+        *([] if friction_zone is None or record.settled else [settled(signals, gear)]),
+        *([] if friction_zone is None or not equilibria else [rolling_followed(signals, gear)]),
+        contact_agreed(contact_disagreement(record)),
+        spheres_enough(record, _on_an_edge(gear, signals)),
+        work_balanced(signals, ENERGY_BOUND),
+        edges_spared(signals, EDGE_BOUND + EDGE_SHARE * np.degrees(abs(gear.installation.angle_error))),
+    )
+    for check in checks:
+        for status, message in check:
+            return replace(outcome, status=status, message=message)
+    return outcome
+
+
+Failure = Iterator[tuple[Status, str]]
+
+
+def finite(signals: dict[str, np.ndarray]) -> Failure:
+    if np.isfinite(np.concatenate(list(signals.values()))).all():
+        return
+    for name, values in signals.items():
+        if not np.isfinite(values).all():
+            yield Status.DIVERGED, f"{name} is not finite"
+
+
+def rack_in_mesh(signals: dict[str, np.ndarray], place: float, allowed: float) -> Failure:
+    """The rack's lift [m] from where the pinion's axis puts it stays below half a tooth."""
+    lift = np.abs(signals["rack_y"] - place)
+    if (lift > allowed).any():
+        yield (
+            Status.CONTACT_LOST,
+            f"the rack is {1e6 * lift.max():.4g} um out of its place, first above {1e6 * allowed:.4g} um "
+            f"at {first_angle(signals, lift > allowed)}",
+        )
+
+
+def teeth_loaded(signals: dict[str, np.ndarray]) -> Failure:
+    free = signals.get("mesh_normal_force", np.ones(1)) <= 0
+    if free.any():
+        yield Status.CONTACT_LOST, f"the teeth carry no load, first at {first_angle(signals, free)}"
+
+
+def law_valid(element: ForceElement, signals: dict[str, np.ndarray]) -> Failure:
+    """No force element beyond the range in which its law holds."""
+    for name, bound in element.valid_to.items():
+        beyond = signals[name] > bound
+        if beyond.any():
+            quantity = SIGNALS[name]
+            yield (
+                Status.INVALID,
+                f"{name} is {quantity.show(signals[name].max())}, first above the {quantity.show(bound)} "
+                f"to which the contact's law holds at {first_angle(signals, beyond)}",
+            )
+
+
+def friction_developed(signals: dict[str, np.ndarray], zone: float, pair: GearPair) -> Failure:
+    """The teeth slide fast enough for Coulomb's law, at the slowest angle and place."""
+    slowest = np.abs(np.diff(signals["pinion_angle"]) / np.diff(signals["time"])) * pair.least_sliding
+    if slowest.min() < zone * (1 - 1e-3):
+        yield (
+            Status.INVALID,
+            f"the teeth slide at {1e3 * slowest.min():.3g} mm/s, first below the friction zone of "
+            f"{1e3 * zone:.3g} mm/s at {first_angle(signals, slowest < zone)}",
+        )
+
+
+def torque_resolved(signals: dict[str, np.ndarray]) -> Failure:
+    """The record's steps are fine enough for its mean: leaving out every second one changes little.
+
+    The error itself is a third of this difference where torque bends gently, and more where it jumps.
+    """
+    force = signals["pinion_torque"] if "pinion_torque" in signals else signals["rack_force"]
+    path = signals["pinion_angle"] if "pinion_torque" in signals else signals["rack_displacement"]
+    even = (len(force) - 1) // 2 * 2 + 1
+    work = _work(force[:even], path[:even])
+    missed = abs(work - _work(force[:even:2], path[:even:2]))
+    # between few of them anything may hide that is as large as their differences
+    hidden = float(np.ptp(force) * np.ptp(path)) * next(
+        (share for n, share in HIDDEN if len(force) <= n), 0.0
+    )
+    missed = max(missed, hidden)
+    if not missed <= RESOLVED_BOUND * abs(work) + least_work(signals):
+        yield (
+            Status.INVALID,
+            f"the steps are too coarse: {len(force) - 1} of them, between which up to "
+            f"{missed / abs(work) if work else np.inf:.1%} of the mean may hide, allowed are "
+            f"{RESOLVED_BOUND:.0%}; lower fidelity.step_angle",
+        )
+
+
+def _work(force: np.ndarray, path: np.ndarray) -> float:
+    """By trapezoids."""
+    return float((force[1:] + force[:-1]) @ np.diff(path)) / 2
+
+
+def settled(signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
+    """The rack has rolled into its place: until then the torque is not that of steady sliding."""
+    share = rolling_share(signals, gear)
+    if share > ROLLING_BOUND:
+        yield (
+            Status.INVALID,
+            f"the rack is not settled: over the record its surface rolls by {share:.1%} of its travel, "
+            f"allowed are {ROLLING_BOUND:.0%}; begin earlier or record longer",
+        )
+
+
+def rolling_share(signals: dict[str, np.ndarray], gear: SteeringGear) -> float:
+    """How far the bar's surface rolls over the record, over the rack's travel."""
+    rolled = abs(float(signals["rack_roll"][-1] - signals["rack_roll"][0])) * gear.rack.bar_diameter / 2
+    return rolled / max(float(np.abs(np.diff(signals["rack_displacement"])).sum()), 1e-12)
+
+
+def rolling_followed(signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
+    """The angles are close enough for the rack's rolling: equilibria know its rate by backward differences,
+    half a step late, which moves the mean of a torque that varies."""
+    late = np.abs(np.diff(signals["rack_roll"], 2)).sum() / 2 * gear.rack.bar_diameter / 2
+    share = float(late) / max(float(np.abs(np.diff(signals["rack_displacement"])).sum()), 1e-12)
+    force = signals["pinion_torque"] if "pinion_torque" in signals else signals["rack_force"]
+    varies = min(1.0, float(np.ptp(force)) / max(abs(float(force.mean())), 1e-12))
+    if share * varies > LAG_BOUND:
+        yield (
+            Status.INVALID,
+            f"the steps are too coarse for the rack's rolling, whose rate they miss by {share:.1%} of its "
+            f"travel; lower fidelity.step_angle or choose generalized-alpha",
+        )
+
+
+def contact_agreed(disagreement: float) -> Failure:
+    if not disagreement <= AGREEMENT_BOUND:
+        yield (
+            Status.INVALID,
+            f"two evaluations of the contact forces differ by {disagreement:.2g}, "
+            f"allowed is {AGREEMENT_BOUND:.0g}",
+        )
+
+
+def spheres_enough(record: Record, on_an_edge: bool) -> Failure:
+    """Enough spheres touch that their sum is an integral over the contact."""
+    mesh = next(element for element in record.elements if element.name == "mesh")
+    if mesh.kernel is not sampled_force:
+        return
+    columns = dict(zip(mesh.outputs, range(mesh.size + LEDGER_SIZE, 1000), strict=False))
+    some = replace(record, coordinates=record.coordinates[::8], rates=record.rates[::8])
+    touching = float(np.median(some.outputs(mesh)[:, columns["mesh_touching"]]))
+    least = LEAST_TOUCHING * (2 if on_an_edge else 1)
+    if touching < least:
+        yield (
+            Status.INVALID,
+            f"{touching:g} spheres touch, of {least} needed: raise fidelity.profile_samples or axial_samples",
+        )
+
+
+def _on_an_edge(gear: SteeringGear, signals: dict[str, np.ndarray]) -> bool:
+    """Whether the teeth may bear on an edge, one row of spheres: shafts askew, or the yoke at its nut."""
+    stopped = (signals.get("yokenut_force", np.zeros(1)) > 0).any()
+    return bool(gear.installation.angle_error) or bool(stopped)
+
+
+def work_balanced(signals: dict[str, np.ndarray], bound: float) -> Failure:
+    """The work that is missing is a small share of what drive or load did."""
+    missing = missing_work(signals)
+    if not _is_small(missing, bound, signals):
+        residual = missing / largest_work(signals)
+        yield Status.INVALID, f"the work balance misses {residual:.2%}, allowed are {bound:.1%}"
+
+
+def edges_spared(signals: dict[str, np.ndarray], bound: float) -> Failure:
+    """Little work goes with material over the rack's edges; steps that are too long end up there as well."""
+    taken = float(signals.get("work_mesh_edges", np.zeros(1))[-1])
+    if not _is_small(taken, bound, signals):
+        share = taken / largest_work(signals)
+        yield (
+            Status.INVALID,
+            f"{share:.2%} of the work goes over the rack's edges with its material, allowed are {bound:.1%}",
+        )
+
+
+def _is_small(work: float, bound: float, signals: dict[str, np.ndarray]) -> bool:
+    return abs(work) <= max(bound * largest_work(signals), least_work(signals))
+
+
+def least_work(signals: dict[str, np.ndarray]) -> float:
+    """Below which work does not count [J]."""
+    return MISSED_TORQUE * float(np.abs(np.diff(signals["pinion_angle"])).sum()) + ROUNDING
+
+
+def first_angle(signals: dict[str, np.ndarray], where: np.ndarray) -> str:
+    """The pinion angle at which something first holds, for a reader."""
+    return f"{round(np.degrees(signals['pinion_angle'][np.argmax(where)]), 6) + 0.0:.4g} deg"

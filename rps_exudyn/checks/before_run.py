@@ -1,0 +1,132 @@
+"""A plan held against the limits beyond which its method ends with a wrong number, before it is run.
+
+    for breach in breaches(scene, gear, fidelity):
+        breach.sentence          which quantity, its value, the limit, why
+        breach.repair            the choice that meets the limit
+
+Each limit is a formula of `predicted` quantities; docs/stability.md shows them in the measured maps. What can
+only be seen in what came out is `judge`'s.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.mesh_contact.spheres import SPHERE_RADIUS
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+
+STEPS_PER_PITCH = 2  # fewer cannot show the tooth frequency; `judge` sees whether more are needed
+REPAIRED_STEPS_PER_PITCH = 20
+DEEPEST = 1.5  # deepest contact over the mean one, measured on the paper's gear
+LEAST_GENERATORS = 20  # 0.5 % of the torque
+LEAST_ROWS = 8  # of spheres along the face width
+SPACING = 2.5  # of spheres along the profile, over the width of the strip that touches: 1 % of the torque
+STEADY = ("free-pinion-torque", "load-test", "rack-push")
+
+
+@dataclass(frozen=True)
+class Breach:
+    """One limit that a plan does not meet."""
+
+    quantity: str  # path of the choice
+    value: float
+    limit: float
+    why: str
+    repair: dict[str, Any]  # choices of the fidelity that meet it; {} if none does
+    show: str = "{:.3g}"
+
+    @property
+    def sentence(self) -> str:
+        value, limit = (self.show.format(number) for number in (self.value, self.limit))
+        side = "at most" if self.value > self.limit else "at least"
+        return f"{self.quantity} is {value}; {self.why} asks for {side} {limit}"
+
+
+def breaches(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
+    """All limits that the plan does not meet."""
+    if fidelity.solver == "closed-form":
+        return
+    if scene in STEADY:
+        yield from _tooth_pitch_resolved(gear, fidelity)
+    yield from _contact_integrated(gear, fidelity)
+    yield from _spheres_deep_enough(gear, fidelity)
+
+
+def refused(scene: str, gear: SteeringGear, fidelity: Fidelity) -> list[str]:
+    """The sentences about them."""
+    return [breach.sentence for breach in breaches(scene, gear, fidelity)]
+
+
+def _tooth_pitch_resolved(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
+    pitch = 2 * np.pi / gear.pinion.teeth
+    if fidelity.step_angle > pitch / STEPS_PER_PITCH * (1 + 1e-9):
+        yield Breach(
+            "fidelity.step_angle",
+            np.degrees(fidelity.step_angle),
+            np.degrees(pitch / STEPS_PER_PITCH),
+            f"a tooth pitch of {np.degrees(pitch):.4g} deg, which needs {STEPS_PER_PITCH} steps,",
+            {"step_angle": float(pitch / REPAIRED_STEPS_PER_PITCH)},
+            "{:.4g} deg",
+        )
+
+
+def _contact_integrated(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
+    """Enough lines or spheres that the teeth's contact is an integral and not a few points."""
+    limits: dict[str, int] = {}
+    if fidelity.mesh == "flank":
+        limits = {"strip_points": 2, "strip_stations": 2}
+    elif fidelity.mesh == "flank-generators":
+        limits = {"generators": LEAST_GENERATORS}
+    elif fidelity.mesh == "general-contact":
+        limits = {"profile_samples": least_profile_samples(gear), "axial_samples": LEAST_ROWS}
+    for choice, limit in limits.items():
+        value = getattr(fidelity, choice)
+        if value < limit:
+            why = "the integral over the contact"
+            yield Breach(f"fidelity.{choice}", value, limit, why, {choice: limit}, "{:.0f}")
+
+
+def predicted_depth(gear: SteeringGear) -> float:
+    """Mean depth of the teeth's contact under the preload [m].
+
+    Pressure proportional to depth over a strip of half width sqrt(2 rho d): a line of length L carries
+    4/3 k L d sqrt(2 rho d); the flanks of each side carry P / (2 sin alpha_n). L is the face width along the
+    slanted line, rho the radius of curvature at the pitch point.
+    """
+    pair = GearPair.of(gear)
+    load = gear.yoke.preload / np.sin(pair.alpha_n) / 2
+    length = pair.face_width / np.cos(pair.beta_p)
+    by_depth = 4 / 3 * gear.mesh.stiffness * length * np.sqrt(2 * _curvature_radius(pair))
+    return float((load / by_depth) ** (2 / 3))
+
+
+def _curvature_radius(pair: GearPair) -> float:
+    return float(pair.reference_radius * np.sin(pair.alpha_t) / np.cos(pair.beta_p) ** 2)
+
+
+def least_profile_samples(gear: SteeringGear) -> int:
+    """Spheres along the path of contact such that `SPACING` strips of contact lie between two of them."""
+    pair = GearPair.of(gear)
+    strip = 2 * np.sqrt(2 * _curvature_radius(pair) * max(predicted_depth(gear), 1e-9))
+    path = abs(pair.field[1] - pair.field[0])
+    return max(LEAST_ROWS, int(np.ceil(path / (SPACING * strip))))
+
+
+def _spheres_deep_enough(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
+    """A sphere deeper than its radius passes through the triangles unnoticed."""
+    if fidelity.mesh != "general-contact":
+        return
+    depth = DEEPEST * predicted_depth(gear)
+    if depth > SPHERE_RADIUS:
+        yield Breach(
+            "the deepest contact predicted from yoke.preload and mesh.stiffness",
+            1e6 * depth,
+            1e6 * SPHERE_RADIUS,
+            "general contact, through whose flanks a sphere passes that is deeper than its radius,",
+            {"mesh": "flank"},
+            "{:.0f} um",
+        )

@@ -1,0 +1,378 @@
+"""The command line `rps-exudyn`: run, study, show, diff, rerun, geometry, describe.
+
+Exit status: 0 done; 1 the simulation failed (its file says how); 2 wrong input, one sentence for each problem
+on standard error. What a command needs is imported by the command, so that `--help` and `describe` are quick.
+"""
+
+import sys
+from collections.abc import Iterable, Sequence
+from contextlib import redirect_stdout
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.cli.options import GearOptions, SetupOptions
+
+if TYPE_CHECKING:
+    from rps_exudyn.analysis.measured import MeasuredTorque
+    from rps_exudyn.results.result import Result
+
+DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+RESULT_FILES = (".h5", ".hdf5")
+
+app = App(
+    name="rps-exudyn",
+    help="Rack-and-pinion steering gears: pinion torque, its variation, and how far to trust it.",
+    version=lambda: version("rps-exudyn"),
+    suppress_keyboard_interrupt=False,  # `main` says what is kept
+)
+
+Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return the exit status."""
+    try:
+        return app(arguments, exit_on_error=False, print_error=False, result_action="return_value") or DONE
+    except InputError as error:
+        return _refuse(error.problems)
+    except CycloptsError as error:
+        return _refuse([_sentence(error)])
+    except KeyboardInterrupt as interrupt:
+        _say(str(interrupt) or "interrupted; nothing was written.")
+        return INTERRUPTED
+
+
+PAPER_GEAR = GearOptions()
+PAPER_SETUP = SetupOptions()
+
+
+@app.command
+def run(
+    scene: str = "free-pinion-torque",
+    /,
+    *,
+    setup: SetupOptions = PAPER_SETUP,
+    accuracy: str | None = None,
+    out: Path | None = None,
+    plot: Path | None = None,
+    measured: Path | None = None,
+    robust: Flag = False,
+    time_limit: str | None = None,
+    json: Flag = False,
+) -> int:
+    """Simulate one scene: print a summary, write an HDF5 file and a picture.
+
+    A failed run never replaces an existing file: it is written beside it as NAME.failed.
+
+    Args:
+        scene: what the test rig does: free-pinion-torque, load-test, rack-push, reversal or yoke-impact.
+        accuracy: error of the torque that is allowed, for instance 1%: takes the cheapest model that keeps
+            it, of all or of the --fidelity given; see docs/accuracy.md.
+        out: HDF5 file; without it SCENE.h5 in the current folder.
+        plot: picture (.png, .svg, .pdf); without it a .png beside the HDF5 file.
+        measured: CSV file of a measured torque with columns pinion_angle [deg] and pinion_torque [N m]; it is
+            drawn over the simulated one and compared with it.
+        robust: where the run fails or its plan is refused, take the next safer settings, and say which.
+        time_limit: for instance "20 s": the run is ended after it, whatever its solver does.
+        json: print the summary as JSON.
+    """
+    from rps_exudyn.analysis.measured import read_measured_torque
+    from rps_exudyn.charts.style import PICTURES
+    from rps_exudyn.simulate import isolated_run as guarded
+    from rps_exudyn.simulate.by_accuracy import beyond_promise
+
+    limit = guarded.seconds(time_limit) if time_limit is not None else None
+    chosen, why = setup.load_for(scene, accuracy) if accuracy is not None else (setup.load(), "")
+    if why:
+        _say(why)
+    out = _checked_output(out or Path(f"{scene}.h5"), RESULT_FILES)
+    plot = _checked_output(plot or out.with_suffix(".png"), PICTURES)
+    curve = read_measured_torque(measured) if measured else None
+    with redirect_stdout(sys.stderr):  # what libraries say; standard output is for the result
+        result = guarded.run(scene, chosen.steering_gear, chosen.fidelity, robust, limit)
+    if why and (beyond := beyond_promise(result.gear, result.signals)):
+        _say(beyond.lstrip("; "))
+    _print_result(result, json, files=_keep(result, out, plot, curve), measured=curve)
+    return _verdict(result)
+
+
+@app.command
+def study(
+    file: Path,
+    /,
+    *,
+    out: Path | None = None,
+    jobs: int | None = None,
+    cluster: str | None = None,
+    dry_run: Flag = False,
+    toy: Flag = False,
+    yes: Flag = False,
+    json: Flag = False,
+) -> int:
+    """Simulate all cases of a study file; interrupted or repeated, it does only what is missing.
+
+    Args:
+        file: TOML file, see docs/studies.md.
+        out: folder of the study; without it one of the file's name in the current folder.
+        jobs: processes at work; without it one for each processor.
+        cluster: address of a Dask scheduler that does the cases instead, for instance tcp://10.0.0.1:8786.
+        dry_run: list the cases and estimate the time, and do nothing.
+        toy: the study at its smallest, two values of each axis, in a folder NAME-toy: does it work?
+        yes: also if there are very many cases.
+        json: print the outcome, or the cases, as JSON.
+    """
+    from rps_exudyn.cli import study_command as command
+
+    folder = out or Path(f"{file.stem}-toy" if toy else file.stem)
+    request = command.Request(file, folder, jobs, cluster, toy, yes)
+    if dry_run:
+        return command.list_cases(request, json)
+    return command.do_study(request, json)
+
+
+@app.command
+def show(file: Path, /, *, json: Flag = False) -> int:
+    """Print the summary of a result.
+
+    Args:
+        file: HDF5 file that `run` wrote.
+        json: print it as JSON.
+    """
+    from rps_exudyn.results.result import load
+
+    _print_result(load(file), json)
+    return DONE
+
+
+@app.command
+def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Flag = False) -> int:
+    """Compare two results: settings that differ, summary side by side, signals over the pinion angle.
+
+    Args:
+        first: HDF5 file that `run` wrote.
+        second: another one; differences are second minus first.
+        plot: picture (.png, .svg, .pdf) of both torques and their difference.
+        json: print the comparison as JSON.
+    """
+    from rps_exudyn.analysis.comparison import compare
+    from rps_exudyn.charts.comparison import draw_comparison
+    from rps_exudyn.charts.style import PICTURES
+    from rps_exudyn.cli import printed
+    from rps_exudyn.results.result import load
+
+    if plot:
+        _checked_output(plot, PICTURES)
+    comparison = compare(load(first), load(second))
+    names = (first.stem, second.stem) if first.stem != second.stem else (str(first), str(second))
+    if plot:
+        draw_comparison(comparison, names, plot)
+    files = [plot] if plot else []
+    if json:
+        printed.print_json(printed.comparison_as_dict(comparison, files))
+    else:
+        printed.print_comparison(comparison, names, files)
+    return DONE
+
+
+@app.command
+def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
+    """Simulate again what a result holds, from the parameters in its file, and say whether it is the same.
+
+    Args:
+        file: HDF5 file that `run` or `study` wrote; it is left as it is.
+        out: HDF5 file of the new result; without it none is written.
+        json: print the new summary and the numbers that differ as JSON.
+    """
+    from rps_exudyn.analysis.rerun import differing_numbers, setup_of
+    from rps_exudyn.cli import printed
+    from rps_exudyn.results.result import load
+    from rps_exudyn.simulate import run as simulate
+
+    if out:
+        _checked_output(out, RESULT_FILES)
+    old = load(file)
+    with redirect_stdout(sys.stderr):
+        new = simulate.run(old.scene, old.gear, fidelity=setup_of(old, file))
+    if out:
+        new.save(out)
+    differing = differing_numbers(old, new)
+    files = [out] if out else []
+    if json:
+        printed.print_json(printed.result_as_dict(new, files) | {"differing": differing})
+    else:
+        printed.print_result(new, files)
+        printed.print_differing(differing, str(file))
+    return _verdict(new)
+
+
+@app.command
+def geometry(
+    *, gear: GearOptions = PAPER_GEAR, out: Path | None = None, force: Flag = False, json: Flag = False
+) -> int:
+    """Print the geometry report; write the solids or their drawing.
+
+    Args:
+        out: solids (.glb, .stl) or drawing (.png, .svg, .pdf).
+        force: build an undercut gear all the same.
+        json: print the report as JSON.
+    """
+    from rps_exudyn.charts.geometry import draw_geometry
+    from rps_exudyn.charts.style import PICTURES
+    from rps_exudyn.cli import printed
+    from rps_exudyn.gears.export import FORMATS, export_solids
+    from rps_exudyn.gears.report import geometry_report
+
+    chosen = gear.load()
+    if out:
+        _checked_output(out, (*FORMATS, *PICTURES))
+    report = geometry_report(chosen, force)
+    if out and out.suffix.lower() in FORMATS:
+        export_solids(chosen, out)
+    elif out:
+        draw_geometry(chosen, out, force)
+    files = [out] if out else []
+    if json:
+        printed.print_json(report.as_dict() | {"files": files})
+    else:
+        printed.print_geometry(report, files)
+    return DONE
+
+
+@app.command
+def describe(path: str = "", /, *, setup: SetupOptions = PAPER_SETUP, json: Flag = False) -> int:
+    """Print parameters of gear, test and fidelity: value, unit, meaning, and where the value is from.
+
+    Args:
+        path: a parameter such as yoke.preload, or a table such as yoke or fidelity; without it all.
+        json: print them as JSON.
+    """
+    from rps_exudyn.cli import printed
+    from rps_exudyn.parameters.setup import Setup
+
+    items = Setup.declared_at(path)
+    if json:
+        printed.print_json(printed.parameters_as_dict(setup.load(), items))
+    else:
+        printed.print_parameters(setup.load(), items)
+    return DONE
+
+
+@app.command
+def collect(folder: Path, /, *, out: Path | None = None) -> int:
+    """Write one table of all cases of a study: what was varied, how each ended, its numbers.
+
+    Args:
+        folder: folder that `study` wrote.
+        out: table (.h5, .csv); without it table.h5 in the folder.
+    """
+    from rps_exudyn.study import collected
+    from rps_exudyn.study.store import Store
+    from rps_exudyn.study.table import CaseTable
+
+    store = Store.open(folder)
+    out = _checked_output(out or folder / "table.h5", collected.SUFFIXES)
+    table = CaseTable.of(store)
+    _name_skipped(table.skipped)
+    collected.write_table(table, out)
+    print(f"written: {out}")
+    return DONE
+
+
+@app.command
+def report(*paths: Path, out: Path | None = None) -> int:
+    """Write one HTML page about studies and results: what was run, effects, best, worst and failed cases.
+
+    Args:
+        paths: folders that `study` wrote, also half-finished ones, and HDF5 files that `run` wrote.
+        out: page (.html); without it report.html in the study's folder, or a page beside the only file.
+    """
+    from rps_exudyn.report import report as pages
+
+    if not paths:
+        raise InputError("report needs at least one study's folder or result's file.")
+    out = _checked_output(out or pages.default_name(paths), pages.SUFFIXES)
+    pages.write_report(paths, out)
+    print(f"written: {out}")
+    return DONE
+
+
+# --- input -------------------------------------------------------------------------------------
+
+
+def _checked_output(path: Path, suffixes: tuple[str, ...]) -> Path:
+    from rps_exudyn.base.atomic import check_writable
+
+    if path.suffix.lower() not in suffixes:
+        raise InputError(f"{path} cannot be written: its name must end in {' or '.join(suffixes)}.")
+    check_writable(path)
+    return path
+
+
+# --- output ------------------------------------------------------------------------------------
+
+
+def _keep(result: "Result", out: Path, plot: Path, measured: "MeasuredTorque | None") -> list[Path]:
+    """Write both files and return where they are; a failed run does not replace existing ones."""
+    from rps_exudyn.charts.scene import draw
+    from rps_exudyn.results.outcome import Status
+
+    if result.status is not Status.OK and (out.exists() or plot.exists()):
+        out, plot = (path.with_suffix(f".failed{path.suffix}") for path in (out, plot))
+    result.save(out)
+    if not result.signals:
+        return [out]
+    draw(result, plot, measured)
+    return [out, plot]
+
+
+def _print_result(
+    result: "Result", json: bool, files: Iterable[Path] = (), measured: "MeasuredTorque | None" = None
+) -> None:
+    from rps_exudyn.analysis.measured import compare_with_measured
+    from rps_exudyn.cli import printed
+
+    teeth = result.gear.pinion.teeth
+    compared = compare_with_measured(measured, result.signals, teeth) if measured else None
+    if json:
+        printed.print_json(printed.result_as_dict(result, files) | printed.measured_as_dict(compared))
+    else:
+        printed.print_result(result, files)
+        printed.print_measured(compared)
+
+
+def _name_skipped(skipped: Iterable[tuple[Path, str]]) -> None:
+    """Files of a study that could not be used."""
+    for _, sentence in skipped:
+        _say(f"left out: {sentence}")
+
+
+def _verdict(result: "Result") -> int:
+    from rps_exudyn.results.outcome import Status
+
+    if result.status is Status.OK:
+        return DONE
+    _say(f"the simulation failed ({result.status}): {result.message.rstrip('.')}. {result.status.remedy}")
+    return FAILED
+
+
+def _sentence(error: CycloptsError) -> str:
+    """What the command line's grammar does not allow."""
+    if isinstance(error, UnusedCliTokensError):
+        surplus = " ".join(error.unused_tokens or ())
+        return f"{surplus} is more than the command takes; --help shows what it takes."
+    return " ".join(str(error).split())
+
+
+def _refuse(problems: Iterable[str]) -> int:
+    for problem in problems:
+        _say(problem)
+    return WRONG_INPUT
+
+
+def _say(sentence: str) -> None:
+    print(f"rps-exudyn: {sentence}", file=sys.stderr)

@@ -1,0 +1,140 @@
+"""How the command line says which gear, and how it is modelled."""
+
+import tomllib
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.units import short
+
+if TYPE_CHECKING:
+    from rps_exudyn.parameters.gear import SteeringGear
+    from rps_exudyn.parameters.setup import Setup
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class GearOptions:
+    """Which gear."""
+
+    gear: Path | None = None
+    """TOML file of the gear; without it the paper's gear."""
+    settings: Annotated[tuple[str, ...], Parameter(name="--set", negative=(), show_default=False)] = ()
+    """PATH=VALUE: one parameter replaced, for instance --set yoke.preload="400 N"; may be repeated."""
+
+    def load(self) -> "SteeringGear":
+        """The gear, or an InputError with everything that is wrong with it."""
+        from rps_exudyn.parameters.gear import SteeringGear
+
+        settings, malformed = parse_settings(self.settings)
+        with _all_at_once(malformed):
+            return SteeringGear.from_tables(self.tables(), settings, where=str(self.gear or ""))
+
+    def tables(self) -> dict[str, Any]:
+        """What the gear's file says."""
+        from rps_exudyn.parameters.declaration import read_toml
+
+        return read_toml(self.gear) if self.gear else {}
+
+
+@Parameter(name="*")
+@dataclass(frozen=True)
+class SetupOptions(GearOptions):
+    """Which gear, and how it is modelled."""
+
+    fidelity: str | None = None
+    """What is modelled how: full, flank (default), quasi-static or closed-form; see `describe fidelity`."""
+    mesh: str | None = None
+    """How the teeth touch, if not as in the fidelity: general-contact, flank, flank-generators, ratio or
+    ratio-with-loss."""
+    bush: str | None = None
+    """Model of the bush, likewise: chain, adams-chain, condensed, rigid."""
+    yoke: str | None = None
+    """How the yoke presses, likewise: body, force."""
+    rack: str | None = None
+    """How the rack moves, likewise: free, guided."""
+    solver: str | None = None
+    """How the motion is found, likewise: generalized-alpha, equilibrium, closed-form."""
+
+    def load(self) -> "Setup":
+        """Gear and fidelity, or an InputError with everything that is wrong with both."""
+        from rps_exudyn.parameters.fidelity import PRESETS, name_of, unknown_preset
+        from rps_exudyn.parameters.setup import Setup
+
+        settings, problems = parse_settings(self.settings)
+        settings |= {f"fidelity.{part}": choice for part, choice in self._parts().items()}
+        tables = self.tables()
+        if "fidelity" in tables:
+            problems.append(
+                f"{self.gear}: fidelity is no table of a gear; choose it by --fidelity and --set."
+            )
+        if settings.pop("fidelity.name", None):
+            problems.append("fidelity.name cannot be set: it says what was chosen.")
+        base = self.fidelity or "flank"
+        if base not in PRESETS:
+            problems.append(unknown_preset(base))
+        changes = {
+            path[len("fidelity.") :]: value
+            for path, value in settings.items()
+            if path.startswith("fidelity.")
+        }
+        preset = {"name": name_of(base, changes), **PRESETS.get(base, {})}
+        with _all_at_once(problems):
+            return Setup.from_tables(tables | {"fidelity": preset}, settings, where=str(self.gear or ""))
+
+    def load_for(self, scene: str, accuracy: str) -> "tuple[Setup, str]":
+        """Gear, the cheapest fidelity of this accuracy, and why it is; or an InputError."""
+        from rps_exudyn.simulate.by_accuracy import choose, percent
+
+        settings, _ = parse_settings(self.settings)
+        own = [f"--{part}" for part in self._parts()]
+        own += [f"--set {path}" for path in settings if path.startswith("fidelity.")]
+        if own:
+            raise InputError(f"--accuracy chooses the model itself; leave out {', '.join(own)}.")
+        told = self.load()
+        choice = choose(scene, told.steering_gear, percent(accuracy), self.fidelity)
+        return told.model_copy(update={"fidelity": choice.fidelity}), choice.why
+
+    def _parts(self) -> dict[str, str]:
+        """Choices within the fidelity that were made."""
+        parts = {part: getattr(self, part) for part in ("mesh", "bush", "yoke", "rack", "solver")}
+        return {part: choice for part, choice in parts.items() if choice is not None}
+
+
+def parse_settings(texts: Iterable[str]) -> tuple[dict[str, Any], list[str]]:
+    """Path -> value from PATH=VALUE texts, and a sentence for each text that is not of this form."""
+    settings, malformed = {}, []
+    for text in texts:
+        path, _, value = text.partition("=")
+        if value.strip() and all(name.strip() for name in path.split(".")):
+            settings[path.strip()] = _value(value.strip())
+        else:
+            malformed.append(
+                f"--set {short(text)} is no setting; write PATH=VALUE, for instance yoke.preload=400."
+            )
+    return settings, malformed
+
+
+def _value(text: str) -> Any:
+    """What reads as a TOML value (6, -1, true) is that, anything else is text ("400 N")."""
+    try:
+        tables = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):  # no TOML, or a number with more digits than Python reads
+        return text
+    return tables["value"] if len(tables) == 1 else text
+
+
+@contextmanager
+def _all_at_once(problems: list[str]) -> Iterator[None]:
+    """What the block finds wrong is told together with these problems."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(problems + error.problems) from None
+    if problems:
+        raise InputError(problems)

@@ -1,0 +1,27 @@
+"""The pinion's bearings: constant Coulomb friction against its rotation."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rps_exudyn.base.compiled import kernel
+from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.parameters.gear import SteeringGear
+
+
+class BearingData(NamedTuple):
+    torque: float
+    zone: float  # friction zone [rad/s]
+
+
+@kernel
+def bearing_force(q, v, data):  # type: ignore[no-untyped-def]
+    """Friction torque, linear below the zone; q = pinion (1)."""
+    torque = data.torque * v[0] / max(abs(v[0]), data.zone)
+    return np.array([-torque, 0.0, torque * v[0], 0.0, torque])
+
+
+def bearing(gear: SteeringGear, *, friction_zone: float) -> ForceElement:
+    """Friction of the pinion's bearings and seal."""
+    data = BearingData(gear.bearing.friction_torque, friction_zone)
+    return ForceElement("bearing", ("pinion",), bearing_force, data, ("bearing_torque",))

@@ -1,0 +1,9 @@
+"""Friction laws: Coulomb friction with a linear zone about zero slip."""
+
+from rps_exudyn.base.compiled import kernel
+
+
+@kernel
+def coulomb(normal_force, friction, slip, zone):  # type: ignore[no-untyped-def]
+    """Friction over slip speed [N s/m]: mu N / max(|v|, zone), Exudyn's regularisation."""
+    return friction * normal_force / max(slip, zone)

@@ -1,0 +1,109 @@
+"""How a rigid body's node coordinates become motion: Exudyn's RotationRxyz in compiled form.
+
+Angles (a, b, c) turn a body by Rx(a) Ry(b) Rz(c); its angular velocity is G (a', b', c'). A force f and a
+moment m about the body's reference point act on the coordinates as (f, G^T m).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rps_exudyn.base.compiled import inlined, kernel
+
+
+@kernel
+def rotation_matrix(angles):  # type: ignore[no-untyped-def]
+    """Body -> housing, shape (3, 3)."""
+    ca, sa = np.cos(angles[0]), np.sin(angles[0])
+    cb, sb = np.cos(angles[1]), np.sin(angles[1])
+    cc, sc = np.cos(angles[2]), np.sin(angles[2])
+    return np.array(
+        [
+            [cb * cc, -cb * sc, sb],
+            [ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb],
+            [sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb],
+        ]
+    )
+
+
+@kernel
+def spin_map(angles):  # type: ignore[no-untyped-def]
+    """G: angle rates -> angular velocity in the housing frame, shape (3, 3)."""
+    ca, sa = np.cos(angles[0]), np.sin(angles[0])
+    cb, sb = np.cos(angles[1]), np.sin(angles[1])
+    return np.array([[1.0, 0.0, sb], [0.0, ca, -sa * cb], [0.0, sa, ca * cb]])
+
+
+@kernel
+def times(m, x):  # type: ignore[no-untyped-def]
+    """m x; for three by three numbers a library call would cost more than the sum."""
+    return np.array([dot(m[0], x), dot(m[1], x), dot(m[2], x)])
+
+
+@kernel
+def times_transposed(m, x):  # type: ignore[no-untyped-def]
+    """m^T x."""
+    return x[0] * m[0] + x[1] * m[1] + x[2] * m[2]
+
+
+# --- vectors as tuples, which need no memory ---------------------------------------------------------
+@inlined
+def vector(x):  # type: ignore[no-untyped-def]
+    return x[0], x[1], x[2]
+
+
+@inlined
+def plus(a, b):  # type: ignore[no-untyped-def]
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@inlined
+def minus(a, b):  # type: ignore[no-untyped-def]
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@inlined
+def scaled(k, a):  # type: ignore[no-untyped-def]
+    return k * a[0], k * a[1], k * a[2]
+
+
+@inlined
+def dot(a, b):  # type: ignore[no-untyped-def]
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@inlined
+def cross(a, b):  # type: ignore[no-untyped-def]
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+class Turn(NamedTuple):
+    """What the angles of a body say about its x axis and its spin."""
+
+    axis: tuple[float, float, float]  # in the housing
+    about_b: tuple[float, float, float]  # spin per rate of the second angle; of the first it is (1, 0, 0)
+    about_c: tuple[float, float, float]  # and of the third
+
+
+@inlined
+def turn_of(angles):  # type: ignore[no-untyped-def]
+    """The first column of the rotation matrix and the last two of G."""
+    ca, sa = np.cos(angles[0]), np.sin(angles[0])
+    cb, sb = np.cos(angles[1]), np.sin(angles[1])
+    cc, sc = np.cos(angles[2]), np.sin(angles[2])
+    return Turn(
+        (cb * cc, ca * sc + sa * sb * cc, sa * sc - ca * sb * cc), (0.0, ca, sa), (sb, -sa * cb, ca * cb)
+    )
+
+
+@inlined
+def spin_of(turn, rates):  # type: ignore[no-untyped-def]
+    """Angular velocity G (a', b', c')."""
+    b, c = turn.about_b, turn.about_c
+    return rates[0] + c[0] * rates[2], b[1] * rates[1] + c[1] * rates[2], b[2] * rates[1] + c[2] * rates[2]
+
+
+@inlined
+def on_angles(turn, moment):  # type: ignore[no-untyped-def]
+    """G^T m."""
+    return moment[0], dot(turn.about_b, moment), dot(turn.about_c, moment)

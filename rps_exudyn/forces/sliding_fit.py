@@ -1,0 +1,190 @@
+"""The sliding fit between rack and bush: a cylindrical joint with elasticity and Coulomb drag.
+
+The rack slides, rolls and swivels with what carries it: the last segment of the chain, or the housing with
+the whole chain's stiffness condensed into the fit.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from rps_exudyn.base.compiled import inlined, kernel
+from rps_exudyn.forces.bush import RIGID_END, Chain, housing_station, lateral_stiffness
+from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.forces.friction import coulomb
+from rps_exudyn.forces.rigid_motion import (
+    cross,
+    dot,
+    minus,
+    on_angles,
+    plus,
+    scaled,
+    spin_of,
+    turn_of,
+    vector,
+)
+from rps_exudyn.parameters.gear import SteeringGear
+
+
+class FitData(NamedTuple):
+    """Sliding fit between the rack and what carries it."""
+
+    stiffness: np.ndarray  # of y, z, about y, about z at the station, shape (4, 4)
+    drag: float  # Coulomb friction [N]
+    zone: float  # friction zone [m/s]
+    radius: float  # at which rolling rubs [m]
+    station: float  # X of the fit in the housing [m]
+    lever: float  # from the carrier's reference point to the fit along X [m]
+
+
+class Held(NamedTuple):
+    """A body of the fit: reference point in the housing, its velocity, the x axis, angular velocity."""
+
+    place: tuple[float, float, float]
+    velocity: tuple[float, float, float]
+    axis: tuple[float, float, float]
+    spin: tuple[float, float, float]
+
+
+class FitLoads(NamedTuple):
+    """What the fit does to the rack; the opposite, at the same place, to the carrier."""
+
+    force: tuple[float, float, float]
+    moment: tuple[float, float, float]  # about the place of the fit
+    lever_carrier: tuple[float, float, float]  # from each body's reference point to that place
+    lever_rack: tuple[float, float, float]
+    stored: float
+    lost: float
+    lateral: float
+    drag: float
+
+
+@inlined
+def fit_loads(carrier, rack, data):  # type: ignore[no-untyped-def]
+    """The rack slides and rolls in its carrier and swivels with it.
+
+    The elastic connection sits at one place: on the carrier a fixed point, on the rack the point of its
+    axis that passes there. Force and moment act at that place on both bodies.
+    """
+    lever_carrier = scaled(data.lever, carrier.axis)
+    fit = plus(plus(carrier.place, lever_carrier), (data.station - data.lever, 0.0, 0.0))
+    lever_rack = scaled(dot(minus(fit, rack.place), rack.axis), rack.axis)
+    offset = minus(plus(rack.place, lever_rack), fit)
+    tilt = cross(carrier.axis, rack.axis)
+
+    of_rack = plus(rack.velocity, cross(rack.spin, lever_rack))
+    of_carrier = plus(carrier.velocity, cross(carrier.spin, lever_carrier))
+    slide = dot(minus(of_rack, of_carrier), rack.axis)
+    roll = data.radius * dot(minus(rack.spin, carrier.spin), rack.axis)
+    speed = np.sqrt(slide**2 + roll**2)
+    rub = coulomb(1.0, data.drag, speed, data.zone)
+
+    k = data.stiffness
+    y, z, b, c = offset[1], offset[2], tilt[1], tilt[2]
+    p_y = k[0, 0] * y + k[0, 1] * z + k[0, 2] * b + k[0, 3] * c
+    p_z = k[1, 0] * y + k[1, 1] * z + k[1, 2] * b + k[1, 3] * c
+    m_y = k[2, 0] * y + k[2, 1] * z + k[2, 2] * b + k[2, 3] * c
+    m_z = k[3, 0] * y + k[3, 1] * z + k[3, 2] * b + k[3, 3] * c
+    # across the tilted bar, so that sliding along it does no work against the load
+    p_x = -(p_y * rack.axis[1] + p_z * rack.axis[2]) / rack.axis[0]
+    return FitLoads(
+        minus((-p_x, -p_y, -p_z), scaled(rub * slide, rack.axis)),
+        minus((0.0, -m_y, -m_z), scaled(rub * roll * data.radius, rack.axis)),
+        plus(lever_carrier, offset),
+        lever_rack,
+        0.5 * (y * p_y + z * p_z + b * m_y + c * m_z),
+        rub * speed**2,
+        np.sqrt(p_y**2 + p_z**2),
+        rub * slide,
+    )
+
+
+@inlined
+def _held(q, v):  # type: ignore[no-untyped-def]
+    turn = turn_of(q[3:6])
+    return Held(vector(q), vector(v), turn.axis, spin_of(turn, v[3:6])), turn
+
+
+@inlined
+def _fill(out, loads, turn):  # type: ignore[no-untyped-def]
+    """The forces on the rack, the ledger, and the outputs."""
+    moment = plus(loads.moment, cross(loads.lever_rack, loads.force))
+    out[0], out[1], out[2] = loads.force
+    out[3], out[4], out[5] = on_angles(turn, moment)
+    out[6], out[7], out[8] = loads.stored, loads.lost, 0.0
+    out[9], out[10] = loads.lateral, loads.drag
+
+
+@kernel
+def fit_force(q, v, data):  # type: ignore[no-untyped-def]
+    """The fit in a moving carrier; q = segment (6), rack (6)."""
+    out = np.empty(12 + 3 + 2)
+    (carrier, turn_carrier), (rack, turn_rack) = _held(q[0:6], v[0:6]), _held(q[6:12], v[6:12])
+    loads = fit_loads(carrier, rack, data)
+    moment = plus(loads.moment, cross(loads.lever_carrier, loads.force))
+    out[0], out[1], out[2] = scaled(-1.0, loads.force)
+    out[3], out[4], out[5] = on_angles(turn_carrier, scaled(-1.0, moment))
+    _fill(out[6:], loads, turn_rack)
+    return out
+
+
+@kernel
+def held_fit_force(q, v, data):  # type: ignore[no-untyped-def]
+    """The same fit in a carrier that is part of the housing; q = rack (6)."""
+    out = np.empty(6 + 3 + 2)
+    still = (0.0, 0.0, 0.0)
+    rack, turn = _held(q, v)
+    _fill(out, fit_loads(Held(still, still, (1.0, 0.0, 0.0), still), rack, data), turn)
+    return out
+
+
+FIT_OUTPUTS = ("bush_lateral_force", "bush_drag")
+
+
+def chain_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float) -> ForceElement:
+    """The rack in the last segment of a chain: the last half piece is the fit's elasticity."""
+    data = FitData(
+        stiffness=np.diag(chain.end[[1, 2, 4, 5]]),
+        drag=gear.bush.drag,
+        zone=friction_zone,
+        radius=gear.rack.bar_diameter / 2,
+        station=housing_station(gear, chain.end_station),
+        lever=-(chain.end_station - chain.centres[-1]),
+    )
+    return ForceElement("bush", ("segment", "rack"), fit_force, data, FIT_OUTPUTS)
+
+
+def condensed_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float) -> ForceElement:
+    """The rack in the chain's exact static stiffness, seen at the place of the fit.
+
+    Axial stretch and twist of the bush are left out: only the drag loads them.
+    """
+    data = FitData(
+        stiffness=lateral_stiffness(chain),
+        drag=gear.bush.drag,
+        zone=friction_zone,
+        radius=gear.rack.bar_diameter / 2,
+        station=housing_station(gear, chain.end_station),
+        lever=0.0,
+    )
+    return ForceElement("bush", ("rack",), held_fit_force, data, FIT_OUTPUTS)
+
+
+def rigid_fit(gear: SteeringGear, *, friction_zone: float) -> ForceElement:
+    """The rack in a bush that does not give: stiff in place of rigid, at the bush's free end."""
+    data = FitData(
+        stiffness=np.diag(RIGID_END[[1, 2, 4, 5]]),
+        drag=gear.bush.drag,
+        zone=friction_zone,
+        radius=gear.rack.bar_diameter / 2,
+        station=housing_station(gear, gear.bush.length),
+        lever=0.0,
+    )
+    return ForceElement("bush", ("rack",), held_fit_force, data, FIT_OUTPUTS)
+
+
+def loose_fit(gear: SteeringGear, *, friction_zone: float) -> ForceElement:
+    """A fit that drags and does not hold: of a rack that is guided otherwise."""
+    held = rigid_fit(gear, friction_zone=friction_zone)
+    return replace(held, data=held.data._replace(stiffness=np.zeros((4, 4))))

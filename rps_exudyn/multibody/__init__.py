@@ -1,0 +1,1 @@
+"""The gear as an Exudyn system, its guarded solution and its recorder."""

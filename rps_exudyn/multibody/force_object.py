@@ -1,0 +1,62 @@
+"""A force element as an Exudyn object.
+
+It is a massless `ObjectGenericODE2`: unlike a connector between separated markers it carries its own lever
+arms, so moments balance exactly.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rps_exudyn.forces.force_element import ForceElement
+
+if TYPE_CHECKING:
+    import exudyn
+
+
+def add_element(mbs: "exudyn.MainSystem", nodes: Mapping[str, Any], element: ForceElement) -> Any:
+    """Put a force element into an Exudyn system; `nodes` maps body names to node numbers."""
+    return add_forces(
+        mbs, [nodes[body] for body in element.bodies], element.kernel, element.data, element.size
+    )
+
+
+def add_forces(
+    mbs: "exudyn.MainSystem",
+    nodes: Sequence[Any],
+    kernel: Callable[..., Any],
+    data: Any,
+    size: int,
+    tangent: Callable[..., Any] | None = None,
+) -> Any:
+    """A massless object with a compiled force law over the coordinates of some nodes.
+
+    Args:
+        kernel: (q, v, data) -> the forces (size,), and possibly more behind them.
+        tangent: (q, v, data, factor_q, factor_v) -> factor_q dF/dq + factor_v dF/dv, shape (size, size);
+            without it Exudyn takes differences through Python.
+    """
+    from exudyn.itemInterface import ObjectGenericODE2, VObjectGenericODE2
+
+    def force(mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]) -> np.ndarray:
+        return kernel(np.asarray(q), np.asarray(v), data)[:size]
+
+    functions: dict[str, Any] = {"forceUserFunction": force}
+    if tangent is not None:
+        derivative = tangent
+
+        def jacobian(
+            mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float], fq: float, fv: float
+        ) -> np.ndarray:
+            return -derivative(np.asarray(q), np.asarray(v), data, fq, fv)  # of the left-hand side
+
+        functions["jacobianUserFunction"] = jacobian
+    return mbs.AddObject(
+        ObjectGenericODE2(
+            nodeNumbers=list(nodes),
+            massMatrix=np.zeros((size, size)),
+            **functions,
+            visualization=VObjectGenericODE2(show=False),
+        )
+    )

@@ -1,0 +1,331 @@
+"""The steering gear as an Exudyn system.
+
+    model = build_model(gear, Fidelity.preset("full"))
+    model.mbs                      the Exudyn MainSystem, assembled, to go on with as usual
+    model.bodies["rack"]           object numbers; likewise model.nodes and model.sensors
+
+Bodies and their joints, in the housing frame of `gears.gear_pair`:
+
+    pinion    turns about its axis k (ObjectRotationalMass1D: its revolute joint is built in)
+    rack      free rigid body; reference point on the bar's axis above the pitch point
+    plunger   slides along Y (ObjectMass1D: its translational joint is built in)
+    yokenut   locked to the housing
+    bush      chain of rigid segments held by connector springs, or condensed into the sliding fit
+
+What acts between them are the force elements of `parts`, the same that `statics` balances. The rig's drive
+moves pinion or rack; the model starts in static equilibrium, so there is nothing to settle.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rps_exudyn.forces.bush import resting_segments
+from rps_exudyn.forces.external_load import Pulse
+from rps_exudyn.forces.force_element import COORDINATES
+from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
+from rps_exudyn.gears import solids
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.multibody.bush_chain import add_chain
+from rps_exudyn.multibody.force_object import add_element, add_forces
+from rps_exudyn.multibody.general_contact import GeneralContacts, add_general_contacts, add_tangent
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.drive import Drive, Steady
+from rps_exudyn.solvers.equilibrium import EquilibriumPath, settled_path
+from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
+from rps_exudyn.solvers.gear_kernel import STACK, stacked, tangent
+
+if TYPE_CHECKING:
+    import exudyn
+
+    from rps_exudyn.gears.polyhedron import Solid
+
+
+@dataclass
+class SteeringModel:
+    """An assembled Exudyn system and the numbers of its items."""
+
+    gear: SteeringGear
+    fidelity: Fidelity
+    forces: GearForces
+    drive: Drive
+    SC: Any
+    mbs: "exudyn.MainSystem"
+    start: EquilibriumPath  # its only row is where the model starts
+    contacts: GeneralContacts | None = None
+    nodes: dict[str, Any] = field(default_factory=dict)
+    bodies: dict[str, Any] = field(default_factory=dict)
+    sensors: dict[str, Any] = field(default_factory=dict)
+    segments: list[Any] = field(default_factory=list)  # nodes of the bush's segments
+    pulse: Pulse | None = None
+    constraint: Any = None  # that moves the driven body; its multiplier is the drive's torque or force
+
+    def coordinates(self, name: str) -> slice:
+        """Where a body's coordinates stand in the system's vector; the system must be assembled."""
+        start = self.mbs.GetNodeODE2Index(self.nodes[name])
+        return slice(start, start + COORDINATES[name])
+
+    def columns(self, bodies: Sequence[str]) -> np.ndarray:
+        """The same for several bodies, stacked."""
+        return np.concatenate([np.r_[self.coordinates(name)] for name in bodies])
+
+    def release(self) -> None:
+        """Free the system's memory: its items and the functions they call hold each other, out of reach of
+        Python's collector. The model cannot be used any more."""
+        self.mbs.sys.clear()
+        self.mbs.variables.clear()
+        self.SC.Reset()
+
+    def segment_columns(self) -> np.ndarray:
+        """The same for all segments of the bush, shape (N, 6)."""
+        starts = [self.mbs.GetNodeODE2Index(node) for node in self.segments]
+        return np.array(starts)[:, None] + np.arange(6)
+
+
+def build_model(
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    drive: Drive | None = None,
+    *,
+    rack_load: float = 0.0,
+    pulse: Pulse | None = None,
+    settling: Sequence[np.ndarray] = (),
+) -> SteeringModel:
+    """The gear in a rig, by default turned at its test's speed from the test's start angle.
+
+    Whether it found the equilibrium to start from is told by `start.converged`.
+
+    Args:
+        rack_load: pulls the rack's end towards -X [N].
+        pulse: force that acts on the rack besides.
+        settling: instants below 0 of equilibria that lead to the start [s], see `settled_path`.
+    """
+    import exudyn as exu
+
+    if drive is None:
+        drive = Steady("pinion", gear.test.start_angle, gear.test.direction * gear.test.speed)
+    forces = gear_forces(gear, fidelity, rack_load)
+    start = settled_path(forces.statics, GearPair.of(gear), drive, settling, np.zeros(1)).last
+    SC = exu.SystemContainer()
+    model = SteeringModel(gear, fidelity, forces, drive, SC, SC.AddSystem(), start, pulse=pulse)
+    if not start.converged:
+        return model
+    _add_bodies(model)
+    if "segment" in forces.fit.bodies:
+        _add_bush_chain(model)
+    if fidelity.mesh == "general-contact":
+        _add_forces_apart(model)
+    else:
+        _add_forces_at_once(model)
+    _add_drive(model)
+    _lock(model)
+    if pulse is not None:
+        _add_pulse(model, pulse)
+    _add_sensors(model)
+    return model
+
+
+def _add_drive(model: SteeringModel) -> None:
+    """The drive as a rheonomic constraint on a coordinate of pinion or rack."""
+    drive = model.drive
+
+    def place(mbs: Any, t: float, item: int, offset: float) -> float:
+        return drive.sign * float(drive.place(t))
+
+    def rate(mbs: Any, t: float, item: int, offset: float) -> float:
+        return drive.sign * float(drive.rate(t))
+
+    model.constraint = _constrain(
+        model, drive.coordinate, offsetUserFunction=place, offsetUserFunction_t=rate
+    )
+
+
+def _lock(model: SteeringModel) -> None:
+    """Hold the coordinates that the model does without."""
+    for coordinate in model.forces.locked:
+        _constrain(model, coordinate)
+
+
+def _constrain(model: SteeringModel, coordinate: int, **law: Any) -> Any:
+    from exudyn.itemInterface import CoordinateConstraint, MarkerNodeCoordinate, NodePointGround
+
+    body = next(name for name, place in STACK.items() if coordinate in range(place.start, place.stop))
+    of_body = coordinate - STACK[body].start
+    ground, node = model.mbs.AddNode(NodePointGround()), model.nodes[body]
+    markers = [
+        model.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=number, coordinate=index))
+        for number, index in ((ground, 0), (node, of_body))
+    ]
+    return model.mbs.AddObject(CoordinateConstraint(markerNumbers=markers, **law))
+
+
+def _add_pulse(model: SteeringModel, pulse: Pulse) -> None:
+    from exudyn.itemInterface import LoadForceVector, MarkerBodyPosition
+
+    def force(mbs: Any, t: float, load: Any) -> np.ndarray:
+        return pulse.force(t)
+
+    end = MarkerBodyPosition(bodyNumber=model.bodies["rack"], localPosition=[pulse.place, 0.0, 0.0])
+    model.mbs.AddLoad(LoadForceVector(markerNumber=model.mbs.AddMarker(end), loadVectorUserFunction=force))
+
+
+def _add_forces_apart(model: SteeringModel) -> None:
+    """Every force element as an object of its own, the teeth in Exudyn's general contact."""
+    mbs, forces, nodes = model.mbs, model.forces, model.nodes
+    for element in forces.elements:
+        if element is not forces.mesh:
+            add_element(mbs, nodes, element)
+    model.contacts = add_general_contacts(
+        mbs, model.gear, forces.mesh.data, pinion=model.bodies["pinion"], rack=model.bodies["rack"]
+    )
+    add_tangent(mbs, forces.mesh.data, [nodes["pinion"], nodes["rack"]])
+
+
+def _add_forces_at_once(model: SteeringModel) -> None:
+    """All forces of the gear in one compiled object, with its Jacobian."""
+    kernel, data = model.forces.dynamics
+    bodies = [body for body in STACK if body in model.nodes]
+    nodes = [model.nodes[body] for body in bodies]
+    add_forces(model.mbs, nodes, kernel, data, len(stacked(bodies)), tangent(kernel))
+
+
+def _add_bodies(model: SteeringModel) -> None:
+    """Pinion, rack, plunger and yokenut, with mass properties from their meshes."""
+    from exudyn.itemInterface import (
+        Node1D,
+        NodeRigidBodyRxyz,
+        ObjectGround,
+        ObjectMass1D,
+        ObjectRigidBody,
+        ObjectRotationalMass1D,
+        VObjectGround,
+        VObjectMass1D,
+        VObjectRigidBody,
+        VObjectRotationalMass1D,
+    )
+
+    gear, mbs, start = model.gear, model.mbs, model.start
+    pair = GearPair.of(gear)
+    q, v = start.coordinates[0], start.rates[0]
+
+    def node_1d(name: str) -> Any:
+        return mbs.AddNode(
+            Node1D(
+                referenceCoordinates=[0.0],
+                initialCoordinates=q[STACK[name]],
+                initialVelocities=v[STACK[name]],
+            )
+        )
+
+    parts = {
+        "pinion": solids.pinion_solid(gear),
+        "rack": solids.rack_solid(gear),
+        "plunger": solids.plunger_solid(gear),
+        "yokenut": solids.yokenut_solid(gear),
+    }
+    axis = [0.0, pair.bar_axis_height, 0.0]
+
+    model.nodes["pinion"] = node_1d("pinion")
+    turning = parts["pinion"].mass_properties
+    from_axis = turning.centre_of_mass[:2]
+    model.bodies["pinion"] = mbs.AddObject(
+        ObjectRotationalMass1D(
+            inertia=turning.inertia[2, 2] + turning.mass * (from_axis @ from_axis),
+            nodeNumber=model.nodes["pinion"],
+            referencePosition=pair.pinion_origin,
+            referenceRotation=pair.pinion_frame,
+            visualization=VObjectRotationalMass1D(graphicsData=_drawn(parts["pinion"], "steelblue")),
+        )
+    )
+    model.nodes["rack"] = mbs.AddNode(
+        NodeRigidBodyRxyz(
+            referenceCoordinates=[*axis, 0, 0, 0],
+            initialCoordinates=q[STACK["rack"]],
+            initialVelocities=v[STACK["rack"]],
+        )
+    )
+    bar = parts["rack"].mass_properties
+    com = bar.centre_of_mass
+    about_reference = bar.inertia + bar.mass * ((com @ com) * np.eye(3) - np.outer(com, com))
+    model.bodies["rack"] = mbs.AddObject(
+        ObjectRigidBody(
+            mass=bar.mass,
+            centerOfMass=com,
+            inertia=about_reference[[0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]],
+            nodeNumber=model.nodes["rack"],
+            visualization=VObjectRigidBody(graphicsData=_drawn(parts["rack"], "grey")),
+        )
+    )
+    model.nodes["plunger"] = node_1d("plunger")
+    along_y = np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0]])  # ObjectMass1D moves along its local x
+    model.bodies["plunger"] = mbs.AddObject(
+        ObjectMass1D(
+            mass=parts["plunger"].mass_properties.mass,
+            nodeNumber=model.nodes["plunger"],
+            referencePosition=axis,
+            referenceRotation=along_y,
+            visualization=VObjectMass1D(graphicsData=_drawn(parts["plunger"], "orange", along_y.T)),
+        )
+    )
+    model.bodies["yokenut"] = mbs.AddObject(
+        ObjectGround(
+            referencePosition=axis,
+            visualization=VObjectGround(graphicsData=_drawn(parts["yokenut"], "darkgrey")),
+        )
+    )
+
+
+def _add_sensors(model: SteeringModel) -> None:
+    """Coordinates of pinion, rack and plunger, kept inside: `mbs.PlotSensor(model.sensors["rack"])`."""
+    from exudyn import OutputVariableType
+    from exudyn.itemInterface import SensorNode
+
+    for body in ("pinion", "rack", "plunger"):
+        model.sensors[body] = model.mbs.AddSensor(
+            SensorNode(
+                nodeNumber=model.nodes[body],
+                storeInternal=True,
+                outputVariableType=OutputVariableType.Coordinates,
+            )
+        )
+
+
+def _add_bush_chain(model: SteeringModel) -> None:
+    """The segments, resting under the wrench of the fit at the start."""
+    gear, chain = model.gear, model.forces.chain
+    rest = resting_segments(gear, chain, _wrench_at_fit(model), chain.end_station)
+    segment = solids.bush_segment_solid(gear).mass_properties
+    nodes, bodies = add_chain(
+        model.mbs,
+        gear,
+        chain,
+        rest,
+        mass=segment.mass,
+        inertia=segment.inertia,
+        axis_height=GearPair.of(gear).bar_axis_height,
+    )
+    model.segments = nodes
+    model.nodes["segment"], model.bodies["segment"] = nodes[-1], bodies[-1]
+
+
+def _wrench_at_fit(model: SteeringModel) -> np.ndarray:
+    """Force and moment of the rack on the bush at the fit, where the model starts."""
+    fit = model.forces.condensed_fit
+    q, v = (rows[0, STACK["rack"]] for rows in (model.start.coordinates, model.start.rates))
+    on_rack = fit.evaluate(q, v)[:6]
+    moment = np.linalg.solve(spin_map(q[3:]).T, on_rack[3:])  # about the rack's reference point
+    axis = rotation_matrix(q[3:])[:, 0]
+    to_fit = (fit.data.station - q[0]) / axis[0] * axis
+    return -np.concatenate([on_rack[:3], moment - np.cross(to_fit, on_rack[:3])])
+
+
+def _drawn(solid: "Solid", color: str, rotation: np.ndarray | None = None) -> list[Any]:
+    """How Exudyn draws a body."""
+    from exudyn import graphics
+    from matplotlib.colors import to_rgba
+
+    points = solid.vertices if rotation is None else solid.vertices @ rotation.T
+    return [graphics.FromPointsAndTrigs(points, solid.faces, color=list(to_rgba(color)))]

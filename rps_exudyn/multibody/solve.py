@@ -1,0 +1,134 @@
+"""One guarded way to run Exudyn: every setting explicit, every outcome named.
+
+`SolveDynamic` calls runs a success that blew up, lost the contact, or stopped early. Here a run is a
+success only when its own checks say so; the scene adds those that need its physics.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from time import process_time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rps_exudyn.results.outcome import Outcome, Status
+
+if TYPE_CHECKING:
+    import exudyn
+
+
+LARGEST_STATE = 1e6  # in SI: far beyond every coordinate and rate of a steering gear
+
+
+@dataclass(frozen=True)
+class SolverPlan:
+    """Everything that decides how Exudyn integrates."""
+
+    end_time: float  # [s]
+    steps: int
+    spectral_radius: float = 0.7
+    absolute_tolerance: float = 0.01  # of Newton's method, on the root mean square of the residual [N, N m]
+    relative_tolerance: float = 1e-12  # on the residual over that of the step's first guess
+    max_iterations: int = 20
+    discontinuous_tolerance: float = 1e-4
+    adaptive_step: bool = True
+    minimum_step: float = 1e-7  # [s]
+
+    def as_dict(self) -> dict[str, Any]:
+        return {"name": "generalized-alpha", **asdict(self)}
+
+
+def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
+    """Integrate an assembled system by generalised alpha with modified Newton.
+
+    Never raises for a failed run: the outcome says what happened, and how far it got.
+    """
+    import exudyn as exu
+
+    start = process_time()
+    message, cause = "", None
+    try:
+        with _silent():
+            finished = bool(
+                mbs.SolveDynamic(_settings(plan), solverType=exu.DynamicSolverType.GeneralizedAlpha)
+            )
+    except exu.ExudynError as error:
+        finished, cause = False, error.__cause__  # what a force in Python raised, or None
+    cpu = process_time() - start
+
+    solver = mbs.sys.get("dynamicSolver")
+    reached = float(mbs.systemData.GetTime())
+    state = np.concatenate([mbs.systemData.GetODE2Coordinates(), mbs.systemData.GetODE2Coordinates_t()])
+    if not np.isfinite(state).all():
+        status, message = Status.DIVERGED, f"the state is not finite at {reached:.6g} s"
+    elif np.abs(state).max() > LARGEST_STATE:
+        status, message = (
+            Status.DIVERGED,
+            f"a coordinate or rate is {np.abs(state).max():.3g} at {reached:.6g} s",
+        )
+    elif cause is not None:
+        status, message = Status.NO_CONVERGENCE, f"{type(cause).__name__} at {reached:.6g} s: {cause}"
+    elif not finished:
+        status = Status.NO_CONVERGENCE
+        message = f"no step down to {plan.minimum_step:g} s converged at {reached:.6g} s"
+    elif reached < plan.end_time * (1 - 1e-9):
+        status, message = Status.TIMEOUT, f"stopped at {reached:.6g} s of {plan.end_time:.6g} s"
+    else:
+        status = Status.OK
+    counters = (
+        {
+            "steps": int(solver.it.currentStepIndex),
+            "newton_iterations": int(solver.it.newtonStepsCount),
+            "jacobians": int(solver.it.newtonJacobiCount),
+        }
+        if solver
+        else {}
+    )
+    return Outcome(status, message, reached, cpu, counters, plan.as_dict())
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Nothing from Exudyn on the console: what a failure means is told by its outcome."""
+    import exudyn as exu
+
+    before = exu.config.printToConsole, exu.config.suppressWarnings
+    exu.config.printToConsole, exu.config.suppressWarnings = False, True
+    try:
+        yield
+    finally:
+        exu.config.printToConsole, exu.config.suppressWarnings = before
+
+
+def _settings(plan: SolverPlan) -> "exudyn.SimulationSettings":
+    """The plan in Exudyn's words. What decides a result is set here even where it is the default:
+    defaults change between releases."""
+    import exudyn as exu
+
+    settings = exu.SimulationSettings()
+    settings.parallel.numberOfThreads = 1
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    settings.solution.file.write = False
+    settings.solution.sensors.writePeriod = plan.end_time / plan.steps
+
+    time = settings.timeIntegration
+    time.startTime, time.endTime, time.numberOfSteps = 0.0, plan.end_time, plan.steps
+    time.adaptiveStep, time.minimumStepSize = plan.adaptive_step, plan.minimum_step
+    time.stepInformation = time.verboseMode = 0
+    time.computeLoadsJacobian = 0
+    time.generalizedAlpha.spectralRadius = plan.spectral_radius
+    time.generalizedAlpha.useNewmark = time.generalizedAlpha.useIndex2Constraints = False
+    time.generalizedAlpha.computeInitialAccelerations = True
+
+    newton = time.newton
+    newton.useModifiedNewton = True
+    newton.maxIterations, newton.modifiedNewtonContractivity = plan.max_iterations, 0.5
+    newton.relativeTolerance, newton.absoluteTolerance = plan.relative_tolerance, plan.absolute_tolerance
+    newton.numericalDifferentiation.doSystemWideDifferentiation = False
+    newton.numericalDifferentiation.forODE2 = False
+
+    time.discontinuous.iterationTolerance = plan.discontinuous_tolerance
+    time.discontinuous.maxIterations = 5
+    time.discontinuous.ignoreMaxIterations = True
+    return settings

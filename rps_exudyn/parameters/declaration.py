@@ -1,0 +1,353 @@
+"""How parameters are declared, read and judged: tables of values with unit, meaning, source and limits.
+
+One declaration serves the TOML reading, the `--set PATH=VALUE` paths, `describe`, the messages about wrong
+values and what an HDF5 result stores. Values are SI; text with a unit is converted on the way in.
+"""
+
+import difflib
+import math
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
+
+from annotated_types import Ge, Gt, Le, Lt
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    ValidationError,
+    model_validator,
+)
+from pydantic.fields import FieldInfo
+from pydantic_core import CoreSchema
+from pydantic_core.core_schema import no_info_before_validator_function
+
+from rps_exudyn.base import units
+from rps_exudyn.base.errors import InputError
+
+DEG = math.pi / 180  # for limits of angles
+
+Source = Literal["paper", "inferred", "estimate"]
+
+
+@dataclass(frozen=True)
+class Unit:
+    """The SI unit a field is kept in, and the unit a reader expects."""
+
+    si: str
+    display: str
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Text with a unit becomes SI before the field's limits are checked."""
+        return no_info_before_validator_function(lambda value: units.to_si(value, self.si), handler(source))
+
+
+Count = Annotated[int, Field(strict=True)]
+Number = Annotated[float, Unit("", "")]
+Length = Annotated[float, Unit("m", "mm")]
+Angle = Annotated[float, Unit("rad", "deg")]
+Force = Annotated[float, Unit("N", "N")]
+SpringRate = Annotated[float, Unit("N/m", "N/mm")]
+Torque = Annotated[float, Unit("N*m", "N*mm")]
+Mass = Annotated[float, Unit("kg", "kg")]
+Density = Annotated[float, Unit("kg/m^3", "kg/m^3")]
+Pressure = Annotated[float, Unit("Pa", "GPa")]
+ContactStiffness = Annotated[float, Unit("N/m^3", "N/m^3")]
+LineStiffness = Annotated[float, Unit("N/m^2", "N/mm/um")]
+Time = Annotated[float, Unit("s", "s")]
+Speed = Annotated[float, Unit("rad/s", "rpm")]
+Acceleration = Annotated[float, Unit("m/s^2", "m/s^2")]
+
+
+def parameter(default: Any, meaning: str, source: Source, **limits: Any) -> Any:
+    """One parameter: its default (text with unit, or SI), what it means and where the value is from."""
+    return Field(default, description=meaning, json_schema_extra={"source": source}, **limits)
+
+
+class Table(BaseModel):
+    """A group of parameters: one TOML table, or several nested ones."""
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", validate_default=True, allow_inf_nan=False, hide_input_in_errors=True
+    )
+
+    not_in_files: ClassVar[tuple[str, ...]] = ()  # tables that settings reach, but no file
+
+    def __init__(self, **tables: Any) -> None:
+        """From nested tables or dictionaries.
+
+        Raises:
+            InputError: parameters that are wrong (all of them at once).
+        """
+        try:
+            super().__init__(**tables)
+        except ValidationError as error:
+            problems = _problems(type(self), error, tables)
+        else:
+            return
+        raise InputError(problem.sentence for problem in problems)
+
+    # Pydantic's own mark of a constructor that validation of nested tables may pass by
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+    def misfits(self) -> "Iterator[Problem]":
+        """What is wrong between parameters that are each fine alone."""
+        yield from ()
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if misfits := list(self.misfits()):
+            raise MisfitError(misfits)
+        return self
+
+    @classmethod
+    def from_toml(cls, path: str | Path, settings: Mapping[str, object] | None = None) -> Self:
+        """The tables in a TOML file, with single parameters replaced by `settings` (path -> value).
+
+        Raises:
+            InputError: unreadable file, no TOML, or parameters that are wrong (all of them at once).
+        """
+        return cls.from_tables(read_toml(path), settings, where=str(path))
+
+    @classmethod
+    def from_tables(
+        cls, tables: Mapping[str, Any], settings: Mapping[str, object] | None = None, where: str = ""
+    ) -> Self:
+        """From nested dictionaries; `where` names their origin in messages.
+
+        Raises:
+            InputError: parameters that are wrong (all of them at once).
+        """
+        merged = _merged(tables, settings or {})
+        try:
+            return cls.model_validate(merged)
+        except ValidationError as error:
+            problems = _problems(cls, error, merged, settings or {})
+        raise InputError(
+            problem.sentence
+            if problem.concerns(settings or {})
+            else f"{where}: {problem.sentence}".lstrip(": ")
+            for problem in problems
+        )
+
+    def replace(self, settings: Mapping[str, object]) -> Self:
+        """The same with single parameters changed: {"yoke.preload": "400 N"}.
+
+        Raises:
+            InputError: an unknown path, or a value that is not allowed.
+        """
+        return self.from_tables(self.model_dump(), settings)
+
+    def value_at(self, path: str) -> Any:
+        """The value of the parameter at a dotted path."""
+        value: Any = self
+        for name in path.split("."):
+            value = getattr(value, name)
+        return value
+
+    @classmethod
+    def declared(cls) -> Iterator["Declared"]:
+        """All parameters, those of nested tables too, in the order of their declaration."""
+        for name, field in cls.model_fields.items():
+            if isinstance(field.annotation, type) and issubclass(field.annotation, Table):
+                for item in field.annotation.declared():
+                    yield replace(item, path=f"{name}.{item.path}")
+            else:
+                unit = next((item for item in field.metadata if isinstance(item, Unit)), None)
+                yield Declared(name, field, unit)
+
+    @classmethod
+    def declared_at(cls, path: str) -> list["Declared"]:
+        """The parameter at a dotted path, or all of a table; every parameter for "".
+
+        Raises:
+            InputError: there is no such parameter or table.
+        """
+        found = [item for item in cls.declared() if f"{item.path}.".startswith(f"{path}." if path else "")]
+        if not found:
+            raise InputError(f"{path} is no parameter; {_nearest(cls, path)}.")
+        return found
+
+
+@dataclass(frozen=True)
+class Declared:
+    """One declared parameter, as `describe` shows it."""
+
+    path: str
+    field: FieldInfo
+    unit: Unit | None
+
+    @property
+    def meaning(self) -> str:
+        return self.field.description or ""
+
+    @property
+    def source(self) -> Source:
+        extra = self.field.json_schema_extra
+        assert isinstance(extra, dict)
+        return extra["source"]  # type: ignore[return-value]
+
+    @property
+    def allowed(self) -> str:
+        """What the value may be, in the display unit: "more than 0 mm and at most 20 mm"."""
+        if self.field.annotation is str:
+            return "text"
+        if choices := get_args(self.field.annotation):
+            return " or ".join(str(choice) for choice in choices)
+        limits = [
+            f"{word} {self.show(getattr(limit, attribute))}"
+            for kind, attribute, word in _LIMITS
+            for limit in self.field.metadata
+            if isinstance(limit, kind)
+        ]
+        noun = ["a whole number"] if self.field.annotation is int else []
+        return ", ".join([*noun, " and ".join(limits)]) if limits else "any number"
+
+    def show(self, value: Any) -> str:
+        return units.show(value, self.unit.si, self.unit.display) if self.unit else str(value)
+
+
+_LIMITS = ((Gt, "gt", "more than"), (Ge, "ge", "at least"), (Lt, "lt", "less than"), (Le, "le", "at most"))
+
+
+def read_toml(path: str | Path) -> dict[str, Any]:
+    """The tables of a TOML file.
+
+    Raises:
+        InputError: the file cannot be read or is no TOML.
+    """
+    try:
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror or error}.") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path} is not a TOML file: it is not UTF-8 text.") from None
+    except (ValueError, RecursionError) as error:  # no TOML, a number too long, or nested too deep
+        raise InputError(f"{path} is not a TOML file: {error}.") from None
+
+
+class Problem(NamedTuple):
+    """One thing that is wrong: the parameters' paths, and a sentence that says what is allowed."""
+
+    paths: tuple[str, ...]
+    sentence: str
+
+    def concerns(self, settings: Iterable[str]) -> bool:
+        """Whether one of its parameters (or a table of theirs) is among the paths `settings`."""
+        return any(f"{setting}.".startswith(f"{path}.") for setting in settings for path in self.paths)
+
+
+class MisfitError(ValueError):
+    """Parameters that are each fine alone do not fit each other."""
+
+    def __init__(self, problems: list[Problem]) -> None:
+        self.problems = problems
+        super().__init__("\n".join(problem.sentence for problem in problems))
+
+
+def _merged(tables: Mapping[str, Any], settings: Mapping[str, object]) -> dict[str, Any]:
+    """The tables with the settings in their places, known or not: validation judges them together."""
+    merged: dict[str, Any] = {
+        name: dict(table) if isinstance(table, Mapping) else table for name, table in tables.items()
+    }
+    for path, value in settings.items():
+        table, dot, name = path.partition(".")
+        if not dot:
+            merged[table] = value
+        elif isinstance(merged.setdefault(table, {}), dict):
+            merged[table][name] = value
+    return merged
+
+
+def _problems(
+    table: type[Table], error: ValidationError, given: Mapping[str, Any], settings: Iterable[str] = ()
+) -> list[Problem]:
+    """Everything that is wrong: single parameters first, then what does not fit between right ones.
+
+    Validation stops at wrong single values; they are left out (their defaults stand in) to go on, and a
+    misfit that involves one of them is not reported, because it may vanish with the first correction.
+    """
+    found: list[Problem] = []
+    wrong: list[tuple[int | str, ...]] = []
+    remaining: ValidationError | None = error
+    while remaining:
+        items = remaining.errors()
+        for item in items:
+            told = _told(table, item, given, settings)
+            found += [problem for problem in told if not problem.concerns(_paths(wrong))]
+        wrong += [item["loc"] for item in items]
+        remaining = _error_of(table, _without(given, wrong)) if () not in wrong else None
+    return found
+
+
+def _error_of(table: type[Table], given: Mapping[str, Any]) -> ValidationError | None:
+    try:
+        table.model_validate(given)
+    except ValidationError as error:
+        return error
+    return None
+
+
+def _paths(places: Iterable[tuple[int | str, ...]]) -> list[str]:
+    return [".".join(map(str, loc)) for loc in places]
+
+
+def _told(table: type[Table], item: Any, given: Mapping[str, Any], settings: Iterable[str]) -> list[Problem]:
+    """What one of validation's errors means."""
+    misfit = item.get("ctx", {}).get("error")
+    return misfit.problems if isinstance(misfit, MisfitError) else [_problem(table, item, given, settings)]
+
+
+def _problem(table: type[Table], item: Any, given: Mapping[str, Any], settings: Iterable[str]) -> Problem:
+    path = ".".join(str(part) for part in item["loc"])
+    value = _value_in(given, item["loc"])
+    shown = _shown(value)
+    if item["type"] == "extra_forbidden":
+        kind = "table of parameters" if isinstance(value, Mapping) else "parameter"
+        from_file = not Problem((path,), "").concerns(settings)
+        nearest = _nearest(table, path, table.not_in_files if from_file else ())
+        sentence = f"{units.short(path)} is no {kind}; {nearest}."
+    elif item["type"] == "model_type":
+        sentence = f"{path} is {shown}; it must be a table of parameters."
+    elif item["type"] == "value_error":  # from units.to_si: says what the value is and how to write it
+        sentence = f"{path} {item['ctx']['error']}."
+    elif item["type"] == "finite_number":
+        sentence = f"{path} is {shown}; it must be finite."
+    else:
+        sentence = f"{path} is {shown}; it must be {table.declared_at(path)[0].allowed}."
+    return Problem((path,), sentence)
+
+
+def _shown(value: Any) -> str:
+    try:
+        return units.short(repr(value))
+    except ValueError:  # a number of more digits than Python writes
+        return "a number too long to be shown"
+
+
+def _without(given: Mapping[str, Any], wrong: list[tuple[int | str, ...]]) -> dict[str, Any]:
+    kept = {name: item for name, item in given.items() if (name,) not in wrong}
+    for name, item in kept.items():
+        if isinstance(item, Mapping):
+            kept[name] = _without(item, [loc[1:] for loc in wrong if loc[0] == name])
+    return kept
+
+
+def _value_in(given: Mapping[str, Any], loc: tuple[int | str, ...]) -> Any:
+    value: Any = given
+    for part in loc:
+        value = value.get(part) if isinstance(value, Mapping) else None
+    return value
+
+
+def _nearest(table: type[Table], path: str, left_out: tuple[str, ...] = ()) -> str:
+    """What may have been meant, if not one of the tables left out."""
+    offered = [item.path for item in table.declared() if item.path.partition(".")[0] not in left_out]
+    close = difflib.get_close_matches(path, offered, n=3, cutoff=0.6)
+    if close:
+        return f"the nearest {'one is' if len(close) == 1 else 'ones are'} {', '.join(close)}"
+    known = dict.fromkeys(name.partition(".")[0] for name in offered)
+    return f"there are {', '.join(known)}"

@@ -1,0 +1,148 @@
+"""Small pictures of a study: main effect of an axis, response surface over two axes, distribution.
+
+They are as wide as a phone; a page sets them side by side.
+"""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.figure import Figure
+
+from rps_exudyn.charts import style
+from rps_exudyn.results.quantities import Quantity
+from rps_exudyn.study.description import Axis
+from rps_exudyn.study.effects import MainEffect
+from rps_exudyn.study.table import axis_quantity
+
+WIDTH, HEIGHT = 3.4, 2.6  # [in]; two of them on a sheet of A4
+MOST_TICKS = 5  # levels of a grid that are all written at the axis
+MOST_DOTS = 500
+_CASE_DOT: Any = {"color": "white", "markersize": 3.5, "markeredgecolor": "black", "markeredgewidth": 0.5}
+COLOUR_MAP = "cividis"  # even in brightness: printed in grey it still rises
+
+
+def main_effect_figure(axis: Axis, effect: MainEffect, name: str, quantity: Quantity) -> Figure:
+    """Cases as dots, the means over the axis' levels as a line."""
+    figure, axes = _small()
+    x, levels = _abscissa(axes, axis, effect)
+    some = _some(effect.numbers.size)
+    axes.plot(
+        x[some],
+        quantity.displayed(effect.numbers[some]),
+        ".",
+        color=style.COLOURS["reference"],
+        alpha=0.6,
+        markersize=8,
+        markeredgewidth=0,
+    )
+    known = np.isfinite(effect.mean)
+    axes.plot(
+        levels[known],
+        quantity.displayed(effect.mean[known]),
+        "o-",
+        color=style.COLOURS["torque"],
+        markersize=4,
+    )
+    axes.set_ylabel(quantity.axis_label(_words(name)))
+    return figure
+
+
+def surface_figure(
+    first: Axis, second: Axis, surface: Iterable[np.ndarray], name: str, quantity: Quantity
+) -> Figure:
+    """Means over a grid of two axes, as colours with lines of equal value; cases unknown stay white."""
+    figure, axes = _small(HEIGHT + 0.3)
+    levels, others, means = surface
+    shown = quantity.displayed(means)
+    x, y = _ticks(axes, "x", first, levels), _ticks(axes, "y", second, others)
+    image: ScalarMappable
+    numeric = levels.dtype.kind == others.dtype.kind == "f"
+    if numeric and np.isfinite(shown).all():
+        image = axes.contourf(x, y, shown.T, levels=12, cmap=COLOUR_MAP)
+        grid_x, grid_y = np.meshgrid(x, y)
+        axes.plot(grid_x.ravel(), grid_y.ravel(), "o", clip_on=False, **_CASE_DOT)
+    else:
+        image = axes.pcolormesh(x, y, shown.T, shading="nearest", cmap=COLOUR_MAP, edgecolors="face")
+    _colour_bar(figure, axes, image, name, quantity)
+    return figure
+
+
+def scattered_figure(
+    first: Axis,
+    second: Axis,
+    points: tuple[np.ndarray, np.ndarray, np.ndarray],
+    name: str,
+    quantity: Quantity,
+) -> Figure:
+    """Cases of a sampled design over two axes, coloured by the number; arrays have the shape (cases,)."""
+    figure, axes = _small(HEIGHT + 0.3)
+    x = _ticks(axes, "x", first, points[0])
+    y = _ticks(axes, "y", second, points[1])
+    some = _some(x.size)
+    shown = quantity.displayed(points[2][some])
+    image = axes.scatter(x[some], y[some], c=shown, s=14, cmap=COLOUR_MAP, linewidths=0)
+    _colour_bar(figure, axes, image, name, quantity)
+    return figure
+
+
+def distribution_figure(numbers: np.ndarray, name: str, quantity: Quantity) -> Figure:
+    """How often each value occurred, with the median and the range of 90 % of the cases."""
+    figure, axes = _small()
+    shown = quantity.displayed(numbers[np.isfinite(numbers)])
+    axes.hist(shown, bins="auto" if shown.size > 20 else 5, color=style.COLOURS["torque"], alpha=0.75)
+    axes.set_axisbelow(True)
+    low, middle, high = np.quantile(shown, [0.05, 0.5, 0.95])
+    axes.axvline(middle, color=style.COLOURS["other"], linewidth=1.6, label="median")
+    axes.axvspan(
+        low, high, color=style.COLOURS["other"], alpha=0.15, linewidth=0, zorder=0, label="90 % of the cases"
+    )
+    axes.set_xlabel(quantity.axis_label(_words(name)))
+    axes.set_ylabel("cases")
+    style.legend_above(axes)
+    return figure
+
+
+def _some(count: int) -> slice:
+    """Cases that are drawn as dots: evenly spread over all, so that a page stays light."""
+    return slice(None, None, max(1, -(-count // MOST_DOTS)))
+
+
+def _small(height: float = HEIGHT) -> tuple[Figure, Axes]:
+    figure, axes = style.panels([height], WIDTH)
+    return figure, axes[0]
+
+
+def _abscissa(axes: Axes, axis: Axis, effect: MainEffect) -> tuple[np.ndarray, np.ndarray]:
+    """Where cases and levels stand, in the axis' display unit or by their number."""
+    levels = _ticks(axes, "x", axis, effect.levels)
+    if effect.levels.dtype.kind == "f":
+        return axis_quantity(axis).displayed(effect.values), levels
+    return np.searchsorted(effect.levels, effect.values).astype(float), levels
+
+
+def _ticks(axes: Axes, direction: str, axis: Axis, values: np.ndarray) -> np.ndarray:
+    """Values in the axis' display unit; words by their number, as ticks. The axis gets its label."""
+    quantity = axis_quantity(axis)
+    axes.set(**{f"{direction}label": quantity.axis_label(axis.name)})
+    if values.dtype.kind == "f":
+        shown = quantity.displayed(values)
+        if len(levels := np.unique(shown)) <= MOST_TICKS:
+            axes.set(**{f"{direction}ticks": levels})
+        return shown
+    words, numbers = np.unique(values, return_inverse=True)
+    axes.set(**{f"{direction}ticks": np.arange(len(words)), f"{direction}ticklabels": list(words)})
+    return numbers.astype(float)
+
+
+def _colour_bar(figure: Figure, axes: Axes, image: ScalarMappable, name: str, quantity: Quantity) -> None:
+    axes.grid(False)
+    bar = figure.colorbar(image, ax=axes)
+    bar.set_label(quantity.axis_label(_words(name)))
+    bar.outline.set_visible(False)
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")

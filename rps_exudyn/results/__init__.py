@@ -1,0 +1,1 @@
+"""What a simulation leaves: outcome, quantities, provenance, the HDF5 file."""

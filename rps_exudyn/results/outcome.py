@@ -1,0 +1,45 @@
+"""How a simulation ended. A failed one is a value with a remedy, not an exception."""
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+
+class Status(StrEnum):
+    """Outcome of one simulation; only `OK` results may be used."""
+
+    OK = "ok"
+    DIVERGED = "diverged"
+    NO_CONVERGENCE = "no-convergence"
+    CONTACT_LOST = "contact-lost"
+    TIMEOUT = "timeout"
+    CRASHED = "crashed"
+    INVALID = "invalid"
+
+    @property
+    def remedy(self) -> str:
+        """One sentence: what to change."""
+        return _REMEDIES[self]
+
+
+_REMEDIES = {
+    Status.OK: "Nothing to do.",
+    Status.DIVERGED: "Use a smaller step or more contact damping (mesh.damping), and check the stiffnesses.",
+    Status.NO_CONVERGENCE: "Use a smaller step, another solver, or a wider friction regularization.",
+    Status.CONTACT_LOST: "The rack left the mesh: raise yoke.preload, or check yoke.clearance and the load.",
+    Status.TIMEOUT: "Allow more time, or take a cheaper fidelity or fewer turns.",
+    Status.CRASHED: "The solver's process ended: run this case alone to see why.",
+    Status.INVALID: "The run ended but failed the check that the message names: refine step or contact.",
+}
+
+
+@dataclass
+class Outcome:
+    """How a run ended, and what it cost."""
+
+    status: Status
+    message: str = ""
+    time_reached: float = 0.0
+    cpu_s: float = 0.0
+    counters: dict[str, int] = field(default_factory=dict)
+    settings: dict[str, Any] = field(default_factory=dict)

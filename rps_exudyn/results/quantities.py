@@ -1,0 +1,226 @@
+"""Every quantity a result may hold: name, unit, definition. Declared once, here.
+
+A result with another name is refused when it is made, so that files, charts and the format's page
+(docs/hdf5-format.md, held to this list by a test) cannot drift apart. Directions are those of the housing
+frame in `gears.gear_pair`: X the rack's travel, Y from the pinion to the rack, Z = X x Y.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+from rps_exudyn.base import units
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One number or signal: kept in the SI `unit`, shown in the unit `display`; "" is dimensionless."""
+
+    unit: str
+    display: str
+    long_name: str
+
+    def show(self, value: float) -> str:
+        """The value for a reader, for instance "0.593 N m"; counts are whole numbers."""
+        if isinstance(value, int):
+            return str(value)
+        return f"{self.displayed(value):.4g} {units.pretty(self.display)}".strip()
+
+    def displayed(self, values: Any) -> Any:
+        """SI values, a number or an array of any shape, in the display unit."""
+        return values / units.factor(self.display, self.unit)
+
+    def axis_label(self, name: str) -> str:
+        """For instance "pinion torque [N m]"."""
+        unit = units.pretty(self.display)
+        return f"{name} [{unit}]" if unit else name
+
+
+def _torque(long_name: str) -> Quantity:
+    return Quantity("N*m", "N*m", long_name)
+
+
+def _deflection(long_name: str) -> Quantity:
+    return Quantity("m", "um", long_name)
+
+
+def _tilt(long_name: str) -> Quantity:
+    return Quantity("rad", "mrad", long_name)
+
+
+def _force(long_name: str) -> Quantity:
+    return Quantity("N", "N", long_name)
+
+
+def _energy(long_name: str) -> Quantity:
+    return Quantity("J", "J", long_name)
+
+
+def _length(long_name: str) -> Quantity:
+    return Quantity("m", "mm", long_name)
+
+
+def _number(long_name: str) -> Quantity:
+    return Quantity("", "", long_name)
+
+
+def _ratio(long_name: str) -> Quantity:
+    return Quantity("", "%", long_name)
+
+
+SIGNALS = {
+    "time": Quantity("s", "s", "time from the start of recording"),
+    "pinion_angle": Quantity(
+        "rad", "deg", "pinion angle from the centre position, positive for rack travel along +X"
+    ),
+    "pinion_torque": _torque(
+        "torque that drives the pinion, about its axis of rotation, in the sense of pinion_angle"
+    ),
+    "rack_force": _force("force that drives the rack along X, where the rig moves the rack"),
+    "load_force": _force("force that pulls the rack's end towards -X"),
+    "rack_displacement": _length("displacement of the rack's reference point along X"),
+    "rack_y": _deflection(
+        "lift of the bar's axis above the pitch point along Y, away from the pinion, from the design position"
+    ),
+    "rack_z": _deflection("displacement of the bar's axis above the pitch point along Z"),
+    "rack_roll": _tilt("rotation of the rack about X"),
+    "rack_yaw": _tilt("rotation of the rack about Y"),
+    "rack_pitch": _tilt("rotation of the rack about Z"),
+    "plunger_displacement": _deflection(
+        "displacement of the plunger along Y, towards the yokenut, from its rest position"
+    ),
+    "mesh_normal_force": _force("sum of the normal forces between the teeth, both flanks"),
+    "mesh_normal_force_drive": _force("sum of the normal forces on the flanks that drive the rack along +X"),
+    "mesh_normal_force_coast": _force("sum of the normal forces on the flanks that drive the rack along -X"),
+    "mesh_penetration": _deflection("deepest penetration of the teeth"),
+    "seat_force": _force("force of the plunger on the rack along -Y, without the seat's friction"),
+    "yokenut_force": _force(
+        "contact force of the yokenut on the plunger along -Y, 0 while there is clearance"
+    ),
+    "bush_force": _force("magnitude of the bush's force on the rack across X"),
+    "work_drive": _energy("work of the drive on pinion or rack from the start of recording"),
+    "work_load": _energy("work of the forces on the rack's end from the start of recording"),
+    "work_mesh_friction": _energy("work lost to friction between the teeth from the start of recording"),
+    "work_mesh_edges": _energy(
+        "work that loaded material takes along over the rack's edges from the start of recording"
+    ),
+    "work_mesh_damping": _energy("work lost to damping of the tooth contact from the start of recording"),
+    "work_seat_friction": _energy(
+        "work lost to friction between plunger and rack from the start of recording"
+    ),
+    "work_bush_friction": _energy("work lost to the bush's drag from the start of recording"),
+    "work_bearing_friction": _energy("work lost to the pinion's bearings from the start of recording"),
+    "stored_energy": _energy(
+        "kinetic energy, and elastic energy of springs and contacts, from the start of recording"
+    ),
+}
+
+SUMMARY = {
+    "torque_mean": _torque("mean of pinion_torque over the pinion angle recorded"),
+    "torque_peak_to_peak": _torque("largest minus smallest pinion_torque"),
+    "torque_tooth_order": _torque("amplitude of pinion_torque's harmonic once per tooth"),
+    "torque_first_order": _torque("amplitude of pinion_torque's harmonic once per revolution"),
+    "torque_closed_form": _torque("free pinion torque by the closed form, for comparison with torque_mean"),
+    "torque_mean_forward": _torque(
+        "mean torque against the motion towards +X, over the pinion angles that both directions cover"
+    ),
+    "torque_mean_backward": _torque("mean torque against the motion towards -X, over the same angles"),
+    "torque_direction_difference": _torque("torque_mean_forward - torque_mean_backward"),
+    "torque_on_centre": _torque(
+        "mean torque against the motion within 100 degrees of the centre, as far as recorded"
+    ),
+    "torque_on_centre_variation": _torque("largest minus smallest torque there, in one direction"),
+    "torque_off_centre_variation": _torque(
+        "largest minus smallest torque on one side of that range, in one direction"
+    ),
+    "torque_forward": _torque("load test: mean pinion_torque while the load is raised"),
+    "torque_reverse": _torque(
+        "load test: mean pinion_torque that holds the load while it is lowered; negative: self-locking"
+    ),
+    "free_torque": _torque("load test: mean torque against the motion without the load"),
+    "efficiency_forward": _ratio("load x rack gain per radian / torque_forward"),
+    "efficiency_reverse": _ratio("torque_reverse / (load x rack gain per radian)"),
+    "efficiency_forward_net": _ratio("load x rack gain per radian / (torque_forward - free_torque)"),
+    "efficiency_reverse_net": _ratio("(torque_reverse + free_torque) / (load x rack gain per radian)"),
+    "efficiency_ratio": _ratio("efficiency_reverse / efficiency_forward"),
+    "push_force_mean": _force(
+        "mean force along the motion that moves the rack, over the rack's displacement"
+    ),
+    "push_force_peak_to_peak": _force("largest minus smallest of it, in one direction"),
+    "rack_gain": _length("displacement of the rack per revolution of the pinion"),
+    "transmission_error_peak_to_peak": _deflection(
+        "largest minus smallest rack displacement ahead of gain x pinion angle, in one direction"
+    ),
+    "transmission_error_first_order": _deflection("amplitude of its harmonic once per revolution"),
+    "rack_lift_range": _deflection("largest minus smallest rack_y"),
+    "rack_roll_range": _tilt("largest minus smallest rack_roll"),
+    "rack_yaw_range": _tilt("largest minus smallest rack_yaw"),
+    "yoke_force_min": _force("smallest seat_force"),
+    "yoke_force_max": _force("largest seat_force"),
+    "hysteresis_area": _energy("work of the drive on the pinion over the last whole cycle of reversals"),
+    "lost_motion": _deflection(
+        "rack displacement at the same pinion angle towards -X minus that towards +X, mean over the middle"
+    ),
+    "torque_jump": _torque("change of the median pinion_torque of a pass across a reversal, the largest"),
+    "reversal_angle": Quantity(
+        "rad",
+        "deg",
+        "pinion angle from a reversal until the torque is at 90 % of its new running value, the largest",
+    ),
+    "impacts": _number("number of impacts of the plunger on the yokenut"),
+    "impact_peak_force": _force("largest yokenut_force of an impact"),
+    "impact_impulse": Quantity("N*s", "N*s", "largest integral of yokenut_force over an impact"),
+    "impact_duration": Quantity("s", "ms", "longest impact"),
+    "impact_speed": Quantity("m/s", "mm/s", "largest speed of the plunger at the beginning of an impact"),
+    "impact_contact_share": _ratio("share of the time with contact between plunger and yokenut"),
+    "impact_force_rms": _force("root mean square of yokenut_force over the record"),
+    "loss_share_mesh": _ratio("work lost between the teeth, of all work lost"),
+    "loss_share_seat": _ratio("work lost between plunger and rack, of all work lost"),
+    "loss_share_bush": _ratio("work lost in the bush, of all work lost"),
+    "loss_share_bearing": _ratio("work lost in the pinion's bearings, of all work lost"),
+    "energy_residual": _ratio(
+        "(work_drive + work_load - work lost - change of stored_energy) / the wider range of both"
+    ),
+}
+
+COUNTERS = {
+    "steps": _number("time steps, or positions of equilibrium"),
+    "newton_iterations": _number("Newton iterations"),
+    "jacobians": _number("Jacobians computed"),
+    "force_evaluations": _number("evaluations of the mesh contact"),
+    "solver_cpu": Quantity(
+        "s", "s", "processor time of the solver alone, without setting up and reading out"
+    ),
+}
+
+GEOMETRY = {
+    "reference_diameter": _length("reference (pitch) diameter of the pinion"),
+    "base_diameter": _length("base diameter"),
+    "form_diameter": _length("form diameter: the involute begins here"),
+    "root_diameter": _length("root diameter"),
+    "tip_diameter": _length("tip diameter"),
+    "pointed_diameter": _length("diameter at which the teeth would be pointed"),
+    "crest_width": _length("normal thickness of the teeth at the tip"),
+    "travel_per_turn": _length("rack travel per turn of the pinion"),
+    "shaft_angle": Quantity("rad", "deg", "shaft angle as installed"),
+    "transverse_contact_ratio": _number("transverse contact ratio"),
+    "overlap_ratio": _number("overlap ratio"),
+    "total_contact_ratio": _number("total contact ratio"),
+    "contact_start": _length("line of contact: start, from the pitch point (recess positive)"),
+    "contact_end": _length("line of contact: end, from the pitch point"),
+    "undercut_limit": _number("least profile shift coefficient without undercut"),
+    "undercut_margin": _number("profile shift coefficient above that"),
+    "pinion_root_clearance": _length("clearance of the rack's tips over the pinion's root"),
+    "rack_root_clearance": _length("clearance of the pinion's tips over the rack's root"),
+    "interference": _length("deepest cut of pinion and rack into each other's roots over a turn"),
+    "rack_face_width": _length("face width of the rack at the pinion's pitch line (bar's chord)"),
+    "rack_tip_face_width": _length("face width of the rack at its tips"),
+    "toothed_length": _length("toothed length of the rack"),
+}
+
+GROUPS = {"signals": SIGNALS, "summary": SUMMARY, "counters": COUNTERS, "geometry": GEOMETRY}
+"""Group of the HDF5 file -> what it may hold."""
+
+
+def is_work(name: str) -> bool:
+    """Whether a signal counts energy from the start of recording."""
+    return name.startswith("work_") or name == "stored_energy"

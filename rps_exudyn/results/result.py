@@ -1,0 +1,218 @@
+"""What a simulation leaves: a `Result`, and the HDF5 file that holds it.
+
+Every group, dataset and attribute of the file is described in docs/hdf5-format.md; names and units come
+from `quantities`. The file is plain HDF5 with dimension scales, so that other tools read it, for instance
+xarray: `xarray.open_dataset(path, group="signals", engine="h5netcdf")`.
+"""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.hdf5 import opened
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results import provenance as origin
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import GROUPS
+
+FILETYPE = "rps_exudyn-result"
+VERSION = (1, 0)
+"""Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Result:
+    """One simulation: what was asked, how it ended, what came out. All values are SI.
+
+    `signals` are arrays of shape (time,), `summary`, `counters` and `geometry` are scalars; their names are
+    those of `quantities`. Use the numbers only if `status` is `Status.OK`.
+    """
+
+    scene: str
+    gear: SteeringGear
+    fidelity: dict[str, Any]  # what was modelled how
+    solver: dict[str, Any]  # every setting of the solver
+    status: Status
+    message: str = ""  # why, if status is not OK
+    signals: Mapping[str, np.ndarray] = field(default_factory=dict)
+    summary: Mapping[str, float] = field(default_factory=dict)
+    counters: Mapping[str, int | float] = field(default_factory=dict)
+    geometry: Mapping[str, float] = field(default_factory=dict)
+    cpu_s: float  # processor time of the simulation [s]
+    wall_s: float  # elapsed time of the simulation [s]
+    provenance: dict[str, str] = field(default_factory=origin.provenance)
+
+    def __post_init__(self) -> None:
+        for group, known in GROUPS.items():
+            if unknown := set(getattr(self, group)) - set(known):
+                raise ValueError(f"quantities.py declares no {group} named {', '.join(sorted(unknown))}")
+        shapes = {np.shape(values) for values in self.signals.values()}
+        if self.signals and ("time" not in self.signals or len(shapes) > 1 or len(shapes.pop()) != 1):
+            raise ValueError("signals must be one-dimensional, of one length, and hold the time")
+
+    def __getitem__(self, signal: str) -> np.ndarray:
+        """The signal of that name, shape (time,)."""
+        return self.signals[signal]
+
+    def save(self, path: str | Path) -> None:
+        """Write the HDF5 file; an existing file is replaced only by a complete one.
+
+        Raises:
+            InputError: the file cannot be written.
+        """
+        with replacing(path) as partial, h5py.File(partial, "w") as file:
+            _write(self, file)
+
+
+def failed(
+    scene: str,
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    status: Status,
+    message: str,
+    cpu_s: float = 0.0,
+    wall_s: float = 0.0,
+) -> Result:
+    """A simulation that came to nothing, as a result all the same."""
+    return Result(
+        scene=scene,
+        gear=gear,
+        fidelity=fidelity.model_dump(),
+        solver={},
+        status=status,
+        message=message,
+        cpu_s=cpu_s,
+        wall_s=wall_s,
+    )
+
+
+def load(path: str | Path) -> Result:
+    """The result in an HDF5 file.
+
+    Raises:
+        InputError: no such file, not a result of this package, damaged, or of a newer format.
+    """
+    with opened(path, FILETYPE, "result", VERSION) as file:
+        return _read(file, path)
+
+
+# --- writing -----------------------------------------------------------------------------------
+
+
+def _write(result: Result, file: h5py.File) -> None:
+    file.attrs.update(attributes_of(result))
+    for group in GROUPS:
+        file.create_group(group)
+    for name, values in result.signals.items():
+        _put(file, "signals", name, np.asarray(values, dtype=float))
+    if result.signals:
+        _attach_time(file["signals"])
+    for group in ("summary", "geometry"):
+        for name, value in getattr(result, group).items():
+            _put(file, group, name, float(value))
+    for name, count in result.counters.items():
+        _put(file, "counters", name, count)
+
+
+def attributes_of(result: Result) -> dict[str, Any]:
+    """The root attributes of the result's file."""
+    return {
+        "filetype": FILETYPE,
+        "version": np.array(VERSION),
+        "scene": result.scene,
+        "status": result.status.value,
+        "message": result.message,
+        "parameters": result.gear.model_dump_json(),
+        "fidelity": json.dumps(result.fidelity, default=_plain),
+        "solver": json.dumps(result.solver, default=_plain),
+        "cpu_s": float(result.cpu_s),
+        "wall_s": float(result.wall_s),
+        **result.provenance,
+    }
+
+
+def _put(file: h5py.File, group: str, name: str, value: Any) -> None:
+    dataset = file[group].create_dataset(name, data=value)
+    dataset.attrs["units"] = GROUPS[group][name].unit
+    dataset.attrs["long_name"] = GROUPS[group][name].long_name
+
+
+def _attach_time(signals: h5py.Group) -> None:
+    signals["time"].make_scale("time")
+    for name, dataset in signals.items():
+        if name != "time":
+            dataset.dims[0].attach_scale(signals["time"])
+
+
+def _plain(value: Any) -> Any:
+    """What JSON does not know: arrays become lists, everything else its text."""
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else str(value)
+
+
+# --- reading -----------------------------------------------------------------------------------
+
+
+def _read(file: h5py.File, path: str | Path) -> Result:
+    try:
+        fidelity = _tables(file, "fidelity")
+        if not isinstance(fidelity.get("name"), str):
+            raise ValueError("fidelity has no name")
+        return Result(
+            scene=_text(file, "scene"),
+            gear=SteeringGear.from_tables(_tables(file, "parameters"), where=str(path)),
+            fidelity=fidelity,
+            solver=_tables(file, "solver"),
+            status=Status(_text(file, "status")),
+            message=_text(file, "message"),
+            signals={name: _numbers(dataset, 1) for name, dataset in _known(file, "signals")},
+            summary={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "summary")},
+            counters={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "counters")},
+            geometry={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "geometry")},
+            cpu_s=float(file.attrs["cpu_s"]),
+            wall_s=float(file.attrs["wall_s"]),
+            provenance={name: _text(file, name) for name in origin.FIELDS},
+        )
+    except InputError:
+        raise
+    except (KeyError, ValueError, TypeError, OSError, RuntimeError) as error:
+        reason = str(error.args[0] if isinstance(error, KeyError) and error.args else error)
+        raise InputError(f"{path} is damaged: {reason.rstrip('.')}.") from None
+
+
+def _text(file: h5py.File, name: str) -> str:
+    text = file.attrs[name]
+    if not isinstance(text, str):
+        raise ValueError(f"{name} is no text")
+    return text
+
+
+def _tables(file: h5py.File, name: str) -> dict[str, Any]:
+    """What an attribute holds as JSON."""
+    tables = json.loads(_text(file, name))
+    if not isinstance(tables, dict):
+        raise ValueError(f"{name} is no set of tables")
+    return tables
+
+
+def _numbers(dataset: Any, dimensions: int) -> np.ndarray:
+    """The dataset's numbers, if they are that: one value (0), or one per time (1)."""
+    if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in "iuf":
+        raise ValueError(f"{dataset.name} holds no numbers")
+    if dataset.shape is None or len(dataset.shape) != dimensions:
+        raise ValueError(f"{dataset.name} is {'no row of numbers' if dimensions else 'not one number'}")
+    return np.asarray(dataset[()])
+
+
+def _known(file: h5py.File, group: str) -> Iterator[tuple[str, h5py.Dataset]]:
+    """Datasets in the order of their declaration; what a newer minor version added is left unread."""
+    for name in GROUPS[group]:
+        if name in file[group]:
+            yield name, file[group][name]

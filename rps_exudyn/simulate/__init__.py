@@ -1,0 +1,1 @@
+"""Gear, fidelity and scene in; a result out, whatever its outcome."""

@@ -1,0 +1,173 @@
+"""The cheapest model that keeps a wanted accuracy, from the table that was measured and published with it.
+
+    choice = choose("free-pinion-torque", gear, percent("1%"))
+    choice.fidelity, choice.why
+
+`rps.run(..., accuracy="1%")` and `rps-exudyn run --accuracy 1%` use it.
+
+The error is that of the scene's torque or force, RMS over the motion in % of its mean, whether one joins the
+computed angles by straight lines or smoothly. What a setting promises is its worst error on many random
+gears, with a margin, and what the reference itself leaves open. docs/accuracy.md tells how it was found.
+"""
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.units import short
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.fidelity import PRESETS, Fidelity, unknown_preset
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.trip import whole_periods
+
+LEAST_SLIDING = 0.2  # of the mean, somewhere in mesh: below it references of random gears do not agree
+TABLE = Path(__file__).with_name("table.json")
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A row of the table."""
+
+    preset: str
+    angles_per_pitch: int | None  # None: steps are the scene's own
+    settings: Mapping[str, Any]  # of the fidelity, besides the step
+    promised: float  # error [%]
+    median: float  # error on the gears it was tried on [%]
+    cost: float  # processor seconds of the solver per revolution where all teeth are alike, median of gears
+    cost_of_turn: float  # the same where errors single out a tooth, so that no pitch stands for another
+    failed: float  # share of these gears on which it gave no result
+
+    def cost_for(self, gear: SteeringGear) -> float:
+        """Processor seconds of the solver per revolution of this gear, about."""
+        return self.cost if whole_periods(gear, 2 * np.pi) == gear.pinion.teeth else self.cost_of_turn
+
+    def for_gear(self, gear: SteeringGear) -> Fidelity:
+        """With the step that has so many angles on this gear's tooth pitch."""
+        settings = dict(self.settings)
+        if self.angles_per_pitch is not None:
+            settings = {"step_angle": 2 * np.pi / gear.pinion.teeth / self.angles_per_pitch, **settings}
+        return Fidelity.preset(self.preset).replace(settings)
+
+
+@dataclass(frozen=True)
+class SceneTable:
+    """What is known about one scene."""
+
+    scene: str
+    floor: float  # below it the references' methods disagree [%]
+    gears: int  # on which the settings were tried
+    settings: tuple[Setting, ...]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What was chosen, and why."""
+
+    fidelity: Fidelity
+    setting: Setting
+    why: str
+
+
+def choose(scene: str, gear: SteeringGear, wanted: float, preset: str | None = None) -> Choice:
+    """The cheapest setting that promises `wanted` [%], of all or of one preset.
+
+    Raises:
+        InputError: the accuracy is below the floor, no setting promises it, or nothing is known of the scene.
+    """
+    table = scene_table(scene)
+    if preset is not None and preset not in PRESETS:
+        raise InputError(unknown_preset(preset))
+    if wanted < table.floor:
+        raise InputError(
+            f"--accuracy is {wanted:g} %; the references of {scene} are known to {table.floor:.2g} %, "
+            "which is the strictest that can be promised."
+        )
+    known = [each for each in table.settings if preset in (None, each.preset)]
+    if not known:
+        there = ", ".join(sorted({each.preset for each in table.settings}))
+        raise InputError(f"--fidelity is {preset}; for {scene} accuracies are known of {there}.")
+    enough = [each for each in known if each.promised <= wanted]
+    if not enough:
+        best = min(each.promised for each in known)
+        of = f"of {preset} " if preset else ""
+        raise InputError(
+            f"--accuracy is {wanted:g} %; the most exact setting {of}in the table for {scene} "
+            f"promises {best:.2g} %."
+        )
+    taken = min(enough, key=lambda each: each.cost_for(gear))
+    why = _why(taken, table, wanted, len(enough), taken.cost_for(gear)) + beyond_promise(gear)
+    return Choice(taken.for_gear(gear), taken, why)
+
+
+def beyond_promise(gear: SteeringGear, signals: Mapping[str, np.ndarray] | None = None) -> str:
+    """Why the table promises nothing for this gear, or for what its run has shown; empty if it does."""
+    if GearPair.of(gear).slowest_sliding < LEAST_SLIDING:
+        return (
+            "; NOT promised for this gear, whose teeth hardly slide at the pitch point: friction jumps there"
+        )
+    if (
+        signals
+        and np.ptp(signals["pinion_angle"]) > 0
+        and (signals.get("yokenut_force", np.zeros(1)) > 0).any()
+    ):
+        return "; NOT promised for this run, in which the yoke stops at its nut"
+    return ""
+
+
+def _why(taken: Setting, table: SceneTable, wanted: float, enough: int, cost: float) -> str:
+    angles = taken.angles_per_pitch
+    knobs = [f"{angles} angles per tooth pitch"] if angles is not None else []
+    knobs += [f"{name} {value:g}" for name, value in taken.settings.items()]
+    per = "run" if table.scene == "yoke-impact" else "revolution"
+    return (
+        f"{taken.preset}, {', '.join(knobs) or 'as it is'}: the cheapest of {enough} settings that keep "
+        f"{wanted:g} %; it promises {taken.promised:.2g} % (half of {table.gears} random gears stay below "
+        f"{taken.median:.2g} %) at about {1e3 * cost:.2g} ms of processor time per {per}"
+    )
+
+
+def percent(text: str) -> float:
+    """The number in "1%" or "0.1 %".
+
+    Raises:
+        InputError: anything else, or not above zero.
+    """
+    match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*%\s*", text)
+    try:
+        value = float(match[1]) if match else np.nan
+    except ValueError:
+        value = np.nan
+    if not (0 < value < np.inf):
+        raise InputError(
+            f"--accuracy is {short(text)}; it must be a percentage greater than 0, for instance 1%."
+        )
+    return value
+
+
+def scene_table(scene: str) -> SceneTable:
+    """The published table of a scene.
+
+    Raises:
+        InputError: there is none.
+    """
+    scenes = _tables()["scenes"]
+    if scene not in scenes:
+        raise InputError(
+            f"--accuracy knows {', '.join(scenes)}; for {scene} too few random gears have a reference, "
+            "so that nothing can be promised."
+        )
+    told = scenes[scene]
+    return SceneTable(scene, told["floor"], told["gears"], tuple(Setting(**row) for row in told["settings"]))
+
+
+@cache
+def _tables() -> dict[str, Any]:
+    tables: dict[str, Any] = json.loads(TABLE.read_text(encoding="utf-8"))
+    return tables

@@ -1,0 +1,76 @@
+"""One case, from its parameters to the bytes of its file; whatever happens is an outcome."""
+
+import os
+from time import perf_counter, process_time
+from typing import Any
+
+import numba
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.case_file import FileForms, Keep, kept
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result, failed
+from rps_exudyn.simulate import run as simulate
+from rps_exudyn.simulate.fallback import robust_run
+
+
+def compiled_kernels() -> int:
+    """How many files the cache of compiled kernels holds."""
+    return sum(len(files) for _, _, files in os.walk(numba.config.CACHE_DIR))
+
+
+class CaseRunner:
+    """Simulates cases one after the other."""
+
+    def __init__(self) -> None:
+        self._forms = FileForms()
+        self._kernels = compiled_kernels()
+
+    @property
+    def has_compiled(self) -> bool:
+        """Whether kernels may have been compiled in this process, not loaded.
+
+        They round differently then, by some 1e-9 of the torque: a process that has compiled must not go on,
+        or the same case would give other numbers the next time.
+        """
+        return compiled_kernels() != self._kernels
+
+    def rehearse(self, task: dict[str, Any], turns: float) -> None:
+        """The task's scene over a few degrees of the default gear, for nothing: loads all that cases need."""
+        gear = SteeringGear().replace({"test.turns": turns})
+        result = _outcome(task | {"gear": gear.model_dump()})
+        self._forms.content(kept(result, _keep(task)))
+
+    def run(self, task: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
+        """The case's row for the index, and its file."""
+        result = kept(_outcome(task), _keep(task))
+        row = {
+            "status": result.status.value,
+            "message": result.message,
+            "cpu_s": result.cpu_s,
+            "wall_s": result.wall_s,
+            "summary": dict(result.summary),
+        }
+        return row, self._forms.content(result)
+
+
+def _keep(task: dict[str, Any]) -> Keep:
+    names = task["keep"]["signals"]
+    return Keep(None if names is None else tuple(names), task["keep"]["samples"])
+
+
+def _outcome(task: dict[str, Any]) -> Result:
+    gear, fidelity = SteeringGear.from_tables(task["gear"]), Fidelity.from_tables(task["fidelity"])
+    wall, cpu = perf_counter(), process_time()
+    try:
+        if task.get("robust"):
+            return robust_run(task["scene"], gear, fidelity)
+        return simulate.run(task["scene"], gear, fidelity=fidelity)
+    except InputError as error:  # a gear that cannot be built, a test that leaves the rack
+        status, message = Status.INVALID, " ".join(error.problems)
+    except Exception as error:
+        status, message = Status.CRASHED, f"{type(error).__name__}: {error}"
+    elapsed = perf_counter() - wall
+    return failed(task["scene"], gear, fidelity, status, message, process_time() - cpu, elapsed)

@@ -1,0 +1,305 @@
+"""Cases in processes of their own, each with a hard time limit; no process can harm more than its case.
+
+A process is started once and given many cases, because starting one costs seconds. It has its own pipes and
+shares nothing, no lock, with the others, so that it may be killed at any instant. Cheap cases are handed over
+several at a time, which the processes answer one by one: the clock runs for each case alone.
+"""
+
+import contextlib
+import json
+import os
+import queue
+import subprocess
+import sys
+import threading
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import monotonic
+from typing import IO, Any
+
+import rps_exudyn
+from rps_exudyn.base.errors import InputError
+
+START_LIMIT = 900.0  # [s] until a process must be ready, all its kernels compiled
+ATTEMPTS = 2  # at a case whose process dies: it may have been killed from outside
+BATCH_SECONDS = 0.5  # of work handed over at once
+LARGEST_BATCH = 32
+PINNED = (
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "BLIS_NUM_THREADS",
+    "VECLIB_MAXIMUM_THREADS",
+    "NUMEXPR_NUM_THREADS",
+    "NUMBA_NUM_THREADS",
+)
+
+Task = Mapping[str, Any]
+"""What `worker` understands, and "hash"."""
+
+
+@dataclass(frozen=True)
+class Done:
+    """A case that was answered, or whose process came to an end over it."""
+
+    task: Task
+    answer: Mapping[str, Any] | None  # None: no answer came
+    ended: str = ""  # then how the process ended
+    timeout: bool = False
+    wall_s: float = 0.0
+
+
+class StorageError(InputError):
+    """A result could not be written: there is no use in going on."""
+
+
+class StartError(RuntimeError):
+    """Processes end before they have done anything."""
+
+
+@dataclass(eq=False)
+class _Worker:
+    """One process, and the cases it has been given."""
+
+    process: subprocess.Popen[str]
+    tasks: deque[Task] = field(default_factory=deque)
+    ready: bool = False
+    since: float = field(default_factory=monotonic)  # the clock of its start, or of its first task
+
+    def give(self, tasks: list[Task]) -> None:
+        if not self.tasks:
+            self.since = monotonic()
+        self.tasks.extend(tasks)
+        with contextlib.suppress(OSError):  # it has just died, which its reader tells
+            self._write("".join(json.dumps(task) + "\n" for task in tasks))
+
+    def rehearse(self, task: Task) -> None:
+        with contextlib.suppress(OSError):
+            self._write(json.dumps(task) + "\n")
+
+    def _write(self, text: str) -> None:
+        assert self.process.stdin
+        self.process.stdin.write(text)
+        self.process.stdin.flush()
+
+    def end(self) -> None:
+        """Kill it and wait until it is gone."""
+        self.process.kill()
+        self.process.wait()
+        assert self.process.stdin
+        with contextlib.suppress(OSError):  # what it can no longer read
+            self.process.stdin.close()
+
+
+class Processes:
+    """`jobs` processes that do tasks; use it in a `with` block, which ends them."""
+
+    def __init__(self, jobs: int, time_limit: float, messages: Path | None = None) -> None:
+        """`time_limit` is one case's [s]; what the processes print goes to the file `messages`."""
+        self._jobs = jobs
+        self.time_limit = time_limit
+        self._messages = messages
+        self._workers: list[_Worker] = []
+        self._events: queue.SimpleQueue[tuple[_Worker, str | None]] = queue.SimpleQueue()
+        self._again: deque[Task] = deque()
+        self._attempts: dict[str, int] = {}
+        self._failed_starts = 0
+        self._cost = BATCH_SECONDS  # running mean of what a case takes [s]
+        self._compiled = False
+
+    def __enter__(self) -> "Processes":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        while self._workers:
+            self._workers.pop().end()
+
+    def run(self, tasks: Iterator[Task]) -> Iterator[Done]:
+        """Do the tasks, taken from the iterator as needed; in the order in which they end.
+
+        Raises:
+            StorageError: a result could not be written.
+            StartError: processes end before they are ready.
+        """
+        waiting = _Waiting(tasks, self._again)
+        while waiting or any(worker.tasks for worker in self._workers):
+            self._hand_out(waiting)
+            yield from self._next_event()
+
+    def _hand_out(self, waiting: "_Waiting") -> None:
+        """Keep every process busy, and start one more if there is work for it.
+
+        The first one starts alone until the kernels are known to be compiled, so that this is done once.
+        """
+        for worker in self._workers:
+            if worker.ready and len(worker.tasks) <= self._batch // 2 and waiting:
+                worker.give(waiting.take(self._batch - len(worker.tasks)))
+        missing = self._jobs - len(self._workers) if self._compiled else 1 - len(self._workers)
+        for _ in range(missing):
+            if (first := waiting.peek()) is None:
+                return
+            self._start(first)
+
+    @property
+    def _batch(self) -> int:
+        return max(1, min(LARGEST_BATCH, int(BATCH_SECONDS / self._cost)))
+
+    def _start(self, rehearsal: Task) -> None:
+        messages: IO[bytes] | int = subprocess.DEVNULL
+        if self._messages:
+            messages = self._messages.open("ab")
+        try:
+            process = subprocess.Popen(
+                [sys.executable, "-P", "-X", "faulthandler", "-m", "rps_exudyn.simulate.worker"],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=messages,
+                text=True,
+                encoding="utf-8",
+                env=_environment(),
+                start_new_session=True,  # Ctrl-C is for whoever started it
+            )
+        finally:
+            if not isinstance(messages, int):
+                messages.close()
+        worker = _Worker(process)
+        self._workers.append(worker)
+        threading.Thread(target=self._listen, args=(worker,), daemon=True).start()
+        worker.rehearse(rehearsal)
+
+    def _listen(self, worker: _Worker) -> None:
+        """In a thread of its own: lines of one process, and None when it has ended."""
+        assert worker.process.stdout
+        with worker.process.stdout as lines, contextlib.suppress(ValueError, OSError):
+            for line in lines:
+                self._events.put((worker, line))
+        self._events.put((worker, None))
+
+    def _next_event(self) -> Iterator[Done]:
+        """What happens next: an answer, the end of a process, or the end of a case's time."""
+        try:
+            worker, line = self._events.get(timeout=self._until_deadline())
+        except queue.Empty:
+            yield from self._out_of_time()
+            return
+        if worker not in self._workers:
+            return
+        try:
+            answer = json.loads(line) if line is not None else None
+        except ValueError:  # half a line of a process that is dying
+            return
+        if answer is None:
+            yield from self._ended(worker)
+        elif "compiled" in answer:
+            self._compiled |= answer["compiled"]
+        elif "ready" in answer:
+            worker.ready = self._compiled = True
+            self._failed_starts = 0
+        elif "again" in answer:  # it has compiled kernels, which the next one loads
+            self._compiled = True
+            self._remove(worker)
+            self._again.extendleft(reversed(worker.tasks))
+        elif "error" in answer:
+            raise StorageError(f"A result cannot be stored: {answer['error']}")
+        else:
+            yield self._answered(worker, answer)
+
+    def _answered(self, worker: _Worker, answer: Mapping[str, Any]) -> Done:
+        now = monotonic()
+        wall, worker.since = now - worker.since, now
+        self._cost += 0.2 * (wall - self._cost)
+        return Done(worker.tasks.popleft(), answer, wall_s=wall)
+
+    def _deadline(self, worker: _Worker) -> float:
+        if not worker.ready:
+            return worker.since + START_LIMIT
+        return worker.since + self.time_limit if worker.tasks else float("inf")
+
+    def _until_deadline(self) -> float:
+        nearest = min((self._deadline(worker) for worker in self._workers), default=0.0)
+        return min(max(nearest - monotonic(), 0.001), 3600.0)
+
+    def _out_of_time(self) -> Iterator[Done]:
+        for worker in list(self._workers):
+            if monotonic() < self._deadline(worker):
+                continue
+            self._remove(worker)
+            if worker.ready:
+                self._again.extendleft(reversed(list(worker.tasks)[1:]))
+                wall = monotonic() - worker.since
+                yield Done(worker.tasks[0], None, "its time limit was over", timeout=True, wall_s=wall)
+            else:
+                self._count_failed_start("is not ready")
+
+    def _ended(self, worker: _Worker) -> Iterator[Done]:
+        """The process died: the case it was at is tried once more, those behind it were not begun."""
+        self._remove(worker)
+        how = _how_it_ended(worker.process.returncode)
+        if not worker.ready:
+            self._count_failed_start(how)
+        if not worker.tasks:
+            return
+        culprit = worker.tasks.popleft()
+        self._again.extendleft(reversed(worker.tasks))
+        attempts = self._attempts[culprit["hash"]] = self._attempts.get(culprit["hash"], 0) + 1
+        if attempts < ATTEMPTS:
+            self._again.appendleft(culprit)
+        else:
+            yield Done(culprit, None, how, wall_s=monotonic() - worker.since)
+
+    def _remove(self, worker: _Worker) -> None:
+        self._workers.remove(worker)
+        worker.end()
+
+    def _count_failed_start(self, how: str) -> None:
+        self._failed_starts += 1
+        if self._failed_starts > 2 * self._jobs + 2:
+            told = f"; {self._messages} holds what they said" if self._messages else ""
+            raise StartError(f"Processes end before they have done anything ({how}){told}.")
+
+
+class _Waiting:
+    """Tasks not yet handed out: those to be done again first."""
+
+    def __init__(self, tasks: Iterator[Task], again: deque[Task]) -> None:
+        self._tasks, self._again = tasks, again
+
+    def peek(self) -> Task | None:
+        """The next task, left where it is."""
+        if not self._again and (task := next(self._tasks, None)) is not None:
+            self._again.append(task)
+        return self._again[0] if self._again else None
+
+    def __bool__(self) -> bool:
+        return self.peek() is not None
+
+    def take(self, count: int) -> list[Task]:
+        """Up to so many."""
+        taken: list[Task] = []
+        while len(taken) < count and self.peek() is not None:
+            taken.append(self._again.popleft())
+        return taken
+
+
+def _environment() -> dict[str, str]:
+    """One thread per process, and the very package that started it."""
+    home = str(Path(rps_exudyn.__file__).parents[1])
+    paths = [home, *filter(None, [os.environ.get("PYTHONPATH")])]
+    return {**os.environ, **dict.fromkeys(PINNED, "1"), "PYTHONPATH": os.pathsep.join(paths)}
+
+
+def _how_it_ended(code: int | None) -> str:
+    if code is None or code >= 0:
+        return f"its process ended with status {code}"
+    import signal
+
+    try:
+        return f"its process was ended by {signal.Signals(-code).name}"
+    except ValueError:
+        return f"its process was ended by signal {-code}"
+
+
+Run = Callable[[Iterator[Task]], Iterator[Done]]
+"""How tasks are done: here, or on a cluster."""

@@ -1,0 +1,89 @@
+"""The process that simulates cases: `python -m rps_exudyn.simulate.worker`, started by `processes`.
+
+It reads one JSON object per line from standard input and answers each by one on standard output:
+
+    {"scene", "gear", "fidelity", "keep", "path" or null}  ->  {"status", "message", "cpu_s", ..., "content"}
+
+With a `path` the result's file is written there, else its bytes come back. The first line is rehearsed at
+a small size before the worker calls itself ready, so that compiling and loading the kernels is on no case's
+clock. A process that compiled kernels asks for another one in its place. When standard input ends, because
+whoever started it has ended, so does the worker, at once.
+"""
+
+import base64
+import json
+import os
+import queue
+import sys
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NoReturn
+
+REHEARSED_TURNS = 0.05
+
+
+def main() -> None:
+    """Answer lines until the input ends."""
+    answer = _private_output()
+    lines: queue.SimpleQueue[str] = queue.SimpleQueue()
+    threading.Thread(target=_read, args=(lines,), daemon=True).start()
+    first = json.loads(lines.get())
+    from rps_exudyn.simulate.case_run import CaseRunner, compiled_kernels
+
+    answer({"compiled": compiled_kernels() > 0})
+    runner = CaseRunner()
+    runner.rehearse(first, REHEARSED_TURNS)
+    if runner.has_compiled:
+        _begin_again(answer)
+    answer({"ready": os.getpid()})
+    while True:
+        task = json.loads(lines.get())
+        try:
+            row, content = runner.run(task)
+            if runner.has_compiled:
+                _begin_again(answer)
+            stored = _store(task["path"], content)
+        except Exception as error:  # of storing: the simulation's own are outcomes
+            answer({"error": f"{type(error).__name__}: {error}"})
+        else:
+            answer(row | stored)
+
+
+def _begin_again(answer: Callable[[dict[str, Any]], None]) -> NoReturn:
+    """Let another process, which loads what this one has compiled, do the case."""
+    answer({"again": os.getpid()})
+    os._exit(0)
+
+
+def _store(path: str | None, content: bytes) -> dict[str, Any]:
+    from rps_exudyn.base.atomic import replacing
+
+    if path is None:
+        return {"content": base64.b64encode(content).decode()}
+    with replacing(Path(path)) as partial:
+        partial.write_bytes(content)
+    return {}
+
+
+def _private_output() -> Callable[[dict[str, Any]], None]:
+    """The channel for answers; what libraries print goes to standard error instead."""
+    channel = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
+
+    def answer(content: dict[str, Any]) -> None:
+        channel.write(json.dumps(content) + "\n")
+        channel.flush()
+
+    return answer
+
+
+def _read(lines: "queue.SimpleQueue[str]") -> None:
+    """In a thread of its own, so that the end of the input is seen during a simulation too."""
+    for line in sys.stdin:
+        lines.put(line)
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main()

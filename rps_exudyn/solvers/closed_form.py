@@ -1,0 +1,304 @@
+"""Mean torques of the steering gear by formula: no angle, no ripple, no dynamics.
+
+A rack pressed by P into the mesh rests on both flanks of the teeth, N_1 + N_2 ~ P / sin(alpha_n). Rubbing
+costs mu N |v_s|, with the sliding speed over the pinion speed as the friction's lever
+(`GearPair.friction_lever`). Two levels, s' being the rack's travel per radian:
+
+`first_order_torque`  the sum of the losses, flanks equally loaded and friction small:
+    T_0 = mu P / sin(alpha_n) * mean lever + s' (D_bush + kappa mu_p P) + T_bearing
+`closed_form`         the rack's balance along X and Y with the mean forces of both flanks, friction included,
+                      and the torque from the power they take; the means weighted as the contact law
+                      shares the load along a line (derived here).
+
+The plunger's seat multiplies its friction by kappa (`seat_wedge_factor`). The rack is taken as guided: what
+friction across the rack does to its guides is left out, as is the installation's offset.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.optimize import brentq
+
+from rps_exudyn.analysis.efficiency import LoadTest
+from rps_exudyn.forces.bush import bush_chain, housing_station, lateral_stiffness
+from rps_exudyn.forces.yoke import seat_wedge_factor
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.gear import SteeringGear
+
+GRAVITY = 9.80665  # [m/s^2]
+Y = np.array([0.0, 1.0, 0.0])
+
+
+@dataclass(frozen=True)
+class MeanState:
+    """Mean forces and torque while the rack slides one way against a load."""
+
+    torque: float  # on the pinion, positive towards +X [N m]
+    normal_drive: float  # on the flanks that push the rack towards +X [N]
+    normal_coast: float  # on the others; 0 where they have lifted [N]
+    side_force: float  # of the teeth on the rack, along Z [N]
+    plunger_force: float  # along Y [N]
+    mesh_loss: float  # losses per radian of pinion [N m]
+    plunger_loss: float
+    bush_loss: float
+    bearing_loss: float
+
+    @property
+    def losses(self) -> float:
+        """All losses per radian of pinion [N m]."""
+        return self.mesh_loss + self.plunger_loss + self.bush_loss + self.bearing_loss
+
+
+@dataclass(frozen=True)
+class ClosedForm:
+    """The gear in mean values; SI units."""
+
+    rack_gain: float  # rack travel per radian of pinion [m/rad]
+    forward: MeanState  # free of load, towards +X
+    backward: MeanState  # towards -X
+    friction_lever: float  # mean sliding speed over pinion speed [m]
+    torque_per_preload: float  # dT_0 / dP [m]
+    unloading_force: float  # load on the rack above which one flank lifts [N]
+    runout_cosine: float  # torque ~ .. + runout_cosine cos(phi) + runout_sine sin(phi) [N m],
+    runout_sine: float  # with phi counted from where the gear centre stands towards the rack
+
+    @property
+    def free_torque(self) -> float:
+        """Mean free pinion torque towards +X [N m]."""
+        return self.forward.torque
+
+    def towards(self, direction: int) -> MeanState:
+        """Free of load, towards +X or -X."""
+        return self.forward if direction > 0 else self.backward
+
+
+def closed_form(gear: SteeringGear) -> ClosedForm:
+    """The gear without load, its loss shares, its limits."""
+    pair = GearPair.of(gear)
+    forward, backward = mean_state(gear, +1, 0.0), mean_state(gear, -1, 0.0)
+    lever = mean_lever(pair)
+    per_preload = torque_per_preload(gear)
+    runout_cosine, runout_sine = runout_harmonics(gear)
+    return ClosedForm(
+        rack_gain=float(pair.gain),
+        forward=forward,
+        backward=backward,
+        friction_lever=lever,
+        torque_per_preload=per_preload,
+        unloading_force=unloading_force(gear),
+        runout_cosine=runout_cosine,
+        runout_sine=runout_sine,
+    )
+
+
+def load_test(gear: SteeringGear, mass: float | None = None) -> LoadTest:
+    """The load test with `mass` [kg], default `test.load_mass`; beyond `unloading_force` one flank lifts."""
+    load = GRAVITY * (gear.test.load_mass if mass is None else mass)
+    return LoadTest(
+        load=load,
+        ideal_torque=float(load * GearPair.of(gear).gain),
+        torque_forward=mean_state(gear, +1, load).torque,
+        torque_reverse=mean_state(gear, -1, load).torque,
+        free_torque=mean_state(gear, +1, 0.0).torque,
+    )
+
+
+def beyond_formulas(gear: SteeringGear) -> str:
+    """Why the formulas do not hold for this gear, in words; empty where they do."""
+    pinion, lift = gear.pinion, gear.pinion.runout
+    if lift >= gear.yoke.clearance:
+        return (
+            f"the formulas know no yokenut, and a runout of {1e6 * lift:.4g} um uses up "
+            f"yoke.clearance = {1e6 * gear.yoke.clearance:.4g} um"
+        )
+    unknown = {
+        "installation.angle_error": gear.installation.angle_error,
+        "installation.axis_offset": gear.installation.axis_offset,
+        "installation.gravity": gear.installation.gravity,
+        "pinion.tip_relief": pinion.tip_relief,
+        "pinion.crowning": pinion.crowning,
+        "pinion.pitch_error": pinion.pitch_error,
+        "pinion.profile_slope": pinion.profile_slope,
+    }
+    given = [path for path, value in unknown.items() if value]
+    return f"the formulas know nothing of {', '.join(given)}" if given else ""
+
+
+# --- parts ---------------------------------------------------------------------------------------
+def mean_lever(pair: GearPair) -> float:
+    """Mean friction lever over the line of contact, in closed form [m].
+
+    l^2 = (q + b)^2 + a^2 with b = l_s sin(alpha_t) sin(beta_p), a^2 = l_s^2 - b^2; a = 0 for parallel axes.
+    """
+    l_s = -pair.reference_radius * np.sin(pair.delta) / np.cos(pair.beta_r)
+    b = l_s * np.sin(pair.alpha_t) * np.sin(pair.beta_p)
+    a = np.sqrt(max(l_s**2 - b**2, 0.0))
+
+    def integral(q: float) -> float:
+        x = q + b
+        return float(x * np.hypot(x, a) + (a**2 * np.arcsinh(x / a) if a > 0 else 0.0)) / 2
+
+    q_0, q_a = pair.field
+    return (integral(q_a) - integral(q_0)) / (q_a - q_0)
+
+
+def first_order_torque(gear: SteeringGear) -> float:
+    """Mean free torque as the sum of the losses, friction small [N m]."""
+    rubbing = torque_per_preload(gear) * gear.yoke.preload
+    return float(rubbing + GearPair.of(gear).gain * gear.bush.drag + gear.bearing.friction_torque)
+
+
+def torque_per_preload(gear: SteeringGear) -> float:
+    """dT_0 / dP = mu mean lever / sin(alpha_n) + kappa mu_p s' [m]."""
+    yoke = gear.yoke
+    at_seat = seat_wedge_factor(yoke.seat_angle) * yoke.friction * GearPair.of(gear).gain
+    return float(mesh_torque_per_force(gear) + at_seat)
+
+
+def mesh_torque_per_force(gear: SteeringGear) -> float:
+    """The teeth's share: mu mean lever / sin(alpha_n) [m]."""
+    pair = GearPair.of(gear)
+    return float(gear.mesh.friction * mean_lever(pair) / np.sin(pair.alpha_n))
+
+
+def runout_harmonics(gear: SteeringGear) -> tuple[float, float]:
+    """Once-per-revolution amplitudes of cos and sin of phi + runout_angle [N m], first order in e.
+
+    The eccentric gear lifts the rack by e cos(phi), against the yoke's spring k and what holds the rack
+    straight (`tilting_stiffness` k_t, which loads the teeth alone), and shifts it by
+    e sin(phi) cos(beta_p) / cos(beta_r), which takes work of the drag D:
+    T = T_0 + (dT_0/dP k e + dT_mesh/dP k_t e + D e cos(beta_p) / cos(beta_r)) cos(phi) - P e sin(phi).
+    """
+    pair, yoke, e = GearPair.of(gear), gear.yoke, gear.pinion.runout
+    drag = gear.bush.drag + seat_wedge_factor(yoke.seat_angle) * yoke.friction * yoke.preload
+    by_lift = torque_per_preload(gear) * yoke.spring_rate * e
+    by_tilt = mesh_torque_per_force(gear) * tilting_stiffness(gear) * e if e else 0.0
+    by_shift = drag * e * np.cos(pair.beta_p) / np.cos(pair.beta_r)
+    return float(by_lift + by_tilt + by_shift), -yoke.preload * e
+
+
+def tilting_stiffness(gear: SteeringGear) -> float:
+    """Force along Y at the mesh over the rack's lift there, of bush and seat, which hold the rack straight;
+    [N/m]."""
+    bush = bush_chain(gear)
+    to_fit = housing_station(gear, bush.end_station)
+    k = lateral_stiffness(bush)[np.ix_([0, 3], [0, 3])]  # along y, about z
+    seat = gear.yoke.seat_stiffness * gear.yoke.seat_length**2 / 12
+    lift, tilt = np.array([1.0, 0.0]), np.array([to_fit, 1.0])  # what the fit sees of both
+    along, both, about = lift @ k @ lift, lift @ k @ tilt, tilt @ k @ tilt + seat
+    return float(along - both**2 / about)
+
+
+def unloading_force(gear: SteeringGear, direction: int = +1) -> float:
+    """Load on the rack at which the coast flanks carry nothing any more [N], raised (+1) or lowered (-1).
+
+    Without friction P cot(alpha_n) cos(beta_r) -+ D.
+    """
+    drive = _mean_force(gear, -1, direction).force
+    plunger = seat_wedge_factor(gear.yoke.seat_angle) * gear.yoke.friction * gear.yoke.preload
+    return float(gear.yoke.preload * drive[0] / drive[1] - direction * (gear.bush.drag + plunger))
+
+
+# --- balance of the rack -------------------------------------------------------------------------
+def mean_state(gear: SteeringGear, direction: int, load: float) -> MeanState:
+    """Mean forces while the rack moves along `direction` (+1 or -1) X, the load pulling towards -X [N].
+
+    Where the balance would need a flank to pull, that flank has lifted; the yoke then gives way until
+    the other flank alone carries the load.
+    """
+    pair, yoke = GearPair.of(gear), gear.yoke
+    seat_friction = seat_wedge_factor(yoke.seat_angle) * yoke.friction
+    drive, coast = _mean_force(gear, -1, direction), _mean_force(gear, +1, direction)
+    press = yoke.preload
+    along_x = load + direction * (gear.bush.drag + seat_friction * press)
+    balance = np.array([[drive.force[0], coast.force[0]], [drive.force[1], coast.force[1]]])
+    normal = np.linalg.solve(balance, [along_x, press])
+    if normal.min() < 0:  # along_x grows with the press, which is normal * f_y now
+        f = drive if normal[1] < 0 else coast
+        alone = (load + direction * gear.bush.drag) / (f.force[0] - direction * seat_friction * f.force[1])
+        normal = np.where(normal < 0, 0.0, alone)
+        press = alone * f.force[1]
+    forces = normal[0] * drive.force + normal[1] * coast.force
+    return MeanState(
+        torque=float(
+            normal[0] * drive.moment + normal[1] * coast.moment + direction * gear.bearing.friction_torque
+        ),
+        normal_drive=float(normal[0]),
+        normal_coast=float(normal[1]),
+        side_force=float(forces[2]),
+        plunger_force=float(press),
+        mesh_loss=float(gear.mesh.friction * (normal[0] * drive.lever + normal[1] * coast.lever)),
+        plunger_loss=float(seat_friction * press * pair.gain),
+        bush_loss=float(gear.bush.drag * pair.gain),
+        bearing_loss=gear.bearing.friction_torque,
+    )
+
+
+def pushing_force(gear: SteeringGear, direction: int, load: float = 0.0) -> float:
+    """Force on the rack along X that moves it along `direction` with the pinion following freely [N].
+
+    The gear is driven back: no torque acts on the pinion but that of its bearings. `load` pulls towards -X.
+    """
+    gain = GearPair.of(gear).gain
+
+    def torque(force: float) -> float:
+        return mean_state(gear, direction, load - force).torque
+
+    scale = (1.0 + abs(mean_state(gear, direction, load).torque)) / gain
+    return float(brentq(torque, load - 10 * scale, load + 10 * scale, xtol=1e-9))
+
+
+@dataclass(frozen=True)
+class _MeanForce:
+    """Of one side's teeth on the rack, per unit of normal force."""
+
+    force: np.ndarray  # n + mu v_s / |v_s|, shape (3,)
+    moment: float  # the pinion's torque towards +X that it takes [m]
+    lever: float  # |v_s| over pinion speed [m]
+
+
+def _mean_force(gear: SteeringGear, side: int, direction: int) -> _MeanForce:
+    """Mean over the field of contact, weighted by the law: load per length ~ sqrt(rho) or constant."""
+    pair, mu = GearPair.of(gear), gear.mesh.friction
+    q, weight = _field_rule(pair, side)
+    if gear.mesh.law == "area":
+        weight = weight * np.sqrt(q + pair.reference_radius * np.sin(pair.alpha_t))
+    weight = weight / weight.sum()
+    n, k = -pair.rack_flank_normal(side), pair.pinion_frame[:, 2]
+    points = pair.reference_radius * Y + q[:, None] * _transverse(pair, side)
+    of_pinion = -np.cross(k, points)  # per pinion speed, towards +X
+    slip = of_pinion - [pair.gain, 0, 0]
+    slip -= (slip @ n)[:, None] * n
+    lever = np.linalg.norm(slip, axis=1)
+    rubbing = direction * slip / np.where(lever > 0, lever, 1.0)[:, None]
+    forces = n + mu * rubbing
+    return _MeanForce(
+        force=weight @ forces,
+        moment=float(weight @ np.sum(forces * of_pinion, axis=1)),
+        lever=float(weight @ lever),
+    )
+
+
+def _transverse(pair: GearPair, side: int) -> np.ndarray:
+    """Direction of the line of contact in the pinion's transverse section, upwards, shape (3,)."""
+    e, _, _ = pair.pinion_frame.T
+    return -side * np.cos(pair.alpha_t) * e + np.sin(pair.alpha_t) * Y
+
+
+def _field_rule(pair: GearPair, side: int, n: int = 24) -> tuple[np.ndarray, np.ndarray]:
+    """Points q on the line of contact, and weights by the length of the face that the bar leaves there [m].
+
+    Gauss-Legendre on both sides of the pitch point, where sliding may turn about.
+    """
+    x, w = np.polynomial.legendre.leggauss(n)
+    q_0, q_a = pair.field
+    ends = sorted({q_0, q_a, min(max(0.0, q_0), q_a)})
+    q = np.concatenate([(b + a) / 2 + (b - a) / 2 * x for a, b in pairwise(ends)])
+    weight = np.concatenate([(b - a) / 2 * w for a, b in pairwise(ends)])
+    height = pair.reference_radius + q * np.sin(pair.alpha_t) - pair.bar_axis_height
+    chord = np.sqrt(np.maximum(pair.bar_radius**2 - height**2, 0.0))
+    shift, cos_delta, b = q * _transverse(pair, side)[2], np.cos(pair.delta), pair.face_width
+    low = np.maximum((-chord - shift) / cos_delta, -b / 2)
+    high = np.minimum((chord - shift) / cos_delta, b / 2)
+    return q, weight * np.maximum(high - low, 0.0)

@@ -1,0 +1,93 @@
+"""What the rig prescribes: the motion of the pinion or of the rack over time.
+
+Places and rates are angles [rad] of the pinion or displacements [m] of the rack, both positive where the
+rack moves along +X.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from rps_exudyn.solvers.gear_kernel import STACK
+
+DrivenBody = Literal["pinion", "rack"]
+
+
+def travel_per_radian(body: DrivenBody, gain: float) -> float:
+    """Of a body for one radian of the pinion [rad or m]; `gain` is the rack's [m]."""
+    return 1.0 if body == "pinion" else gain
+
+
+@dataclass(frozen=True)
+class Drive(ABC):
+    """A motion of one body."""
+
+    body: DrivenBody
+
+    @abstractmethod
+    def place(self, time: np.ndarray | float) -> np.ndarray:
+        """At given times [s], of their shape."""
+
+    @abstractmethod
+    def rate(self, time: np.ndarray | float) -> np.ndarray:
+        """Its time derivative."""
+
+    @property
+    def coordinate(self) -> int:
+        """Which coordinate of the stack is driven."""
+        return STACK[self.body].start
+
+    @property
+    def sign(self) -> int:
+        """The coordinate over the place: the pinion's counts about its axis, against the steering angle."""
+        return -1 if self.body == "pinion" else +1
+
+    @property
+    def signal(self) -> str:
+        """Name of the torque or force that the drive overcomes."""
+        return "pinion_torque" if self.body == "pinion" else "rack_force"
+
+    def pinion_angle(self, gain: float, time: float) -> float:
+        """The pinion's angle [rad], up to elasticity."""
+        return float(self.place(time)) / travel_per_radian(self.body, gain)
+
+    def pinion_speed(self, gain: float, time: float) -> float:
+        """Its time derivative [rad/s]."""
+        return float(self.rate(time)) / travel_per_radian(self.body, gain)
+
+
+@dataclass(frozen=True)
+class Steady(Drive):
+    """A motion at constant rate; at rate zero the body is held."""
+
+    start: float
+    speed: float
+
+    def place(self, time: np.ndarray | float) -> np.ndarray:
+        return self.start + self.speed * np.asarray(time)
+
+    def rate(self, time: np.ndarray | float) -> np.ndarray:
+        return np.full_like(np.asarray(time, dtype=float), self.speed)
+
+
+@dataclass(frozen=True)
+class Swing(Drive):
+    """A sinusoidal motion about a place, which it passes at time 0 at its largest rate."""
+
+    middle: float
+    amplitude: float
+    speed: float  # largest, in the sense of the first quarter
+
+    @property
+    def period(self) -> float:
+        """[s]"""
+        return 2 * np.pi * self.amplitude / abs(self.speed)
+
+    def place(self, time: np.ndarray | float) -> np.ndarray:
+        phase = abs(self.speed) / self.amplitude * np.asarray(time)
+        return self.middle + np.sign(self.speed) * self.amplitude * np.sin(phase)
+
+    def rate(self, time: np.ndarray | float) -> np.ndarray:
+        return self.speed * np.cos(abs(self.speed) / self.amplitude * np.asarray(time))

@@ -1,0 +1,322 @@
+"""Equilibrium of the gear while pinion or rack is moved, everything sliding.
+
+Unknowns are the coordinates of rack, plunger and pinion but for the one that the rig drives. The forces are
+those of the dynamic model (`gear_kernel`) without inertia; the rates that friction needs are the path's own,
+by backward differences, so that this is the limit of slow dynamics and not a model of its own. At the first
+instant they are those of steady motion: rack and pinion move at the gear's gain, nothing else moves.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.solvers.drive import Drive
+from rps_exudyn.solvers.gear_kernel import STACK
+from rps_exudyn.solvers.path_follower import TOLERANCE, backward_difference, follower
+
+SIZE = 8  # coordinates of pinion, rack and plunger
+LEVERS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0])  # coordinates to lengths [m]
+
+SETTLING_STEPS = 600
+TYPICAL_APPROACH = 15e-6  # of the rack under the yoke's preload [m]
+MAX_HALVINGS = 8
+MAX_RESCUES = 100
+FARTHEST_SEARCH = 1e-4  # of each coordinate from where the path leads [m]
+ROLLING = 0.02  # of the rack's travel: what is left of the start then is 0.2 % of the torque
+JUMP = 0.5  # of the contact's forces where its quadrature changes [N]: an equilibrium may lie on one
+
+
+class Balance(NamedTuple):
+    """What is to be balanced."""
+
+    force: Callable[..., Any]  # (q, v, data) -> (8,), a kernel of `gear_kernel`
+    data: Any
+    locked: tuple[int, ...] = ()  # coordinates that are held at zero
+
+
+@dataclass(frozen=True, eq=False)
+class EquilibriumPath:
+    """Equilibria along a drive's motion; arrays have one row per instant, up to the first without one."""
+
+    time: np.ndarray  # (n,) [s]
+    coordinates: np.ndarray  # (n, 8) pinion, rack, plunger
+    rates: np.ndarray  # (n, 8)
+    forces: np.ndarray  # (n, 8) generalised forces; that on the driven coordinate the drive overcomes
+    evaluations: int  # of the gear's forces
+    iterations: int
+    tangents: int
+    rescues: int  # instants that Newton's method did not find by itself
+    residual: float  # largest unbalanced force, of instants found; or at the first one not found [N]
+    lost_at: float | None  # the first instant without an equilibrium [s]
+    begun: float  # the first instant of all [s]
+
+    @property
+    def converged(self) -> bool:
+        """At all instants."""
+        return self.lost_at is None
+
+    @property
+    def last(self) -> "EquilibriumPath":
+        """Its last instant alone."""
+        rows = {name: getattr(self, name)[-1:] for name in ("time", "coordinates", "rates", "forces")}
+        return replace(self, **rows)
+
+
+def steady_rates(pair: GearPair, speed: float) -> np.ndarray:
+    """Rates of steady turning at pinion speed [rad/s], shape (8,)."""
+    rates = np.zeros(SIZE)
+    rates[STACK["pinion"]] = -speed
+    rates[STACK["rack"].start] = pair.gain * speed
+    return rates
+
+
+def starting_guess(pair: GearPair, angle: float) -> np.ndarray:
+    """Stacked coordinates near the equilibrium at pinion angle `angle` [rad]: the rack follows the runout,
+    pressed a little into the mesh."""
+    phase = angle + pair.runout_angle
+    lift = pair.axis_offset + pair.runout * np.cos(phase)
+    swing = pair.runout * np.sin(phase) * np.cos(pair.beta_p) / np.cos(pair.beta_r)
+    guess = np.zeros(SIZE)
+    guess[STACK["pinion"]] = -angle
+    guess[STACK["rack"]][:2] = pair.gain * angle + swing, lift - TYPICAL_APPROACH
+    guess[STACK["plunger"]] = lift
+    return guess
+
+
+def equilibrium_path(balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray) -> EquilibriumPath:
+    """Equilibria at rising times [s] of a drive's motion."""
+    time = np.asarray(time, dtype=float)
+    driven = drive.coordinate
+    fixed = {driven, *balance.locked}
+    free = np.array([i for i in range(SIZE) if i not in fixed])
+    coordinates, rates, forces = (np.zeros((len(time), SIZE)) for _ in range(3))
+    angle, speed = drive.pinion_angle(pair.gain, time[0]), drive.pinion_speed(pair.gain, time[0])
+    guess, steady = starting_guess(pair, angle), steady_rates(pair, speed)
+    guess[list(balance.locked)] = 0.0
+    coordinates[:, driven], rates[:, driven] = drive.sign * drive.place(time), drive.sign * drive.rate(time)
+
+    coordinates[0, free], rates[0, free] = guess[free], steady[free]
+
+    counts, rescues, unbalanced = np.zeros(3, dtype=int), 0, 0.0
+    rows = (coordinates, rates, forces)
+    found = 0
+    while True:
+        found, *more, residual = follower(balance.force)(
+            found, time, driven, free, LEVERS, *rows, balance.data
+        )
+        counts += more
+        unbalanced = max(unbalanced, residual if found == len(time) else 0.0)
+        if found == len(time) or rescues == MAX_RESCUES or (found == 0 and rescues > 0):
+            break
+        rescues += 1
+        if found == 0:
+            coordinates[0, free] = _settled_guess(balance, free, coordinates[0], rates[0])
+            continue
+        residual = _search(balance, free, time, found, *rows)
+        if residual > JUMP:
+            break
+        unbalanced = max(unbalanced, residual)
+        found += 1
+    evaluations, iterations, tangents = counts.tolist()
+    lost_at = float(time[found]) if found < len(time) else None
+    return EquilibriumPath(
+        time[:found],
+        coordinates[:found],
+        rates[:found],
+        forces[:found],
+        evaluations,
+        iterations,
+        tangents,
+        rescues,
+        residual if lost_at is not None else unbalanced,
+        lost_at,
+        float(time[0]),
+    )
+
+
+def settled_path(
+    balance: Balance, pair: GearPair, drive: Drive, settling: Sequence[np.ndarray], time: np.ndarray
+) -> EquilibriumPath:
+    """As `equilibrium_path`, and before it the equilibria that lead there at the first of the instants
+    `settling` after which the rack does not roll any more, or at the last of them.
+
+    If none lead there, the gear starts where it rests at once, which may be far from where it will slide.
+    """
+    led = None
+    for before in settling:
+        path = equilibrium_path(balance, pair, drive, np.concatenate([before, time]))
+        if path.lost_at is None or path.lost_at >= time[0]:
+            led = path
+            if _rolling(path, len(before)) <= ROLLING:
+                break
+    return led or equilibrium_path(balance, pair, drive, time)
+
+
+def _rolling(path: EquilibriumPath, instants: int) -> float:
+    """How far the bar rolls to and fro over the later half of the first instants, over its travel."""
+    travel, roll = (path.coordinates[instants // 2 : instants, STACK["rack"]][:, i] for i in (0, 3))
+    return float(np.ptp(roll) * LEVERS[STACK["rack"]][3] / np.ptp(travel))
+
+
+def _settled_guess(balance: Balance, free: np.ndarray, guess: np.ndarray, rates: np.ndarray) -> np.ndarray:
+    """Where the guess was too far off: let the gear settle there first; the free coordinates."""
+    q, v = guess.copy(), rates.copy()
+
+    def unbalanced(place: np.ndarray) -> np.ndarray:
+        q[free] = place
+        return np.asarray(balance.force(q, v, balance.data)[free])
+
+    return settled(unbalanced, guess[free], LEVERS[free])[0]
+
+
+def _search(
+    balance: Balance,
+    free: np.ndarray,
+    time: np.ndarray,
+    k: int,
+    coordinates: np.ndarray,
+    rates: np.ndarray,
+    forces: np.ndarray,
+) -> float:
+    """Where Newton's method got stuck between kinks of the forces: least squares within a trust region.
+
+    Fills row k and returns what remains unbalanced [N].
+    """
+    q, v, base, levers = coordinates[k].copy(), rates[k].copy(), coordinates[0].copy(), LEVERS[free]
+    per_time, ahead = 1 / (time[1] - time[0]), coordinates[0] + (time[1] - time[0]) * rates[0]
+    if k > 1:
+        per_time = backward_difference(time, coordinates, k, base)
+        stretch = (time[k] - time[k - 1]) / (time[k - 1] - time[k - 2])
+        ahead = coordinates[k - 1] + stretch * (coordinates[k - 1] - coordinates[k - 2])
+
+    def force(place: np.ndarray) -> np.ndarray:
+        q[free] = place / levers
+        v[free] = (q[free] - base[free]) * per_time
+        return np.asarray(balance.force(q, v, balance.data))
+
+    start = ahead[free] * levers
+    with np.errstate(all="ignore"):  # far from an equilibrium the forces may be of any size
+        try:
+            found = least_squares(
+                lambda place: force(place)[free] / levers,
+                start,
+                bounds=(start - FARTHEST_SEARCH, start + FARTHEST_SEARCH),
+                x_scale=1e-6,
+                diff_step=1e-9,
+                xtol=1e-15,
+                ftol=1e-15,
+                gtol=1e-15,
+                max_nfev=500,
+            )
+        except (ValueError, np.linalg.LinAlgError):  # not finite there, or beyond any number
+            return np.inf
+        forces[k] = force(found.x)
+    coordinates[k], rates[k] = q, v
+    return float(np.abs(found.fun).max())
+
+
+def adaptive_path(
+    balance: Balance,
+    pair: GearPair,
+    drive: Drive,
+    settling: Sequence[np.ndarray],
+    time: np.ndarray,
+    tolerance: float,
+) -> EquilibriumPath:
+    """As `settled_path`, with instants put between those of `time` where the drive's force bends.
+
+    An instant is missed by as much as the force differs from the cubic through its four neighbours; the
+    intervals beside one that is missed by more than `tolerance` [N m or N] are halved, until none is.
+    """
+    path = settled_path(balance, pair, drive, settling, time)
+    evaluations, iterations, tangents = path.evaluations, path.iterations, path.tangents
+    for _ in range(MAX_HALVINGS):
+        if not path.converged:
+            break
+        missed = _missed(time, path.forces[-len(time) :, drive.coordinate]) > tolerance
+        halved = missed[:-1] | missed[1:]
+        if not halved.any():
+            break
+        time = np.insert(time, np.flatnonzero(halved) + 1, ((time[:-1] + time[1:]) / 2)[halved])
+        path = settled_path(balance, pair, drive, settling, time)
+        evaluations += path.evaluations
+        iterations += path.iterations
+        tangents += path.tangents
+    return replace(path, evaluations=evaluations, iterations=iterations, tangents=tangents)
+
+
+def _missed(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Distance of each value from the cubic through its four neighbours; 0 at the two ends each way."""
+    missed = np.zeros(len(x))
+    at = x[2:-2]
+    nodes = [x[:-4], x[1:-3], x[3:-1], x[4:]]
+    values = [y[:-4], y[1:-3], y[3:-1], y[4:]]
+    cubic = np.zeros(len(at))
+    for i, value in enumerate(values):
+        weight = np.ones(len(at))
+        for j, node in enumerate(nodes):
+            if j != i:
+                weight *= (at - node) / (nodes[i] - node)
+        cubic += weight * value
+    missed[2:-2] = np.abs(y[2:-2] - cubic)
+    return missed
+
+
+def approach_under(load: float, mesh_force: Callable[..., Any], data: Any, offset: float) -> float:
+    """How far a load [N] along -Y presses the guided rack into a frictionless mesh, at pinion angle 0 [m].
+
+    The rack keeps its direction; it finds its place along X between the flanks by itself. `offset` [m] is
+    where it would stand without load.
+
+    Raises:
+        InputError: the teeth cannot carry the load within the range of their contact law.
+    """
+    if load == 0:
+        return -offset
+    q, still = np.zeros(7), np.zeros(7)
+
+    def unbalanced(place: np.ndarray) -> np.ndarray:
+        q[1:3] = place
+        return np.asarray(mesh_force(q, still, data)[1:3] - np.array([0.0, load]))
+
+    place, rest = settled(unbalanced, np.array([0.0, offset - TYPICAL_APPROACH]), np.ones(2))
+    if rest > 1e-3 * max(load, 1.0):
+        raise InputError(
+            f"yoke.preload is {load:g} N, more than teeth of mesh.stiffness carry "
+            "within the range of their contact law."
+        )
+    return float(-place[1])
+
+
+def settled(
+    force: Callable[[np.ndarray], np.ndarray], start: np.ndarray, levers: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """Let the coordinates creep to where the force vanishes; the place, and what remains unbalanced [N].
+
+    Pseudo-transient continuation: implicit Euler steps of levers^2 dq/dt = force, which cannot overshoot far,
+    longer the smaller the force has become until they are Newton's. `levers` turn rotations into lengths [m].
+    """
+    q, r = start.copy(), force(start)
+    stretch = 1e-9  # [m/N]
+    for _ in range(SETTLING_STEPS):
+        norm = float(np.abs(r / levers).max())
+        if norm <= TOLERANCE / 10:
+            break
+        tangent = np.empty((q.size, q.size))
+        for j, step in enumerate(1e-9 / levers):
+            moved = q.copy()
+            moved[j] += step
+            tangent[:, j] = (force(moved) - r) / step
+        move = np.linalg.lstsq(np.diag(levers**2) / stretch - tangent, r, rcond=None)[0]
+        move *= min(1.0, 20e-6 / float(np.abs(move * levers).max() or 1.0))
+        r_next = force(q + move)
+        growth = norm / float(np.abs(r_next / levers).max() or norm)
+        stretch *= min(max(growth, 1.3), 10.0) if growth > 0.9 else 0.2
+        if growth > 0.2:
+            q, r = q + move, r_next
+    return q, float(np.abs(r / levers).max())

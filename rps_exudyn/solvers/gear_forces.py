@@ -1,0 +1,143 @@
+"""All force elements of a gear, as modelled: what `statics` balances and `model` integrates."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from rps_exudyn.forces import bearing, external_load, sliding_fit, yoke
+from rps_exudyn.forces.bush import Chain, adams_chain, bush_chain
+from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.forces.yoke_without_plunger import yoke_as_force
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.gears.solids import rack_solid
+from rps_exudyn.mesh_contact.flank_element import flank_element, generator_element
+from rps_exudyn.mesh_contact.ratio import ratio_element
+from rps_exudyn.mesh_contact.sampled_contact import sampled_element
+from rps_exudyn.mesh_contact.spheres import contact_data
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.closed_form import closed_form
+from rps_exudyn.solvers.equilibrium import Balance, approach_under
+from rps_exudyn.solvers.gear_kernel import STACK, GearData, Kernel, chain_gear_force, gear_force
+
+RACK = STACK["rack"].start
+PLUNGER = STACK["plunger"].start
+GUIDED = tuple(range(RACK + 2, RACK + 6))  # what a guided rack lacks: sideways motion, roll, yaw, pitch
+
+# Data of parts that a gear does not have
+NOTHING: dict[str, Any] = {
+    "spring": yoke.SpringData(0.0, 0.0),
+    "nut": yoke.NutData(0.0, 0.0),
+    "load": external_load.NO_FORCE,
+    "weight": external_load.NO_FORCE,
+}
+
+
+@dataclass(frozen=True)
+class GearForces:
+    """The force elements of a gear, by part."""
+
+    mesh: ForceElement
+    seat: ForceElement  # of the plunger on the rack; or the whole yoke as a force
+    spring: ForceElement | None
+    nut: ForceElement | None
+    bearing: ForceElement
+    fit: ForceElement  # of the rack in the bush, as modelled
+    load: ForceElement | None  # at the rack's end
+    weight: ForceElement | None  # of the rack
+    condensed_fit: ForceElement  # the fit in a bush whose static stiffness is condensed into it
+    chain: Chain
+    friction_zone: float  # [m/s]
+    locked: tuple[int, ...]  # coordinates of the stack that are held at zero
+
+    @property
+    def elements(self) -> list[ForceElement]:
+        """The whole gear."""
+        parts = (self.mesh, self.seat, self.spring, self.nut, self.bearing, self.fit, self.load, self.weight)
+        return [part for part in parts if part is not None]
+
+    @property
+    def statics(self) -> Balance:
+        """Compiled sum of all forces on pinion, rack and plunger, with the bush condensed."""
+        kernel = gear_force(self.mesh.kernel, self.seat.kernel)
+        return Balance(kernel, self._data(self.condensed_fit), self.locked)
+
+    @property
+    def dynamics(self) -> tuple[Kernel, GearData]:
+        """Compiled sum of all forces, with the bush as modelled."""
+        total = chain_gear_force if "segment" in self.fit.bodies else gear_force
+        return total(self.mesh.kernel, self.seat.kernel), self._data(self.fit)
+
+    def _data(self, fit: ForceElement) -> GearData:
+        parts = {name: getattr(self, name) for name in GearData._fields} | {"fit": fit}
+        return GearData(**{name: part.data if part else NOTHING[name] for name, part in parts.items()})
+
+
+def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) -> GearForces:
+    """Set up the force laws; a load [N] pulls the rack's end towards -X.
+
+    The yoke is adjusted so that the preload acts at rest on a gear without runout.
+    """
+    pair = GearPair.of(gear)
+    zone = fidelity.zone_ratio * pair.least_sliding * gear.test.speed
+    approach = approach_under(gear.yoke.preload, *ideal_mesh(gear, fidelity, zone), pair.axis_offset)
+    chain = adams_chain(gear) if fidelity.bush == "adams-chain" else bush_chain(gear)
+    condensed = sliding_fit.condensed_fit(gear, chain, friction_zone=zone)
+    fits = {
+        "chain": lambda: sliding_fit.chain_fit(gear, chain, friction_zone=zone),
+        "adams-chain": lambda: sliding_fit.chain_fit(gear, chain, friction_zone=zone),
+        "condensed": lambda: condensed,
+        "rigid": lambda: sliding_fit.rigid_fit(gear, friction_zone=zone),
+    }
+    fit = (
+        fits[fidelity.bush]() if fidelity.rack == "free" else sliding_fit.loose_fit(gear, friction_zone=zone)
+    )
+    with_plunger = fidelity.yoke == "body"
+    if with_plunger:
+        rest_gap = approach + gear.yoke.preload / gear.yoke.seat_stiffness
+        seat = yoke.seat(gear, friction_zone=zone, rest_gap=rest_gap)
+    else:
+        seat = yoke_as_force(gear, friction_zone=zone, approach=approach)
+    return GearForces(
+        mesh=mesh_element(gear, fidelity, zone),
+        seat=seat,
+        spring=yoke.spring(gear) if with_plunger else None,
+        nut=yoke.nut_contact(gear) if with_plunger else None,
+        bearing=bearing.bearing(gear, friction_zone=fidelity.zone_ratio * gear.test.speed),
+        fit=fit,
+        load=external_load.end_load(rack_load, RackBar.of(gear).x_min) if rack_load else None,
+        weight=rack_weight(gear) if gear.installation.gravity else None,
+        condensed_fit=condensed if "segment" in fit.bodies else fit,
+        chain=chain,
+        friction_zone=zone,
+        locked=(*(GUIDED if fidelity.rack == "guided" else ()), *(() if with_plunger else (PLUNGER,))),
+    )
+
+
+def rack_weight(gear: SteeringGear) -> ForceElement:
+    """The rack's weight at its mass centre."""
+    bar = rack_solid(gear).mass_properties
+    return external_load.weight(bar.mass, gear.installation.gravity, float(bar.centre_of_mass[0]))
+
+
+def mesh_element(gear: SteeringGear, fidelity: Fidelity, zone: float) -> ForceElement:
+    """The contact of the teeth; for general contact its compiled samples."""
+    if fidelity.mesh == "flank":
+        along, across = fidelity.strip_stations, fidelity.strip_points
+        return flank_element(gear, friction_zone=zone, along=along, across=across)
+    if fidelity.mesh == "flank-generators":
+        return generator_element(gear, friction_zone=zone, generators=fidelity.generators)
+    if fidelity.mesh == "ratio":
+        return ratio_element(gear)
+    if fidelity.mesh == "ratio-with-loss":
+        return ratio_element(gear, closed_form(gear).towards(gear.test.direction).mesh_loss)
+    return sampled_element(
+        contact_data(gear, profile=fidelity.profile_samples, axial=fidelity.axial_samples, friction_zone=zone)
+    )
+
+
+def ideal_mesh(gear: SteeringGear, fidelity: Fidelity, zone: float) -> tuple[Kernel, Any]:
+    """Kernel and data of the mesh without friction and runout."""
+    ideal = gear.replace({"pinion.runout": 0.0, "mesh.friction": 0.0})
+    element = mesh_element(ideal, fidelity, zone)
+    return element.kernel, element.data

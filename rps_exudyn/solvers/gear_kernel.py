@@ -1,0 +1,132 @@
+"""The whole gear's forces in one compiled function: what the fast models evaluate thousands of times.
+
+The coordinates are stacked [pinion (about k), rack (6), plunger]; with the bush as a chain its last segment
+(6) follows. The same force laws as everywhere (`parts`, `mesh_contact`), without a trip through Python
+between them. The laws of mesh and yoke are chosen by handing in their kernels; every function made here is
+compiled for them.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rps_exudyn.base.compiled import inlined, kernel_over
+from rps_exudyn.forces.bearing import BearingData, bearing_force
+from rps_exudyn.forces.external_load import DeadForceData, add_dead_force
+from rps_exudyn.forces.sliding_fit import FitData, fit_force, held_fit_force
+from rps_exudyn.forces.yoke import NutData, SpringData, nut_force, spring_force
+
+Kernel = Callable[..., Any]
+
+STACK = {"pinion": slice(0, 1), "rack": slice(1, 7), "plunger": slice(7, 8), "segment": slice(8, 14)}
+
+
+def stacked(bodies: Sequence[str]) -> np.ndarray:
+    """Where the coordinates of some bodies stand in the stack, in the order of the bodies."""
+    return np.concatenate([np.r_[STACK[body]] for body in bodies])
+
+
+class GearData(NamedTuple):
+    """Constants of all force laws."""
+
+    mesh: Any
+    seat: Any  # of the plunger's seat, or of the yoke as a force
+    spring: SpringData
+    nut: NutData
+    bearing: BearingData
+    fit: FitData
+    load: DeadForceData
+    weight: DeadForceData
+
+
+@inlined
+def _add(total, forces, n):  # type: ignore[no-untyped-def]
+    for i in range(n):
+        total[i] += forces[i]
+
+
+@inlined
+def _add_all_but_fit(total, mesh, seat, q, v, data):  # type: ignore[no-untyped-def]
+    _add(total, mesh, 7)
+    _add(total[1:], seat, 7)
+    _add(total[7:], spring_force(q[7:8], v[7:8], data.spring), 1)
+    _add(total[7:], nut_force(q[7:8], v[7:8], data.nut), 1)
+    _add(total, bearing_force(q[0:1], v[0:1], data.bearing), 1)
+    add_dead_force(total[1:], q[1:7], data.load)
+    add_dead_force(total[1:], q[1:7], data.weight)
+
+
+@cache
+def gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
+    """Generalised forces (8,) with the bush condensed into the fit."""
+
+    def force(q, v, data):  # type: ignore[no-untyped-def]
+        total = np.zeros(8)
+        mesh = mesh_force(q[0:7], v[0:7], data.mesh)
+        seat = seat_force(q[1:8], v[1:8], data.seat)
+        _add_all_but_fit(total, mesh, seat, q, v, data)
+        _add(total[1:], held_fit_force(q[1:7], v[1:7], data.fit), 6)
+        return total
+
+    return kernel_over(force, mesh_force, seat_force)
+
+
+@cache
+def chain_gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
+    """Generalised forces (14,) with the rack in the last segment of a chain."""
+
+    def chain_force(q, v, data):  # type: ignore[no-untyped-def]
+        total = np.zeros(14)
+        mesh = mesh_force(q[0:7], v[0:7], data.mesh)
+        seat = seat_force(q[1:8], v[1:8], data.seat)
+        _add_all_but_fit(total, mesh, seat, q, v, data)
+        fit = fit_force(np.concatenate((q[8:14], q[1:7])), np.concatenate((v[8:14], v[1:7])), data.fit)
+        _add(total[8:], fit, 6)
+        _add(total[1:], fit[6:], 6)
+        return total
+
+    return kernel_over(chain_force, mesh_force, seat_force)
+
+
+@cache
+def tangent(force: Kernel) -> Kernel:
+    """factor_q dF/dq + factor_v dF/dv by forward differences, a function (q, v, data, factor_q, factor_v).
+
+    `force` is any kernel whose first outputs are the forces on the coordinates, stacked as above. The steps
+    stay far below penetrations (micrometres) and friction zones (0.01 mm/s), for 1 % of the largest entries,
+    enough for Newton's method; rotations act on levers of centimetres.
+    """
+
+    def difference_tangent(q, v, data, factor_q, factor_v):  # type: ignore[no-untyped-def]
+        n = q.size
+        result, here = np.zeros((n, n)), force(q, v, data)[:n]
+        place, rate = q.copy(), v.copy()
+        for j in range(n):
+            step = 1e-9 if 1 <= j <= 3 or 7 <= j <= 10 else 1e-8
+            place[j] += step
+            result[:, j] = factor_q / step * (force(place, v, data)[:n] - here)
+            place[j] = q[j]
+            if factor_v != 0:
+                rate[j] += 100 * step
+                result[:, j] += factor_v / (100 * step) * (force(q, rate, data)[:n] - here)
+                rate[j] = v[j]
+        return result
+
+    return kernel_over(difference_tangent, force)
+
+
+@cache
+def along(force: Kernel) -> Kernel:
+    """The kernel's outputs for many states (n, .), as a function (coordinates, rates, data) -> (n, .)."""
+
+    def each(coordinates, rates, data):  # type: ignore[no-untyped-def]
+        first = force(coordinates[0], rates[0], data)
+        out = np.empty((coordinates.shape[0], first.size))
+        out[0] = first
+        for i in range(1, coordinates.shape[0]):
+            out[i] = force(coordinates[i], rates[i], data)
+        return out
+
+    return kernel_over(each, force)

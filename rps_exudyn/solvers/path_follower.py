@@ -1,0 +1,175 @@
+"""The compiled part of `statics`: from equilibrium to equilibrium while one coordinate is prescribed.
+
+Newton's method with Broyden's update of the inverse tangent: along a smooth path one instant costs three or
+four evaluations of the forces, and a new tangent is rare.
+"""
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.base.compiled import kernel, kernel_over
+
+TOLERANCE = 1e-3  # largest unbalanced force accepted [N], moments over 10 mm: 1e-5 of the torque
+MAX_ITERATIONS = 60
+FARTHEST_MOVE = 1e-4  # of one iteration [m]: the contact stays the same contact
+SLOW = 0.9  # a step that leaves more of the unbalance than this asks for a new tangent
+
+# Loops in place of array expressions: numba compiles those much slower, with all their broadcasting.
+# `free` are the numbers of the coordinates to be found, `levers` turn all coordinates into lengths [m].
+
+
+@kernel
+def backward_difference(time, y, k, base):  # type: ignore[no-untyped-def]
+    """y'(t_k) = factor (y_k - base) of the parabola through the last three points; fills base."""
+    h, g = time[k] - time[k - 1], time[k - 1] - time[k - 2]
+    factor = (2 * h + g) / (h * (h + g))
+    for i in range(base.size):
+        base[i] = ((h + g) / (h * g) * y[k - 1, i] - h / (g * (h + g)) * y[k - 2, i]) / factor
+    return factor
+
+
+@kernel
+def unbalance(forces, free, levers):  # type: ignore[no-untyped-def]
+    """Largest unbalanced force [N]; moments over the lever."""
+    largest = 0.0
+    for i in free:
+        size = abs(forces[i]) / levers[i]
+        if not size <= largest:  # also a nan
+            largest = size
+    return largest
+
+
+@kernel
+def newton_move(inverse, forces, free, levers, move):  # type: ignore[no-untyped-def]
+    """Fill the step of the free coordinates, shortened to `FARTHEST_MOVE`."""
+    largest = 0.0
+    for i in range(free.size):
+        move[i] = 0.0
+        for j in range(free.size):
+            move[i] -= inverse[i, j] * forces[free[j]]
+        largest = max(largest, abs(move[i]) * levers[free[i]])
+    if largest > FARTHEST_MOVE:
+        for i in range(free.size):
+            move[i] *= FARTHEST_MOVE / largest
+
+
+@kernel
+def explain_step(inverse, move, free, before, after):  # type: ignore[no-untyped-def]
+    """Broyden's update: the inverse tangent that maps the change of the forces onto the step made."""
+    n, size = free.size, 0.0
+    mapped, row = np.zeros(n), np.zeros(n)
+    for i in range(n):
+        for j in range(n):
+            mapped[i] += inverse[i, j] * (after[free[j]] - before[free[j]])
+            row[i] += move[j] * inverse[j, i]
+        size += move[i] * mapped[i]
+    if size == 0 or not np.isfinite(size):
+        return
+    for i in range(n):
+        for j in range(n):
+            inverse[i, j] += (move[i] - mapped[i]) * row[j] / size
+
+
+@kernel
+def shifted(q, move, share, free, trial):  # type: ignore[no-untyped-def]
+    """Fill the coordinates a share of the step away."""
+    trial[:] = q
+    for i in range(free.size):
+        trial[free[i]] += share * move[i]
+
+
+@kernel
+def rates_from(q, base, per_time, free, v):  # type: ignore[no-untyped-def]
+    """Fill the rates of the free coordinates that the path has at q; per_time 0 keeps those given."""
+    if per_time != 0:
+        for i in free:
+            v[i] = (q[i] - base[i]) * per_time
+
+
+@cache
+def follower(force: Callable[..., Any]) -> Callable[..., Any]:
+    """follow(first, time, driven, free, levers, coordinates, rates, forces, data) for one law of forces.
+
+    Fills `coordinates`, `rates` and `forces`, all (n, size), from row `first` on: from the rows before it, or
+    from the guess in row 0; the driven coordinate's columns are given. Returns how many rows are found,
+    evaluations of the forces, iterations, tangents, and the last unbalance [N].
+    """
+
+    def inverse_tangent(q, v, base, per_time, free, levers, data, r):  # type: ignore[no-untyped-def]
+        # one-sided differences: Broyden's updates refine what they miss
+        n, trial = free.size, q.copy()
+        tangent = np.empty((n, n))
+        for j in range(n):
+            step = 1e-9 if levers[free[j]] == 1.0 else 1e-8
+            trial[free[j]] = q[free[j]] + step
+            rates_from(trial, base, per_time, free, v)
+            moved = force(trial, v, data)
+            for i in range(n):
+                tangent[i, j] = (moved[free[i]] - r[free[i]]) / step
+            trial[free[j]] = q[free[j]]
+        return np.linalg.inv(tangent)
+
+    inverse_tangent = kernel_over(inverse_tangent, force)
+
+    def follow(first, time, driven, free, levers, coordinates, rates, forces, data):  # type: ignore[no-untyped-def]
+        evaluations, iterations, tangents, n = 0, 0, 0, free.size
+        inverse, move = np.empty((n, n)), np.empty(n)
+        q, v = coordinates[max(first - 1, 0)].copy(), rates[max(first - 1, 0)].copy()
+        base, trial = coordinates[0].copy(), np.empty(q.size)
+        norm = np.inf
+        for k in range(first, time.size):
+            per_time = 0.0
+            if k == 1:
+                per_time = 1 / (time[1] - time[0])
+                base[:] = coordinates[0]
+                for i in free:
+                    q[i] += rates[0, i] / per_time
+            elif k > 1:
+                per_time = backward_difference(time, coordinates, k, base)
+                stretch = (time[k] - time[k - 1]) / (time[k - 1] - time[k - 2])
+                for i in free:
+                    q[i] += stretch * (q[i] - coordinates[k - 2, i])
+            q[driven], v[driven] = coordinates[k, driven], rates[k, driven]
+            rates_from(q, base, per_time, free, v)
+            r = force(q, v, data)
+            evaluations += 1
+            norm = unbalance(r, free, levers)
+            fresh = False
+            for _ in range(MAX_ITERATIONS):
+                if norm <= TOLERANCE:
+                    break
+                if tangents == 0:
+                    inverse = inverse_tangent(q, v, base, per_time, free, levers, data, r)
+                    tangents, evaluations, fresh = tangents + 1, evaluations + n, True
+                iterations += 1
+                share = 1.0
+                newton_move(inverse, r, free, levers, move)
+                while True:
+                    shifted(q, move, share, free, trial)
+                    rates_from(trial, base, per_time, free, v)
+                    r_trial = force(trial, v, data)
+                    evaluations += 1
+                    norm_trial = unbalance(r_trial, free, levers)
+                    enough = SLOW if share == 1.0 else 1 - 0.1 * share
+                    if norm_trial < enough * norm or share < 0.02 or not fresh:
+                        break
+                    share *= 0.5
+                if not fresh and not norm_trial < SLOW * norm:  # an old tangent: try again with a new one
+                    inverse = inverse_tangent(q, v, base, per_time, free, levers, data, r)
+                    tangents, evaluations, fresh = tangents + 1, evaluations + n, True
+                    continue
+                for i in range(n):
+                    move[i] *= share
+                explain_step(inverse, move, free, r, r_trial)
+                fresh = False
+                q[:], r, norm = trial, r_trial, norm_trial
+            if not norm <= TOLERANCE:
+                return k, evaluations, iterations, tangents, norm
+            rates_from(q, base, per_time, free, v)
+            coordinates[k], rates[k], forces[k] = q, v, r
+        return time.size, evaluations, iterations, tangents, norm
+
+    return kernel_over(follow, force)

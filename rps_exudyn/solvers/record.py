@@ -1,0 +1,165 @@
+"""A recorded motion, of whatever solver, and what it tells: signals, work, checks.
+
+From coordinates and rates the force elements (see `parts.force_element`) give normal forces, stored energy
+and what each contact dissipates, independently of the sums that the solver used: a balance that closes is
+therefore evidence.
+"""
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from rps_exudyn.forces.force_element import (
+    DAMPING_POWER,
+    ELASTIC_ENERGY,
+    FRICTION_POWER,
+    LEDGER_SIZE,
+    ForceElement,
+)
+from rps_exudyn.solvers.gear_kernel import STACK, along, stacked
+
+WORK = {
+    "work_mesh_friction",
+    "work_mesh_damping",
+    "work_seat_friction",
+    "work_bush_friction",
+    "work_bearing_friction",
+}
+# Signal -> the output of a force element that it shows
+SHOWN = {
+    "mesh_normal_force_drive": "mesh_normal_force_drive",
+    "mesh_normal_force_coast": "mesh_normal_force_coast",
+    "mesh_penetration": "mesh_penetration",
+    "seat_force": "seat_force",
+    "yokenut_force": "yokenut_force",
+    "bush_force": "bush_lateral_force",
+    "load_force": "load_force",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A recorded motion; arrays have one row per step."""
+
+    elements: list[ForceElement]
+    time: np.ndarray  # [s]
+    coordinates: np.ndarray  # (n, 8 or 14) stacked as in `gear_kernel`
+    rates: np.ndarray  # the same
+    drive: np.ndarray  # torque on the pinion [N m] or force on the rack [N], in the sense of travel along +X
+    driven: str  # body on which it acts
+    energy: np.ndarray  # kinetic, and elastic of what is no force element [J]
+    contact: np.ndarray | None = None  # the solver's own contact forces on pinion and rack, (n, 7)
+    pulse_power: np.ndarray | None = None  # of what shakes the rack [W]
+    settled: bool = False  # whether a tooth pitch was turned before
+
+    def since(self, time: float) -> "Record":
+        """The part that covers what comes after a time [s]: it begins with the last step until then.
+
+        A solver that had to reduce its step does not meet given times any more.
+        """
+        kept = self.time >= self.time[self.time <= time].max(initial=-np.inf)
+        values = {item.name: getattr(self, item.name) for item in fields(self)}
+        return replace(self, **{n: rows[kept] for n, rows in values.items() if isinstance(rows, np.ndarray)})
+
+    def of(self, body: str) -> np.ndarray:
+        """Coordinates of one body, (n, .)."""
+        return self.coordinates[:, STACK[body]]
+
+    def outputs(self, element: ForceElement) -> np.ndarray:
+        """An element's output at every step: forces, ledger, own values."""
+        columns = stacked(element.bodies)
+        q, v = (np.ascontiguousarray(rows[:, columns]) for rows in (self.coordinates, self.rates))
+        return np.asarray(along(element.kernel)(q, v, element.data))
+
+
+def signals_of(record: Record) -> dict[str, np.ndarray]:
+    """All signals of a run, by the names of `quantities`."""
+    time, rack = record.time, record.of("rack")
+    lift = axis_at_pitch_point(rack)
+    drive = "pinion_torque" if record.driven == "pinion" else "rack_force"
+    speed = -record.rates[:, 0] if record.driven == "pinion" else record.rates[:, 1]
+    signals = {
+        "time": time - time[0],
+        "pinion_angle": -record.of("pinion")[:, 0],
+        drive: record.drive,
+        "rack_displacement": rack[:, 0],
+        "rack_y": lift[:, 0],
+        "rack_z": lift[:, 1],
+        "rack_roll": rack[:, 3],
+        "rack_yaw": rack[:, 4],
+        "rack_pitch": rack[:, 5],
+        "plunger_displacement": record.of("plunger")[:, 0],
+        "work_drive": _work(record.drive * speed, time),
+    }
+    if record.pulse_power is not None:
+        signals["work_load"] = _work(record.pulse_power, time)
+    energy = record.energy.copy()
+    for element in record.elements:
+        out = record.outputs(element)
+        if element.name == "mesh":
+            signals["work_mesh_edges"] = _over_edges(record, element, out)
+        ledger = out[:, element.size : element.size + LEDGER_SIZE]
+        own = dict(zip(element.outputs, out[:, element.size + LEDGER_SIZE :].T, strict=True))
+        if element.name == "load":
+            raised = ledger[:, ELASTIC_ENERGY] - ledger[0, ELASTIC_ENERGY]
+            signals["work_load"] = signals.get("work_load", 0.0) - raised
+        else:
+            energy += ledger[:, ELASTIC_ENERGY]
+        for loss, column in (("friction", FRICTION_POWER), ("damping", DAMPING_POWER)):
+            if f"work_{element.name}_{loss}" in WORK:
+                signals[f"work_{element.name}_{loss}"] = _work(ledger[:, column], time)
+        signals |= {name: own[source] for name, source in SHOWN.items() if source in own}
+    if "mesh_normal_force_drive" in signals:
+        signals["mesh_normal_force"] = signals["mesh_normal_force_drive"] + signals["mesh_normal_force_coast"]
+    signals["stored_energy"] = energy - energy[0]
+    return signals
+
+
+def _over_edges(record: Record, mesh: ForceElement, out: np.ndarray) -> np.ndarray:
+    """Work that loaded material takes along where it passes the edges of the rack [J].
+
+    What the teeth's forces take from the bodies, and neither store, rub off nor damp: the contact laws press
+    along the normal only, so that material which enters or leaves loaded does so without a force.
+    """
+    rates = record.rates[:, stacked(mesh.bodies)]
+    taken = -np.einsum("ti,ti->t", out[:, : mesh.size], rates)
+    ledger = out[:, mesh.size : mesh.size + LEDGER_SIZE]
+    lost = taken - ledger[:, FRICTION_POWER] - ledger[:, DAMPING_POWER]
+    return _work(lost, record.time) - (ledger[:, ELASTIC_ENERGY] - ledger[0, ELASTIC_ENERGY])
+
+
+def axis_at_pitch_point(rack: np.ndarray) -> np.ndarray:
+    """Y and Z of the bar's axis where it passes above the pitch point, from coordinates (n, 6); (n, 2) [m].
+
+    The reference point travels with the rack, and with it along a tilted axis.
+    """
+    a, b, c = rack[:, 3:].T
+    along = np.cos(b) * np.cos(c)
+    rise = np.cos(a) * np.sin(c) + np.sin(a) * np.sin(b) * np.cos(c)
+    swing = np.sin(a) * np.sin(c) - np.cos(a) * np.sin(b) * np.cos(c)
+    return rack[:, 1:3] - rack[:, :1] * np.column_stack([rise, swing]) / along[:, None]
+
+
+def repeated(signals: dict[str, np.ndarray], times: int) -> dict[str, np.ndarray]:
+    """Signals of one period, its first instant again at its end, continued over several."""
+    grows = {"time", "pinion_angle", "rack_displacement"}
+    whole = {}
+    for name, values in signals.items():
+        rise = values[-1] - values[0] if name in grows or name.startswith("work_") else 0.0
+        periods = values[:-1] + rise * np.arange(times)[:, None]
+        whole[name] = np.append(periods.ravel(), values[-1] + rise * (times - 1))
+    return whole
+
+
+def contact_disagreement(record: Record) -> float:
+    """Largest difference of the solver's own contact forces from the elements', over the largest, or 0."""
+    if record.contact is None:
+        return 0.0
+    mesh = next(element for element in record.elements if element.name == "mesh")
+    ours = record.outputs(mesh)[:, : mesh.size]
+    return float(np.abs(ours - record.contact).max() / np.abs(ours).max())
+
+
+def _work(power: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """Trapezoidal integral from the start [J]."""
+    return np.concatenate([[0.0], np.cumsum(np.diff(time) * (power[1:] + power[:-1]) / 2)])

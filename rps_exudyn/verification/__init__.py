@@ -1,0 +1,1 @@
+"""Independent methods, references, orders of convergence, speed and stability."""

@@ -1,0 +1,88 @@
+"""The largest step of explicit integration: predicted from the linearised gear, and seen in disturbed runs.
+
+    motion = FreeMotion.of(gear, fidelity, drive)
+    predicted = stable_step(state_matrix(motion), runge_kutta_4)
+    measured = bisected(lambda h: disturbance_dies(motion, h, speed), 0.5 * predicted, 2 * predicted)
+
+In each step a method multiplies every mode exp(lambda t) of the linearised system by its growth factor
+R(h lambda): it is stable as long as it lets none grow that does not grow by itself (Hairer & Wanner, Solving
+Ordinary Differential Equations II, IV.2).
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from rps_exudyn.solvers.equilibrium import LEVERS
+from rps_exudyn.solvers.gear_kernel import tangent
+from rps_exudyn.verification.runge_kutta import FreeMotion, runge_kutta
+
+SEARCHED = np.geomspace(0.05, 5.0, 2000)  # h |lambda|; both methods' bounds lie between 2 and 3
+KICK = 1e-3  # of a speed below which nothing changes its nature: that of the friction zone
+TENFOLD = 10.0
+STEPS = 400
+
+Growth = Callable[[np.ndarray], np.ndarray]
+
+
+def explicit_euler(z: np.ndarray) -> np.ndarray:
+    """Growth factor per step over z = h lambda."""
+    return 1 + z
+
+
+def runge_kutta_4(z: np.ndarray) -> np.ndarray:
+    """The same: stable to 2.83 for pure oscillation, to 2.79 for pure damping."""
+    return 1 + z * (1 + z / 2 * (1 + z / 3 * (1 + z / 4)))
+
+
+def state_matrix(motion: FreeMotion) -> np.ndarray:
+    """d/dt (displacements, rates) = A (displacements, rates) about where a motion starts, (2n, 2n)."""
+    stiffness, damping = _by_inertia(motion)
+    n = len(stiffness)
+    return np.block([[np.zeros((n, n)), np.eye(n)], [stiffness, damping]])
+
+
+def largest_frequency(motion: FreeMotion) -> float:
+    """omega_max of masses and stiffnesses alone [rad/s]."""
+    stiffness, _ = _by_inertia(motion)
+    return float(np.sqrt(np.abs(np.linalg.eigvals(stiffness)).max()))
+
+
+def largest_damping(motion: FreeMotion) -> float:
+    """c_max of masses and dampers alone, friction's among them: mu N / (m_eff v) of Coulomb's law [1/s]."""
+    _, damping = _by_inertia(motion)
+    return float(np.abs(np.linalg.eigvals(damping)).max())
+
+
+def _by_inertia(motion: FreeMotion) -> tuple[np.ndarray, np.ndarray]:
+    """Accelerations over displacements and over rates of what moves, (n, n) each."""
+    inverse, moving = motion.inverse_mass(motion.place), np.ix_(motion.moving, motion.moving)
+    slope = tangent(motion.force)
+    state = motion.place, motion.rate, motion.data
+    return inverse @ slope(*state, 1.0, 0.0)[moving], inverse @ slope(*state, 0.0, 1.0)[moving]
+
+
+def stable_step(matrix: np.ndarray, growth: Growth) -> float:
+    """Largest step [s] at which a method lets no mode of a system grow that does not grow by itself."""
+    steps = [np.inf]
+    for mode in np.linalg.eigvals(matrix):
+        if mode == 0:
+            continue
+        h = SEARCHED / abs(mode)
+        grows = np.abs(growth(h * mode)) > np.maximum(1.0, np.exp(h * mode.real)) * (1 + 1e-6)
+        if grows.any():
+            steps.append(float(h[grows.argmax()]))
+    return min(steps)
+
+
+def disturbance_dies(motion: FreeMotion, step: float, speed: float, steps: int = STEPS) -> bool:
+    """Whether a kick of a thousandth of `speed` [m/s] to all that moves grows less than tenfold in a run of
+    Runge and Kutta's method with that step [s]."""
+    kick = np.zeros(motion.rate.size)
+    kick[motion.moving] = KICK * speed / LEVERS[motion.moving]
+    with np.errstate(all="ignore"):
+        (_, _, usual), (_, _, kicked) = (
+            runge_kutta(motion, rate, step, steps, steps) for rate in (motion.rate, motion.rate + kick)
+        )
+        apart = np.abs((kicked[-1] - usual[-1]) * LEVERS)[motion.moving].max()
+    return bool(apart <= TENFOLD * KICK * speed)

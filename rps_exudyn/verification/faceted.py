@@ -1,0 +1,112 @@
+"""The torque of a pinion of flat facets: as it is cut, or as it is meshed. Spheres on them, in equilibrium.
+
+    run = faceted_run(gear, spheres(108, 36), shaped(100))
+
+A pinion shaped in so many cuts per turn is bounded by planes that touch the helicoid along generators from
+outside, a mesh by chords from inside. Spheres on the analytic flank are moved along its normal onto these
+facets; all else is the general contact's. Held against the same spheres on the analytic flank, what differs
+is the facets alone.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from rps_exudyn.forces import yoke as plunger
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.gears.pinion_mesh import pinion_mesh
+from rps_exudyn.gears.shaping import shaped_pinion
+from rps_exudyn.mesh_contact.sampled_contact import SampledContactData
+from rps_exudyn.mesh_contact.samples import FlankSamples, onto_mesh, sample_flank
+from rps_exudyn.mesh_contact.spheres import SPHERE_RADIUS, borders
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.trip import trips_of_test
+from rps_exudyn.solvers.equilibrium import approach_under
+from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
+from rps_exudyn.verification.equilibria import equilibria
+
+Surface = Callable[[GearPair], np.ndarray]
+"""Facets of a pinion, (m, 3, 3) [m]."""
+
+NEAR = 0.1e-3  # a flank's triangles have their corners within this of it [m]
+AT_ONCE = 100  # samples looked at together
+
+
+def spheres(profile: int, axial: int, step: str = "0.5 deg") -> Fidelity:
+    """Equilibria of the general contact's spheres."""
+    settings = {"mesh": "general-contact", "profile_samples": profile, "axial_samples": axial}
+    return Fidelity.preset("quasi-static").replace({**settings, "step_angle": step})
+
+
+def shaped(cuts: int) -> Surface:
+    """The pinion as it is cut, so many times per turn."""
+
+    def facets(pair: GearPair) -> np.ndarray:
+        vertices, faces = shaped_pinion(pair, cuts)
+        return vertices[faces]
+
+    return cache(facets)
+
+
+def meshed(chord_error: float) -> Surface:
+    """The pinion as `gears.pinion_mesh` makes it, within a chord error [m]."""
+
+    def facets(pair: GearPair) -> np.ndarray:
+        mesh = pinion_mesh(pair, chord_error)
+        return mesh.vertices[mesh.faces]
+
+    return cache(facets)
+
+
+def faceted_run(gear: SteeringGear, fidelity: Fidelity, surface: Surface | None) -> SceneRun:
+    """The free pinion torque of a gear without errors; None for the analytic flank."""
+    trip = trips_of_test(gear, "pinion", fidelity.step_angle)[0]
+    return equilibria(gear, faceted_forces(gear, fidelity, surface), trip)
+
+
+def faceted_forces(gear: SteeringGear, fidelity: Fidelity, surface: Surface | None) -> GearForces:
+    """The gear's forces with the spheres on its facets, the yoke adjusted to them."""
+    forces = gear_forces(gear, fidelity)
+    mesh: SampledContactData = forces.mesh.data
+    on_facets = mesh._replace(centres=_centres(gear, fidelity, surface))
+    smooth = on_facets._replace(friction=0.0)
+    offset = GearPair.of(gear).axis_offset
+    approach = approach_under(gear.yoke.preload, forces.mesh.kernel, smooth, offset)
+    rest_gap = approach + gear.yoke.preload / gear.yoke.seat_stiffness
+    seat = plunger.seat(gear, friction_zone=forces.friction_zone, rest_gap=rest_gap)
+    return replace(forces, mesh=replace(forces.mesh, data=on_facets), seat=seat)
+
+
+def _centres(gear: SteeringGear, fidelity: Fidelity, surface: Surface | None) -> np.ndarray:
+    """Of the spheres, (z, 2, n, 3), by tooth space: every one is the first, turned."""
+    pair, grid = GearPair.of(gear), (fidelity.profile_samples, fidelity.axial_samples)
+    flanks = [Flank(pair, *border) for border in borders(0)]
+    inwards = [-SPHERE_RADIUS * sample_flank(flank, *grid).normals for flank in flanks]
+    first = np.array([_on_facets(flank, *grid, surface) for flank in flanks]) + inwards
+    angles = 2 * np.pi * np.arange(pair.teeth) / pair.teeth
+    c, s, o, i = np.cos(angles), np.sin(angles), np.zeros(pair.teeth), np.ones(pair.teeth)
+    turns = np.array([[c, -s, o], [s, c, o], [o, o, i]]).transpose(2, 0, 1)
+    return np.einsum("zij,fnj->zfni", turns, first) + pair.eccentricity
+
+
+def _on_facets(flank: Flank, profile: int, axial: int, surface: Surface | None) -> np.ndarray:
+    """Samples of the flank moved onto the facets near it, (n, 3)."""
+    samples = sample_flank(flank, profile, axial)
+    if surface is None:
+        return samples.points
+    triangles = surface(flank.pair)
+    triangles = triangles[(np.abs(flank.distance(triangles)) < NEAR).all(axis=1)]
+    starts = range(0, len(samples.points), AT_ONCE)
+    pieces = [FlankSamples(*(each[at : at + AT_ONCE] for each in samples)) for at in starts]
+    return np.concatenate([onto_mesh(piece, triangles).points for piece in pieces])
+
+
+def largest_deviation(gear: SteeringGear, surface: Surface) -> float:
+    """Of the facets from a flank where it meets the rack [m]."""
+    flank = Flank(GearPair.of(gear), *borders(0)[0])
+    return float(np.abs(flank.distance(_on_facets(flank, 400, 3, surface))).max())

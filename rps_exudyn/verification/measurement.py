@@ -1,0 +1,246 @@
+"""Work and precision of many models of one scene: what was planned, what was measured, and their file.
+
+Each point is kept the moment it is measured, failed ones too; what is planned and not there is missing.
+"""
+
+import json
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.hdf5 import opened
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.verification.runs import Truth, revolutions, run_scene
+from rps_exudyn.verification.work_precision import Curve, Reference
+
+FILETYPE = "rps_exudyn-work-precision"
+VERSION = (1, 1)
+
+REPEATS = 15
+ENOUGH_TIME = 1.5  # processor seconds spent on repeating one point
+
+FAMILIES = {
+    "general contact": "spheres on triangles in Exudyn",
+    "flank": "analytic flank contact in Exudyn",
+    "flank, bush chain": "the same with the bush as a chain",
+    "quasi-static": "the same contact in equilibrium",
+    "generators": "equilibrium, contact integrated over generators",
+    "spheres at rest": "equilibrium, contact of the spheres",
+    "shaped pinion": "spheres at rest on flanks as they are cut, against those on the analytic flank",
+    "meshed pinion": "spheres at rest on triangles, likewise",
+    "explicit": "flank contact, Exudyn's explicit solvers",
+    "closed form": "formulas",
+    "ratio": "kinematic ratio in Exudyn",
+}
+"""What is drawn and judged together -> what it is."""
+
+PRESET_FAMILIES = {
+    "full": "general contact",
+    "flank": "flank",
+    "quasi-static": "quasi-static",
+    "closed-form": "closed form",
+}
+
+
+def family_of(fidelity: Fidelity) -> str:
+    """One of `FAMILIES`."""
+    if fidelity.solver == "closed-form":
+        return "closed form"
+    if fidelity.solver == "equilibrium":
+        meshes = {"flank-generators": "generators", "general-contact": "spheres at rest"}
+        return meshes.get(fidelity.mesh, "quasi-static")
+    if fidelity.mesh == "general-contact":
+        return "general contact"
+    if fidelity.mesh.startswith("ratio"):
+        return "ratio"
+    return "flank, bush chain" if "chain" in fidelity.bush else "flank"
+
+
+@dataclass(frozen=True)
+class Point:
+    """One model of a scene, measured. Errors in % of the mean, lift in m; nan where there is none."""
+
+    study: str  # file in which it was planned
+    label: str
+    family: str
+    settings: str  # JSON of its fidelity
+    status: str
+    message: str
+    cost: float  # processor seconds of the solver per revolution, the least of several
+    repeats: int
+    steps: float = np.nan  # counters per revolution
+    newton_iterations: float = np.nan
+    jacobians: float = np.nan
+    force_evaluations: float = np.nan
+    rms: float = np.nan
+    rms_linear: float = np.nan
+    bias: float = np.nan
+    peak_to_peak: float = np.nan
+    tooth_order: float = np.nan
+    first_order: float = np.nan
+    lift: float = np.nan
+
+    @property
+    def fidelity(self) -> Fidelity:
+        return Fidelity.model_validate(json.loads(self.settings))
+
+    @property
+    def ok(self) -> bool:
+        return self.status == Status.OK
+
+    @property
+    def error(self) -> float:
+        """RMS however one interpolates [%]."""
+        return max(self.rms, self.rms_linear)
+
+
+@dataclass(frozen=True)
+class Order:
+    """p of error ~ size^p over measured points; nan where too few of them stand above the floor."""
+
+    family: str
+    knob: str  # what is made smaller
+    error: str  # which error falls with it
+    observed: float
+    expected: float
+    points: int  # that were fitted
+    why: str  # this is expected
+
+
+@dataclass
+class Measurement:
+    """All points of one scene."""
+
+    scene: str
+    reference: Reference
+    points: list[Point] = field(default_factory=list)
+    planned: list[tuple[str, str]] = field(default_factory=list)  # study and label of each point
+    origin: dict[str, str] = field(default_factory=dict)
+    orders: list[Order] = field(default_factory=list)  # of convergence, fitted
+
+    @property
+    def missing(self) -> list[tuple[str, str]]:
+        """Planned and not measured."""
+        there = {(point.study, point.label) for point in self.points}
+        return [name for name in self.planned if name not in there]
+
+    def of_family(self, family: str) -> list[Point]:
+        return [point for point in self.points if point.family == family]
+
+    def save(self, path: str | Path) -> None:
+        """Whole or not at all.
+
+        Raises:
+            InputError: the file cannot be written.
+        """
+        with replacing(path) as partial, h5py.File(partial, "w") as file:
+            _write(self, file)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A point to be measured."""
+
+    study: str
+    label: str
+    family: str
+    fidelity: Fidelity
+    revolutions: float  # of the pinion that a run makes
+    run: Callable[[], SceneRun]
+
+    @classmethod
+    def of_scene(cls, study: str, label: str, scene: str, gear: SteeringGear, fidelity: Fidelity) -> "Plan":
+        """A run of the package."""
+        turned = revolutions(scene, gear)
+        return cls(
+            study, label, family_of(fidelity), fidelity, turned, lambda: run_scene(scene, gear, fidelity)
+        )
+
+
+def measure_point(plan: Plan, truth: Truth, repeats: int = REPEATS) -> Point:
+    """Run it until its least cost is known well enough, and hold it against the reference."""
+    runs: list[SceneRun] = []
+    spent = 0.0
+    while not runs or (len(runs) < repeats and spent < ENOUGH_TIME):
+        runs.append(plan.run())
+        spent += runs[-1].outcome.cpu_s
+    best = min(runs, key=lambda run: run.outcome.cpu_s)
+    turned = plan.revolutions
+    told: dict[str, float] = {name: count / turned for name, count in best.outcome.counters.items()}
+    if best.ok:
+        errors, lift = truth.errors_of(best.signals, plan.fidelity)
+        told |= {name: value for name, value in asdict(errors).items() if value is not None}
+        told |= {"lift": lift} if lift is not None else {}
+    return Point(
+        study=plan.study,
+        label=plan.label,
+        family=plan.family,
+        settings=json.dumps(plan.fidelity.model_dump()),
+        status=str(best.outcome.status),
+        message=best.outcome.message if not best.ok else "",
+        cost=best.outcome.cpu_s / turned,
+        repeats=len(runs),
+        **{name: told[name] for name in NUMBERS if name in told},
+    )
+
+
+TEXTS = [each.name for each in fields(Point) if each.type is str]
+NUMBERS = [each.name for each in fields(Point) if each.name not in (*TEXTS, "cost", "repeats")]
+
+
+def load_measurement(path: str | Path) -> Measurement:
+    """What `save` wrote.
+
+    Raises:
+        InputError: no such file, or one of something else.
+    """
+    with opened(path, FILETYPE, "work-precision study", VERSION) as file:
+        reference = Reference(
+            Curve(file["reference/time"][()], file["reference/values"][()]),
+            float(file["reference"].attrs["uncertainty"]),
+            json.loads(file["reference"].attrs["differences"]),
+        )
+        columns: dict[str, Any] = {}
+        for each in fields(Point):
+            column = file["points"][each.name]
+            columns[each.name] = column.asstr()[()].tolist() if each.type is str else column[()].tolist()
+        rows: Iterable[tuple[Any, ...]] = zip(*columns.values(), strict=True)
+        return Measurement(
+            scene=str(file.attrs["scene"]),
+            reference=reference,
+            points=[Point(**dict(zip(columns, row, strict=True))) for row in rows],
+            planned=[(study, label) for study, label in json.loads(file.attrs["planned"])],
+            origin=json.loads(file.attrs["origin"]),
+            orders=[Order(**row) for row in json.loads(file.attrs.get("orders", "[]"))],
+        )
+
+
+def _write(measurement: Measurement, file: h5py.File) -> None:
+    file.attrs.update(
+        filetype=FILETYPE,
+        version=VERSION,
+        scene=measurement.scene,
+        planned=json.dumps(measurement.planned),
+        origin=json.dumps(measurement.origin),
+        orders=json.dumps([asdict(each) for each in measurement.orders]),
+    )
+    reference = file.create_group("reference")
+    curve = measurement.reference.curve
+    reference["time"], reference["values"] = curve.time, curve.values
+    reference.attrs["uncertainty"] = measurement.reference.uncertainty
+    reference.attrs["differences"] = json.dumps(measurement.reference.differences)
+    points = file.create_group("points")
+    for each in fields(Point):
+        column = [getattr(point, each.name) for point in measurement.points]
+        if each.type is str:
+            points.create_dataset(each.name, data=column, dtype=h5py.string_dtype())
+        else:
+            points[each.name] = np.array(column, dtype=int if each.type is int else float)

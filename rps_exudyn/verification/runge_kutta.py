@@ -1,0 +1,146 @@
+"""The gear's motion by Runge and Kutta's explicit method of fourth order: a witness independent of Exudyn's.
+
+The forces are those of the model, the masses those of its Exudyn system; step, method and code are others.
+The step must be short against the fastest motion, that of the plunger between its contacts (3e-5 s), so a
+revolution takes hundreds of times the force evaluations of implicit steps: for references, not for work.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rps_exudyn.forces.external_load import DeadForceData, Pulse, dead_force
+from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
+from rps_exudyn.gears.polyhedron import MassProperties
+from rps_exudyn.gears.solids import rack_solid
+from rps_exudyn.multibody.model import build_model
+from rps_exudyn.multibody.solve import SolverPlan, solve
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.scene_run import Signals
+from rps_exudyn.solvers.drive import Drive
+from rps_exudyn.solvers.gear_kernel import STACK, GearData, Kernel
+from rps_exudyn.solvers.record import Record, signals_of
+
+
+@dataclass(frozen=True, eq=False)
+class FreeMotion:
+    """What moves by itself in a driven gear: where it starts, its masses and its forces.
+
+    Coordinates and rates are the stack's, (8,); those that the rig prescribes follow their rate.
+    """
+
+    elements: list[ForceElement]
+    drive: Drive
+    place: np.ndarray  # at time 0, in equilibrium
+    rate: np.ndarray
+    moving: np.ndarray  # coordinates that nothing prescribes
+    mass: np.ndarray  # (8, 8) at the start
+    force: Kernel  # (q, v, data) -> (8,)
+    data: GearData
+    bar: MassProperties
+    pulse: Pulse | None = None
+
+    @classmethod
+    def of(
+        cls, gear: SteeringGear, fidelity: Fidelity, drive: Drive, pulse: Pulse | None = None
+    ) -> "FreeMotion":
+        """Of a gear in its equilibrium; the bush must be condensed."""
+        model = build_model(gear, fidelity, drive, pulse=pulse)
+        force, data = model.forces.dynamics
+        q, v = model.start.coordinates[0].copy(), model.start.rates[0].copy()
+        model.mbs.Assemble()
+        solve(model.mbs, SolverPlan(end_time=1e-6, steps=1))  # so that the masses are there
+        mass = np.array(model.mbs.sys["dynamicSolver"].GetSystemMassMatrix())
+        moving = np.array([i for i in range(q.size) if i not in (drive.coordinate, *model.forces.locked)])
+        elements = model.forces.elements
+        model.release()
+        bar = rack_solid(gear).mass_properties
+        return cls(elements, drive, q, v, moving, mass, force, data, bar, pulse)
+
+    def inverse_mass(self, q: np.ndarray) -> np.ndarray:
+        """Over what moves; the rack's masses turn with it."""
+        turned, rack = self.mass.copy(), STACK["rack"]
+        turned[rack, rack] = rigid_mass(q[rack][3:], self.bar)
+        return np.asarray(np.linalg.inv(turned[np.ix_(self.moving, self.moving)]))
+
+    def acceleration(self, t: float, q: np.ndarray, v: np.ndarray, inverse: np.ndarray) -> np.ndarray:
+        """Of every coordinate, (8,); 0 of those prescribed."""
+        forces, rack = np.array(self.force(q, v, self.data)), STACK["rack"]
+        if self.pulse is not None and (shake := self.pulse.force(t)).any():
+            dead = DeadForceData((shake[0], shake[1], shake[2]), self.pulse.place)
+            forces[rack] += dead_force(q[rack], v[rack], dead)[:6]
+        forces[rack] -= centrifugal(q[rack][3:], v[rack][3:], self.bar)
+        a = np.zeros(q.size)
+        a[self.moving] = inverse @ forces[self.moving]
+        return a
+
+    def recorded(self, times: np.ndarray, places: np.ndarray, rates: np.ndarray) -> Record:
+        """A motion with the drive's torque or force."""
+        states = zip(places, rates, strict=True)
+        driven = np.array([self.force(*state, self.data)[self.drive.coordinate] for state in states])
+        no_energy = np.zeros(times.size)  # kinetic: not asked for
+        overcome = -self.drive.sign * driven
+        return Record(self.elements, times, places, rates, overcome, self.drive.body, no_energy)
+
+
+def explicit_motion(
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    drive: Drive,
+    *,
+    step: float,
+    steps: int,
+    keep: int = 1,
+    pulse: Pulse | None = None,
+) -> Signals:
+    """Signals of a steadily driven or held gear from its equilibrium; every `keep`-th step [s] is kept.
+
+    The bush must be condensed. Nothing is judged here.
+    """
+    motion = FreeMotion.of(gear, fidelity, drive, pulse)
+    return signals_of(motion.recorded(*runge_kutta(motion, motion.rate, step, steps, keep)))
+
+
+def rigid_mass(angles: np.ndarray, body: MassProperties) -> np.ndarray:
+    """Mass matrix (6, 6) of a rigid body over the rates of its reference point and of its rotation angles."""
+    turn, spin = rotation_matrix(angles), spin_map(angles)
+    arm = turn @ body.centre_of_mass
+    cross = np.array([[0, -arm[2], arm[1]], [arm[2], 0, -arm[0]], [-arm[1], arm[0], 0]])
+    about_point = turn @ body.inertia @ turn.T - body.mass * cross @ cross
+    beside = -body.mass * cross @ spin
+    return np.block([[body.mass * np.eye(3), beside], [beside.T, spin.T @ about_point @ spin]])
+
+
+def centrifugal(angles: np.ndarray, rates: np.ndarray, body: MassProperties) -> np.ndarray:
+    """What goes with the squares of the angles' rates in the equations of `rigid_mass`, (6,)."""
+    turn, spin, short = rotation_matrix(angles), spin_map(angles), 1e-6
+    arm, omega = turn @ body.centre_of_mass, spin @ rates
+    bent = (spin_map(angles + short * rates) - spin) @ rates / short
+    about_point = turn @ body.inertia @ turn.T + body.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    pull = body.mass * (np.cross(bent, arm) + np.cross(omega, np.cross(omega, arm)))
+    return np.concatenate([pull, spin.T @ (about_point @ bent + np.cross(omega, about_point @ omega))])
+
+
+def runge_kutta(
+    motion: FreeMotion, rate: np.ndarray, step: float, steps: int, keep: int = 1
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times (n,), places and rates (n, 8) from the motion's place and a `rate`; every `keep`-th step [s]."""
+    acceleration, q, v = motion.acceleration, motion.place, rate
+    kept = [(0.0, q, v)]
+    for k in range(steps):
+        t, half, inverse = k * step, step / 2, motion.inverse_mass(q)
+        a1 = acceleration(t, q, v, inverse)
+        v2 = v + half * a1
+        a2 = acceleration(t + half, q + half * v, v2, inverse)
+        v3 = v + half * a2
+        a3 = acceleration(t + half, q + half * v2, v3, inverse)
+        v4 = v + step * a3
+        a4 = acceleration(t + step, q + step * v3, v4, inverse)
+        q = q + step / 6 * (v + 2 * v2 + 2 * v3 + v4)
+        v = v + step / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+        if (k + 1) % keep == 0:
+            kept.append(((k + 1) * step, q, v))
+    times, places, rates = (np.array(column) for column in zip(*kept, strict=True))
+    return times, places, rates

@@ -1,0 +1,48 @@
+"""A reversal as the limit of slow motion: equilibria, and the inertia of the motion that the rig prescribes.
+
+A witness besides Exudyn's dynamics. Equilibria alone leave 0.04 % of the default gear's torque out: rack and
+pinion are accelerated with the swing. Nothing else in a reversal moves fast enough to be felt.
+"""
+
+from dataclasses import replace
+
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.solids import pinion_solid, rack_solid
+from rps_exudyn.mesh_contact.flank_data import pack_generators
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.trip import swing_trip
+from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
+from rps_exudyn.verification.equilibria import equilibria
+
+ON_GENERATOR = 16  # Gauss points along each: teeth that hardly move rub one way here and another way there
+
+
+def slow_swing(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
+    """A reversal, the contact integrated as `fidelity` says, generators with `ON_GENERATOR` points.
+
+    Raises:
+        InputError: the steering leaves the rack's teeth.
+    """
+    return equilibria(
+        gear, _well_integrated(gear, fidelity), swing_trip(gear, fidelity.step_angle), inertia(gear)
+    )
+
+
+def _well_integrated(gear: SteeringGear, fidelity: Fidelity) -> GearForces:
+    forces = gear_forces(gear, fidelity)
+    if fidelity.mesh != "flank-generators":
+        return forces
+    table = pack_generators(
+        gear, zone=forces.friction_zone, generators=fidelity.generators, along=ON_GENERATOR
+    )
+    return replace(forces, mesh=replace(forces.mesh, data=forces.mesh.data._replace(table=table)))
+
+
+def inertia(gear: SteeringGear) -> float:
+    """Of pinion and rack about the pinion's axis, the rack moving at the gear's gain [kg m^2]."""
+    pinion, rack = pinion_solid(gear).mass_properties, rack_solid(gear).mass_properties
+    from_axis = pinion.centre_of_mass[:2]
+    about_axis = pinion.inertia[2, 2] + pinion.mass * (from_axis @ from_axis)
+    return float(about_axis + rack.mass * GearPair.of(gear).gain ** 2)

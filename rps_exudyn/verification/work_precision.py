@@ -1,0 +1,166 @@
+"""How exact is a curve, and what did it cost? References with uncertainty, errors, orders, Pareto fronts.
+
+    reference = agreed_reference({"equilibria by generators": first, "slow dynamics by strips": second})
+    reference.uncertainty             # what the two methods do not agree about, RMS in % of the mean
+    curve_errors(record, reference)   # of another record of the same motion
+
+A `Curve` is what a scene records: values over time, in one piece or several where trips were joined. Errors
+are in % of the reference's mean size, over the time that both cover. Between its own instants a record is
+interpolated by a cubic spline (`rms`) and by straight lines (`rms_linear`).
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from rps_exudyn.analysis.harmonics import order_amplitude
+
+EVEN_POINTS = 3601  # of a piece, at which curves are compared
+FAR_ABOVE = 5  # times the floor: errors that tell an order
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One signal over time, shape (n,) both; pieces rise in time, between them it jumps back."""
+
+    time: np.ndarray  # [s]
+    values: np.ndarray
+
+    @property
+    def pieces(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """Time and values of each."""
+        joints = np.flatnonzero(np.diff(self.time) <= 0) + 1
+        return zip(np.split(self.time, joints), np.split(self.values, joints), strict=True)
+
+    def over(self, grids: Sequence[np.ndarray], smooth: bool = True) -> np.ndarray:
+        """Values at given times [s], a grid for each piece, one after the other."""
+        found = []
+        for (time, values), grid in zip(self.pieces, grids, strict=True):
+            if smooth and time.size > 3:
+                found.append(CubicSpline(time, values)(grid))
+            else:
+                found.append(np.interp(grid, time, values))
+        return np.concatenate(found)
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """A curve on which methods agree."""
+
+    curve: Curve
+    uncertainty: float  # largest RMS difference of the methods, % of the mean size
+    differences: dict[str, float]  # the same, pair by pair of methods
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Of a record against a reference, in % of the reference's mean size."""
+
+    rms: float
+    rms_linear: float
+    bias: float  # of the mean
+    peak_to_peak: float
+    tooth_order: float | None = None  # of the amplitude; None if it cannot be told
+    first_order: float | None = None
+
+    @property
+    def either_way(self) -> float:
+        """RMS however one interpolates."""
+        return max(self.rms, self.rms_linear)
+
+
+def agreed_reference(methods: Mapping[str, Curve]) -> Reference:
+    """The first method's curve, with what all do not agree about.
+
+    Raises:
+        ValueError: fewer than two methods: agreement with itself is none.
+    """
+    if len(methods) < 2:
+        raise ValueError("a reference needs two methods")
+    curve = next(iter(methods.values()))
+    size = size_of(curve)
+    differences = {
+        f"{a} - {b}": _rms(*_both(methods[b], methods[a]), size) for a, b in combinations(methods, 2)
+    }
+    return Reference(curve, max(differences.values()), differences)
+
+
+def richardson(coarse: Curve, fine: Curve, ratio: float, order: float) -> Curve:
+    """Extrapolated from two resolutions, `ratio` apart, of a method of this order; on the finer's times."""
+    grids = [time for time, _ in fine.pieces]
+    step = (fine.values - coarse.over(grids)) / (ratio**order - 1)
+    return Curve(fine.time, fine.values + step)
+
+
+def size_of(curve: Curve) -> float:
+    """Mean magnitude over time: what errors are a share of."""
+    area = sum(float(np.trapezoid(np.abs(values), time)) for time, values in curve.pieces)
+    return area / sum(float(time[-1] - time[0]) for time, _ in curve.pieces)
+
+
+def curve_errors(
+    record: Curve, reference: Reference, turned: float | None = None, teeth: int | None = None
+) -> Errors:
+    """Of a record; orders if the pinion turned steadily, by `turned` [rad] in the reference's one piece."""
+    own, true = _both(record, reference.curve)
+    linear, _ = _both(record, reference.curve, smooth=False)
+    size = size_of(reference.curve)
+    orders: dict[str, float | None] = {}
+    if turned is not None and teeth is not None:
+        ends = reference.curve.time[[0, -1]]
+        covered = (min(record.time[-1], ends[1]) - max(record.time[0], ends[0])) / (ends[1] - ends[0])
+        angle = np.linspace(0.0, turned * covered, own.size)
+        for name, order in (("tooth_order", teeth), ("first_order", 1)):
+            amplitudes = [order_amplitude(angle, values, order) for values in (own, true)]
+            if None not in amplitudes:
+                orders[name] = 100 * (amplitudes[0] - amplitudes[1]) / size  # type: ignore[operator]
+    return Errors(
+        rms=_rms(own, true, size),
+        rms_linear=_rms(linear, true, size),
+        bias=100 * float(np.mean(own) - np.mean(true)) / size,
+        peak_to_peak=100 * float(np.ptp(own) - np.ptp(true)) / size,
+        **orders,
+    )
+
+
+def _both(record: Curve, reference: Curve, smooth: bool = True) -> tuple[np.ndarray, np.ndarray]:
+    """Both at even times that both cover, piece by piece."""
+    grids = []
+    for (own, _), (true, _) in zip(record.pieces, reference.pieces, strict=True):
+        grids.append(np.linspace(max(own[0], true[0]), min(own[-1], true[-1]), EVEN_POINTS))
+    return record.over(grids, smooth), reference.over(grids)
+
+
+def _rms(first: np.ndarray, second: np.ndarray, size: float) -> float:
+    return 100 * float(np.sqrt(np.mean((first - second) ** 2))) / size
+
+
+# --- many of them ----------------------------------------------------------------------------------
+def pareto_front(cost: np.ndarray, error: np.ndarray) -> np.ndarray:
+    """Which points no other beats in both, shape (n,) bool; points that are not finite never."""
+    cost, error = np.asarray(cost, dtype=float), np.asarray(error, dtype=float)
+    finite = np.isfinite(cost) & np.isfinite(error)
+    beaten = np.array(
+        [
+            bool((finite & (cost <= c) & (error <= e) & ((cost < c) | (error < e))).any())
+            for c, e in zip(cost, error, strict=True)
+        ],
+        dtype=bool,
+    )
+    return finite & ~beaten
+
+
+def observed_order(size: np.ndarray, error: np.ndarray, floor: float) -> float | None:
+    """p of error ~ size^p over the points well above the floor; None with fewer than three."""
+    size, error = np.asarray(size, dtype=float), np.asarray(error, dtype=float)
+    told = np.isfinite(error) & (error > FAR_ABOVE * floor) & (size > 0)
+    return power_law(size[told], error[told])[0] if told.sum() >= 3 else None
+
+
+def power_law(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
+    """p and c of y ~ c x^p, by least squares in the logarithms."""
+    slope, constant = np.polyfit(np.log(x), np.log(y), 1)
+    return float(slope), float(np.exp(constant))

@@ -1,0 +1,222 @@
+"""Work against precision: what each model of a scene costs, and how far its curve is from the reference.
+
+A point at the floor or below it says nothing more: there the reference's own methods disagree. An unfinished
+study is drawn with what there is, and says what is missing.
+"""
+
+from collections import Counter
+from collections.abc import Mapping
+from itertools import cycle
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rps_exudyn.charts import style
+from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
+from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.verification.measurement import FAMILIES, PRESET_FAMILIES, Measurement, Point
+from rps_exudyn.verification.work_precision import pareto_front, power_law
+
+STYLES = {
+    "general contact": ("#b00020", "s"),
+    "flank": ("#0b5394", "o"),
+    "flank, bush chain": ("#674ea7", "D"),
+    "quasi-static": ("#38761d", "^"),
+    "generators": ("#6aa84f", "v"),
+    "spheres at rest": ("#e69138", "P"),
+    "shaped pinion": ("#c27ba0", "h"),
+    "meshed pinion": ("#b45f06", "p"),
+    "explicit": ("#45818e", "<"),
+    "closed form": ("#000000", "*"),
+    "ratio": ("#777777", "X"),
+}
+"""Colour and marker of each family, the same in all figures."""
+
+WANTED = (1.0, 0.1)  # [%]
+OF_SCENE = {
+    "free-pinion-torque": "Free pinion torque",
+    "load-test": "Load test",
+    "rack-push": "Rack push: force",
+    "reversal": "Reversal",
+    "yoke-impact": "Yoke impact: yokenut's force",
+}
+
+
+def draw_work_precision(measurement: Measurement, path: str | Path) -> None:
+    """Draw it and write the picture.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    style.save(work_precision_figure(measurement), path)
+
+
+def work_precision_figure(measurement: Measurement) -> Figure:
+    """Cost upwards, error to the right, both in decades; each family's Pareto front is its line."""
+    figure, (axes,) = style.panels([5.6], 9.0)
+    _in_decades(axes)
+    floor = measurement.reference.uncertainty
+    drawn = [point for point in measurement.points if point.ok and np.isfinite(point.error)]
+    for family in FAMILIES:
+        _draw_family(axes, family, [point for point in drawn if point.family == family], floor)
+    _mark_defaults(axes, drawn, floor)
+    _draw_failures(axes, [point for point in measurement.points if not point.ok])
+    _draw_floor(axes, floor)
+    for wanted in WANTED:
+        axes.axvline(wanted, **style.REFERENCE_LINE)
+    axes.set_xlabel("error, RMS over the motion [% of the mean]")
+    per = "run" if measurement.scene == "yoke-impact" else "revolution"
+    axes.set_ylabel(f"processor time of the solver [s per {per}]")
+    _legend_beside(axes)
+    headline = f"{OF_SCENE[measurement.scene]}: cost of a model against its error"
+    style.title(figure, headline, told_missing(measurement))
+    return figure
+
+
+def told_missing(measurement: Measurement) -> str:
+    """One sentence about what was planned and is not there; empty if all is."""
+    missing = Counter(study for study, _ in measurement.missing)
+    if not missing:
+        return ""
+    parts = ", ".join(f"{count} of {study}" for study, count in missing.items())
+    total = sum(missing.values())
+    return f"unfinished: {total} of {len(measurement.planned)} points are missing ({parts})"
+
+
+def _in_decades(axes: Axes) -> None:
+    axes.set(xscale="log", yscale="log")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(lambda value, _: f"{value:g}")
+
+
+def _legend_beside(axes: Axes) -> None:
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), frameon=False, borderpad=0)
+
+
+def _draw_family(axes: Axes, family: str, points: list[Point], floor: float) -> None:
+    """All points faint, the Pareto front strong and joined."""
+    if not points:
+        return
+    colour, marker = STYLES[family]
+    error = np.maximum([point.error for point in points], floor)
+    cost = np.array([point.cost for point in points])
+    front = pareto_front(cost, error)
+    # as an image, of which a page with hundreds of marks is half as large
+    axes.plot(error, cost, marker, color=colour, alpha=0.25, markersize=4, markeredgewidth=0, rasterized=True)
+    order = np.argsort(error[front])
+    axes.plot(error[front][order], cost[front][order], marker + "-", color=colour, markersize=6, label=family)
+
+
+def _mark_defaults(axes: Axes, points: list[Point], floor: float) -> None:
+    """A ring around each preset as it is."""
+    label = "default of a preset"
+    for preset in PRESETS:
+        for point in points:
+            if is_default(point, preset):
+                error = max(point.error, floor)
+                axes.plot(error, point.cost, "o", color="black", fillstyle="none", markersize=12, label=label)
+                label = "_"
+                break
+
+
+def is_default(point: Point, preset: str) -> bool:
+    """Whether it is this preset with nothing changed."""
+    unchanged = Fidelity.preset(preset)
+    named = {"name": unchanged.name}
+    return point.family == PRESET_FAMILIES[preset] and point.fidelity.model_copy(update=named) == unchanged
+
+
+def _draw_failures(axes: Axes, points: list[Point]) -> None:
+    """At the right edge, at what they cost until they failed."""
+    label = "failed"
+    for point in points:
+        if point.cost > 0:
+            colour, _ = STYLES[point.family]
+            axes.plot(
+                1.0,
+                point.cost,
+                "x",
+                color=colour,
+                transform=axes.get_yaxis_transform(),
+                clip_on=False,
+                label=label,
+            )
+            label = "_"
+
+
+def _draw_floor(axes: Axes, floor: float) -> None:
+    axes.axvspan(floor / 3, floor, color=style.COLOURS["reference"], alpha=0.25, linewidth=0)
+    axes.set_xlim(left=floor / 3)
+    axes.annotate(
+        f"floor {floor:.2g} %",
+        (floor / 3, 0.01),
+        xycoords=("data", "axes fraction"),
+        fontsize=8,
+        color="#444444",
+    )
+
+
+# --- cost against size -----------------------------------------------------------------------------
+def draw_scaling(measured: Mapping[str, tuple[np.ndarray, np.ndarray]], path: str | Path) -> None:
+    """Cost over size of each problem, sizes and processor seconds (n,), with the exponent fitted to them.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    style.save(scaling_figure(measured), path)
+
+
+def scaling_figure(measured: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Figure:
+    """Both axes in decades."""
+    figure, (axes,) = style.panels([4.6], 9.0)
+    _in_decades(axes)
+    for colour, (name, (size, cost)) in zip(cycle(style.SEVERAL), measured.items(), strict=False):
+        power, factor = power_law(size, cost)
+        axes.plot(size, cost, "o", color=colour, markersize=5, label=f"{name}: exponent {power:.2f}")
+        axes.plot(size, factor * size**power, "-", color=colour, linewidth=1)
+    axes.set_xlabel("size: number of what the legend names")
+    axes.set_ylabel("processor time [s]")
+    _legend_beside(axes)
+    style.title(figure, "Cost against the size of the problem, and the exponents of cost ~ size^p")
+    return figure
+
+
+# --- the contact law's own uncertainty -------------------------------------------------------------
+def draw_law_band(
+    angle: np.ndarray, torques: Mapping[str, np.ndarray], default: str, path: str | Path
+) -> None:
+    """Torque over the angle [rad] by each law, shape (n,), and the band between the extremes.
+
+    `default` is the name of the law around which 1 % is drawn: what a numerical error of 1 % would be.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    style.save(law_band_figure(angle, torques, default), path)
+
+
+def law_band_figure(angle: np.ndarray, torques: Mapping[str, np.ndarray], default: str) -> Figure:
+    """The band between the extremes, grey."""
+    figure, (axes,) = style.panels([4.2], 9.0)
+    degrees = SIGNALS["pinion_angle"].displayed(angle)
+    quantity = SIGNALS["pinion_torque"]
+    all_of_them = np.array(list(torques.values()))
+    low, high = all_of_them.min(axis=0), all_of_them.max(axis=0)
+    grey = style.COLOURS["reference"]
+    axes.fill_between(degrees, low, high, color=grey, alpha=0.2, linewidth=0, label="all of these laws")
+    for colour, (name, torque) in zip(cycle(style.SEVERAL), torques.items(), strict=False):
+        bold = name == default
+        axes.plot(
+            degrees, torque, color="black" if bold else colour, linewidth=2.2 if bold else 1.2, label=name
+        )
+    sure = torques[default]
+    for share in (0.99, 1.01):
+        axes.plot(degrees, share * sure, **style.REFERENCE_LINE, label="1 % off" if share < 1 else "_")
+    axes.set_ylabel(quantity.axis_label("pinion torque"))
+    style.angle_axis(axes)
+    _legend_beside(axes)
+    style.title(figure, "What the contact law itself leaves open")
+    return figure
