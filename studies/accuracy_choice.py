@@ -21,7 +21,7 @@ from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
-from rps_exudyn.scenes.trip import whole_periods
+from rps_exudyn.scenes.maneuver import whole_periods
 from rps_exudyn.simulate.by_accuracy import TABLE, Setting
 from rps_exudyn.verification.population import random_gears
 from rps_exudyn.verification.references import (
@@ -99,24 +99,32 @@ def main() -> None:
         for index, gear in enumerate(gears):
             if index < len(rows):
                 continue
-            rows.append(tried(scene, gear))
-            print(scene, index, rows[-1].get("refused") or f"doubt {rows[-1]['doubt']:.4f}", flush=True)
+            rows.append(run_and_check(scene, gear))
+            print(
+                scene,
+                index,
+                rows[-1].get("refused") or f"uncertainty {rows[-1]['uncertainty']:.4f}",
+                flush=True,
+            )
             with replacing(asked.keep) as partial:
                 partial.write_text(json.dumps(raw))
         publish(scene, rows, gears, asked.out)
 
 
-def tried(scene: str, gear: SteeringGear) -> dict[str, Any]:
+def run_and_check(scene: str, gear: SteeringGear) -> dict[str, Any]:
     """Errors and costs of all settings on one gear, or why it has none."""
     gear = for_scene(scene, gear)
     try:
         truth = truth_of(scene, gear, WITNESSES[scene])
     except (ArithmeticError, InputError) as error:
         return {"refused": str(error)}
-    doubt = truth.judged.uncertainty
-    if doubt > LARGEST_DOUBT.get(scene, 0.05):
-        return {"refused": f"the reference is known to {doubt:.3f} % only", "doubt": doubt}
-    return {"doubt": doubt, "errors": [error_and_cost(truth, gear, *setting) for setting in SETTINGS[scene]]}
+    uncertainty = truth.judged.uncertainty
+    if uncertainty > LARGEST_DOUBT.get(scene, 0.05):
+        return {"refused": f"the reference is known to {uncertainty:.3f} % only", "uncertainty": uncertainty}
+    return {
+        "uncertainty": uncertainty,
+        "errors": [error_and_cost(truth, gear, *setting) for setting in SETTINGS[scene]],
+    }
 
 
 def for_scene(scene: str, gear: SteeringGear) -> SteeringGear:
@@ -129,7 +137,7 @@ def for_scene(scene: str, gear: SteeringGear) -> SteeringGear:
 def error_and_cost(
     truth: Truth, gear: SteeringGear, preset: str, angles: int | None, settings: dict[str, float]
 ) -> tuple[float, float] | None:
-    """[%] and processor seconds per revolution; None where the run fails."""
+    """[%] and CPU seconds per revolution; None where the run fails."""
     fidelity = Setting(preset, angles, settings, 0, 0, 0, 0, 0).for_gear(gear)
     runs = [run_scene(truth.scene, gear, fidelity) for _ in range(3 if preset == "quasi-static" else 1)]
     if not runs[0].ok:
@@ -160,14 +168,14 @@ def scene_rows(tried: list[Tried], rows: list[dict[str, Any]], alike: list[bool]
     """Floor, count of gears, settings; `alike` tells of each gear whether its teeth are."""
     judged = [(row, same) for row, same in zip(rows, alike, strict=False) if "errors" in row]
     margin = MARGIN if len(judged) >= FEW else WIDE_MARGIN
-    doubts = np.array([row["doubt"] for row, _ in judged])
+    uncertainties = np.array([row["uncertainty"] for row, _ in judged])
     settings = []
     for at, (preset, angles, changes) in enumerate(tried):
         found = [row["errors"][at] for row, _ in judged]
         there = np.array([one is not None for one in found])
         if not there.any() or 1 - there.mean() > MOST_FAILURES:
             continue
-        errors = np.array([one[0] for one in found if one]) + doubts[there]
+        errors = np.array([one[0] for one in found if one]) + uncertainties[there]
         costs = {
             kind: np.median(
                 [one[1] for one, (_, same) in zip(found, judged, strict=True) if one and same == kind]
@@ -186,7 +194,7 @@ def scene_rows(tried: list[Tried], rows: list[dict[str, Any]], alike: list[bool]
                 "failed": float(f"{1 - there.mean():.3g}"),
             }
         )
-    floor = float(f"{margin * doubts.max():.2g}")
+    floor = float(f"{margin * uncertainties.max():.2g}")
     return {"floor": floor, "gears": len(judged), "tried": len(rows), "margin": margin, "settings": settings}
 
 

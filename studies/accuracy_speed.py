@@ -4,7 +4,7 @@
 
 The points are those of studies/accuracy_speed_*.toml, which `rps-exudyn study` runs too, and for the free
 pinion torque those of models that no fidelity describes: Exudyn's explicit solvers, and pinions as they are
-cut. Each is run several times in this one process, and its least processor time counts. Writes SCENE.h5,
+cut. Each is run several times in this one process, and its least CPU time counts. Writes SCENE.h5,
 SCENE.png and report.html. With --again what is there is measured anew: on another machine the costs are
 others, the errors are not. With --more a study is measured once more, and the least cost of all counts.
 """

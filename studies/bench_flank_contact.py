@@ -2,7 +2,7 @@
 
     python studies/bench_flank_contact.py
 
-Cost is processor time of one thread, the least of several repeats over one tooth pitch, compilation apart.
+Cost is CPU time of one thread, the least of several repeats over one tooth pitch, compilation apart.
 Errors are at a given place of the rack (no equilibrium, which would balance most of it out): of the torque
 RMS over a pitch in % of its mean, and of the whole wrench the largest in % of the sum of normal forces (times
 the base radius). Reference: 1280 generators with exact ends (2560 change the torque by less than 0.0001 %).
@@ -64,7 +64,7 @@ def states(gear: SteeringGear, turn: tuple[float, float, float]) -> list[tuple[A
 
 
 def microseconds(kernel: Callable[..., Any], arguments: list[tuple[Any, ...]], data: np.ndarray) -> float:
-    """Processor time of one evaluation."""
+    """CPU time of one evaluation."""
     angles = np.array([args[0] for args in arguments])
     places = np.array([args[2] for args in arguments])
 

@@ -1,8 +1,8 @@
-"""What exact geometry costs: deviation from the helicoid and processor time of each mesh.
+"""What exact geometry costs: deviation from the helicoid and CPU time of each mesh.
 
     python studies/bench_geometry.py          # prints the table of results/README.md, section Geometry
 
-Times are processor seconds of one process, the least of several repeats.
+Times are CPU seconds of one process, the least of several repeats.
 """
 
 import time
@@ -24,7 +24,7 @@ PAIR = GearPair.of(GEAR)
 
 
 def least_time(work: Callable[[], object], repeats: int = 5) -> float:
-    """Processor seconds of the fastest repeat."""
+    """CPU seconds of the fastest repeat."""
     times = []
     for _ in range(repeats):
         start = time.process_time()

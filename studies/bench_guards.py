@@ -1,4 +1,4 @@
-"""What guards and judge cost: their share of a run's processor time, results/stability/guard_cost.json.
+"""What guards and judge cost: their share of a run's CPU time, results/stability/guard_cost.json.
 
 python studies/bench_guards.py [REPEATS]
 """
@@ -13,7 +13,7 @@ from unittest.mock import patch
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes import make_trip
+from rps_exudyn.scenes import run_maneuver
 from rps_exudyn.simulate import run as simulate
 
 OUT = Path(__file__).parents[1] / "results" / "stability" / "guard_cost.json"
@@ -29,7 +29,7 @@ CASES = {
 
 
 class Clock:
-    """Processor time spent in one function [s]."""
+    """CPU time spent in one function [s]."""
 
     def __init__(self) -> None:
         self.seconds = 0.0
@@ -52,14 +52,14 @@ def fidelity_of(name: str) -> Fidelity:
 
 
 def cost(name: str, settings: dict[str, Any], turns: float, repeats: int) -> dict[str, float]:
-    """Processor time of a run, and what guards and judge take of it."""
+    """CPU time of a run, and what guards and judge take of it."""
     gear = SteeringGear().replace(settings | {"test.turns": turns})
     guards, judge = Clock(), Clock()
     fidelity = fidelity_of(name)
     simulate.run("free-pinion-torque", gear, fidelity=fidelity)  # compiled and loaded
     with (
         patch.object(simulate, "refused", guards.around(simulate.refused)),
-        patch.object(make_trip, "judged", judge.around(make_trip.judged)),
+        patch.object(run_maneuver, "validated", judge.around(run_maneuver.validated)),
     ):
         start = process_time()
         for _ in range(repeats):

@@ -3,7 +3,7 @@
     python studies/bench_models.py [results/models]
 
 Prints the tables of results/README.md, draws the torque of general contact over that of the flank contact,
-and both with the kinematic ratio. Cost is processor time of one thread in the solver, the least of several
+and both with the kinematic ratio. Cost is CPU time of one thread in the solver, the least of several
 repeats, compilation and setting up apart; general contact is timed over one tooth pitch and counted `teeth`
 times. The error is the RMS of the torque over one tooth pitch in % of its mean, the bias its mean. The
 reference is the equilibrium at 0.1 degree steps; how far slow dynamics at 0.1 degrees lies from it says how

@@ -2,7 +2,7 @@
 
     python studies/bench_scenes.py
 
-Prints the tables of results/README.md, section Scenes. Processor seconds of the whole command, compiled, the
+Prints the tables of results/README.md, section Scenes. CPU seconds of the whole command, compiled, the
 least of three repeats.
 """
 

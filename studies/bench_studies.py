@@ -161,7 +161,7 @@ def started(file: Path, out: Path, jobs: int) -> "subprocess.Popen[bytes]":
 
 
 def watched(file: Path, out: Path, jobs: int) -> dict[str, float]:
-    """Wall and processor time [s] of a whole study, and the greatest memory of its parent process [MB]."""
+    """Wall and CPU time [s] of a whole study, and the greatest memory of its parent process [MB]."""
     start, before = time.perf_counter(), os.times()
     process, most = started(file, out, jobs), 0.0
     while process.poll() is None:

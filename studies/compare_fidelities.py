@@ -3,7 +3,7 @@
     python studies/compare_fidelities.py
 
 Prints the table of README.md, draws the full model against the flank contact and what the kinematic ratio
-misses. Processor time is the solver's in a second run, so without compilation and setting up; the full
+misses. CPU time is the solver's in a second run, so without compilation and setting up; the full
 model takes minutes.
 """
 

@@ -3,7 +3,7 @@
     python studies/need_analysis.py [SCENE ...]
 
 Writes results/scenes/need/SCENE.md, a table for each scene: a row for each change, in it how far each metric
-moves from the everyday model (preset flank) and the solver's processor time. Bold is what moves a metric by
+moves from the everyday model (preset flank) and the solver's CPU time. Bold is what moves a metric by
 more than the accuracy stated for it, so that the scene needs it. Some minutes.
 """
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.run import run
-from rps_exudyn.verification.stability import Plan, error_of, naked, reference
+from rps_exudyn.verification.stability import Plan, error_of, reference, unchecked
 
 HERE = Path(__file__).parents[1]
 sys.path.insert(0, str(HERE / "tests"))
@@ -30,7 +30,7 @@ def main() -> None:
 
 
 def row_of(plan: Plan) -> tuple[str, str, str, str, str]:
-    bare, result = naked(plan), run(plan.scene, plan.gear, fidelity=plan.fidelity)
+    bare, result = unchecked(plan), run(plan.scene, plan.gear, fidelity=plan.fidelity)
     true = reference(plan, plan.figure(bare))
     error = error_of(plan.figure(result), true) if result.status is Status.OK else float("nan")
     without = error_of(plan.figure(bare), true)

@@ -321,7 +321,7 @@ def main() -> None:
             print(limit, f"{limit.measured / limit.predicted:.3f}", flush=True)
     (OUT / "explicit.json").write_text(json.dumps(limits, indent=1))
     draw_limits(limits, OUT / "explicit.png")
-    print(f"{process_time() - start:.0f} s of processor time")
+    print(f"{process_time() - start:.0f} s of CPU time")
 
 
 if __name__ == "__main__":

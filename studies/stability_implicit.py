@@ -27,10 +27,10 @@ from rps_exudyn.verification.stability import (
     Plan,
     bisected,
     error_of,
-    naked,
     processor_time,
     reference,
-    tried,
+    run_and_check,
+    unchecked,
 )
 
 OUT = Path(__file__).parents[1] / "results" / "stability"
@@ -39,7 +39,7 @@ FINEST, COARSEST, LADDER = 2.0, 40.0, 1.35  # [deg], [deg], from step to step
 PITCHES = 5.4  # of a record
 BOUNDS = (0.01, 0.05)
 SIGNAL = {"free-pinion-torque": "pinion_torque", "rack-push": "rack_force"}
-TIME_LIMIT = 10.0  # processor time of a run [s]
+TIME_LIMIT = 10.0  # CPU time of a run [s]
 
 
 @dataclass(frozen=True)
@@ -119,8 +119,8 @@ def coarse_steps() -> Iterator[CoarseStep]:
 
 def _coarse_step(line: str, at: str, plan: Plan) -> CoarseStep:
     finest = plan.with_step(FINEST)
-    still = naked(Plan(plan.scene, plan.gear, plan.fidelity.replace(STILL | STRIP)))
-    true = reference(finest, finest.figure(naked(finest)))
+    still = unchecked(Plan(plan.scene, plan.gear, plan.fidelity.replace(STILL | STRIP)))
+    true = reference(finest, finest.figure(unchecked(finest)))
     seen: dict[float, Trial] = {}
 
     def trial(step: float) -> Trial:
@@ -138,7 +138,7 @@ def _coarse_step(line: str, at: str, plan: Plan) -> CoarseStep:
 def _trial(plan: Plan, true: float, still: Result) -> Trial:
     try:
         with processor_time(TIME_LIMIT):
-            result, told = tried(plan)
+            result, told = run_and_check(plan)
     except TimeoutError as error:
         return Trial(np.inf, np.inf, str(error))
     if result.status is not Status.OK:
@@ -168,7 +168,7 @@ def main() -> None:
         steps.append(asdict(step))
         print(step, flush=True)
         (OUT / "implicit.json").write_text(json.dumps(steps, indent=1))
-    print(f"{process_time() - start:.0f} s of processor time")
+    print(f"{process_time() - start:.0f} s of CPU time")
 
 
 if __name__ == "__main__":

@@ -4,8 +4,8 @@
     python studies/stability_maps.py step_speed       one of them
 
 The plans are those of studies/stability_*.toml, which `rps-exudyn study` runs too; here each is run without
-guards and judge, and held against the same trip in small steps. Beside them stand explicit methods: Runge and
-Kutta's of fourth order on the gear (`accuracy.explicit`), Exudyn's velocity Verlet on the bush's chain.
+guards and judge, and compared with the same maneuver in small steps. Beside them stand explicit
+methods: classical Runge-Kutta on the gear (`accuracy.explicit`), Exudyn's velocity Verlet on the bush's chain.
 """
 
 import json
@@ -53,13 +53,13 @@ from rps_exudyn.verification.stability import (
     error_of,
     processor_time,
     reference,
-    tried,
+    run_and_check,
 )
 from rps_exudyn.verification.stability_charts import draw_maps
 
 STUDIES = Path(__file__).parent
 OUT = STUDIES.parent / "results" / "stability"
-TIME_LIMIT = 30.0  # processor time of a cell, and of its reference [s]
+TIME_LIMIT = 30.0  # CPU time of a cell, and of its reference [s]
 
 Predict = Callable[[SteeringGear, Fidelity], float]
 
@@ -108,7 +108,7 @@ def cell_and_told(plan: Plan, methods: Sequence[Choices]) -> tuple[Cell, bool]:
     """What a plan gives when nobody checks it, and whether guards or judge would object."""
     try:
         with processor_time(TIME_LIMIT):
-            result, told = tried(plan)
+            result, told = run_and_check(plan)
     except InputError:  # for instance a preload that the teeth do not carry
         return Cell.FAILED, True
     except TimeoutError:

@@ -28,7 +28,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
-from rps_exudyn.verification.stability import REFERENCES, Plan, error_of, naked, reference
+from rps_exudyn.verification.stability import REFERENCES, Plan, error_of, reference, unchecked
 
 SEED = 20261121
 TIME_LIMIT = 20.0  # [s] of one plan
@@ -143,7 +143,7 @@ def _error(plan: Plan, result: Result) -> dict[str, Any]:
     error = error_of(value, reference(plan, value, REFERENCES if sound else REFERENCES[:2]))
     if sound and error != error:
         finer = Plan(plan.scene, plan.gear, plan.fidelity.replace(REFERENCES[2]))
-        return {"error": error_of(value, plan.figure(naked(finer))), "reference": "not sound"}
+        return {"error": error_of(value, plan.figure(unchecked(finer))), "reference": "not sound"}
     return {"error": error}
 
 
@@ -153,7 +153,7 @@ def _refusal(plan: Plan) -> str:
     return "; ".join(refused(plan.scene, plan.gear, plan.fidelity))
 
 
-def rehearse() -> None:
+def warm_up() -> None:
     """Load or compile every kernel, which is on no plan's clock."""
     from rps_exudyn.simulate.run import unguarded
 
@@ -167,7 +167,7 @@ def rehearse() -> None:
 
 
 def child(pipe: multiprocessing.connection.Connection) -> None:
-    rehearse()
+    warm_up()
     while True:
         number = pipe.recv()
         pipe.send("begun")

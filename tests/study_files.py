@@ -23,7 +23,7 @@ from rps_exudyn.scenes.scene_run import SceneRun
 def scene(gear, fidelity):
     """What becomes of a case depends on its preload [N]."""
     preload = round(gear.yoke.preload)
-    if gear.test.turns < 0.1:  # rehearsal
+    if gear.test.turns < 0.1:  # warm_up
         return SceneRun(Outcome(Status.OK, settings={"name": "none"}))
     if preload == 901:
         os.kill(os.getpid(), signal.SIGSEGV)

@@ -40,7 +40,7 @@ def passes(signals: Signals) -> list[Pass]:
     A record that was put together of several, where one begins at the time at which the one before ended,
     is parted there too.
     """
-    return [each for trip in _trips(signals) for each in _passes_of_one(trip)]
+    return [each for maneuver in _trips(signals) for each in _passes_of_one(maneuver)]
 
 
 def turning_points(angle: np.ndarray) -> list[int]:

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from rps_exudyn.analysis.work_balance import largest_work, missing_work
-from rps_exudyn.forces.force_element import LEDGER_SIZE, ForceElement
+from rps_exudyn.forces.force_element import ENERGY_TERMS, ForceElement
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.sampled_contact import sampled_force
 from rps_exudyn.parameters.gear import SteeringGear
@@ -34,7 +34,7 @@ LEAST_TOUCHING = 15  # spheres of general contact; fewer miss up to 8 % of the t
 AGREEMENT_BOUND = 1e-6  # of Exudyn's contact forces with the compiled samples; 1e-9 is usual
 
 
-def judged(
+def validated(
     outcome: Outcome,
     gear: SteeringGear,
     record: Record,
@@ -150,7 +150,7 @@ def _work(force: np.ndarray, path: np.ndarray) -> float:
 
 def settled(signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
     """The rack has rolled into its place: until then the torque is not that of steady sliding."""
-    share = rolling_share(signals, gear)
+    share = rolling_fraction(signals, gear)
     if share > ROLLING_BOUND:
         yield (
             Status.INVALID,
@@ -159,7 +159,7 @@ def settled(signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
         )
 
 
-def rolling_share(signals: dict[str, np.ndarray], gear: SteeringGear) -> float:
+def rolling_fraction(signals: dict[str, np.ndarray], gear: SteeringGear) -> float:
     """How far the bar's surface rolls over the record, over the rack's travel."""
     rolled = abs(float(signals["rack_roll"][-1] - signals["rack_roll"][0])) * gear.rack.bar_diameter / 2
     return rolled / max(float(np.abs(np.diff(signals["rack_displacement"])).sum()), 1e-12)
@@ -194,7 +194,7 @@ def spheres_enough(record: Record, on_an_edge: bool) -> Failure:
     mesh = next(element for element in record.elements if element.name == "mesh")
     if mesh.kernel is not sampled_force:
         return
-    columns = dict(zip(mesh.outputs, range(mesh.size + LEDGER_SIZE, 1000), strict=False))
+    columns = dict(zip(mesh.outputs, range(mesh.size + ENERGY_TERMS, 1000), strict=False))
     some = replace(record, coordinates=record.coordinates[::8], rates=record.rates[::8])
     touching = float(np.median(some.outputs(mesh)[:, columns["mesh_touching"]]))
     least = LEAST_TOUCHING * (2 if on_an_edge else 1)

@@ -112,7 +112,7 @@ def least_profile_samples(gear: SteeringGear) -> int:
     """Spheres along the path of contact such that `SPACING` strips of contact lie between two of them."""
     pair = GearPair.of(gear)
     strip = 2 * np.sqrt(2 * _curvature_radius(pair) * max(predicted_depth(gear), 1e-9))
-    path = abs(pair.field[1] - pair.field[0])
+    path = abs(pair.active_path[1] - pair.active_path[0])
     return max(LEAST_ROWS, int(np.ceil(path / (SPACING * strip))))
 
 

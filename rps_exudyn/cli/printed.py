@@ -29,7 +29,7 @@ def print_result(result: "Result", files: Iterable[Path] = ()) -> None:
     if result.message:
         console.print(result.message)
     console.print(_grid(("quantity", "value", "definition"), _summary_rows(result)))
-    console.print(", ".join([f"{result.cpu_s:.3g} s of processor time", *_counts(result)]))
+    console.print(", ".join([f"{result.cpu_s:.3g} s of CPU time", *_counts(result)]))
     _print_files(console, files)
 
 

@@ -1,7 +1,7 @@
 """Forces between bodies as one compiled function, the same for Exudyn and for the equilibrium solver.
 
 A force element reads the coordinates q and rates v of its bodies, stacked in the order of `bodies`, and
-returns one array: the generalised forces, then the ledger (what it stores and what it dissipates),
+returns one array: the generalised forces, then the energy_terms (what it stores and what it dissipates),
 then values of its own, named in `outputs`.
 """
 
@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-# The ledger, behind the generalised forces in every element's output
+# The energy_terms, behind the generalised forces in every element's output
 ELASTIC_ENERGY, FRICTION_POWER, DAMPING_POWER = 0, 1, 2
-LEDGER_SIZE = 3
+ENERGY_TERMS = 3
 
 COORDINATES = {"pinion": 1, "rack": 6, "plunger": 1, "segment": 6}
 
@@ -25,9 +25,9 @@ class ForceElement:
     Attributes:
         name: which force this is, as in the results.
         bodies: the bodies whose coordinates it reads, in the order in which they are stacked.
-        kernel: (q, v, data) -> forces (n,), ledger (3,), own outputs.
+        kernel: (q, v, data) -> forces (n,), energy_terms (3,), own outputs.
         data: the law's constants, a NamedTuple.
-        outputs: names of the values behind the ledger.
+        outputs: names of the values behind the energy_terms.
         valid_to: outputs above which the law does not hold any more, and their bounds.
     """
 

@@ -108,7 +108,7 @@ def _held(q, v):  # type: ignore[no-untyped-def]
 
 @inlined
 def _fill(out, loads, turn):  # type: ignore[no-untyped-def]
-    """The forces on the rack, the ledger, and the outputs."""
+    """The forces on the rack, the energy_terms, and the outputs."""
     moment = plus(loads.moment, cross(loads.lever_rack, loads.force))
     out[0], out[1], out[2] = loads.force
     out[3], out[4], out[5] = on_angles(turn, moment)

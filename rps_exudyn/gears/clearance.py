@@ -50,7 +50,7 @@ def pinion_tip_interference(pair: GearPair, positions: int = 2001) -> float:
 
 def active_field(pair: GearPair) -> tuple[float, float]:
     """q0, qa: ends of the line of contact from the pitch point, where the involute exists as well [m]."""
-    q0, qa = pair.field
+    q0, qa = pair.active_path
     return max(q0, form_point(pair).tangent_length - pair.reference_radius * float(np.sin(pair.alpha_t))), qa
 
 

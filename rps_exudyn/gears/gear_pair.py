@@ -172,7 +172,7 @@ class GearPair:
 
     # --- field of contact ----------------------------------------------------------------------
     @cached_property
-    def field(self) -> tuple[float, float]:
+    def active_path(self) -> tuple[float, float]:
         """q0, qa: the line of contact's ends in the transverse section, from the pitch point [m].
 
         q0 is where the rack's tips (or the base circle) end it, qa where the pinion's tips do.
@@ -215,4 +215,4 @@ class GearPair:
     @cached_property
     def _friction_levers(self) -> np.ndarray:
         """Along the field of contact [m]."""
-        return self.friction_lever(np.linspace(*self.field, 201))
+        return self.friction_lever(np.linspace(*self.active_path, 201))

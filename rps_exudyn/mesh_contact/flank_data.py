@@ -122,7 +122,7 @@ def sliding_zone(gear: SteeringGear, share: float = 0.01) -> float:
     At 1 % the law is Coulomb's except where sliding nearly vanishes, as on the pitch line of parallel axes.
     """
     pair = GearPair.of(gear)
-    lever = np.mean(pair.friction_lever(np.linspace(*pair.field, 33)))
+    lever = np.mean(pair.friction_lever(np.linspace(*pair.active_path, 33)))
     return float(share * gear.test.speed * lever)
 
 

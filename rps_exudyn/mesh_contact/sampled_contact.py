@@ -2,7 +2,7 @@
 
 The same samples, the same law as Exudyn's GeneralContact computes: pressure proportional to depth, Coulomb
 friction regularised below a zone. It serves the general contact in three ways: as the tangent that its
-own Jacobian lacks, as the ledger that GeneralContact does not keep (normal forces, dissipation, stored
+own Jacobian lacks, as the energy_terms that GeneralContact does not keep (normal forces, dissipation, stored
 energy, deepest penetration), and as the independent second opinion on its forces.
 """
 

@@ -33,7 +33,7 @@ def sample_flank(flank: Flank, profile: int, axial: int) -> FlankSamples:
     """
     pair = flank.pair
     at_pitch_point = pair.reference_radius * np.sin(pair.alpha_t)
-    q_start = max(pair.field[0] + at_pitch_point, flank.form_tangent_length)
+    q_start = max(pair.active_path[0] + at_pitch_point, flank.form_tangent_length)
     q_step = (flank.tip_tangent_length - q_start) / profile
     q = (q_start + q_step * (np.arange(profile) + 0.5))[:, None]
 

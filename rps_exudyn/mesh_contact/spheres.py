@@ -71,6 +71,6 @@ def lowest_height(pair: GearPair) -> float:
 
 def gate_angle(pair: GearPair) -> float:
     """How far from the mesh a tooth space can touch the rack, with a margin [rad]."""
-    q0, qa = pair.field
+    q0, qa = pair.active_path
     roll = max(abs(q0), abs(qa)) / pair.base_radius
     return float(roll + abs(pair.twist) * pair.face_width / 2 + GATE_MARGIN)

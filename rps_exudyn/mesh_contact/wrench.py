@@ -28,13 +28,13 @@ PENETRATION = 12  # deepest [m]
 TOUCHING = 13  # number of samples or lines in contact
 WRENCH_SIZE = 14
 
-# What a mesh contact's force element tells behind the ledger
+# What a mesh contact's force element tells behind the energy_terms
 MESH_OUTPUTS = ("mesh_normal_force_drive", "mesh_normal_force_coast", "mesh_penetration", "mesh_touching")
 
 
 @kernel
 def on_coordinates(wrench, map_):  # type: ignore[no-untyped-def]
-    """A force element's output from a wrench: forces on pinion (1) and rack (6), ledger, MESH_OUTPUTS.
+    """A force element's output from a wrench: forces on pinion (1) and rack (6), energy_terms, MESH_OUTPUTS.
 
     `map_` is the rack's G, angle rates -> angular velocity.
     """

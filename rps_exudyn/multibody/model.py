@@ -36,7 +36,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import Drive, Steady
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, settled_path
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
-from rps_exudyn.solvers.gear_kernel import STACK, stacked, tangent
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, stacked, tangent
 
 if TYPE_CHECKING:
     import exudyn
@@ -152,8 +152,10 @@ def _lock(model: SteeringModel) -> None:
 def _constrain(model: SteeringModel, coordinate: int, **law: Any) -> Any:
     from exudyn.itemInterface import CoordinateConstraint, MarkerNodeCoordinate, NodePointGround
 
-    body = next(name for name, place in STACK.items() if coordinate in range(place.start, place.stop))
-    of_body = coordinate - STACK[body].start
+    body = next(
+        name for name, place in COORDINATE_BLOCKS.items() if coordinate in range(place.start, place.stop)
+    )
+    of_body = coordinate - COORDINATE_BLOCKS[body].start
     ground, node = model.mbs.AddNode(NodePointGround()), model.nodes[body]
     markers = [
         model.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=number, coordinate=index))
@@ -187,7 +189,7 @@ def _add_forces_apart(model: SteeringModel) -> None:
 def _add_forces_at_once(model: SteeringModel) -> None:
     """All forces of the gear in one compiled object, with its Jacobian."""
     kernel, data = model.forces.dynamics
-    bodies = [body for body in STACK if body in model.nodes]
+    bodies = [body for body in COORDINATE_BLOCKS if body in model.nodes]
     nodes = [model.nodes[body] for body in bodies]
     add_forces(model.mbs, nodes, kernel, data, len(stacked(bodies)), tangent(kernel))
 
@@ -215,8 +217,8 @@ def _add_bodies(model: SteeringModel) -> None:
         return mbs.AddNode(
             Node1D(
                 referenceCoordinates=[0.0],
-                initialCoordinates=q[STACK[name]],
-                initialVelocities=v[STACK[name]],
+                initialCoordinates=q[COORDINATE_BLOCKS[name]],
+                initialVelocities=v[COORDINATE_BLOCKS[name]],
             )
         )
 
@@ -243,8 +245,8 @@ def _add_bodies(model: SteeringModel) -> None:
     model.nodes["rack"] = mbs.AddNode(
         NodeRigidBodyRxyz(
             referenceCoordinates=[*axis, 0, 0, 0],
-            initialCoordinates=q[STACK["rack"]],
-            initialVelocities=v[STACK["rack"]],
+            initialCoordinates=q[COORDINATE_BLOCKS["rack"]],
+            initialVelocities=v[COORDINATE_BLOCKS["rack"]],
         )
     )
     bar = parts["rack"].mass_properties
@@ -314,7 +316,7 @@ def _add_bush_chain(model: SteeringModel) -> None:
 def _wrench_at_fit(model: SteeringModel) -> np.ndarray:
     """Force and moment of the rack on the bush at the fit, where the model starts."""
     fit = model.forces.condensed_fit
-    q, v = (rows[0, STACK["rack"]] for rows in (model.start.coordinates, model.start.rates))
+    q, v = (rows[0, COORDINATE_BLOCKS["rack"]] for rows in (model.start.coordinates, model.start.rates))
     on_rack = fit.evaluate(q, v)[:6]
     moment = np.linalg.solve(spin_map(q[3:]).T, on_rack[3:])  # about the rack's reference point
     axis = rotation_matrix(q[3:])[:, 0]

@@ -8,7 +8,7 @@ import numpy as np
 from rps_exudyn.forces.bush import stored_in_chain
 from rps_exudyn.forces.external_load import axis_velocity
 from rps_exudyn.multibody.model import SteeringModel
-from rps_exudyn.solvers.gear_kernel import STACK
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.record import Record
 
 
@@ -57,7 +57,7 @@ class Recorder:
         energy = 0.5 * np.einsum("ti,ij,tj->t", rates, mass, rates)
         if model.segments:
             energy += stored_in_chain(model.gear, model.forces.chain, coordinates[:, model.segment_columns()])
-        columns = model.columns([name for name in STACK if name in model.nodes])
+        columns = model.columns([name for name in COORDINATE_BLOCKS if name in model.nodes])
         return Record(
             model.forces.elements,
             np.array(self.time),

@@ -93,14 +93,14 @@ class Table(BaseModel):
     # Pydantic's own mark of a constructor that validation of nested tables may pass by
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
-    def misfits(self) -> "Iterator[Problem]":
+    def conflicts(self) -> "Iterator[Problem]":
         """What is wrong between parameters that are each fine alone."""
         yield from ()
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        if misfits := list(self.misfits()):
-            raise MisfitError(misfits)
+        if conflicts := list(self.conflicts()):
+            raise ConflictError(conflicts)
         return self
 
     @classmethod
@@ -240,7 +240,7 @@ class Problem(NamedTuple):
         return any(f"{setting}.".startswith(f"{path}.") for setting in settings for path in self.paths)
 
 
-class MisfitError(ValueError):
+class ConflictError(ValueError):
     """Parameters that are each fine alone do not fit each other."""
 
     def __init__(self, problems: list[Problem]) -> None:
@@ -268,7 +268,7 @@ def _problems(
     """Everything that is wrong: single parameters first, then what does not fit between right ones.
 
     Validation stops at wrong single values; they are left out (their defaults stand in) to go on, and a
-    misfit that involves one of them is not reported, because it may vanish with the first correction.
+    conflict that involves one of them is not reported, because it may vanish with the first correction.
     """
     found: list[Problem] = []
     wrong: list[tuple[int | str, ...]] = []
@@ -297,8 +297,10 @@ def _paths(places: Iterable[tuple[int | str, ...]]) -> list[str]:
 
 def _told(table: type[Table], item: Any, given: Mapping[str, Any], settings: Iterable[str]) -> list[Problem]:
     """What one of validation's errors means."""
-    misfit = item.get("ctx", {}).get("error")
-    return misfit.problems if isinstance(misfit, MisfitError) else [_problem(table, item, given, settings)]
+    conflict = item.get("ctx", {}).get("error")
+    return (
+        conflict.problems if isinstance(conflict, ConflictError) else [_problem(table, item, given, settings)]
+    )
 
 
 def _problem(table: type[Table], item: Any, given: Mapping[str, Any], settings: Iterable[str]) -> Problem:

@@ -86,8 +86,8 @@ class Fidelity(Table):
         0.1, "friction zone over the smallest sliding speed of the teeth", "estimate", gt=0, le=1
     )
 
-    def misfits(self) -> Iterator[Problem]:
-        return _misfits(self)
+    def conflicts(self) -> Iterator[Problem]:
+        return _conflicts(self)
 
     @classmethod
     def declared(cls) -> Iterator[Declared]:
@@ -127,7 +127,7 @@ def name_of(base: str, changes: Mapping[str, object]) -> str:
     return f"{base}{', ' if ' with ' in base else ' with '}{told}"
 
 
-def _misfits(chosen: Fidelity) -> Iterator[Problem]:
+def _conflicts(chosen: Fidelity) -> Iterator[Problem]:
     """Choices that are each fine alone, but not together."""
     if chosen.rack == "guided" and chosen.bush != "condensed":
         yield Problem(

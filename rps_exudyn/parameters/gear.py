@@ -246,11 +246,11 @@ class SteeringGear(Table):
     mesh: Mesh = Mesh()
     test: Test = Test()
 
-    def misfits(self) -> Iterator[Problem]:
-        return _misfits(self)
+    def conflicts(self) -> Iterator[Problem]:
+        return _conflicts(self)
 
 
-def _misfits(gear: SteeringGear) -> Iterator[Problem]:
+def _conflicts(gear: SteeringGear) -> Iterator[Problem]:
     """What is wrong between parameters that are each fine alone."""
     bush, rack, yoke, pinion = gear.bush, gear.rack, gear.yoke, gear.pinion
     if pinion.shaft_length < pinion.face_width:

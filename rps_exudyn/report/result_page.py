@@ -103,7 +103,7 @@ def _parameters(result: Result) -> Iterable[Block]:
         "Settings of the solver", [Facts([(name, told(value)) for name, value in result.solver.items()])]
     )
     if result.counters:
-        times = {"processor time": result.cpu_s, "elapsed time": result.wall_s}
+        times = {"CPU time": result.cpu_s, "elapsed time": result.wall_s}
         rows = [(name, f"{seconds:.3g} s") for name, seconds in times.items()]
         rows += [
             (COUNTERS[name].long_name, COUNTERS[name].show(value)) for name, value in result.counters.items()

@@ -93,7 +93,7 @@ def _what(table: CaseTable) -> Iterable[Block]:
         ("seed", "" if description.design == GRID_DESIGN else str(description.seed)),
         ("cases", _progress(table)),
         ("signals kept", _kept(table)),
-        ("processor time", _times(table)),
+        ("CPU time", _times(table)),
     ]
     yield Facts([(name, text) for name, text in facts if text])
     rows = [

@@ -187,9 +187,7 @@ COUNTERS = {
     "newton_iterations": _number("Newton iterations"),
     "jacobians": _number("Jacobians computed"),
     "force_evaluations": _number("evaluations of the mesh contact"),
-    "solver_cpu": Quantity(
-        "s", "s", "processor time of the solver alone, without setting up and reading out"
-    ),
+    "solver_cpu": Quantity("s", "s", "CPU time of the solver alone, without setting up and reading out"),
 }
 
 GEOMETRY = {

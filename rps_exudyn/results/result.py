@@ -46,7 +46,7 @@ class Result:
     summary: Mapping[str, float] = field(default_factory=dict)
     counters: Mapping[str, int | float] = field(default_factory=dict)
     geometry: Mapping[str, float] = field(default_factory=dict)
-    cpu_s: float  # processor time of the simulation [s]
+    cpu_s: float  # CPU time of the simulation [s]
     wall_s: float  # elapsed time of the simulation [s]
     provenance: dict[str, str] = field(default_factory=origin.provenance)
 

@@ -1,4 +1,4 @@
-"""A trip in closed form: mean values, losses, once-per-turn share of the runout; no ripple, no elasticity."""
+"""A maneuver in closed form: mean values, losses, the runout's harmonic; no ripple, no elasticity."""
 
 from time import process_time
 
@@ -10,22 +10,22 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
+from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.scenes.trip import Trip
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state, pushing_force, runout_harmonics
 
 
-def by_formula(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:
-    """The trip's record without its run-in.
+def by_formula(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver) -> SceneRun:
+    """The maneuver's record without its run-in.
 
     Raises:
-        InputError: the trip shakes the rack.
+        InputError: the maneuver shakes the rack.
     """
-    if trip.pulse is not None:
+    if maneuver.pulse is not None:
         raise InputError("fidelity.solver is closed-form, which knows no pulses; use generalized-alpha.")
     start = process_time()
     beyond = beyond_formulas(gear)
-    signals = _turned(gear, trip) if trip.drive.body == "pinion" else _pushed(gear, trip)
+    signals = _turned(gear, maneuver) if maneuver.drive.body == "pinion" else _pushed(gear, maneuver)
     outcome = Outcome(
         Status.INVALID if beyond else Status.OK,
         beyond,
@@ -36,24 +36,24 @@ def by_formula(gear: SteeringGear, fidelity: Fidelity, trip: Trip) -> SceneRun:
     return SceneRun(outcome, signals)
 
 
-def _turned(gear: SteeringGear, trip: Trip) -> Signals:
-    time = trip.time[trip.lead :]
-    angle, rate = trip.drive.place(time), trip.drive.rate(time)
+def _turned(gear: SteeringGear, maneuver: Maneuver) -> Signals:
+    time = maneuver.time[maneuver.lead :]
+    angle, rate = maneuver.drive.place(time), maneuver.drive.rate(time)
     cosine, sine = runout_harmonics(gear)
     phase = angle + gear.pinion.runout_angle
-    signals = _mean_signals(gear, trip, angle, rate, dict.fromkeys((-1, 1), trip.rack_load))
+    signals = _mean_signals(gear, maneuver, angle, rate, dict.fromkeys((-1, 1), maneuver.rack_load))
     # what the runout does to friction turns with the direction, what it stores in the spring does not
     signals["pinion_torque"] += np.sign(rate) * cosine * np.cos(phase) + sine * np.sin(phase)
     signals["work_drive"] = cumulative_trapezoid(signals["pinion_torque"] * rate, time, initial=0.0)
     return signals
 
 
-def _pushed(gear: SteeringGear, trip: Trip) -> Signals:
-    time, gain = trip.time[trip.lead :], float(GearPair.of(gear).gain)
-    place, rate = trip.drive.place(time), trip.drive.rate(time)
-    force = {sense: pushing_force(gear, sense, trip.rack_load) for sense in (-1, 1)}
-    loads = {sense: trip.rack_load - force[sense] for sense in force}
-    signals = _mean_signals(gear, trip, place / gain, rate / gain, loads)
+def _pushed(gear: SteeringGear, maneuver: Maneuver) -> Signals:
+    time, gain = maneuver.time[maneuver.lead :], float(GearPair.of(gear).gain)
+    place, rate = maneuver.drive.place(time), maneuver.drive.rate(time)
+    force = {sense: pushing_force(gear, sense, maneuver.rack_load) for sense in (-1, 1)}
+    loads = {sense: maneuver.rack_load - force[sense] for sense in force}
+    signals = _mean_signals(gear, maneuver, place / gain, rate / gain, loads)
     del signals["pinion_torque"]  # nothing but friction acts on the pinion
     signals["rack_force"] = np.where(rate > 0, force[1], force[-1])
     signals["work_drive"] = cumulative_trapezoid(signals["rack_force"] * rate, time, initial=0.0)
@@ -61,10 +61,10 @@ def _pushed(gear: SteeringGear, trip: Trip) -> Signals:
 
 
 def _mean_signals(
-    gear: SteeringGear, trip: Trip, angle: np.ndarray, rate: np.ndarray, loads: dict[int, float]
+    gear: SteeringGear, maneuver: Maneuver, angle: np.ndarray, rate: np.ndarray, loads: dict[int, float]
 ) -> Signals:
     """What the mean forces tell, sense of motion by sense; `loads` pull the rack towards -X in each [N]."""
-    time, gain = trip.time[trip.lead :], float(GearPair.of(gear).gain)
+    time, gain = maneuver.time[maneuver.lead :], float(GearPair.of(gear).gain)
     states = {sense: mean_state(gear, sense, load) for sense, load in loads.items()}
 
     def mean(name: str) -> np.ndarray:
@@ -87,7 +87,7 @@ def _mean_signals(
         "work_bush_friction": lost("bush_loss"),
         "work_bearing_friction": lost("bearing_loss"),
     }
-    if trip.rack_load:
-        signals["load_force"] = np.full_like(angle, trip.rack_load)
-        signals["work_load"] = -trip.rack_load * gain * (angle - angle[0])
+    if maneuver.rack_load:
+        signals["load_force"] = np.full_like(angle, maneuver.rack_load)
+        signals["work_load"] = -maneuver.rack_load * gain * (angle - angle[0])
     return signals

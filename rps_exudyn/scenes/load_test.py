@@ -14,15 +14,15 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import figures_of_motion
-from rps_exudyn.scenes.make_trip import make_trip, make_trips
+from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.run_maneuver import run_maneuver, run_maneuvers
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.scenes.trip import trips_of_test
 from rps_exudyn.solvers.closed_form import GRAVITY, unloading_force
 
 
 def load_test(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
-    """Raise and lower; the signals are of these two trips.
+    """Raise and lower; the signals are of these two maneuvers.
 
     Raises:
         InputError: no weight, or the test leaves the rack's teeth.
@@ -31,11 +31,13 @@ def load_test(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
     if not weight > 0:
         raise InputError("test.load_mass is 0 kg; the load test needs a weight, greater than 0.")
     to_and_fro = gear.replace({"test.path": "there-and-back"}) if gear.test.path == "one-way" else gear
-    free, _ = trips = trips_of_test(to_and_fro, "pinion", fidelity.step_angle)
-    loaded = make_trips(gear, fidelity, [trip.under(gear.test.direction * weight) for trip in trips])
+    free, _ = maneuvers = maneuvers_of_test(to_and_fro, "pinion", fidelity.step_angle)
+    loaded = run_maneuvers(
+        gear, fidelity, [maneuver.under(gear.test.direction * weight) for maneuver in maneuvers]
+    )
     if not loaded.ok:
         return _blamed(loaded, weight, gear)
-    unloaded = make_trip(gear, fidelity, free)
+    unloaded = run_maneuver(gear, fidelity, free)
     if not unloaded.ok:
         message = f"without the weight: {unloaded.outcome.message}"
         return replace(loaded, outcome=replace(unloaded.outcome, message=message))
@@ -58,7 +60,7 @@ def _blamed(failed: SceneRun, weight: float, gear: SteeringGear) -> SceneRun:
 
 
 def oriented(signals: Signals, gear: SteeringGear) -> Signals:
-    """Angle and torque as if the weight were raised by positive angles; the time, which tells trips apart."""
+    """Angle and torque as if the weight were raised by positive angles, and the time."""
     sense = gear.test.direction
     return {
         "time": signals["time"],

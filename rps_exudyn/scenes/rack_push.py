@@ -9,10 +9,10 @@ from rps_exudyn.analysis.passes import passes
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import figures_of_motion
-from rps_exudyn.scenes.make_trip import make_trips
+from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.run_maneuver import run_maneuvers
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.scenes.trip import trips_of_test
 
 
 def rack_push(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
@@ -21,7 +21,7 @@ def rack_push(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
     Raises:
         InputError: the test leaves the rack's teeth.
     """
-    run = make_trips(gear, fidelity, trips_of_test(gear, "rack", fidelity.step_angle))
+    run = run_maneuvers(gear, fidelity, maneuvers_of_test(gear, "rack", fidelity.step_angle))
     return run.noting(*remarks(gear, run.signals)).described(
         lambda signals: {**push_figures(signals), **figures_of_motion(signals, gear)}
     )

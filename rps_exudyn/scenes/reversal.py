@@ -7,10 +7,10 @@ from rps_exudyn.analysis.hysteresis import describe_reversal
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import figures_of_motion
-from rps_exudyn.scenes.make_trip import make_trip
+from rps_exudyn.scenes.maneuver import swing_maneuver
 from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.scenes.trip import swing_trip
 
 
 def reversal(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
@@ -19,7 +19,7 @@ def reversal(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
     Raises:
         InputError: the steering leaves the rack's teeth.
     """
-    run = make_trip(gear, fidelity, swing_trip(gear, fidelity.step_angle))
+    run = run_maneuver(gear, fidelity, swing_maneuver(gear, fidelity.step_angle))
     return run.noting(*remarks(gear, run.signals)).described(
         lambda signals: {**describe_reversal(signals), **figures_of_motion(signals, gear)}
     )

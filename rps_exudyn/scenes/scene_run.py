@@ -1,4 +1,4 @@
-"""What a scene hands back, and how several trips of the rig become one."""
+"""What a scene hands back, and how several maneuvers of the rig become one."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -36,9 +36,9 @@ class SceneRun:
 
 
 def joined(runs: Sequence[SceneRun]) -> SceneRun:
-    """Trips one after the other as one record, without a pause: time and works go on where they stood.
+    """Maneuvers one after the other as one record, without a pause: time and works go on where they stood.
 
-    The outcome is that of the first trip that failed; trips after it should not have been made.
+    The outcome is that of the first maneuver that failed; maneuvers after it should not have been made.
     """
     outcomes = [run.outcome for run in runs]
     outcome = replace(
@@ -49,8 +49,8 @@ def joined(runs: Sequence[SceneRun]) -> SceneRun:
     )
     recorded = [run.signals for run in runs if run.signals]
     signals: Signals = dict(recorded[0]) if recorded else {}
-    for trip in recorded[1:]:
-        for name, values in trip.items():
+    for maneuver in recorded[1:]:
+        for name, values in maneuver.items():
             before = signals[name][-1] if name == "time" or is_work(name) else 0.0
             signals[name] = np.concatenate([signals[name], before + values])
     return SceneRun(outcome, signals)

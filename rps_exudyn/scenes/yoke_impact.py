@@ -15,9 +15,9 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import balance
-from rps_exudyn.scenes.make_trip import make_trip
+from rps_exudyn.scenes.maneuver import Maneuver, check_travel
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.scenes.trip import Trip, check_travel
 from rps_exudyn.solvers.drive import Steady
 
 STEPS_PER_SWING = 20  # of the plunger between seat and yokenut, the fastest motion: forces to 0.1 %
@@ -34,7 +34,7 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
             f"fidelity.solver is {fidelity.solver} and fidelity.yoke is {fidelity.yoke}; "
             "yoke-impact needs generalized-alpha and body: without inertia nothing hits."
         )
-    run = make_trip(gear, fidelity, shaken(gear))
+    run = run_maneuver(gear, fidelity, shaken(gear))
     return run.noting(_closed(gear, run.signals)).described(
         lambda signals: {
             **describe_impacts(signals),
@@ -55,7 +55,7 @@ def _closed(gear: SteeringGear, signals: Signals) -> str:
     )
 
 
-def shaken(gear: SteeringGear) -> Trip:
+def shaken(gear: SteeringGear) -> Maneuver:
     """The pinion held at the test's start angle, the rack shaken."""
     test, yoke = gear.test, gear.yoke
     check_travel(gear, (test.start_angle,), "test.start_angle")
@@ -71,4 +71,4 @@ def shaken(gear: SteeringGear) -> Trip:
     swing = 2 * np.pi * np.sqrt(yoke.plunger_mass / (yoke.seat_stiffness + yoke.nut_stiffness))
     steps = int(np.ceil(test.pulse_period * (test.pulses + 1) / (swing / STEPS_PER_SWING)))
     time_step = test.pulse_period * (test.pulses + 1) / steps
-    return Trip(Steady("pinion", test.start_angle, 0.0), time_step, 0, steps, pulse=pulse)
+    return Maneuver(Steady("pinion", test.start_angle, 0.0), time_step, 0, steps, pulse=pulse)

@@ -25,7 +25,7 @@ from rps_exudyn.base.units import short
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity, unknown_preset
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.trip import whole_periods
+from rps_exudyn.scenes.maneuver import whole_periods
 
 LEAST_SLIDING = 0.2  # of the mean, somewhere in mesh: below it references of random gears do not agree
 TABLE = Path(__file__).with_name("table.json")
@@ -40,12 +40,12 @@ class Setting:
     settings: Mapping[str, Any]  # of the fidelity, besides the step
     promised: float  # error [%]
     median: float  # error on the gears it was tried on [%]
-    cost: float  # processor seconds of the solver per revolution where all teeth are alike, median of gears
+    cost: float  # CPU seconds of the solver per revolution where all teeth are alike, median of gears
     cost_of_turn: float  # the same where errors single out a tooth, so that no pitch stands for another
     failed: float  # share of these gears on which it gave no result
 
     def cost_for(self, gear: SteeringGear) -> float:
-        """Processor seconds of the solver per revolution of this gear, about."""
+        """CPU seconds of the solver per revolution of this gear, about."""
         return self.cost if whole_periods(gear, 2 * np.pi) == gear.pinion.teeth else self.cost_of_turn
 
     def for_gear(self, gear: SteeringGear) -> Fidelity:
@@ -129,7 +129,7 @@ def _why(taken: Setting, table: SceneTable, wanted: float, enough: int, cost: fl
     return (
         f"{taken.preset}, {', '.join(knobs) or 'as it is'}: the cheapest of {enough} settings that keep "
         f"{wanted:g} %; it promises {taken.promised:.2g} % (half of {table.gears} random gears stay below "
-        f"{taken.median:.2g} %) at about {1e3 * cost:.2g} ms of processor time per {per}"
+        f"{taken.median:.2g} %) at about {1e3 * cost:.2g} ms of CPU time per {per}"
     )
 
 

@@ -37,7 +37,7 @@ class CaseRunner:
         """
         return compiled_kernels() != self._kernels
 
-    def rehearse(self, task: dict[str, Any], turns: float) -> None:
+    def warm_up(self, task: dict[str, Any], turns: float) -> None:
         """The task's scene over a few degrees of the default gear, for nothing: loads all that cases need."""
         gear = SteeringGear().replace({"test.turns": turns})
         result = _outcome(task | {"gear": gear.model_dump()})

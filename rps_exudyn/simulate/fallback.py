@@ -4,7 +4,7 @@
     result.solver["tries"]      what was tried, and how each ended
 
 The first try is the plan as given, repaired where `guards` refuse it. What is changed stays in the result's
-fidelity, its message and its tries: a number that took refuge never looks like one that did not.
+fidelity, its message and its tries: a number that took fallback never looks like one that did not.
 """
 
 from collections.abc import Iterator

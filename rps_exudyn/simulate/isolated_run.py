@@ -19,7 +19,7 @@ from rps_exudyn.simulate.processes import Processes
 
 
 def run(scene: str, gear: SteeringGear, fidelity: Fidelity, robust: bool, limit: float | None) -> Result:
-    """A run as the command line asks for it: with refuge, or with a time limit [s], or both, or neither.
+    """A run as the command line asks for it: with fallback, or with a time limit [s], or both, or neither.
 
     Raises:
         InputError: a gear that cannot exist, or a test that it does not allow.

@@ -75,7 +75,7 @@ class _Worker:
         with contextlib.suppress(OSError):  # it has just died, which its reader tells
             self._write("".join(json.dumps(task) + "\n" for task in tasks))
 
-    def rehearse(self, task: Task) -> None:
+    def warm_up(self, task: Task) -> None:
         with contextlib.suppress(OSError):
             self._write(json.dumps(task) + "\n")
 
@@ -146,7 +146,7 @@ class Processes:
     def _batch(self) -> int:
         return max(1, min(LARGEST_BATCH, int(BATCH_SECONDS / self._cost)))
 
-    def _start(self, rehearsal: Task) -> None:
+    def _start(self, warm_up: Task) -> None:
         messages: IO[bytes] | int = subprocess.DEVNULL
         if self._messages:
             messages = self._messages.open("ab")
@@ -167,7 +167,7 @@ class Processes:
         worker = _Worker(process)
         self._workers.append(worker)
         threading.Thread(target=self._listen, args=(worker,), daemon=True).start()
-        worker.rehearse(rehearsal)
+        worker.warm_up(warm_up)
 
     def _listen(self, worker: _Worker) -> None:
         """In a thread of its own: lines of one process, and None when it has ended."""

@@ -4,7 +4,7 @@ It reads one JSON object per line from standard input and answers each by one on
 
     {"scene", "gear", "fidelity", "keep", "path" or null}  ->  {"status", "message", "cpu_s", ..., "content"}
 
-With a `path` the result's file is written there, else its bytes come back. The first line is rehearsed at
+With a `path` the result's file is written there, else its bytes come back. The first line is warmed up at
 a small size before the worker calls itself ready, so that compiling and loading the kernels is on no case's
 clock. A process that compiled kernels asks for another one in its place. When standard input ends, because
 whoever started it has ended, so does the worker, at once.
@@ -20,7 +20,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
-REHEARSED_TURNS = 0.05
+WARM_UP_TURNS = 0.05
 
 
 def main() -> None:
@@ -33,7 +33,7 @@ def main() -> None:
 
     answer({"compiled": compiled_kernels() > 0})
     runner = CaseRunner()
-    runner.rehearse(first, REHEARSED_TURNS)
+    runner.warm_up(first, WARM_UP_TURNS)
     if runner.has_compiled:
         _begin_again(answer)
     answer({"ready": os.getpid()})

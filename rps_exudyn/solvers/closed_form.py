@@ -139,7 +139,7 @@ def mean_lever(pair: GearPair) -> float:
         x = q + b
         return float(x * np.hypot(x, a) + (a**2 * np.arcsinh(x / a) if a > 0 else 0.0)) / 2
 
-    q_0, q_a = pair.field
+    q_0, q_a = pair.active_path
     return (integral(q_a) - integral(q_0)) / (q_a - q_0)
 
 
@@ -292,7 +292,7 @@ def _field_rule(pair: GearPair, side: int, n: int = 24) -> tuple[np.ndarray, np.
     Gauss-Legendre on both sides of the pitch point, where sliding may turn about.
     """
     x, w = np.polynomial.legendre.leggauss(n)
-    q_0, q_a = pair.field
+    q_0, q_a = pair.active_path
     ends = sorted({q_0, q_a, min(max(0.0, q_0), q_a)})
     q = np.concatenate([(b + a) / 2 + (b - a) / 2 * x for a, b in pairwise(ends)])
     weight = np.concatenate([(b - a) / 2 * w for a, b in pairwise(ends)])

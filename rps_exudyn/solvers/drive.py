@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from rps_exudyn.solvers.gear_kernel import STACK
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 
 DrivenBody = Literal["pinion", "rack"]
 
@@ -37,7 +37,7 @@ class Drive(ABC):
     @property
     def coordinate(self) -> int:
         """Which coordinate of the stack is driven."""
-        return STACK[self.body].start
+        return COORDINATE_BLOCKS[self.body].start
 
     @property
     def sign(self) -> int:

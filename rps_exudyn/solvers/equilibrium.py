@@ -16,11 +16,11 @@ from scipy.optimize import least_squares
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.drive import Drive
-from rps_exudyn.solvers.gear_kernel import STACK
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.path_follower import TOLERANCE, backward_difference, follower
 
 SIZE = 8  # coordinates of pinion, rack and plunger
-LEVERS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0])  # coordinates to lengths [m]
+CHARACTERISTIC_LENGTHS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0])  # coordinates to lengths [m]
 
 SETTLING_STEPS = 600
 TYPICAL_APPROACH = 15e-6  # of the rack under the yoke's preload [m]
@@ -70,8 +70,8 @@ class EquilibriumPath:
 def steady_rates(pair: GearPair, speed: float) -> np.ndarray:
     """Rates of steady turning at pinion speed [rad/s], shape (8,)."""
     rates = np.zeros(SIZE)
-    rates[STACK["pinion"]] = -speed
-    rates[STACK["rack"].start] = pair.gain * speed
+    rates[COORDINATE_BLOCKS["pinion"]] = -speed
+    rates[COORDINATE_BLOCKS["rack"].start] = pair.gain * speed
     return rates
 
 
@@ -82,9 +82,9 @@ def starting_guess(pair: GearPair, angle: float) -> np.ndarray:
     lift = pair.axis_offset + pair.runout * np.cos(phase)
     swing = pair.runout * np.sin(phase) * np.cos(pair.beta_p) / np.cos(pair.beta_r)
     guess = np.zeros(SIZE)
-    guess[STACK["pinion"]] = -angle
-    guess[STACK["rack"]][:2] = pair.gain * angle + swing, lift - TYPICAL_APPROACH
-    guess[STACK["plunger"]] = lift
+    guess[COORDINATE_BLOCKS["pinion"]] = -angle
+    guess[COORDINATE_BLOCKS["rack"]][:2] = pair.gain * angle + swing, lift - TYPICAL_APPROACH
+    guess[COORDINATE_BLOCKS["plunger"]] = lift
     return guess
 
 
@@ -107,7 +107,7 @@ def equilibrium_path(balance: Balance, pair: GearPair, drive: Drive, time: np.nd
     found = 0
     while True:
         found, *more, residual = follower(balance.force)(
-            found, time, driven, free, LEVERS, *rows, balance.data
+            found, time, driven, free, CHARACTERISTIC_LENGTHS, *rows, balance.data
         )
         counts += more
         unbalanced = max(unbalanced, residual if found == len(time) else 0.0)
@@ -159,8 +159,10 @@ def settled_path(
 
 def _rolling(path: EquilibriumPath, instants: int) -> float:
     """How far the bar rolls to and fro over the later half of the first instants, over its travel."""
-    travel, roll = (path.coordinates[instants // 2 : instants, STACK["rack"]][:, i] for i in (0, 3))
-    return float(np.ptp(roll) * LEVERS[STACK["rack"]][3] / np.ptp(travel))
+    travel, roll = (
+        path.coordinates[instants // 2 : instants, COORDINATE_BLOCKS["rack"]][:, i] for i in (0, 3)
+    )
+    return float(np.ptp(roll) * CHARACTERISTIC_LENGTHS[COORDINATE_BLOCKS["rack"]][3] / np.ptp(travel))
 
 
 def _settled_guess(balance: Balance, free: np.ndarray, guess: np.ndarray, rates: np.ndarray) -> np.ndarray:
@@ -171,7 +173,7 @@ def _settled_guess(balance: Balance, free: np.ndarray, guess: np.ndarray, rates:
         q[free] = place
         return np.asarray(balance.force(q, v, balance.data)[free])
 
-    return settled(unbalanced, guess[free], LEVERS[free])[0]
+    return settled(unbalanced, guess[free], CHARACTERISTIC_LENGTHS[free])[0]
 
 
 def _search(
@@ -187,7 +189,12 @@ def _search(
 
     Fills row k and returns what remains unbalanced [N].
     """
-    q, v, base, levers = coordinates[k].copy(), rates[k].copy(), coordinates[0].copy(), LEVERS[free]
+    q, v, base, levers = (
+        coordinates[k].copy(),
+        rates[k].copy(),
+        coordinates[0].copy(),
+        CHARACTERISTIC_LENGTHS[free],
+    )
     per_time, ahead = 1 / (time[1] - time[0]), coordinates[0] + (time[1] - time[0]) * rates[0]
     if k > 1:
         per_time = backward_difference(time, coordinates, k, base)
@@ -267,7 +274,7 @@ def _missed(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return missed
 
 
-def approach_under(load: float, mesh_force: Callable[..., Any], data: Any, offset: float) -> float:
+def static_approach(load: float, mesh_force: Callable[..., Any], data: Any, offset: float) -> float:
     """How far a load [N] along -Y presses the guided rack into a frictionless mesh, at pinion angle 0 [m].
 
     The rack keeps its direction; it finds its place along X between the flanks by itself. `offset` [m] is

@@ -17,11 +17,11 @@ from rps_exudyn.mesh_contact.spheres import contact_data
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import closed_form
-from rps_exudyn.solvers.equilibrium import Balance, approach_under
-from rps_exudyn.solvers.gear_kernel import STACK, GearData, Kernel, chain_gear_force, gear_force
+from rps_exudyn.solvers.equilibrium import Balance, static_approach
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, GearData, Kernel, chain_gear_force, gear_force
 
-RACK = STACK["rack"].start
-PLUNGER = STACK["plunger"].start
+RACK = COORDINATE_BLOCKS["rack"].start
+PLUNGER = COORDINATE_BLOCKS["plunger"].start
 GUIDED = tuple(range(RACK + 2, RACK + 6))  # what a guided rack lacks: sideways motion, roll, yaw, pitch
 
 # Data of parts that a gear does not have
@@ -80,7 +80,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
     """
     pair = GearPair.of(gear)
     zone = fidelity.zone_ratio * pair.least_sliding * gear.test.speed
-    approach = approach_under(gear.yoke.preload, *ideal_mesh(gear, fidelity, zone), pair.axis_offset)
+    approach = static_approach(gear.yoke.preload, *ideal_mesh(gear, fidelity, zone), pair.axis_offset)
     chain = adams_chain(gear) if fidelity.bush == "adams-chain" else bush_chain(gear)
     condensed = sliding_fit.condensed_fit(gear, chain, friction_zone=zone)
     fits = {

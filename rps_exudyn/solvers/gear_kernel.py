@@ -1,7 +1,7 @@
 """The whole gear's forces in one compiled function: what the fast models evaluate thousands of times.
 
 The coordinates are stacked [pinion (about k), rack (6), plunger]; with the bush as a chain its last segment
-(6) follows. The same force laws as everywhere (`parts`, `mesh_contact`), without a trip through Python
+(6) follows. The same force laws as everywhere (`parts`, `mesh_contact`), without a maneuver through Python
 between them. The laws of mesh and yoke are chosen by handing in their kernels; every function made here is
 compiled for them.
 """
@@ -20,12 +20,17 @@ from rps_exudyn.forces.yoke import NutData, SpringData, nut_force, spring_force
 
 Kernel = Callable[..., Any]
 
-STACK = {"pinion": slice(0, 1), "rack": slice(1, 7), "plunger": slice(7, 8), "segment": slice(8, 14)}
+COORDINATE_BLOCKS = {
+    "pinion": slice(0, 1),
+    "rack": slice(1, 7),
+    "plunger": slice(7, 8),
+    "segment": slice(8, 14),
+}
 
 
 def stacked(bodies: Sequence[str]) -> np.ndarray:
     """Where the coordinates of some bodies stand in the stack, in the order of the bodies."""
-    return np.concatenate([np.r_[STACK[body]] for body in bodies])
+    return np.concatenate([np.r_[COORDINATE_BLOCKS[body]] for body in bodies])
 
 
 class GearData(NamedTuple):

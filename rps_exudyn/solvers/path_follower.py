@@ -15,7 +15,7 @@ from rps_exudyn.base.compiled import kernel, kernel_over
 TOLERANCE = 1e-3  # largest unbalanced force accepted [N], moments over 10 mm: 1e-5 of the torque
 MAX_ITERATIONS = 60
 FARTHEST_MOVE = 1e-4  # of one iteration [m]: the contact stays the same contact
-SLOW = 0.9  # a step that leaves more of the unbalance than this asks for a new tangent
+SLOW = 0.9  # a step that leaves more of the largest_residual than this asks for a new tangent
 
 # Loops in place of array expressions: numba compiles those much slower, with all their broadcasting.
 # `free` are the numbers of the coordinates to be found, `levers` turn all coordinates into lengths [m].
@@ -32,7 +32,7 @@ def backward_difference(time, y, k, base):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def unbalance(forces, free, levers):  # type: ignore[no-untyped-def]
+def largest_residual(forces, free, levers):  # type: ignore[no-untyped-def]
     """Largest unbalanced force [N]; moments over the lever."""
     largest = 0.0
     for i in free:
@@ -95,7 +95,7 @@ def follower(force: Callable[..., Any]) -> Callable[..., Any]:
 
     Fills `coordinates`, `rates` and `forces`, all (n, size), from row `first` on: from the rows before it, or
     from the guess in row 0; the driven coordinate's columns are given. Returns how many rows are found,
-    evaluations of the forces, iterations, tangents, and the last unbalance [N].
+    evaluations of the forces, iterations, tangents, and the last largest_residual [N].
     """
 
     def inverse_tangent(q, v, base, per_time, free, levers, data, r):  # type: ignore[no-untyped-def]
@@ -136,7 +136,7 @@ def follower(force: Callable[..., Any]) -> Callable[..., Any]:
             rates_from(q, base, per_time, free, v)
             r = force(q, v, data)
             evaluations += 1
-            norm = unbalance(r, free, levers)
+            norm = largest_residual(r, free, levers)
             fresh = False
             for _ in range(MAX_ITERATIONS):
                 if norm <= TOLERANCE:
@@ -152,7 +152,7 @@ def follower(force: Callable[..., Any]) -> Callable[..., Any]:
                     rates_from(trial, base, per_time, free, v)
                     r_trial = force(trial, v, data)
                     evaluations += 1
-                    norm_trial = unbalance(r_trial, free, levers)
+                    norm_trial = largest_residual(r_trial, free, levers)
                     enough = SLOW if share == 1.0 else 1 - 0.1 * share
                     if norm_trial < enough * norm or share < 0.02 or not fresh:
                         break

@@ -12,11 +12,11 @@ import numpy as np
 from rps_exudyn.forces.force_element import (
     DAMPING_POWER,
     ELASTIC_ENERGY,
+    ENERGY_TERMS,
     FRICTION_POWER,
-    LEDGER_SIZE,
     ForceElement,
 )
-from rps_exudyn.solvers.gear_kernel import STACK, along, stacked
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, along, stacked
 
 WORK = {
     "work_mesh_friction",
@@ -63,10 +63,10 @@ class Record:
 
     def of(self, body: str) -> np.ndarray:
         """Coordinates of one body, (n, .)."""
-        return self.coordinates[:, STACK[body]]
+        return self.coordinates[:, COORDINATE_BLOCKS[body]]
 
     def outputs(self, element: ForceElement) -> np.ndarray:
-        """An element's output at every step: forces, ledger, own values."""
+        """An element's output at every step: forces, energy_terms, own values."""
         columns = stacked(element.bodies)
         q, v = (np.ascontiguousarray(rows[:, columns]) for rows in (self.coordinates, self.rates))
         return np.asarray(along(element.kernel)(q, v, element.data))
@@ -98,16 +98,16 @@ def signals_of(record: Record) -> dict[str, np.ndarray]:
         out = record.outputs(element)
         if element.name == "mesh":
             signals["work_mesh_edges"] = _over_edges(record, element, out)
-        ledger = out[:, element.size : element.size + LEDGER_SIZE]
-        own = dict(zip(element.outputs, out[:, element.size + LEDGER_SIZE :].T, strict=True))
+        energy_terms = out[:, element.size : element.size + ENERGY_TERMS]
+        own = dict(zip(element.outputs, out[:, element.size + ENERGY_TERMS :].T, strict=True))
         if element.name == "load":
-            raised = ledger[:, ELASTIC_ENERGY] - ledger[0, ELASTIC_ENERGY]
+            raised = energy_terms[:, ELASTIC_ENERGY] - energy_terms[0, ELASTIC_ENERGY]
             signals["work_load"] = signals.get("work_load", 0.0) - raised
         else:
-            energy += ledger[:, ELASTIC_ENERGY]
+            energy += energy_terms[:, ELASTIC_ENERGY]
         for loss, column in (("friction", FRICTION_POWER), ("damping", DAMPING_POWER)):
             if f"work_{element.name}_{loss}" in WORK:
-                signals[f"work_{element.name}_{loss}"] = _work(ledger[:, column], time)
+                signals[f"work_{element.name}_{loss}"] = _work(energy_terms[:, column], time)
         signals |= {name: own[source] for name, source in SHOWN.items() if source in own}
     if "mesh_normal_force_drive" in signals:
         signals["mesh_normal_force"] = signals["mesh_normal_force_drive"] + signals["mesh_normal_force_coast"]
@@ -123,9 +123,9 @@ def _over_edges(record: Record, mesh: ForceElement, out: np.ndarray) -> np.ndarr
     """
     rates = record.rates[:, stacked(mesh.bodies)]
     taken = -np.einsum("ti,ti->t", out[:, : mesh.size], rates)
-    ledger = out[:, mesh.size : mesh.size + LEDGER_SIZE]
-    lost = taken - ledger[:, FRICTION_POWER] - ledger[:, DAMPING_POWER]
-    return _work(lost, record.time) - (ledger[:, ELASTIC_ENERGY] - ledger[0, ELASTIC_ENERGY])
+    energy_terms = out[:, mesh.size : mesh.size + ENERGY_TERMS]
+    lost = taken - energy_terms[:, FRICTION_POWER] - energy_terms[:, DAMPING_POWER]
+    return _work(lost, record.time) - (energy_terms[:, ELASTIC_ENERGY] - energy_terms[0, ELASTIC_ENERGY])
 
 
 def axis_at_pitch_point(rack: np.ndarray) -> np.ndarray:

@@ -32,7 +32,7 @@ OUTCOME = {
     "hash": Quantity("", "", "name of the case's file in cases/, without .h5"),
     "status": Quantity("", "", "how the case ended, or pending"),
     "message": Quantity("", "", "why, if the status is not ok"),
-    "cpu_s": Quantity("s", "s", "processor time of the simulation"),
+    "cpu_s": Quantity("s", "s", "CPU time of the simulation"),
     "wall_s": Quantity("s", "s", "elapsed time of the simulation"),
 }
 """What every table has beside its axes and numbers."""

@@ -51,7 +51,7 @@ def open_study(path: str | Path) -> Dataset:
         "hash": layout.variable(np.array([case.hash for case in table.cases], dtype=np.str_), ""),
         "status": layout.variable(table.status, "absent", {"long_name": "how the case ended"}),
         "cpu_s": layout.variable(
-            table.times("cpu_s"), np.nan, {"units": "s", "long_name": "processor time of the simulation"}
+            table.times("cpu_s"), np.nan, {"units": "s", "long_name": "CPU time of the simulation"}
         ),
     }
     for name, values in table.numbers.items():

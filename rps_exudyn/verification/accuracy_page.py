@@ -249,7 +249,7 @@ def _laws(limits: Limits) -> Iterable[Block]:
 
 def _scaling(limits: Limits) -> Iterable[Block]:
     figure = scaling_figure(limits.scaling)
-    yield Pictures([_lean_picture(figure, "Processor time over the size of the problem.")])
+    yield Pictures([_lean_picture(figure, "CPU time over the size of the problem.")])
     rows = [
         (name, f"{size[0]:g} to {size[-1]:g}", f"{cost[0]:.3g} to {cost[-1]:.3g}", f"{power:.2f}")
         for (name, (size, cost)), power in zip(limits.scaling.items(), limits.exponents, strict=True)

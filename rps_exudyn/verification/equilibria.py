@@ -1,27 +1,29 @@
-"""Equilibria along a trip under force laws that no fidelity describes: finer quadrature, a shaped pinion."""
+"""Equilibria along a maneuver under force laws of no fidelity: finer quadrature, a shaped pinion."""
 
 from time import process_time
 
 import numpy as np
 
-from rps_exudyn.checks.after_run import judged
+from rps_exudyn.checks.after_run import validated
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
+from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.scenes.trip import Trip
 from rps_exudyn.solvers.equilibrium import settled_path
 from rps_exudyn.solvers.gear_forces import GearForces
 from rps_exudyn.solvers.record import Record, signals_of
 
 
-def equilibria(gear: SteeringGear, forces: GearForces, trip: Trip, inertia: float = 0.0) -> SceneRun:
-    """The trip with these forces, each instant at rest but for its friction.
+def equilibria(gear: SteeringGear, forces: GearForces, maneuver: Maneuver, inertia: float = 0.0) -> SceneRun:
+    """The maneuver with these forces, each instant at rest but for its friction.
 
     The rig also overcomes an `inertia` [kg m^2 of the pinion, kg of the rack] of all that follows the drive.
     """
     start = process_time()
-    path = settled_path(forces.statics, GearPair.of(gear), trip.drive, trip.settling_time, trip.time)
+    path = settled_path(
+        forces.statics, GearPair.of(gear), maneuver.drive, maneuver.settling_time, maneuver.time
+    )
     cpu = process_time() - start
     counters = {
         "steps": len(path.time),
@@ -33,17 +35,17 @@ def equilibria(gear: SteeringGear, forces: GearForces, trip: Trip, inertia: floa
         reached = float(path.time[-1]) if path.time.size else 0.0
         message = f"no equilibrium after {reached:.4g} s: {path.residual:.3g} N remain unbalanced"
         return SceneRun(Outcome(Status.NO_CONVERGENCE, message, reached, cpu, counters))
-    overcome = -trip.drive.sign * path.forces[:, trip.drive.coordinate]
+    overcome = -maneuver.drive.sign * path.forces[:, maneuver.drive.coordinate]
     short = 1e-6  # [s]
-    turn = (trip.drive.rate(path.time + short) - trip.drive.rate(path.time - short)) / (2 * short)
+    turn = (maneuver.drive.rate(path.time + short) - maneuver.drive.rate(path.time - short)) / (2 * short)
     overcome = overcome + inertia * turn
     still = np.zeros(path.time.size)
     record = Record(
-        forces.elements, path.time, path.coordinates, path.rates, overcome, trip.drive.body, still
-    ).since(trip.record_start)
+        forces.elements, path.time, path.coordinates, path.rates, overcome, maneuver.drive.body, still
+    ).since(maneuver.record_start)
     signals = signals_of(record)
     outcome = Outcome(Status.OK, time_reached=float(path.time[-1]), cpu_s=cpu, counters=counters)
     if inertia == 0:  # whose energy is nowhere in the balance
-        zone = forces.friction_zone if trip.is_steady else None
-        outcome = judged(outcome, gear, record, signals, zone)
+        zone = forces.friction_zone if maneuver.is_steady else None
+        outcome = validated(outcome, gear, record, signals, zone)
     return SceneRun(outcome, signals)

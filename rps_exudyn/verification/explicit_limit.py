@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rps_exudyn.solvers.equilibrium import LEVERS
+from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.gear_kernel import tangent
 from rps_exudyn.verification.runge_kutta import FreeMotion, runge_kutta
 
@@ -79,10 +79,10 @@ def disturbance_dies(motion: FreeMotion, step: float, speed: float, steps: int =
     """Whether a kick of a thousandth of `speed` [m/s] to all that moves grows less than tenfold in a run of
     Runge and Kutta's method with that step [s]."""
     kick = np.zeros(motion.rate.size)
-    kick[motion.moving] = KICK * speed / LEVERS[motion.moving]
+    kick[motion.moving] = KICK * speed / CHARACTERISTIC_LENGTHS[motion.moving]
     with np.errstate(all="ignore"):
         (_, _, usual), (_, _, kicked) = (
             runge_kutta(motion, rate, step, steps, steps) for rate in (motion.rate, motion.rate + kick)
         )
-        apart = np.abs((kicked[-1] - usual[-1]) * LEVERS)[motion.moving].max()
+        apart = np.abs((kicked[-1] - usual[-1]) * CHARACTERISTIC_LENGTHS)[motion.moving].max()
     return bool(apart <= TENFOLD * KICK * speed)

@@ -24,9 +24,9 @@ from rps_exudyn.mesh_contact.samples import FlankSamples, onto_mesh, sample_flan
 from rps_exudyn.mesh_contact.spheres import SPHERE_RADIUS, borders
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.scenes.trip import trips_of_test
-from rps_exudyn.solvers.equilibrium import approach_under
+from rps_exudyn.solvers.equilibrium import static_approach
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.verification.equilibria import equilibria
 
@@ -65,8 +65,8 @@ def meshed(chord_error: float) -> Surface:
 
 def faceted_run(gear: SteeringGear, fidelity: Fidelity, surface: Surface | None) -> SceneRun:
     """The free pinion torque of a gear without errors; None for the analytic flank."""
-    trip = trips_of_test(gear, "pinion", fidelity.step_angle)[0]
-    return equilibria(gear, faceted_forces(gear, fidelity, surface), trip)
+    maneuver = maneuvers_of_test(gear, "pinion", fidelity.step_angle)[0]
+    return equilibria(gear, faceted_forces(gear, fidelity, surface), maneuver)
 
 
 def faceted_forces(gear: SteeringGear, fidelity: Fidelity, surface: Surface | None) -> GearForces:
@@ -76,7 +76,7 @@ def faceted_forces(gear: SteeringGear, fidelity: Fidelity, surface: Surface | No
     on_facets = mesh._replace(centres=_centres(gear, fidelity, surface))
     smooth = on_facets._replace(friction=0.0)
     offset = GearPair.of(gear).axis_offset
-    approach = approach_under(gear.yoke.preload, forces.mesh.kernel, smooth, offset)
+    approach = static_approach(gear.yoke.preload, forces.mesh.kernel, smooth, offset)
     rest_gap = approach + gear.yoke.preload / gear.yoke.seat_stiffness
     seat = plunger.seat(gear, friction_zone=forces.friction_zone, rest_gap=rest_gap)
     return replace(forces, mesh=replace(forces.mesh, data=on_facets), seat=seat)

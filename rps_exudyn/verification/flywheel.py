@@ -12,15 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.checks.after_run import judged
+from rps_exudyn.checks.after_run import validated
 from rps_exudyn.multibody.model import SteeringModel, build_model
 from rps_exudyn.multibody.solve import LARGEST_STATE, _silent
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
+from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.scenes.trip import trips_of_test
-from rps_exudyn.solvers.gear_kernel import STACK
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.record import Record, signals_of
 
 STAGES = {"ExplicitEuler": 1, "VelocityVerlet": 1, "ExplicitMidpoint": 2, "RK44": 4}
@@ -32,10 +32,10 @@ KEPT = np.deg2rad(0.2)  # pinion angle between two records
 
 def explicit_run(gear: SteeringGear, fidelity: Fidelity, solver: str, step: float) -> SceneRun:
     """One way from the test's start, in steps of `step` [s]; a run that blew up says so."""
-    trip = trips_of_test(gear, "pinion", fidelity.step_angle)[0]
-    model = build_model(gear, fidelity, trip.drive, settling=trip.settling_time)
+    maneuver = maneuvers_of_test(gear, "pinion", fidelity.step_angle)[0]
+    model = build_model(gear, fidelity, maneuver.drive, settling=maneuver.settling_time)
     _drive_by_flywheel(model)
-    end = float(trip.time[-1])
+    end = float(maneuver.time[-1])
     steps = int(np.ceil(end / step))
     kept = _Kept(model, max(round(KEPT / gear.test.speed / (end / steps)), 1))
     model.mbs.Assemble()
@@ -56,9 +56,9 @@ def explicit_run(gear: SteeringGear, fidelity: Fidelity, solver: str, step: floa
     if message:
         outcome.status, outcome.message = Status.DIVERGED, message
         return SceneRun(outcome)
-    record = record.since(trip.record_start)
+    record = record.since(maneuver.record_start)
     signals = signals_of(record)
-    return SceneRun(judged(outcome, gear, record, signals, model.forces.friction_zone), signals)
+    return SceneRun(validated(outcome, gear, record, signals, model.forces.friction_zone), signals)
 
 
 def _drive_by_flywheel(model: SteeringModel) -> None:
@@ -113,7 +113,7 @@ class _Kept:
 
     def record(self) -> Record:
         model = self.model
-        columns = model.columns([name for name in STACK if name in model.nodes])
+        columns = model.columns([name for name in COORDINATE_BLOCKS if name in model.nodes])
         places, rates = (
             np.ascontiguousarray(np.array(each)[:, columns]) for each in (self.places, self.rates)
         )

@@ -21,7 +21,7 @@ class Limits:
     torques: dict[str, np.ndarray]  # by law, (n,) [N m]
     default: str  # name of the package's law
     zones: list[tuple[float, float]]  # friction zone over the smallest sliding speed, mean off by [%]
-    scaling: dict[str, tuple[np.ndarray, np.ndarray]]  # sizes, processor seconds, (m,) each
+    scaling: dict[str, tuple[np.ndarray, np.ndarray]]  # sizes, CPU seconds, (m,) each
 
     @property
     def exponents(self) -> list[float]:

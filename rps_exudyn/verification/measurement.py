@@ -25,7 +25,7 @@ FILETYPE = "rps_exudyn-work-precision"
 VERSION = (1, 1)
 
 REPEATS = 15
-ENOUGH_TIME = 1.5  # processor seconds spent on repeating one point
+ENOUGH_TIME = 1.5  # CPU seconds spent on repeating one point
 
 FAMILIES = {
     "general contact": "spheres on triangles in Exudyn",
@@ -74,7 +74,7 @@ class Point:
     settings: str  # JSON of its fidelity
     status: str
     message: str
-    cost: float  # processor seconds of the solver per revolution, the least of several
+    cost: float  # CPU seconds of the solver per revolution, the least of several
     repeats: int
     steps: float = np.nan  # counters per revolution
     newton_iterations: float = np.nan

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.make_trip import make_trip
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.verification.runge_kutta import explicit_motion
@@ -69,9 +69,11 @@ def explicitly(step: float) -> Witness:
     """An impact by Runge and Kutta's method in steps of so many seconds."""
 
     def witness(scene: str, gear: SteeringGear) -> tuple[Signals, Fidelity]:
-        trip = shaken(gear)
-        steps = round(trip.steps * trip.time_step / step)
-        return explicit_motion(gear, SHAKEN, trip.drive, step=step, steps=steps, pulse=trip.pulse), SHAKEN
+        maneuver = shaken(gear)
+        steps = round(maneuver.steps * maneuver.time_step / step)
+        return explicit_motion(
+            gear, SHAKEN, maneuver.drive, step=step, steps=steps, pulse=maneuver.pulse
+        ), SHAKEN
 
     return witness
 
@@ -80,9 +82,9 @@ def finer(parts: int) -> Witness:
     """An impact in Exudyn, each step of the scene in so many parts."""
 
     def witness(scene: str, gear: SteeringGear) -> tuple[Signals, Fidelity]:
-        trip = shaken(gear)
-        cut = replace(trip, time_step=trip.time_step / parts, steps=trip.steps * parts)
-        return _sound(make_trip(gear, SHAKEN, cut)).signals, SHAKEN
+        maneuver = shaken(gear)
+        cut = replace(maneuver, time_step=maneuver.time_step / parts, steps=maneuver.steps * parts)
+        return _sound(run_maneuver(gear, SHAKEN, cut)).signals, SHAKEN
 
     return witness
 

@@ -20,7 +20,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.solvers.drive import Drive
-from rps_exudyn.solvers.gear_kernel import STACK, GearData, Kernel
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, GearData, Kernel
 from rps_exudyn.solvers.record import Record, signals_of
 
 
@@ -61,13 +61,13 @@ class FreeMotion:
 
     def inverse_mass(self, q: np.ndarray) -> np.ndarray:
         """Over what moves; the rack's masses turn with it."""
-        turned, rack = self.mass.copy(), STACK["rack"]
+        turned, rack = self.mass.copy(), COORDINATE_BLOCKS["rack"]
         turned[rack, rack] = rigid_mass(q[rack][3:], self.bar)
         return np.asarray(np.linalg.inv(turned[np.ix_(self.moving, self.moving)]))
 
     def acceleration(self, t: float, q: np.ndarray, v: np.ndarray, inverse: np.ndarray) -> np.ndarray:
         """Of every coordinate, (8,); 0 of those prescribed."""
-        forces, rack = np.array(self.force(q, v, self.data)), STACK["rack"]
+        forces, rack = np.array(self.force(q, v, self.data)), COORDINATE_BLOCKS["rack"]
         if self.pulse is not None and (shake := self.pulse.force(t)).any():
             dead = DeadForceData((shake[0], shake[1], shake[2]), self.pulse.place)
             forces[rack] += dead_force(q[rack], v[rack], dead)[:6]

@@ -10,8 +10,8 @@ import numpy as np
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.maneuver import swing_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.scenes.trip import swing_trip
 from rps_exudyn.simulate.run import SCENES
 from rps_exudyn.verification.work_precision import Curve, Errors, Reference, curve_errors
 
@@ -60,8 +60,8 @@ def curve_of(scene: str, signals: Signals, gear: SteeringGear, fidelity: Fidelit
     """A signal over the time of the rig's motion, by default the one that counts."""
     start = 0.0
     if scene == "reversal":  # recording begins at another phase with every step
-        trip = swing_trip(gear, fidelity.step_angle)
-        start = trip.lead * trip.time_step
+        maneuver = swing_maneuver(gear, fidelity.step_angle)
+        start = maneuver.lead * maneuver.time_step
     return Curve(start + signals["time"], signals[name or JUDGED[scene]])
 
 
@@ -76,4 +76,4 @@ REVOLUTIONS: dict[str, Callable[[SteeringGear], float]] = {
     "rack-push": lambda gear: gear.test.turns,
     "reversal": lambda gear: 4 * gear.test.amplitude * gear.test.cycles / (2 * np.pi),
 }
-"""Of trips one way."""
+"""Of maneuvers one way."""

@@ -11,8 +11,8 @@ from rps_exudyn.gears.solids import pinion_solid, rack_solid
 from rps_exudyn.mesh_contact.flank_data import pack_generators
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.maneuver import swing_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.scenes.trip import swing_trip
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.verification.equilibria import equilibria
 
@@ -26,7 +26,7 @@ def slow_swing(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
         InputError: the steering leaves the rack's teeth.
     """
     return equilibria(
-        gear, _well_integrated(gear, fidelity), swing_trip(gear, fidelity.step_angle), inertia(gear)
+        gear, _well_integrated(gear, fidelity), swing_maneuver(gear, fidelity.step_angle), inertia(gear)
     )
 
 

@@ -1,7 +1,7 @@
-"""Whether a plan's number is right, against the same trip in small steps; and where it stops being.
+"""Whether a plan's number is right, against the same maneuver in small steps; and where it stops being.
 
 plan = Plan("free-pinion-torque", gear, fidelity)
-trial = naked(plan)                    as if nothing were checked but that the solver got to its end
+trial = unchecked(plan)                    as if nothing were checked but that the solver got to its end
 cell_of(trial, reference(plan, ...))   right, inaccurate, wrong, failed, not computed
 limit = bisected(lambda h: cell(h) is Cell.RIGHT, 1e-4, 1e-2)
 """
@@ -17,13 +17,13 @@ from unittest.mock import patch
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.checks.after_run import judged
+from rps_exudyn.checks.after_run import validated
 from rps_exudyn.checks.before_run import refused
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.results.result import Result
-from rps_exudyn.scenes import make_trip, trip
+from rps_exudyn.scenes import maneuver, run_maneuver
 from rps_exudyn.simulate.run import unguarded
 
 FIGURE = {
@@ -101,25 +101,25 @@ class StabilityMap:
     lines: list[Line]
 
 
-def naked(plan: Plan) -> Result:
+def unchecked(plan: Plan) -> Result:
     """The run in steps as asked, without guards and without judge: ok is what the solver calls a success."""
-    return tried(plan)[0]
+    return run_and_check(plan)[0]
 
 
 def _steps_as_asked() -> AbstractContextManager[object]:
-    """Within the block no trip takes finer steps than its fidelity asks for."""
-    return patch.multiple(trip, LEAST_STEPS=1, LEAST_OF_PART=1)
+    """Within the block no maneuver takes finer steps than its fidelity asks for."""
+    return patch.multiple(maneuver, LEAST_STEPS=1, LEAST_OF_PART=1)
 
 
-def tried(plan: Plan) -> tuple[Result, bool]:
+def run_and_check(plan: Plan) -> tuple[Result, bool]:
     """The same, and whether guards or judge would have had something against it."""
     verdicts: list[Outcome] = []
 
     def only_noted(outcome: Outcome, *seen: Any) -> Outcome:
-        verdicts.append(judged(outcome, *seen))
+        verdicts.append(validated(outcome, *seen))
         return outcome
 
-    with patch.object(make_trip, "judged", only_noted), _steps_as_asked():
+    with patch.object(run_maneuver, "validated", only_noted), _steps_as_asked():
         result = unguarded(plan.scene, plan.gear, plan.fidelity)
     against = any(verdict.status is not Status.OK for verdict in verdicts)
     return result, against or bool(refused(plan.scene, plan.gear, plan.fidelity))
@@ -127,7 +127,7 @@ def tried(plan: Plan) -> tuple[Result, bool]:
 
 @contextmanager
 def processor_time(seconds: float) -> Iterator[None]:
-    """Within the block Python raises after so much processor time; a force law that Exudyn calls does too,
+    """Within the block Python raises after so much CPU time; a force law that Exudyn calls does too,
     and the run then ends without convergence.
 
     Raises:
@@ -135,7 +135,7 @@ def processor_time(seconds: float) -> Iterator[None]:
     """
 
     def over(number: int, frame: Any) -> None:
-        raise TimeoutError(f"more than {seconds:g} s of processor time")
+        raise TimeoutError(f"more than {seconds:g} s of CPU time")
 
     before = signal.signal(signal.SIGVTALRM, over)
     signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
@@ -147,8 +147,7 @@ def processor_time(seconds: float) -> Iterator[None]:
 
 
 def reference(plan: Plan, value: float, methods: Sequence[Choices] = REFERENCES) -> float:
-    """The figure of the same trip from equilibria in small steps or from dynamics in small steps; nan if none
-    of them is sound itself.
+    """The figure of the same maneuver from equilibria or dynamics in small steps, nan if none is sound.
 
     Both are right answers where inertia matters: of several the one nearest to `value` is returned.
     """

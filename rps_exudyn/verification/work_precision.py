@@ -4,8 +4,8 @@
     reference.uncertainty             # what the two methods do not agree about, RMS in % of the mean
     curve_errors(record, reference)   # of another record of the same motion
 
-A `Curve` is what a scene records: values over time, in one piece or several where trips were joined. Errors
-are in % of the reference's mean size, over the time that both cover. Between its own instants a record is
+A `Curve` is what a scene records: values over time, in several pieces where maneuvers were joined. Errors are
+in % of the reference's mean size, over the time that both cover. Between its own instants a record is
 interpolated by a cubic spline (`rms`) and by straight lines (`rms_linear`).
 """
 

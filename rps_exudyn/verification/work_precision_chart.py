@@ -68,7 +68,7 @@ def work_precision_figure(measurement: Measurement) -> Figure:
         axes.axvline(wanted, **style.REFERENCE_LINE)
     axes.set_xlabel("error, RMS over the motion [% of the mean]")
     per = "run" if measurement.scene == "yoke-impact" else "revolution"
-    axes.set_ylabel(f"processor time of the solver [s per {per}]")
+    axes.set_ylabel(f"CPU time of the solver [s per {per}]")
     _legend_beside(axes)
     headline = f"{OF_SCENE[measurement.scene]}: cost of a model against its error"
     style.title(figure, headline, told_missing(measurement))
@@ -161,7 +161,7 @@ def _draw_floor(axes: Axes, floor: float) -> None:
 
 # --- cost against size -----------------------------------------------------------------------------
 def draw_scaling(measured: Mapping[str, tuple[np.ndarray, np.ndarray]], path: str | Path) -> None:
-    """Cost over size of each problem, sizes and processor seconds (n,), with the exponent fitted to them.
+    """Cost over size of each problem, sizes and CPU seconds (n,), with the exponent fitted to them.
 
     Raises:
         InputError: the file cannot be written.
@@ -178,7 +178,7 @@ def scaling_figure(measured: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Fig
         axes.plot(size, cost, "o", color=colour, markersize=5, label=f"{name}: exponent {power:.2f}")
         axes.plot(size, factor * size**power, "-", color=colour, linewidth=1)
     axes.set_xlabel("size: number of what the legend names")
-    axes.set_ylabel("processor time [s]")
+    axes.set_ylabel("CPU time [s]")
     _legend_beside(axes)
     style.title(figure, "Cost against the size of the problem, and the exponents of cost ~ size^p")
     return figure

@@ -19,7 +19,7 @@ REFERENCE = Fidelity.preset("quasi-static").replace({"step_angle": "0.25 deg", *
 
 
 @pytest.fixture(scope="module")
-def judged() -> list[tuple[SteeringGear, Reference]]:
+def validated() -> list[tuple[SteeringGear, Reference]]:
     """The first twenty random gears that run within the promise's scope, and their converged torque."""
     found = []
     for gear in random_gears(SEED, 2 * GEARS):

@@ -113,8 +113,8 @@ def test_parallel_axes_take_the_limit() -> None:
     """Rack angle = helix angle, all recess: the lever is |q|, its mean q_a / 2, and nothing is singular."""
     parallel = PAPER.replace({"pinion.helix_angle": "10 deg", "pinion.tip_diameter": "18 mm"})
     pair = GearPair.of(parallel)
-    assert pair.field[0] == 0
-    assert mean_lever(pair) == pytest.approx(pair.field[1] / 2, rel=1e-12)
+    assert pair.active_path[0] == 0
+    assert mean_lever(pair) == pytest.approx(pair.active_path[1] / 2, rel=1e-12)
     nearly = PAPER.replace({"pinion.helix_angle": "10.001 deg", "pinion.tip_diameter": "18 mm"})
     assert closed_form(parallel).free_torque == pytest.approx(closed_form(nearly).free_torque, rel=1e-4)
 

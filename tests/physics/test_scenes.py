@@ -78,7 +78,7 @@ def test_raising_and_lowering_differ_by_twice_the_free_torque(fidelity: str, mas
 
 
 def test_the_load_test_counts_every_instant() -> None:
-    """The second trip begins where the first ended, up to rounding, which cost a step each way."""
+    """The second maneuver begins where the first ended, up to rounding, which cost a step each way."""
     signals = {
         "time": np.array([0.0, 1, 2, 2, 3, 4]),
         "pinion_angle": np.array([0.0, 0.5, 1, 1 + 1e-15, 0.5, 0]),

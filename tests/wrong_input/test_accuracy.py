@@ -48,7 +48,7 @@ def test_settings_in_a_scenes_own_steps(monkeypatch: pytest.MonkeyPatch) -> None
     choice = choose("yoke-impact", SteeringGear(), 3.0)
     assert choice.fidelity.step_angle == Fidelity.preset("flank").step_angle
     assert choice.fidelity.tolerance == 1e-3
-    assert choice.why.endswith("ms of processor time per run")
+    assert choice.why.endswith("ms of CPU time per run")
 
 
 def test_with_choices_of_ones_own(command: Command) -> None:
@@ -60,5 +60,5 @@ def test_chosen_and_told(command: Command) -> None:
     answer = command(["run", "--accuracy", "1%", "--json"])
     assert answer.status == 0
     assert answer.json["fidelity"]["solver"] == "equilibrium"
-    for word in ("quasi-static", "angles per tooth pitch", "promises", "ms of processor time"):
+    for word in ("quasi-static", "angles per tooth pitch", "promises", "ms of CPU time"):
         assert word in answer.err

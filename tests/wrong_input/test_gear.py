@@ -79,7 +79,7 @@ def test_all_problems_of_a_file_at_once_also_between_parameters(tmp_path: Path) 
 
 
 def test_misfit_with_a_wrong_parameter_is_not_reported() -> None:
-    """Its correction may remove the misfit: only the wrong parameter itself is named."""
+    """Its correction may remove the conflict: only the wrong parameter itself is named."""
     with pytest.raises(InputError) as caught:
         SteeringGear().replace({"bush.outer_diameter": "30 kg", "bush.inner_diameter": "40 mm"})
     assert [problem.split()[0] for problem in caught.value.problems] == ["bush.outer_diameter"]

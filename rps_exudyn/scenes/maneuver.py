@@ -1,4 +1,4 @@
-"""A trip: one motion of the rig under one load. What every scene is made of."""
+"""A maneuver: one motion of the rig under one load. What every scene is made of."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,11 +17,11 @@ LEAST_OF_PART = 8  # ... and of a record that is not made of whole ones: they co
 LEAST_PER_CYCLE = 400  # steps, so that the sinusoid passes its ends in many of them
 RUN_IN = np.deg2rad(0.5)  # pinion angle turned before the record starts, at least
 SETTLING = 12  # equilibria over the tooth pitch before that: the torque after them is settled to 0.02 % ...
-THOROUGH = 48  # ... and over each of three tooth pitches where the rack rolls
+FINE_SETTLING = 48  # ... and over each of three tooth pitches where the rack rolls
 
 
 @dataclass(frozen=True)
-class Trip:
+class Maneuver:
     """A motion in even time steps, recorded after a run-in, so that what the start stirs up has died.
 
     Nothing but friction holds the rack against rolling: where it first rests may be many degrees of
@@ -36,7 +36,7 @@ class Trip:
     rack_load: float = 0.0  # pulls the rack's end towards -X [N]
     pulse: Pulse | None = None
     settling: float = 0.0  # how long before the start the equilibria begin [s] ...
-    thorough: float = 0.0  # ... where the rack rolls [s]
+    fine_settling: float = 0.0  # ... where the rack rolls [s]
 
     @property
     def settling_time(self) -> tuple[np.ndarray, ...]:
@@ -46,7 +46,7 @@ class Trip:
             return ()
         return (
             np.linspace(-self.settling, 0.0, SETTLING, endpoint=False),
-            np.linspace(-self.thorough, 0.0, 3 * THOROUGH, endpoint=False),
+            np.linspace(-self.fine_settling, 0.0, 3 * FINE_SETTLING, endpoint=False),
         )
 
     @property
@@ -64,28 +64,30 @@ class Trip:
         """Whether everything slides at a constant speed."""
         return isinstance(self.drive, Steady) and self.drive.speed != 0
 
-    def under(self, load: float) -> "Trip":
+    def under(self, load: float) -> "Maneuver":
         """The same with a load that pulls the rack's end towards -X [N]."""
         return replace(self, rack_load=load)
 
     def turned(self, gear: SteeringGear) -> float:
-        """Pinion angle between the ends of the record of a steady trip [rad]."""
+        """Pinion angle between the ends of the record of a steady maneuver [rad]."""
         return self.steps * self.time_step * gear.test.speed
 
-    def at_once(self) -> "Trip":
+    def without_settling(self) -> "Maneuver":
         """The same from where the gear first rests, without what leads there."""
-        return replace(self, settling=0.0, thorough=0.0)
+        return replace(self, settling=0.0, fine_settling=0.0)
 
-    def one_period(self) -> "Trip":
+    def one_period(self) -> "Maneuver":
         """Its first period."""
         return replace(self, steps=self.steps // self.periods, periods=1)
 
 
-def steady_trip(gear: SteeringGear, body: DrivenBody, first: float, last: float, step_angle: float) -> Trip:
+def steady_maneuver(
+    gear: SteeringGear, body: DrivenBody, first: float, last: float, step_angle: float
+) -> Maneuver:
     """Between two pinion angles [rad] at the test's speed, in steps of at most `step_angle` [rad].
 
     `body` is the one that the rig moves; the rack moves as far and as fast as it would with the pinion.
-    A trip over whole periods of the gear gets the same steps in each of them, at least four; any other at
+    A maneuver over whole periods of the gear gets the same steps in each of them, at least four; any other at
     least eight.
 
     Raises:
@@ -102,19 +104,19 @@ def steady_trip(gear: SteeringGear, body: DrivenBody, first: float, last: float,
     scale = travel_per_radian(body, float(GearPair.of(gear).gain))
     drive = Steady(body, scale * start, scale * sense * gear.test.speed)
     pitch, toothed = 2 * np.pi / gear.pinion.teeth, max(0.0, largest_angle(gear) + sense * start)
-    return Trip(
+    return Maneuver(
         drive,
         step / gear.test.speed,
         lead,
         per_piece * periods,
         periods,
         settling=min(pitch, toothed) / gear.test.speed,
-        thorough=min(3 * pitch, toothed) / gear.test.speed,
+        fine_settling=min(3 * pitch, toothed) / gear.test.speed,
     )
 
 
-def trips_of_test(gear: SteeringGear, body: DrivenBody, step_angle: float) -> list[Trip]:
-    """The trips that `test.path` asks for.
+def maneuvers_of_test(gear: SteeringGear, body: DrivenBody, step_angle: float) -> list[Maneuver]:
+    """The maneuvers that `test.path` asks for.
 
     Raises:
         InputError: they leave the rack's teeth.
@@ -124,11 +126,13 @@ def trips_of_test(gear: SteeringGear, body: DrivenBody, step_angle: float) -> li
     if test.path == "lock-to-lock":
         lock = float(gear.rack.travel / 2 / GearPair.of(gear).gain)
         first, last = -test.direction * lock, test.direction * lock
-    there = steady_trip(gear, body, first, last, step_angle)
-    return [there] if test.path == "one-way" else [there, steady_trip(gear, body, last, first, step_angle)]
+    there = steady_maneuver(gear, body, first, last, step_angle)
+    return (
+        [there] if test.path == "one-way" else [there, steady_maneuver(gear, body, last, first, step_angle)]
+    )
 
 
-def swing_trip(gear: SteeringGear, step_angle: float) -> Trip:
+def swing_maneuver(gear: SteeringGear, step_angle: float) -> Maneuver:
     """Sinusoidal steering about the test's start angle; steps of `step_angle` [rad] where it is fastest.
 
     Raises:
@@ -140,7 +144,7 @@ def swing_trip(gear: SteeringGear, step_angle: float) -> Trip:
     drive = Swing("pinion", test.start_angle, test.amplitude, test.direction * test.speed)
     per_cycle = 4 * int(np.ceil(max(drive.period * test.speed / step_angle, LEAST_PER_CYCLE) / 4))
     time_step = drive.period / per_cycle
-    return Trip(drive, time_step, int(np.ceil(RUN_IN / test.speed / time_step)), per_cycle * test.cycles)
+    return Maneuver(drive, time_step, int(np.ceil(RUN_IN / test.speed / time_step)), per_cycle * test.cycles)
 
 
 def whole_periods(gear: SteeringGear, angle: float) -> int | None:
