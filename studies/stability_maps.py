@@ -5,7 +5,7 @@
 
 The plans are those of studies/stability_*.toml, which `rps-exudyn study` runs too; here each is run without
 guards and judge, and compared with the same maneuver in small steps. Beside them stand explicit
-methods: classical Runge-Kutta on the gear (`accuracy.explicit`), Exudyn's velocity Verlet on the bush's chain.
+methods: classical Runge-Kutta on the gear, Exudyn's velocity Verlet on the bush's chain.
 """
 
 import json
