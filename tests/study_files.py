@@ -15,12 +15,14 @@ values = [{preloads}]
 STAND_IN = '''
 import os, signal, time
 import numpy as np
-import rps_exudyn.simulate.run as simulate
+from dataclasses import replace
+
+from rps_exudyn.scenes import free_pinion_torque
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.scene_run import SceneRun
 
 
-def scene(gear, fidelity):
+def scene(gear, fidelity, options):
     """What becomes of a case depends on its preload [N]."""
     preload = round(gear.yoke.preload)
     if gear.test.turns < 0.1:  # warm_up
@@ -42,7 +44,7 @@ def scene(gear, fidelity):
     return SceneRun(Outcome(Status.OK, settings={"name": "none"}), signals, {"torque_mean": preload / 500})
 
 
-simulate.SCENES["free-pinion-torque"] = scene
+free_pinion_torque.SCENE = replace(free_pinion_torque.SCENE, run=scene)
 '''
 """A sitecustomize.py, which Python imports when it starts: workers then simulate nothing."""
 

@@ -24,9 +24,6 @@ from rps_exudyn.results.result import Result
 ABSENT = None
 """Stands for a setting or a number that one of the results does not have."""
 
-FOUND = ("residual", "rescues", "angles", "periods_alike", "tries", "accuracy")
-"""What the solver's group tells beside its settings."""
-
 Pair = tuple[Any, Any]
 
 
@@ -87,8 +84,8 @@ def compare(first: Result, second: Result) -> Comparison:
 
 
 def _settings(result: Result) -> dict[str, Any]:
-    solver = {name: value for name, value in result.solver.items() if name not in FOUND}
-    return {**result.gear.model_dump(), "fidelity": result.fidelity, "solver": solver}
+    fidelity = {name: value for name, value in result.fidelity.items() if name != "based_on"}
+    return {**result.gear.model_dump(), "fidelity": fidelity, "solver": result.solver}
 
 
 def _differing(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Pair]:

@@ -1,26 +1,27 @@
-"""Which picture suits a result: one for each scene, chosen here."""
+"""The picture that suits a result: its scene's own."""
 
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.charts import style
-from rps_exudyn.charts.impact import impact_figure
-from rps_exudyn.charts.load_test import load_test_figure
-from rps_exudyn.charts.rack_push import rack_push_figure
-from rps_exudyn.charts.reversal import reversal_figure
 from rps_exudyn.charts.torque import torque_figure
 from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import SCENE_NAMES, scene_named
 
-PICTURES: dict[str, Callable[[Result, MeasuredTorque | None], Figure]] = {
-    "free-pinion-torque": torque_figure,
-    "load-test": load_test_figure,
-    "rack-push": rack_push_figure,
-    "reversal": reversal_figure,
-    "yoke-impact": impact_figure,
-}
+Draw = Callable[[Result, MeasuredTorque | None], Figure]
+
+
+def figure_of(scene: str) -> Draw:
+    """Return the function that draws results of a scene; of an unknown one, the torque over the angle."""
+    if scene not in SCENE_NAMES:
+        return torque_figure
+    chart = scene_named(scene).chart
+    draw: Draw = getattr(import_module(f"rps_exudyn.charts.{chart}"), f"{chart}_figure")
+    return draw
 
 
 def draw(result: Result, path: str | Path, measured: MeasuredTorque | None = None) -> None:
@@ -29,4 +30,4 @@ def draw(result: Result, path: str | Path, measured: MeasuredTorque | None = Non
     Raises:
         InputError: the file cannot be written.
     """
-    style.save(PICTURES.get(result.scene, torque_figure)(result, measured), path)
+    style.save(figure_of(result.scene)(result, measured), path)

@@ -1,6 +1,6 @@
 """A plan held against the limits beyond which its method ends with a wrong number, before it is run.
 
-    for breach in breaches(scene, gear, fidelity):
+    for breach in breaches(gear, fidelity, steady=True):
         breach.sentence          which quantity, its value, the limit, why
         breach.repair            the choice that meets the limit
 
@@ -25,7 +25,6 @@ DEEPEST = 1.5  # deepest contact over the mean one, measured on the paper's gear
 LEAST_GENERATORS = 20  # 0.5 % of the torque
 LEAST_ROWS = 8  # of spheres along the face width
 SPACING = 2.5  # of spheres along the profile, over the width of the strip that touches: 1 % of the torque
-STEADY = ("free-pinion-torque", "load-test", "rack-push")
 
 
 @dataclass(frozen=True)
@@ -46,19 +45,19 @@ class Breach:
         return f"{self.quantity} is {value}; {self.why} asks for {side} {limit}"
 
 
-def breaches(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
-    """All limits that the plan does not meet."""
+def breaches(gear: SteeringGear, fidelity: Fidelity, *, steady: bool) -> Iterator[Breach]:
+    """Yield all limits that a plan does not meet; `steady` if everything shall slide at a constant speed."""
     if fidelity.solver == "closed-form":
         return
-    if scene in STEADY:
+    if steady:
         yield from _tooth_pitch_resolved(gear, fidelity)
     yield from _contact_integrated(gear, fidelity)
     yield from _spheres_deep_enough(gear, fidelity)
 
 
-def refused(scene: str, gear: SteeringGear, fidelity: Fidelity) -> list[str]:
-    """The sentences about them."""
-    return [breach.sentence for breach in breaches(scene, gear, fidelity)]
+def refused(gear: SteeringGear, fidelity: Fidelity, *, steady: bool) -> list[str]:
+    """Return the sentences about them."""
+    return [breach.sentence for breach in breaches(gear, fidelity, steady=steady)]
 
 
 def _tooth_pitch_resolved(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:

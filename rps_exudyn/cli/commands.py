@@ -15,6 +15,7 @@ from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.options import GearOptions, SetupOptions
+from rps_exudyn.scenes import SCENE_NAMES
 
 if TYPE_CHECKING:
     from rps_exudyn.analysis.measured import MeasuredTorque
@@ -53,7 +54,9 @@ PAPER_SETUP = SetupOptions()
 
 @app.command
 def run(
-    scene: str = "free-pinion-torque",
+    scene: Annotated[str, Parameter(help=f"what the test rig does: {', '.join(SCENE_NAMES)}.")] = SCENE_NAMES[
+        0
+    ],
     /,
     *,
     setup: SetupOptions = PAPER_SETUP,
@@ -70,7 +73,6 @@ def run(
     A failed run never replaces an existing file: it is written beside it as NAME.failed.
 
     Args:
-        scene: what the test rig does: free-pinion-torque, load-test, rack-push, reversal or yoke-impact.
         accuracy: error of the torque that is allowed, for instance 1%: takes the cheapest model that keeps
             it, of all or of the --fidelity given; see docs/accuracy.md.
         out: HDF5 file; without it SCENE.h5 in the current folder.
@@ -83,20 +85,26 @@ def run(
     """
     from rps_exudyn.analysis.measured import read_measured_torque
     from rps_exudyn.charts.style import PICTURES
-    from rps_exudyn.simulate import isolated_run as guarded
-    from rps_exudyn.simulate.by_accuracy import beyond_promise
+    from rps_exudyn.simulate.isolated_run import seconds
+    from rps_exudyn.simulate.run import simulate
 
-    limit = guarded.seconds(time_limit) if time_limit is not None else None
-    chosen, why = setup.load_for(scene, accuracy) if accuracy is not None else (setup.load(), "")
-    if why:
-        _say(why)
+    limit = seconds(time_limit) if time_limit is not None else None
+    preset = setup.preset_alone() if accuracy is not None else None
+    chosen = setup.load()
     out = _checked_output(out or Path(f"{scene}.h5"), RESULT_FILES)
     plot = _checked_output(plot or out.with_suffix(".png"), PICTURES)
     curve = read_measured_torque(measured) if measured else None
     with redirect_stdout(sys.stderr):  # what libraries say; standard output is for the result
-        result = guarded.run(scene, chosen.steering_gear, chosen.fidelity, robust, limit)
-    if why and (beyond := beyond_promise(result.gear, result.signals)):
-        _say(beyond.lstrip("; "))
+        result = simulate(
+            scene,
+            chosen.steering_gear,
+            chosen.fidelity if accuracy is None else preset,
+            accuracy=accuracy,
+            robust=robust,
+            time_limit=limit,
+        )
+    if "accuracy" in result.findings:
+        _say(result.findings["accuracy"])
     _print_result(result, json, files=_keep(result, out, plot, curve), measured=curve)
     return _verdict(result)
 
@@ -191,13 +199,13 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
     from rps_exudyn.analysis.rerun import differing_numbers, setup_of
     from rps_exudyn.cli import printed
     from rps_exudyn.results.result import load
-    from rps_exudyn.simulate import run as simulate
+    from rps_exudyn.simulate.run import simulate
 
     if out:
         _checked_output(out, RESULT_FILES)
     old = load(file)
     with redirect_stdout(sys.stderr):
-        new = simulate.run(old.scene, old.gear, fidelity=setup_of(old, file))
+        new = simulate(old.scene, old.gear, setup_of(old, file))
     if out:
         new.save(out)
     differing = differing_numbers(old, new)

@@ -63,7 +63,7 @@ class SetupOptions(GearOptions):
 
     def load(self) -> "Setup":
         """Gear and fidelity, or an InputError with everything that is wrong with both."""
-        from rps_exudyn.parameters.fidelity import PRESETS, name_of, unknown_preset
+        from rps_exudyn.parameters.fidelity import PRESETS, preset_table, unknown_preset
         from rps_exudyn.parameters.setup import Setup
 
         settings, problems = parse_settings(self.settings)
@@ -73,32 +73,28 @@ class SetupOptions(GearOptions):
             problems.append(
                 f"{self.gear}: fidelity is no table of a gear; choose it by --fidelity and --set."
             )
-        if settings.pop("fidelity.name", None):
-            problems.append("fidelity.name cannot be set: it says what was chosen.")
+        for path in ("fidelity.name", "fidelity.based_on"):
+            if settings.pop(path, None):
+                problems.append(f"{path} cannot be set: it says what was chosen.")
         base = self.fidelity or "flank"
         if base not in PRESETS:
             problems.append(unknown_preset(base))
-        changes = {
-            path[len("fidelity.") :]: value
-            for path, value in settings.items()
-            if path.startswith("fidelity.")
-        }
-        preset = {"name": name_of(base, changes), **PRESETS.get(base, {})}
+        preset = preset_table(base) if base in PRESETS else {}
         with _all_at_once(problems):
             return Setup.from_tables(tables | {"fidelity": preset}, settings, where=str(self.gear or ""))
 
-    def load_for(self, scene: str, accuracy: str) -> "tuple[Setup, str]":
-        """Gear, the cheapest fidelity of this accuracy, and why it is; or an InputError."""
-        from rps_exudyn.simulate.by_accuracy import choose, percent
+    def preset_alone(self) -> str | None:
+        """Return the preset named, or None: what may stand beside --accuracy.
 
+        Raises:
+            InputError: single choices of the model, which --accuracy makes itself.
+        """
         settings, _ = parse_settings(self.settings)
         own = [f"--{part}" for part in self._parts()]
         own += [f"--set {path}" for path in settings if path.startswith("fidelity.")]
         if own:
             raise InputError(f"--accuracy chooses the model itself; leave out {', '.join(own)}.")
-        told = self.load()
-        choice = choose(scene, told.steering_gear, percent(accuracy), self.fidelity)
-        return told.model_copy(update={"fidelity": choice.fidelity}), choice.why
+        return self.fidelity
 
     def _parts(self) -> dict[str, str]:
         """Choices within the fidelity that were made."""

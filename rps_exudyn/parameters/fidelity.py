@@ -10,20 +10,25 @@ Each part can be chosen alone, for instance `Fidelity.preset("flank").replace({"
 """
 
 from collections.abc import Iterator, Mapping
+from functools import cache
 from typing import Any, Literal, Self
 
 import numpy as np
+from pydantic import computed_field, model_validator
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.declaration import Angle, Declared, Number, Problem, Table, parameter
 
 CHAINS = ("chain", "adams-chain")
+PresetName = Literal["full", "flank", "quasi-static", "closed-form"]
 
 
 class Fidelity(Table):
     """One way to model and solve the gear."""
 
-    name: str = parameter("flank", "preset this came from, and what was changed in it", "estimate")
+    based_on: PresetName = parameter(
+        "flank", "preset whose choices these are but for those changed", "estimate"
+    )
     mesh: Literal["general-contact", "flank", "flank-generators", "ratio", "ratio-with-loss"] = parameter(
         "flank", "how the teeth touch", "estimate"
     )
@@ -86,49 +91,71 @@ class Fidelity(Table):
         0.1, "friction zone over the smallest sliding speed of the teeth", "estimate", gt=0, le=1
     )
 
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def name(self) -> str:
+        """The preset and what was changed in it: "full with bush condensed"."""
+        usual = _preset_values(self.based_on)
+        changes = [
+            f"{item.path} {item.show(value)}"
+            for item in _choices()
+            if (value := getattr(self, item.path)) != usual[item.path]
+        ]
+        return f"{self.based_on} with {', '.join(changes)}" if changes else self.based_on
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_name(cls, tables: Any) -> Any:
+        """Read what was stored: the name follows from the choices, in old files it names the preset."""
+        if not isinstance(tables, Mapping) or "name" not in tables:
+            return tables
+        preset = str(tables["name"]).partition(" ")[0]
+        known = {"based_on": preset} if preset in PRESETS else {}
+        return known | {choice: value for choice, value in tables.items() if choice != "name"}
+
     def conflicts(self) -> Iterator[Problem]:
+        """Yield choices that are each fine alone, but not together."""
         return _conflicts(self)
 
     @classmethod
     def declared(cls) -> Iterator[Declared]:
-        """All choices; the name follows from them."""
-        return (item for item in super().declared() if item.path != "name")
+        """Yield all choices; the preset is where they came from, and not one of them."""
+        return (item for item in super().declared() if item.path != "based_on")
 
     @classmethod
     def preset(cls, name: str) -> Self:
-        """A preset by its name.
+        """Return the preset of that name.
 
         Raises:
             InputError: there is no such preset.
         """
         if name not in PRESETS:
             raise InputError(unknown_preset(name))
-        return cls.model_validate({"name": name, **PRESETS[name]})
-
-    def replace(self, settings: Mapping[str, object]) -> Self:
-        """The same with single choices changed; the name says so: "full with bush condensed".
-
-        Raises:
-            InputError: an unknown choice, or a value that is not allowed.
-        """
-        return self.from_tables(self.model_dump(), {**settings, "name": name_of(self.name, settings)})
+        return cls.model_validate(preset_table(name))
 
 
 def unknown_preset(name: str) -> str:
-    """The sentence about it."""
+    """Return the sentence about a preset that does not exist."""
     return f"--fidelity is {name!r}; it must be one of {', '.join(PRESETS)}."
 
 
-def name_of(base: str, changes: Mapping[str, object]) -> str:
-    """A fidelity's name after these choices were changed in the one called `base`."""
-    if not changes:
-        return base
-    told = ", ".join(f"{choice} {value}" for choice, value in changes.items())
-    return f"{base}{', ' if ' with ' in base else ' with '}{told}"
+def preset_table(name: str) -> dict[str, Any]:
+    """Return what a preset says, as a table of a fidelity."""
+    return {"based_on": name, **PRESETS[name]}
+
+
+@cache
+def _preset_values(name: str) -> dict[str, Any]:
+    preset = Fidelity.preset(name)
+    return {item.path: getattr(preset, item.path) for item in _choices()}
+
+
+@cache
+def _choices() -> tuple[Declared, ...]:
+    return tuple(Fidelity.declared())
 
 
 def _conflicts(chosen: Fidelity) -> Iterator[Problem]:
-    """Choices that are each fine alone, but not together."""
     if chosen.rack == "guided" and chosen.bush != "condensed":
         yield Problem(
             ("rack", "bush"),

@@ -57,7 +57,9 @@ def parameter_grid(values: Mapping[str, Any], caption: str = "") -> Grid:
 
 def fidelity_facts(fidelity: Mapping[str, Any]) -> Fold:
     """Every choice of the model, folded under its name."""
-    choices = {f"fidelity.{name}": value for name, value in fidelity.items() if name != "name"}
+    choices = {
+        f"fidelity.{name}": value for name, value in fidelity.items() if name not in ("name", "based_on")
+    }
     return Fold(f"Model: fidelity {fidelity.get('name', '')}", [parameter_grid(choices)])
 
 

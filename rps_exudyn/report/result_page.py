@@ -5,7 +5,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from rps_exudyn.charts.scene import PICTURES
+from rps_exudyn.charts.scene import figure_of
 from rps_exudyn.charts.signals import WIDTH, signals_figure
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.report.blocks import Article, Block, Code, Facts, Fold, Grid, Pictures, Section, Text, Warning
@@ -14,6 +14,7 @@ from rps_exudyn.report.pictures import picture
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import SCENE_NAMES
 
 
 def result_article(result: Result, path: Path) -> Article:
@@ -79,10 +80,10 @@ def _curves(result: Result) -> Iterable[Block]:
 
 def _scene_figure(result: Result) -> Figure | None:
     """The scene's own picture, if all that it shows was kept; its headline the page has already."""
-    if result.status is not Status.OK or result.scene not in PICTURES:
+    if result.status is not Status.OK or result.scene not in SCENE_NAMES:
         return None
     try:
-        figure = PICTURES[result.scene](result, None)
+        figure = figure_of(result.scene)(result, None)
     except (KeyError, IndexError):  # signals that were not kept
         return None
     figure.suptitle("")

@@ -42,4 +42,5 @@ class Outcome:
     time_reached: float = 0.0
     cpu_s: float = 0.0
     counters: dict[str, int] = field(default_factory=dict)
-    settings: dict[str, Any] = field(default_factory=dict)
+    settings: dict[str, Any] = field(default_factory=dict)  # of the solver
+    findings: dict[str, Any] = field(default_factory=dict)  # what it found out about itself

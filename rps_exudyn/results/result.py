@@ -24,7 +24,7 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GROUPS
 
 FILETYPE = "rps_exudyn-result"
-VERSION = (1, 0)
+VERSION = (1, 1)
 """Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
 
 
@@ -40,6 +40,7 @@ class Result:
     gear: SteeringGear
     fidelity: dict[str, Any]  # what was modelled how
     solver: dict[str, Any]  # every setting of the solver
+    findings: dict[str, Any] = field(default_factory=dict)  # what solver and choice of model report
     status: Status
     message: str = ""  # why, if status is not OK
     signals: Mapping[str, np.ndarray] = field(default_factory=dict)
@@ -133,6 +134,7 @@ def attributes_of(result: Result) -> dict[str, Any]:
         "parameters": result.gear.model_dump_json(),
         "fidelity": json.dumps(result.fidelity, default=_plain),
         "solver": json.dumps(result.solver, default=_plain),
+        "findings": json.dumps(result.findings, default=_plain),
         "cpu_s": float(result.cpu_s),
         "wall_s": float(result.wall_s),
         **result.provenance,
@@ -157,6 +159,10 @@ def _plain(value: Any) -> Any:
     return value.tolist() if isinstance(value, np.ndarray | np.generic) else str(value)
 
 
+# Findings that files of version 1.0 hold among the solver's settings
+_FINDINGS = ("residual", "rescues", "angles", "periods_alike", "tries", "accuracy", "refused")
+
+
 # --- reading -----------------------------------------------------------------------------------
 
 
@@ -165,11 +171,15 @@ def _read(file: h5py.File, path: str | Path) -> Result:
         fidelity = _tables(file, "fidelity")
         if not isinstance(fidelity.get("name"), str):
             raise ValueError("fidelity has no name")
+        solver = _tables(file, "solver")
+        findings = _tables(file, "findings") if "findings" in file.attrs else {}
+        findings |= {name: value for name, value in solver.items() if name in _FINDINGS}
         return Result(
             scene=_text(file, "scene"),
             gear=SteeringGear.from_tables(_tables(file, "parameters"), where=str(path)),
             fidelity=fidelity,
-            solver=_tables(file, "solver"),
+            solver={name: value for name, value in solver.items() if name not in _FINDINGS},
+            findings=findings,
             status=Status(_text(file, "status")),
             message=_text(file, "message"),
             signals={name: _numbers(dataset, 1) for name, dataset in _known(file, "signals")},

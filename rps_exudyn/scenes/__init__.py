@@ -1,0 +1,33 @@
+"""What the test rig does: one file a scene, each with its `SCENE`.
+
+A scene consists of maneuvers (maneuver.py), which run_maneuver.py makes by dynamics, equilibria or formulas;
+figures.py and remarks.py say what came out. A new scene is a new file and its name in `SCENE_NAMES`.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from rps_exudyn.base.errors import InputError
+
+if TYPE_CHECKING:
+    from rps_exudyn.scenes.scene import Scene
+
+SCENE_NAMES = ("free-pinion-torque", "load-test", "rack-push", "reversal", "yoke-impact")
+"""All scenes; each stands in the module of its name. Modules are loaded when their scene is asked for."""
+
+
+def scene_named(name: str) -> "Scene":
+    """Return the scene of that name.
+
+    Raises:
+        InputError: there is no such scene.
+    """
+    if name not in SCENE_NAMES:
+        raise InputError(f"SCENE is {name!r}; it must be one of {', '.join(SCENE_NAMES)}.")
+    scene: Scene = import_module(f"{__name__}.{name.replace('-', '_')}").SCENE
+    return scene
+
+
+def all_scenes() -> "list[Scene]":
+    """Return every scene, in the order of `SCENE_NAMES`."""
+    return [scene_named(name) for name in SCENE_NAMES]

@@ -11,12 +11,15 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.maneuver import Maneuver
+from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state, pushing_force, runout_harmonics
 
 
-def by_formula(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver) -> SceneRun:
-    """The maneuver's record without its run-in.
+def by_formula(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:
+    """Fill the maneuver's record, without its run-in, with mean values.
+
+    No check follows: the formulas know what they do not hold for.
 
     Raises:
         InputError: the maneuver shakes the rack.
@@ -63,7 +66,7 @@ def _pushed(gear: SteeringGear, maneuver: Maneuver) -> Signals:
 def _mean_signals(
     gear: SteeringGear, maneuver: Maneuver, angle: np.ndarray, rate: np.ndarray, loads: dict[int, float]
 ) -> Signals:
-    """What the mean forces tell, sense of motion by sense; `loads` pull the rack towards -X in each [N]."""
+    """Signals of the mean forces, sense of motion by sense; `loads` pull the rack towards -X in each [N]."""
     time, gain = maneuver.time[maneuver.lead :], float(GearPair.of(gear).gain)
     states = {sense: mean_state(gear, sense, load) for sense, load in loads.items()}
 

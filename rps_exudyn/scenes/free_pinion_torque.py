@@ -9,17 +9,20 @@ from rps_exudyn.scenes.figures import figures_of_turning
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.run_maneuver import run_maneuvers
+from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.solvers.closed_form import beyond_formulas, closed_form
 
 
-def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
+def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
     """Turn the pinion and record.
 
     Raises:
         InputError: the test leaves the rack's teeth.
     """
-    run = run_maneuvers(gear, fidelity, maneuvers_of_test(gear, "pinion", fidelity.step_angle))
+    maneuvers = maneuvers_of_test(gear, "pinion", fidelity.step_angle, options.least_steps)
+    run = run_maneuvers(gear, fidelity, maneuvers, options)
     formula = {} if beyond_formulas(gear) else {"torque_closed_form": _by_formula(gear)}
     return run.noting(*remarks(gear, run.signals)).described(
         lambda signals: {**figures_of_turning(signals, gear), **formula}
@@ -28,3 +31,14 @@ def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
 
 def _by_formula(gear: SteeringGear) -> float:
     return closed_form(gear).towards(gear.test.direction).torque
+
+
+SCENE = Scene(
+    name="free-pinion-torque",
+    title="Free pinion torque",
+    run=free_pinion_torque,
+    signal="pinion_torque",
+    figure="torque_mean",
+    chart="torque",
+    steady=True,
+)

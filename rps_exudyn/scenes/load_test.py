@@ -17,12 +17,14 @@ from rps_exudyn.scenes.figures import figures_of_motion
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.run_maneuver import run_maneuver, run_maneuvers
+from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import GRAVITY, unloading_force
 
 
-def load_test(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
-    """Raise and lower; the signals are of these two maneuvers.
+def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
+    """Raise and lower the weight; the signals are those of these two maneuvers.
 
     Raises:
         InputError: no weight, or the test leaves the rack's teeth.
@@ -31,25 +33,25 @@ def load_test(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
     if not weight > 0:
         raise InputError("test.load_mass is 0 kg; the load test needs a weight, greater than 0.")
     to_and_fro = gear.replace({"test.path": "there-and-back"}) if gear.test.path == "one-way" else gear
-    free, _ = maneuvers = maneuvers_of_test(to_and_fro, "pinion", fidelity.step_angle)
-    loaded = run_maneuvers(
-        gear, fidelity, [maneuver.under(gear.test.direction * weight) for maneuver in maneuvers]
-    )
+    maneuvers = maneuvers_of_test(to_and_fro, "pinion", fidelity.step_angle, options.least_steps)
+    weighted = [maneuver.under(gear.test.direction * weight) for maneuver in maneuvers]
+    loaded = run_maneuvers(gear, fidelity, weighted, options)
     if not loaded.ok:
         return _blamed(loaded, weight, gear)
-    unloaded = run_maneuver(gear, fidelity, free)
+    unloaded = run_maneuver(gear, fidelity, maneuvers[0], options)
     if not unloaded.ok:
         message = f"without the weight: {unloaded.outcome.message}"
         return replace(loaded, outcome=replace(unloaded.outcome, message=message))
     test = measured_load_test(
         oriented(loaded.signals, gear), weight, float(GearPair.of(gear).gain), _free_torque(unloaded.signals)
     )
-    told = loaded.noting(*remarks(gear, loaded.signals), _locking(test))
-    return told.described(lambda signals: {**describe_load_test(test), **figures_of_motion(signals, gear)})
+    return loaded.noting(*remarks(gear, loaded.signals), _locking(test)).described(
+        lambda signals: {**describe_load_test(test), **figures_of_motion(signals, gear)}
+    )
 
 
 def _blamed(failed: SceneRun, weight: float, gear: SteeringGear) -> SceneRun:
-    """With the limit of the gear, if the weight is beyond it."""
+    """The failed run, with the limit of the gear in its message if the weight is beyond it."""
     raised, lowered = (unloading_force(gear, sense) / GRAVITY for sense in (+1, -1))
     if weight / GRAVITY <= min(raised, lowered):
         return failed
@@ -60,7 +62,7 @@ def _blamed(failed: SceneRun, weight: float, gear: SteeringGear) -> SceneRun:
 
 
 def oriented(signals: Signals, gear: SteeringGear) -> Signals:
-    """Angle and torque as if the weight were raised by positive angles, and the time."""
+    """Return angle and torque as if the weight were raised by positive angles, and the time."""
     sense = gear.test.direction
     return {
         "time": signals["time"],
@@ -76,3 +78,15 @@ def _locking(test: LoadTest) -> str:
     if not test.self_locking:
         return ""
     return f"the gear is self-locking: the weight must be pushed down with {-test.torque_reverse:.4g} N m"
+
+
+SCENE = Scene(
+    name="load-test",
+    title="Load test",
+    run=load_test,
+    signal="pinion_torque",
+    figure="torque_forward",
+    chart="load_test",
+    steady=True,
+    revolutions=lambda gear: 2 * gear.test.turns,
+)

@@ -12,12 +12,18 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import Drive, DrivenBody, Steady, Swing, travel_per_radian
 
-LEAST_STEPS = 4  # of each period: four see the torque of most gears to a percent ...
-LEAST_OF_PART = 8  # ... and of a record that is not made of whole ones: they cost little
 LEAST_PER_CYCLE = 400  # steps, so that the sinusoid passes its ends in many of them
 RUN_IN = np.deg2rad(0.5)  # pinion angle turned before the record starts, at least
 SETTLING = 12  # equilibria over the tooth pitch before that: the torque after them is settled to 0.02 % ...
 FINE_SETTLING = 48  # ... and over each of three tooth pitches where the rack rolls
+
+
+@dataclass(frozen=True)
+class StepLimits:
+    """Steps that a steady maneuver gets at least, however large the fidelity's step."""
+
+    per_period: int = 4  # four see the torque of most gears to a percent
+    of_part: int = 8  # of a record that is not made of whole periods: they cost little
 
 
 @dataclass(frozen=True)
@@ -56,7 +62,7 @@ class Maneuver:
 
     @property
     def record_start(self) -> float:
-        """[s]"""
+        """When the record starts [s]."""
         return self.lead * self.time_step * (1 + 1e-9)
 
     @property
@@ -65,39 +71,45 @@ class Maneuver:
         return isinstance(self.drive, Steady) and self.drive.speed != 0
 
     def under(self, load: float) -> "Maneuver":
-        """The same with a load that pulls the rack's end towards -X [N]."""
+        """Return the same with a load that pulls the rack's end towards -X [N]."""
         return replace(self, rack_load=load)
 
     def turned(self, gear: SteeringGear) -> float:
-        """Pinion angle between the ends of the record of a steady maneuver [rad]."""
+        """Return the pinion angle between the ends of the record of a steady maneuver [rad]."""
         return self.steps * self.time_step * gear.test.speed
 
     def without_settling(self) -> "Maneuver":
-        """The same from where the gear first rests, without what leads there."""
+        """Return the same from where the gear first rests, without the equilibria that lead there."""
         return replace(self, settling=0.0, fine_settling=0.0)
 
     def one_period(self) -> "Maneuver":
-        """Its first period."""
+        """Return its first period."""
         return replace(self, steps=self.steps // self.periods, periods=1)
 
 
 def steady_maneuver(
-    gear: SteeringGear, body: DrivenBody, first: float, last: float, step_angle: float
+    gear: SteeringGear,
+    body: DrivenBody,
+    first: float,
+    last: float,
+    step_angle: float,
+    least: StepLimits = StepLimits(),
 ) -> Maneuver:
-    """Between two pinion angles [rad] at the test's speed, in steps of at most `step_angle` [rad].
+    """Return the motion between two pinion angles [rad] at the test's speed.
+
+    Steps are of at most `step_angle` [rad].
 
     `body` is the one that the rig moves; the rack moves as far and as fast as it would with the pinion.
-    A maneuver over whole periods of the gear gets the same steps in each of them, at least four; any other at
-    least eight.
+    A maneuver over whole periods of the gear gets the same steps in each of them.
 
     Raises:
         InputError: it leaves the rack's teeth.
     """
     check_travel(gear, (first, last), f"a test from {_deg(first)} to {_deg(last)}")
     whole = whole_periods(gear, abs(last - first))
-    periods, least = (whole, LEAST_STEPS) if whole else (1, LEAST_OF_PART)
+    periods, at_least = (whole, least.per_period) if whole else (1, least.of_part)
     piece = abs(last - first) / periods
-    per_piece = max(least, int(np.ceil(piece / step_angle * (1 - 1e-12))))
+    per_piece = max(at_least, int(np.ceil(piece / step_angle * (1 - 1e-12))))
     step = piece / per_piece
     lead, sense = int(np.ceil(RUN_IN / step)), float(np.sign(last - first))
     start = first - sense * lead * step
@@ -115,8 +127,10 @@ def steady_maneuver(
     )
 
 
-def maneuvers_of_test(gear: SteeringGear, body: DrivenBody, step_angle: float) -> list[Maneuver]:
-    """The maneuvers that `test.path` asks for.
+def maneuvers_of_test(
+    gear: SteeringGear, body: DrivenBody, step_angle: float, least: StepLimits = StepLimits()
+) -> list[Maneuver]:
+    """Return the maneuvers that `test.path` asks for.
 
     Raises:
         InputError: they leave the rack's teeth.
@@ -126,14 +140,16 @@ def maneuvers_of_test(gear: SteeringGear, body: DrivenBody, step_angle: float) -
     if test.path == "lock-to-lock":
         lock = float(gear.rack.travel / 2 / GearPair.of(gear).gain)
         first, last = -test.direction * lock, test.direction * lock
-    there = steady_maneuver(gear, body, first, last, step_angle)
-    return (
-        [there] if test.path == "one-way" else [there, steady_maneuver(gear, body, last, first, step_angle)]
-    )
+    forth = steady_maneuver(gear, body, first, last, step_angle, least)
+    if test.path == "one-way":
+        return [forth]
+    return [forth, steady_maneuver(gear, body, last, first, step_angle, least)]
 
 
 def swing_maneuver(gear: SteeringGear, step_angle: float) -> Maneuver:
-    """Sinusoidal steering about the test's start angle; steps of `step_angle` [rad] where it is fastest.
+    """Return sinusoidal steering about the test's start angle.
+
+    Steps are of `step_angle` [rad] where it is fastest.
 
     Raises:
         InputError: it leaves the rack's teeth.
@@ -148,7 +164,7 @@ def swing_maneuver(gear: SteeringGear, step_angle: float) -> Maneuver:
 
 
 def whole_periods(gear: SteeringGear, angle: float) -> int | None:
-    """How many periods of the gear an angle [rad] covers; None if not a whole number.
+    """Return how many periods of the gear an angle [rad] covers; None if not a whole number.
 
     Every tooth is alike, so that the curve repeats with the tooth pitch; errors that single out a tooth
     or a direction of the pinion make it repeat with the turn.
@@ -159,7 +175,7 @@ def whole_periods(gear: SteeringGear, angle: float) -> int | None:
 
 
 def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> None:
-    """The pinion must stay on the rack's teeth at these angles [rad]; `test` says what leads there.
+    """Check that the pinion stays on the rack's teeth at these angles [rad]; `test` says what leads there.
 
     Raises:
         InputError: it would not.
@@ -175,7 +191,7 @@ def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> None
 
 
 def largest_angle(gear: SteeringGear) -> float:
-    """How far the pinion may turn either way from the rack's middle [rad]."""
+    """Return how far the pinion may turn either way from the rack's middle [rad]."""
     bar = RackBar.of(gear)
     return float(bar.largest_displacement / bar.pair.gain)
 

@@ -12,23 +12,26 @@ from rps_exudyn.scenes.figures import figures_of_motion
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.run_maneuver import run_maneuvers
+from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 
 
-def rack_push(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
+def rack_push(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
     """Push the rack and record.
 
     Raises:
         InputError: the test leaves the rack's teeth.
     """
-    run = run_maneuvers(gear, fidelity, maneuvers_of_test(gear, "rack", fidelity.step_angle))
+    maneuvers = maneuvers_of_test(gear, "rack", fidelity.step_angle, options.least_steps)
+    run = run_maneuvers(gear, fidelity, maneuvers, options)
     return run.noting(*remarks(gear, run.signals)).described(
         lambda signals: {**push_figures(signals), **figures_of_motion(signals, gear)}
     )
 
 
 def push_figures(signals: Signals) -> dict[str, float]:
-    """The force along the motion: mean over all displacement, spread in the worse direction."""
+    """Return the force along the motion: mean over all displacement, spread in the worse direction."""
     force, place = signals["rack_force"], signals["rack_displacement"]
     work = np.trapezoid(force, place)
     spreads = [float(np.ptp(each.signals["rack_force"])) for each in passes(signals)]
@@ -36,3 +39,14 @@ def push_figures(signals: Signals) -> dict[str, float]:
         "push_force_mean": float(work / np.abs(np.diff(place)).sum()),
         "push_force_peak_to_peak": max(spreads),
     }
+
+
+SCENE = Scene(
+    name="rack-push",
+    title="Rack push: force",
+    run=rack_push,
+    signal="rack_force",
+    figure="push_force_mean",
+    chart="rack_push",
+    steady=True,
+)

@@ -10,16 +10,29 @@ from rps_exudyn.scenes.figures import figures_of_motion
 from rps_exudyn.scenes.maneuver import swing_maneuver
 from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.run_maneuver import run_maneuver
+from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import Scene, swept_revolutions
 from rps_exudyn.scenes.scene_run import SceneRun
 
 
-def reversal(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
+def reversal(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
     """Steer to and fro and record.
 
     Raises:
         InputError: the steering leaves the rack's teeth.
     """
-    run = run_maneuver(gear, fidelity, swing_maneuver(gear, fidelity.step_angle))
+    run = run_maneuver(gear, fidelity, swing_maneuver(gear, fidelity.step_angle), options)
     return run.noting(*remarks(gear, run.signals)).described(
         lambda signals: {**describe_reversal(signals), **figures_of_motion(signals, gear)}
     )
+
+
+SCENE = Scene(
+    name="reversal",
+    title="Reversal",
+    run=reversal,
+    signal="pinion_torque",
+    figure="hysteresis_area",
+    chart="reversal",
+    revolutions=swept_revolutions,
+)

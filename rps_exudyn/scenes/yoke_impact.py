@@ -17,13 +17,15 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.maneuver import Maneuver, check_travel
 from rps_exudyn.scenes.run_maneuver import run_maneuver
+from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.drive import Steady
 
 STEPS_PER_SWING = 20  # of the plunger between seat and yokenut, the fastest motion: forces to 0.1 %
 
 
-def yoke_impact(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
+def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
     """Shake the rack and record.
 
     Raises:
@@ -34,7 +36,7 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
             f"fidelity.solver is {fidelity.solver} and fidelity.yoke is {fidelity.yoke}; "
             "yoke-impact needs generalized-alpha and body: without inertia nothing hits."
         )
-    run = run_maneuver(gear, fidelity, shaken(gear))
+    run = run_maneuver(gear, fidelity, shaken(gear), options)
     return run.noting(_closed(gear, run.signals)).described(
         lambda signals: {
             **describe_impacts(signals),
@@ -45,7 +47,7 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
 
 
 def _closed(gear: SteeringGear, signals: Signals) -> str:
-    """A yokenut that is pressed on from the start is not hit by what presses more."""
+    """A remark on a yokenut that is pressed on from the start: it is not hit by what presses more."""
     force = signals.get("yokenut_force", np.zeros(1))
     if not force[0] > 0:
         return ""
@@ -56,7 +58,11 @@ def _closed(gear: SteeringGear, signals: Signals) -> str:
 
 
 def shaken(gear: SteeringGear) -> Maneuver:
-    """The pinion held at the test's start angle, the rack shaken."""
+    """Return the maneuver: the pinion held at the test's start angle, the rack shaken.
+
+    Raises:
+        InputError: pulses that overlap, or a start beyond the rack's teeth.
+    """
     test, yoke = gear.test, gear.yoke
     check_travel(gear, (test.start_angle,), "test.start_angle")
     if test.pulse_period < test.pulse_duration:
@@ -72,3 +78,15 @@ def shaken(gear: SteeringGear) -> Maneuver:
     steps = int(np.ceil(test.pulse_period * (test.pulses + 1) / (swing / STEPS_PER_SWING)))
     time_step = test.pulse_period * (test.pulses + 1) / steps
     return Maneuver(Steady("pinion", test.start_angle, 0.0), time_step, 0, steps, pulse=pulse)
+
+
+SCENE = Scene(
+    name="yoke-impact",
+    title="Yoke impact: yokenut's force",
+    run=yoke_impact,
+    signal="yokenut_force",
+    figure="impact_peak_force",
+    chart="impact",
+    needs_inertia=True,
+    revolutions=None,
+)

@@ -25,6 +25,7 @@ from rps_exudyn.base.units import short
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity, unknown_preset
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.maneuver import whole_periods
 
 LEAST_SLIDING = 0.2  # of the mean, somewhere in mesh: below it references of random gears do not agree
@@ -125,7 +126,7 @@ def _why(taken: Setting, table: SceneTable, wanted: float, enough: int, cost: fl
     angles = taken.angles_per_pitch
     knobs = [f"{angles} angles per tooth pitch"] if angles is not None else []
     knobs += [f"{name} {value:g}" for name, value in taken.settings.items()]
-    per = "run" if table.scene == "yoke-impact" else "revolution"
+    per = scene_named(table.scene).unit_of_cost
     return (
         f"{taken.preset}, {', '.join(knobs) or 'as it is'}: the cheapest of {enough} settings that keep "
         f"{wanted:g} %; it promises {taken.promised:.2g} % (half of {table.gears} random gears stay below "

@@ -12,8 +12,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.case_file import FileForms, Keep, kept
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result, failed
-from rps_exudyn.simulate import run as simulate
-from rps_exudyn.simulate.fallback import robust_run
+from rps_exudyn.simulate.run import simulate
 
 
 def compiled_kernels() -> int:
@@ -65,9 +64,7 @@ def _outcome(task: dict[str, Any]) -> Result:
     gear, fidelity = SteeringGear.from_tables(task["gear"]), Fidelity.from_tables(task["fidelity"])
     wall, cpu = perf_counter(), process_time()
     try:
-        if task.get("robust"):
-            return robust_run(task["scene"], gear, fidelity)
-        return simulate.run(task["scene"], gear, fidelity=fidelity)
+        return simulate(task["scene"], gear, fidelity, robust=task.get("robust", False))
     except InputError as error:  # a gear that cannot be built, a test that leaves the rack
         status, message = Status.INVALID, " ".join(error.problems)
     except Exception as error:

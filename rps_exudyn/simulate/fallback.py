@@ -1,10 +1,10 @@
-"""When a run fails: the next safer settings, one after the other, and every try told.
+"""Where a run fails: the next safer settings, one after the other, and a report of every try.
 
-    result = robust_run("free-pinion-torque", gear, fidelity)
-    result.solver["tries"]      what was tried, and how each ended
+    result = run_with_fallback("free-pinion-torque", gear, fidelity)
+    result.findings["tries"]      what was tried, and how each ended
 
-The first try is the plan as given, repaired where `guards` refuse it. What is changed stays in the result's
-fidelity, its message and its tries: a number that took fallback never looks like one that did not.
+The first try is the plan as given, repaired where `checks.before_run` refuses it. What is changed stays in
+the result's fidelity, message and tries: a number found by other settings says so.
 """
 
 from collections.abc import Iterator
@@ -16,31 +16,34 @@ from rps_exudyn.parameters.fidelity import CHAINS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
-from rps_exudyn.simulate.run import unguarded
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.scene import Scene
+from rps_exudyn.simulate.checked_run import run_unchecked
+
+Changes = dict[str, Any]
 
 
-def robust_run(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
-    """The scene by the first settings that end well; if none do, the first try's result.
+def run_with_fallback(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
+    """Simulate by the first settings that end well; if none do, return the first try's result.
 
     Raises:
         InputError: a gear that cannot exist, or a test that it does not allow.
     """
     tries: list[dict[str, Any]] = []
     results: list[Result] = []
-    for changes in _ladder(scene, gear, fidelity):
-        chosen = fidelity.replace(changes) if changes else fidelity
-        result = unguarded(scene, gear, chosen)
+    for changes in _safer(scene_named(scene), gear, fidelity):
+        result = run_unchecked(scene, gear, fidelity.replace(changes) if changes else fidelity)
         results.append(result)
         tries.append({"changed": changes, "status": result.status.value, "message": result.message})
         if result.status is Status.OK:
-            return _told(result, tries)
-    return _told(results[0], tries)
+            return _reported(result, tries)
+    return _reported(results[0], tries)
 
 
-def _ladder(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Iterator[dict[str, Any]]:
+def _safer(scene: Scene, gear: SteeringGear, fidelity: Fidelity) -> Iterator[Changes]:
     """Changes of the fidelity, safer from one to the next."""
-    changes: dict[str, Any] = {}
-    for breach in breaches(scene, gear, fidelity):
+    changes: Changes = {}
+    for breach in breaches(gear, fidelity, steady=scene.steady):
         changes |= breach.repair
     yield dict(changes)
     step = changes.get("step_angle", fidelity.step_angle)
@@ -50,31 +53,30 @@ def _ladder(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Iterator[dict
     if fidelity.mesh == "flank":
         changes |= {"mesh": "flank-generators"}
         yield dict(changes)
-    statics_can = fidelity.bush not in CHAINS and scene != "yoke-impact"
-    if fidelity.solver == "generalized-alpha" and statics_can:
+    equilibria_can = fidelity.bush not in CHAINS and not scene.needs_inertia
+    if fidelity.solver == "generalized-alpha" and equilibria_can:
         yield changes | {"solver": "equilibrium"}
     elif fidelity.solver == "equilibrium":
         yield changes | {"solver": "generalized-alpha"}
 
 
-def _told(result: Result, tries: list[dict[str, Any]]) -> Result:
-    """The result with its tries; a message if the plan was not the one given."""
-    solver = {**result.solver, "tries": tries}
-    last = tries[-1]
-    if len(tries) == 1 and not last["changed"]:
-        return replace(result, solver=solver)
-    failures = [f"{_changed(each)}: {each['status']} ({each['message']})" for each in tries[:-1]]
-    if result.status is Status.OK:
-        end = f"ok with {_changed(last)}"
+def _reported(result: Result, tries: list[dict[str, Any]]) -> Result:
+    """The result with its tries, and with a message if the plan was not the one given."""
+    findings = {**result.findings, "tries": tries}
+    last, failures = (
+        tries[-1],
+        [f"{_shown(each)}: {each['status']} ({each['message']})" for each in tries[:-1]],
+    )
+    if not failures and not last["changed"]:
+        message = result.message
+    elif result.status is Status.OK:
         remarks = [result.message] if result.message else []
-        return replace(result, solver=solver, message="; ".join([*failures, end, *remarks]))
-    return replace(
-        result, solver=solver, message=f"{result.message}; nor did {len(tries) - 1} safer settings"
-    )
+        message = "; ".join([*failures, f"ok with {_shown(last)}", *remarks])
+    else:
+        message = f"{result.message}; nor did {len(failures)} safer settings"
+    return replace(result, findings=findings, message=message)
 
 
-def _changed(tried: dict[str, Any]) -> str:
-    told = ", ".join(
-        f"{n} {v:.4g}" if isinstance(v, float) else f"{n} {v}" for n, v in tried["changed"].items()
-    )
-    return told or "as given"
+def _shown(tried: dict[str, Any]) -> str:
+    changes = [f"{n} {v:.4g}" if isinstance(v, float) else f"{n} {v}" for n, v in tried["changed"].items()]
+    return ", ".join(changes) or "as given"

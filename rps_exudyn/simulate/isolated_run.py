@@ -13,47 +13,32 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result, failed, load
-from rps_exudyn.simulate import run as simulate
-from rps_exudyn.simulate.fallback import robust_run
-from rps_exudyn.simulate.processes import Processes
+from rps_exudyn.simulate.processes import Done, Processes
 
 
-def run(scene: str, gear: SteeringGear, fidelity: Fidelity, robust: bool, limit: float | None) -> Result:
-    """A run as the command line asks for it: with fallback, or with a time limit [s], or both, or neither.
+def seconds(limit: str | float) -> float:
+    """Return a time limit as the user writes it in seconds; bare numbers are seconds.
 
     Raises:
-        InputError: a gear that cannot exist, or a test that it does not allow.
-    """
-    if limit is not None:
-        return limited_run(scene, gear, fidelity, limit, robust)
-    if robust:
-        return robust_run(scene, gear, fidelity)
-    return simulate.run(scene, gear, fidelity=fidelity)
-
-
-def seconds(text: str) -> float:
-    """A time limit as the user writes it, in seconds.
-
-    Raises:
-        InputError: it is none.
+        InputError: no time, or none that ends a run.
     """
     try:
-        limit = units.to_si(text, "s")
+        value = units.to_si(limit, "s")
     except ValueError as error:
         raise InputError(f"--time-limit: {error}.") from None
-    if not 0 < limit < float("inf"):
-        raise InputError(f"--time-limit is {text}; it must be more than 0 s and finite.")
-    return limit
+    if not 0 < value < float("inf"):
+        raise InputError(f"--time-limit is {limit}; it must be more than 0 s and finite.")
+    return float(value)
 
 
-def limited_run(
-    scene: str, gear: SteeringGear, fidelity: Fidelity, seconds: float, robust: bool = False
+def isolated_run(
+    scene: str, gear: SteeringGear, fidelity: Fidelity, time_limit: float, *, robust: bool = False
 ) -> Result:
-    """As `simulate.run`, or as `robust_run`; loading and compiling is on no clock.
+    """Simulate in another process for at most `time_limit` [s]; loading and compiling do not count.
 
     The outcome is `timeout` if the time was over, `crashed` if the process ended otherwise.
     """
-    with tempfile.TemporaryDirectory() as folder, Processes(1, seconds) as processes:
+    with tempfile.TemporaryDirectory() as folder, Processes(1, time_limit) as processes:
         path = Path(folder) / "run.h5"
         task = {
             "hash": "run",
@@ -67,8 +52,14 @@ def limited_run(
         (done,) = processes.run(iter([task]))
         if done.answer is not None:
             return replace(load(path), wall_s=done.answer["wall_s"])
+    return result_of_ended_process(done, scene, gear, fidelity, time_limit)
+
+
+def result_of_ended_process(
+    done: Done, scene: str, gear: SteeringGear, fidelity: Fidelity, time_limit: float
+) -> Result:
+    """Return what stands for a run whose process came to an end over it; the time limit in seconds."""
+    status, message = Status.CRASHED, done.ended
     if done.timeout:
-        status, message = Status.TIMEOUT, f"the run took longer than its time limit of {seconds:g} s"
-    else:
-        status, message = Status.CRASHED, done.ended
+        status, message = Status.TIMEOUT, f"the run took longer than its time limit of {time_limit:g} s"
     return failed(scene, gear, fidelity, status, message, 0.0, done.wall_s)

@@ -1,31 +1,26 @@
-"""Run one scene on one gear, whatever its outcome, and keep what came out."""
+"""Run one scene on one gear, whatever its outcome, and keep what came out.
 
-from collections.abc import Callable
+`run` is Python's way in, with settings of the test as keywords; command line, studies and benchmarks call
+`simulate` with a gear that is ready. Both give a `Result`:
+
+    plain                the plan is checked, run, and its record is checked
+    robust=True          where that fails, the next safer settings (fallback.py)
+    time_limit=20.0      the same in a process that is killed after that time (isolated_run.py)
+    accuracy="1%"        by the cheapest model that keeps this error (by_accuracy.py)
+"""
+
 from dataclasses import replace
-from time import perf_counter, process_time
 from typing import Any
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.checks.before_run import refused
-from rps_exudyn.gears.report import geometry_report
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.result import Result, failed
-from rps_exudyn.scenes.free_pinion_torque import free_pinion_torque
-from rps_exudyn.scenes.load_test import load_test
-from rps_exudyn.scenes.rack_push import rack_push
-from rps_exudyn.scenes.reversal import reversal
-from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.scenes.yoke_impact import yoke_impact
-
-SCENES: dict[str, Callable[[SteeringGear, Fidelity], SceneRun]] = {
-    "free-pinion-torque": free_pinion_torque,
-    "load-test": load_test,
-    "rack-push": rack_push,
-    "reversal": reversal,
-    "yoke-impact": yoke_impact,
-}
+from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.simulate.by_accuracy import beyond_promise, choose, percent
+from rps_exudyn.simulate.checked_run import run_checked
+from rps_exudyn.simulate.fallback import run_with_fallback
+from rps_exudyn.simulate.isolated_run import isolated_run, seconds
 
 
 def run(
@@ -34,23 +29,27 @@ def run(
     *,
     fidelity: str | Fidelity | None = None,
     accuracy: str | None = None,
+    robust: bool = False,
+    time_limit: str | float | None = None,
     **test: Any,
 ) -> Result:
-    """Simulate a scene, by default with the preset `flank`; keyword arguments replace settings of the test,
-    for instance `turns=1`.
+    """Simulate a scene; look at the result's `status` before you use its numbers.
 
-    With `accuracy`, for instance "1%", the cheapest model that keeps this error is taken, of all or of the
-    preset named by `fidelity`; `result.solver["accuracy"]` says which and why.
+    A plan that would end in a wrong number (`checks.before_run`) is not run: its status is `invalid`.
 
-    A plan that would end in a wrong number (`guards`) is not run: its status is `invalid`.
-
-    Look at the result's `status` before you use its numbers.
+    Args:
+        scene: one of `scenes.SCENE_NAMES`.
+        gear: without it the default gear, the paper's.
+        fidelity: name of a preset, or a `Fidelity`; `flank` by default.
+        accuracy: error allowed, for instance "1%": takes the cheapest model that keeps it, of all or of the
+            preset named by `fidelity`; `result.findings["accuracy"]` says which and why.
+        robust: takes the next safer settings where the run fails; `result.findings["tries"]` lists them.
+        time_limit: ends the run after this time [s], or for instance "20 s", whatever its solver does.
+        test: settings of the test, for instance turns=1.
 
     Raises:
         InputError: no such scene or fidelity, parameters that are not allowed, or a gear that cannot exist.
     """
-    if scene not in SCENES:
-        raise InputError(f"SCENE is {scene!r}; it must be one of {', '.join(SCENES)}.")
     if gear is not None and not isinstance(gear, SteeringGear):
         raise InputError(
             f"gear is a {type(gear).__name__}; it must be a SteeringGear, for instance "
@@ -58,60 +57,40 @@ def run(
         )
     if not isinstance(fidelity, str | Fidelity | None):
         raise InputError(f"fidelity is {fidelity!r}; it must be one of {', '.join(PRESETS)}, or a Fidelity.")
-    gear = (gear or SteeringGear()).replace({f"test.{name}": value for name, value in test.items()})
-    if accuracy is not None:
-        return _run_at(scene, gear, fidelity, accuracy)
-    chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity or "flank")
-    return _guarded(scene, gear, chosen)
+    gear = gear or SteeringGear()
+    if test:
+        gear = gear.replace({f"test.{name}": value for name, value in test.items()})
+    limit = None if time_limit is None else seconds(time_limit)
+    return simulate(scene, gear, fidelity, accuracy=accuracy, robust=robust, time_limit=limit)
 
 
-def _run_at(scene: str, gear: SteeringGear, preset: str | Fidelity | None, accuracy: str) -> Result:
-    """By the cheapest model of this accuracy."""
-    from rps_exudyn.simulate.by_accuracy import beyond_promise, choose, percent
-
-    if isinstance(preset, Fidelity):
-        raise InputError(
-            "accuracy chooses the model itself; give fidelity by the name of a preset, or leave it out."
-        )
-    choice = choose(scene, gear, percent(accuracy), preset)
-    result = _guarded(scene, gear, choice.fidelity)
-    told = choice.why + beyond_promise(gear, result.signals).removeprefix(beyond_promise(gear))
-    return replace(result, solver={**result.solver, "accuracy": told})
-
-
-def _guarded(scene: str, gear: SteeringGear, chosen: Fidelity) -> Result:
-    """Not run if its numbers would be wrong."""
-    if sentences := refused(scene, gear, chosen):
-        return _refused(scene, gear, chosen, "; ".join(sentences))
-    return unguarded(scene, gear, chosen)
-
-
-def _refused(scene: str, gear: SteeringGear, chosen: Fidelity, message: str) -> Result:
-    """Of a plan that was not run, because its numbers would be wrong."""
-    nothing = failed(scene, gear, chosen, Status.INVALID, f"not run: {message}")
-    return replace(nothing, solver={"refused": message}, geometry=geometry_report(gear).numbers)
-
-
-def unguarded(scene: str, gear: SteeringGear, chosen: Fidelity) -> Result:
-    """The same without a look at the plan before: for studies of what goes wrong then.
+def simulate(
+    scene: str,
+    gear: SteeringGear,
+    fidelity: str | Fidelity | None = None,
+    *,
+    accuracy: str | None = None,
+    robust: bool = False,
+    time_limit: float | None = None,
+) -> Result:
+    """Simulate a scene of a gear; arguments as of `run`, the time limit in seconds.
 
     Raises:
-        InputError: a gear that cannot exist, or a test that it does not allow.
+        InputError: no such scene or fidelity, or a gear or test that cannot exist.
     """
-    wall, cpu = perf_counter(), process_time()
-    report = geometry_report(gear)
-    done = SCENES[scene](gear, chosen)
-    return Result(
-        scene=scene,
-        gear=gear,
-        fidelity=chosen.model_dump(),
-        solver=done.outcome.settings,
-        status=done.outcome.status,
-        message=done.outcome.message,
-        signals=done.signals,
-        summary=done.summary,
-        counters={**done.outcome.counters, "solver_cpu": done.outcome.cpu_s},
-        geometry=report.numbers,
-        cpu_s=process_time() - cpu,
-        wall_s=perf_counter() - wall,
-    )
+    scene_named(scene)
+    if accuracy is not None:
+        if isinstance(fidelity, Fidelity):
+            raise InputError(
+                "accuracy chooses the model itself; give fidelity by the name of a preset, or leave it out."
+            )
+        choice = choose(scene, gear, percent(accuracy), fidelity)
+        result = simulate(scene, gear, choice.fidelity, robust=robust, time_limit=time_limit)
+        why = choice.why + beyond_promise(gear, result.signals).removeprefix(beyond_promise(gear))
+        return replace(result, findings={**result.findings, "accuracy": why})
+    chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity or "flank")
+    if time_limit is not None:
+        return isolated_run(scene, gear, chosen, time_limit, robust=robust)
+    if robust:
+        return run_with_fallback(scene, gear, chosen)
+    return run_checked(scene, gear, chosen)

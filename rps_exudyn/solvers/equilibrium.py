@@ -57,12 +57,22 @@ class EquilibriumPath:
 
     @property
     def converged(self) -> bool:
-        """At all instants."""
+        """Whether there is an equilibrium at all instants."""
         return self.lost_at is None
 
     @property
+    def counters(self) -> dict[str, int]:
+        """What it cost, by the names of `quantities`."""
+        return {
+            "steps": len(self.time),
+            "newton_iterations": self.iterations,
+            "jacobians": self.tangents,
+            "force_evaluations": self.evaluations,
+        }
+
+    @property
     def last(self) -> "EquilibriumPath":
-        """Its last instant alone."""
+        """The path's last instant alone."""
         rows = {name: getattr(self, name)[-1:] for name in ("time", "coordinates", "rates", "forces")}
         return replace(self, **rows)
 

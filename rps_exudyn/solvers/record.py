@@ -16,6 +16,8 @@ from rps_exudyn.forces.force_element import (
     FRICTION_POWER,
     ForceElement,
 )
+from rps_exudyn.solvers.drive import Drive
+from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, along, stacked
 
 WORK = {
@@ -72,8 +74,15 @@ class Record:
         return np.asarray(along(element.kernel)(q, v, element.data))
 
 
+def record_of_path(elements: list[ForceElement], path: EquilibriumPath, drive: Drive) -> Record:
+    """Return the record of equilibria along a drive's motion, which have no kinetic energy."""
+    overcome = -drive.sign * path.forces[:, drive.coordinate]
+    still = np.zeros(len(path.time))
+    return Record(elements, path.time, path.coordinates, path.rates, overcome, drive.body, still)
+
+
 def signals_of(record: Record) -> dict[str, np.ndarray]:
-    """All signals of a run, by the names of `quantities`."""
+    """Return all signals of a run, by the names of `quantities`."""
     time, rack = record.time, record.of("rack")
     lift = axis_at_pitch_point(rack)
     drive = "pinion_torque" if record.driven == "pinion" else "rack_force"

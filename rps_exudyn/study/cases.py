@@ -28,7 +28,7 @@ def case_hash(scene: str, gear: SteeringGear, fidelity: Fidelity) -> str:
     content = {
         "scene": scene,
         "gear": gear.model_dump(include=set(SteeringGear.model_fields)),
-        "fidelity": fidelity.model_dump(exclude={"name"}),
+        "fidelity": fidelity.model_dump(exclude={"name", "based_on"}),
         "model": MODEL_VERSION,
     }
     canonical = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)

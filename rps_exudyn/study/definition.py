@@ -6,7 +6,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn.parameters.fidelity import name_of
 from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.case_file import Keep
 from rps_exudyn.study.description import Axis
@@ -44,13 +43,11 @@ class Study:
         return Setup.from_tables(self.tables, self.settings, where=str(self.file))
 
     def setup(self, settings: Mapping[str, Any]) -> Setup:
-        """The base with these settings (path -> value); the fidelity's name says what they changed in it.
+        """Return the base with these settings (path -> value).
 
         Raises:
             InputError: they do not fit each other.
         """
-        if chosen := choices(settings):
-            settings = {**settings, f"{FIDELITY}name": name_of(self.base.fidelity.name, chosen)}
         return Setup.from_tables(self._base_tables, settings, where=str(self.file))
 
     @cached_property

@@ -16,7 +16,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.case_file import FileForms
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.provenance import provenance
-from rps_exudyn.results.result import failed
+from rps_exudyn.simulate.isolated_run import result_of_ended_process
 from rps_exudyn.simulate.processes import Done, Run, Task
 from rps_exudyn.study.cases import describe, setup_of
 from rps_exudyn.study.definition import Study
@@ -161,13 +161,8 @@ def _kept(plan: Plan, case: Case, done: Done, forms: FileForms) -> CaseRow:
 def _kept_failure(plan: Plan, case: Case, done: Done, forms: FileForms) -> CaseRow:
     """A case whose process came to an end over it, as a result with that status."""
     setup = setup_of(plan.study, case)
-    status = Status.TIMEOUT if done.timeout else Status.CRASHED
-    if done.timeout:
-        message = f"the case took longer than its time limit of {plan.study.time_limit:g} s"
-    else:
-        message = done.ended
-    result = failed(
-        plan.description.scene, setup.steering_gear, setup.fidelity, status, message, 0.0, done.wall_s
+    result = result_of_ended_process(
+        done, plan.description.scene, setup.steering_gear, setup.fidelity, plan.study.time_limit
     )
     plan.store.save(case.hash, forms.content(result))
     return CaseRow.of(case.hash, result)

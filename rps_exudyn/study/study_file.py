@@ -31,10 +31,11 @@ import numpy as np
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.declaration import read_toml
-from rps_exudyn.parameters.fidelity import PRESETS, name_of
+from rps_exudyn.parameters.fidelity import PRESETS, preset_table
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.case_file import Keep
 from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.axis_tables import check_twice, ends, read_axes
 from rps_exudyn.study.definition import FIDELITY, Study, choices
 from rps_exudyn.study.description import DESIGNS, GRID_DESIGN, Axis, Value
@@ -101,15 +102,13 @@ class _StudyKeys(Keys):
         )
 
     def scene(self, told: Mapping[str, Any]) -> str:
-        from rps_exudyn.simulate.run import SCENES
-
-        return self.choice(told, "scene", tuple(SCENES), "free-pinion-torque")
+        return self.choice(told, "scene", SCENE_NAMES, SCENE_NAMES[0])
 
     def fidelity(
         self, told: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]
     ) -> dict[str, Any]:
         name = self.choice(told, "fidelity", tuple(PRESETS), "flank")
-        return {"name": name_of(name, choices(settings)), **PRESETS[name]}
+        return preset_table(name)
 
     def cheapest(
         self, told: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]

@@ -79,8 +79,8 @@ class Keys:
     def is_parameter(self, path: Any, where: str) -> bool:
         if isinstance(path, str) and path in self.declared:
             return True
-        if path == "fidelity.name":
-            self.wrong(where, "cannot have fidelity.name: it says what was chosen.")
+        if path in ("fidelity.name", "fidelity.based_on"):
+            self.wrong(where, f"cannot have {path}: it says what was chosen.")
             return False
         try:
             Setup.declared_at(str(path))

@@ -1,8 +1,7 @@
 """Equilibria along a maneuver under force laws of no fidelity: finer quadrature, a shaped pinion."""
 
+from dataclasses import replace
 from time import process_time
-
-import numpy as np
 
 from rps_exudyn.checks.after_run import validated
 from rps_exudyn.gears.gear_pair import GearPair
@@ -12,7 +11,7 @@ from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.solvers.equilibrium import settled_path
 from rps_exudyn.solvers.gear_forces import GearForces
-from rps_exudyn.solvers.record import Record, signals_of
+from rps_exudyn.solvers.record import record_of_path, signals_of
 
 
 def equilibria(gear: SteeringGear, forces: GearForces, maneuver: Maneuver, inertia: float = 0.0) -> SceneRun:
@@ -25,26 +24,16 @@ def equilibria(gear: SteeringGear, forces: GearForces, maneuver: Maneuver, inert
         forces.statics, GearPair.of(gear), maneuver.drive, maneuver.settling_time, maneuver.time
     )
     cpu = process_time() - start
-    counters = {
-        "steps": len(path.time),
-        "newton_iterations": path.iterations,
-        "jacobians": path.tangents,
-        "force_evaluations": path.evaluations,
-    }
     if not path.converged:
         reached = float(path.time[-1]) if path.time.size else 0.0
         message = f"no equilibrium after {reached:.4g} s: {path.residual:.3g} N remain unbalanced"
-        return SceneRun(Outcome(Status.NO_CONVERGENCE, message, reached, cpu, counters))
-    overcome = -maneuver.drive.sign * path.forces[:, maneuver.drive.coordinate]
+        return SceneRun(Outcome(Status.NO_CONVERGENCE, message, reached, cpu, path.counters))
+    record = record_of_path(forces.elements, path, maneuver.drive)
     short = 1e-6  # [s]
     turn = (maneuver.drive.rate(path.time + short) - maneuver.drive.rate(path.time - short)) / (2 * short)
-    overcome = overcome + inertia * turn
-    still = np.zeros(path.time.size)
-    record = Record(
-        forces.elements, path.time, path.coordinates, path.rates, overcome, maneuver.drive.body, still
-    ).since(maneuver.record_start)
+    record = replace(record, drive=record.drive + inertia * turn).since(maneuver.record_start)
     signals = signals_of(record)
-    outcome = Outcome(Status.OK, time_reached=float(path.time[-1]), cpu_s=cpu, counters=counters)
+    outcome = Outcome(Status.OK, time_reached=float(path.time[-1]), cpu_s=cpu, counters=path.counters)
     if inertia == 0:  # whose energy is nowhere in the balance
         zone = forces.friction_zone if maneuver.is_steady else None
         outcome = validated(outcome, gear, record, signals, zone)

@@ -10,9 +10,10 @@ import numpy as np
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.maneuver import swing_maneuver
+from rps_exudyn.scenes.run_options import DEFAULT
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.simulate.run import SCENES
 from rps_exudyn.verification.work_precision import Curve, Errors, Reference, curve_errors
 
 JUDGED = {
@@ -53,7 +54,7 @@ class Truth:
 
 def run_scene(scene: str, gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
     """One run with its judgement, whatever comes out."""
-    return SCENES[scene](gear, fidelity)
+    return scene_named(scene).run(gear, fidelity, DEFAULT)
 
 
 def curve_of(scene: str, signals: Signals, gear: SteeringGear, fidelity: Fidelity, name: str = "") -> Curve:

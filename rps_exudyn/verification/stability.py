@@ -8,11 +8,10 @@ limit = bisected(lambda h: cell(h) is Cell.RIGHT, 1e-4, 1e-2)
 
 import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
-from unittest.mock import patch
 
 import numpy as np
 
@@ -23,8 +22,10 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.results.result import Result
-from rps_exudyn.scenes import maneuver, run_maneuver
-from rps_exudyn.simulate.run import unguarded
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.maneuver import StepLimits
+from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.simulate.checked_run import run_unchecked
 
 FIGURE = {
     "free-pinion-torque": "torque_mean",
@@ -101,28 +102,26 @@ class StabilityMap:
     lines: list[Line]
 
 
+AS_ASKED = StepLimits(per_period=1, of_part=1)  # no finer steps than the fidelity asks for
+
+
 def unchecked(plan: Plan) -> Result:
-    """The run in steps as asked, without guards and without judge: ok is what the solver calls a success."""
+    """Run in steps as asked without any check: ok is what the solver calls a success."""
     return run_and_check(plan)[0]
 
 
-def _steps_as_asked() -> AbstractContextManager[object]:
-    """Within the block no maneuver takes finer steps than its fidelity asks for."""
-    return patch.multiple(maneuver, LEAST_STEPS=1, LEAST_OF_PART=1)
-
-
 def run_and_check(plan: Plan) -> tuple[Result, bool]:
-    """The same, and whether guards or judge would have had something against it."""
+    """Run the same, and tell whether a check before or after it would have refused it."""
     verdicts: list[Outcome] = []
 
     def only_noted(outcome: Outcome, *seen: Any) -> Outcome:
         verdicts.append(validated(outcome, *seen))
         return outcome
 
-    with patch.object(run_maneuver, "validated", only_noted), _steps_as_asked():
-        result = unguarded(plan.scene, plan.gear, plan.fidelity)
+    options = RunOptions(check=only_noted, least_steps=AS_ASKED)
+    result = run_unchecked(plan.scene, plan.gear, plan.fidelity, options)
     against = any(verdict.status is not Status.OK for verdict in verdicts)
-    return result, against or bool(refused(plan.scene, plan.gear, plan.fidelity))
+    return result, against or bool(refused(plan.gear, plan.fidelity, steady=scene_named(plan.scene).steady))
 
 
 @contextmanager
@@ -156,7 +155,7 @@ def reference(plan: Plan, value: float, methods: Sequence[Choices] = REFERENCES)
         if found and (abs(error_of(value, found[-1])) <= INACCURATE or value != value):
             break
         try:
-            result = unguarded(plan.scene, plan.gear, plan.fidelity.replace(changes))
+            result = run_unchecked(plan.scene, plan.gear, plan.fidelity.replace(changes))
         except InputError:
             break
         if result.status is Status.OK:

@@ -15,21 +15,21 @@ from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GEOMETRY
 from rps_exudyn.results.result import Result, load
-from rps_exudyn.simulate.run import SCENES
+from rps_exudyn.scenes import SCENE_NAMES
 from shell import Command
 
 
 @pytest.fixture
 def simulated(monkeypatch: pytest.MonkeyPatch, made_up_result: Result) -> Result:
     """What `run` gets instead of a simulation."""
-    monkeypatch.setattr("rps_exudyn.simulate.run.run", lambda *_, **__: made_up_result)
+    monkeypatch.setattr("rps_exudyn.simulate.run.simulate", lambda *_, **__: made_up_result)
     return made_up_result
 
 
 @pytest.fixture
 def failing(monkeypatch: pytest.MonkeyPatch, failed_result: Result) -> Result:
     """The same, of a simulation that failed."""
-    monkeypatch.setattr("rps_exudyn.simulate.run.run", lambda *_, **__: failed_result)
+    monkeypatch.setattr("rps_exudyn.simulate.run.simulate", lambda *_, **__: failed_result)
     return failed_result
 
 
@@ -49,11 +49,11 @@ def test_run_hands_over_scene_and_gear(
 ) -> None:
     seen = {}
 
-    def record(scene: str, gear: object, *, fidelity: object) -> Result:
+    def record(scene: str, gear: object, *_: object, **__: object) -> Result:
         seen.update(scene=scene, gear=gear)
         return simulated
 
-    monkeypatch.setattr("rps_exudyn.simulate.run.run", record)
+    monkeypatch.setattr("rps_exudyn.simulate.run.simulate", record)
     arguments = ["run", "free-pinion-torque", "--set", "yoke.preload=0.4 kN", "--set", "test.direction=-1"]
     assert command([*arguments, "--out", "a.h5", "--plot", "b.svg"]).status == 0
     assert seen["scene"] == "free-pinion-torque"
@@ -76,7 +76,7 @@ def test_what_libraries_print_does_not_disturb_the_json(
         print("NOTE: solver has something to say")
         return made_up_result
 
-    monkeypatch.setattr("rps_exudyn.simulate.run.run", talkative)
+    monkeypatch.setattr("rps_exudyn.simulate.run.simulate", talkative)
     answer = command(["run", "--json"])
     assert answer.json["status"] == "ok"
     assert "NOTE" in answer.err
@@ -116,23 +116,23 @@ def test_run_hands_over_the_fidelity(
 ) -> None:
     seen = []
 
-    def record(*_: object, fidelity: Fidelity) -> Result:
+    def record(scene: str, gear: object, fidelity: Fidelity, **_: object) -> Result:
         seen.append(fidelity)
         return simulated
 
-    monkeypatch.setattr("rps_exudyn.simulate.run.run", record)
+    monkeypatch.setattr("rps_exudyn.simulate.run.simulate", record)
     step = ["--set", "fidelity.step_angle=0.5 deg"]
     assert command(["run"]).status == 0
     assert command(["run", "--fidelity", "full", "--bush", "rigid", *step]).status == 0
     assert seen[0] == Fidelity.preset("flank")
     assert seen[1] == Fidelity.preset("full").replace({"step_angle": "0.5 deg", "bush": "rigid"})
-    assert seen[1].name == "full with step_angle 0.5 deg, bush rigid"
+    assert seen[1].name == "full with bush rigid, step_angle 0.5 deg"
 
 
 def test_help_of_run_names_every_scene_preset_and_choice(command: Command) -> None:
     shown = command(["run", "--help"]).out
     choices = [str(choice) for item in Fidelity.declared() for choice in get_args(item.field.annotation)]
-    for name in [*SCENES, *PRESETS, *choices]:
+    for name in [*SCENE_NAMES, *PRESETS, *choices]:
         assert re.search(rf"\b{name}\b", shown), name
 
 

@@ -10,7 +10,7 @@ import pytest
 from made_up_study import GRID, HOSTILE, description, grid_points, make_study, sampled
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
-from rps_exudyn.simulate.run import SCENES
+from rps_exudyn.scenes import SCENE_NAMES
 from shell import Command
 
 POINTS = [{"preload": 110.0 + 7 * at, "friction": 0.1 + 0.01 * (at % 3)} for at in range(12)]
@@ -139,7 +139,7 @@ def test_page_asks_for_nothing(made_up_result: Result, tmp_path: Path, command: 
     assert len(ids) == len(set(ids))
 
 
-@pytest.mark.parametrize("scene", [*SCENES, "a scene of tomorrow"])
+@pytest.mark.parametrize("scene", [*SCENE_NAMES, "a scene of tomorrow"])
 def test_result_of_any_scene(scene: str, made_up_result: Result, tmp_path: Path, command: Command) -> None:
     """Also of one that did not keep all signals of the scene's own picture."""
     result = dataclasses.replace(

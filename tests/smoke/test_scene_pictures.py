@@ -10,11 +10,12 @@ from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.charts.load_test import load_test_figure
 from rps_exudyn.charts.losses import losses_figure
-from rps_exudyn.charts.scene import PICTURES, draw
+from rps_exudyn.charts.scene import draw
 from rps_exudyn.charts.several import torques_figure
 from rps_exudyn.charts.spectrum import spectrum_figure
 from rps_exudyn.charts.torque import torque_figure
 from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import SCENE_NAMES
 
 
 @pytest.fixture
@@ -48,7 +49,7 @@ def measured() -> MeasuredTorque:
     return MeasuredTorque("bench", {"pinion_angle": angle, "pinion_torque": torque})
 
 
-@pytest.mark.parametrize("scene", PICTURES)
+@pytest.mark.parametrize("scene", SCENE_NAMES)
 def test_every_scene_is_drawn_with_a_measured_curve_too(
     scene: str, there_and_back: Result, measured: MeasuredTorque, tmp_path: Path
 ) -> None:
@@ -56,7 +57,7 @@ def test_every_scene_is_drawn_with_a_measured_curve_too(
     assert (tmp_path / "a.png").stat().st_size > 5000
 
 
-@pytest.mark.parametrize("scene", PICTURES)
+@pytest.mark.parametrize("scene", SCENE_NAMES)
 @pytest.mark.parametrize("case", ["nan", "huge", "one sample", "nothing recorded", "mean values only"])
 def test_failed_and_simple_results_are_drawn_too(
     scene: str, case: str, there_and_back: Result, tmp_path: Path

@@ -1,4 +1,4 @@
-"""Plans that would end in a wrong number are not run, or repaired on request; and what was done is told."""
+"""Plans that would end in a wrong number are not run, or repaired on request; a repair is reported."""
 
 import pytest
 
@@ -6,8 +6,8 @@ from rps_exudyn.checks.before_run import breaches
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.simulate.fallback import robust_run
-from rps_exudyn.simulate.isolated_run import limited_run
+from rps_exudyn.simulate.fallback import run_with_fallback
+from rps_exudyn.simulate.isolated_run import isolated_run
 from rps_exudyn.simulate.run import run
 
 GEAR = SteeringGear().replace({"test.turns": 1 / 6})
@@ -32,56 +32,60 @@ def test_plan_beyond_a_limit_is_not_run_and_the_repaired_one_is_within(sentence:
     assert result.message.startswith(f"not run: {sentence}")
     assert not result.signals
     repairs = {
-        name: value for breach in breaches(TORQUE, gear, fidelity) for name, value in breach.repair.items()
+        name: value
+        for breach in breaches(gear, fidelity, steady=True)
+        for name, value in breach.repair.items()
     }
-    assert not list(breaches(TORQUE, gear, fidelity.replace(repairs)))
+    assert not list(breaches(gear, fidelity.replace(repairs), steady=True))
 
 
 @pytest.mark.parametrize("preset", ["full", "flank", "quasi-static", "closed-form"])
 def test_presets_are_within_all_limits(preset: str) -> None:
-    assert not list(breaches(TORQUE, SteeringGear(), Fidelity.preset(preset)))
+    assert not list(breaches(SteeringGear(), Fidelity.preset(preset), steady=True))
 
 
-def test_refuge_tells_every_try() -> None:
-    result = robust_run(TORQUE, GEAR, STILL.replace({"step_angle": "40 deg"}))
+def test_fallback_reports_every_try() -> None:
+    result = run_with_fallback(TORQUE, GEAR, STILL.replace({"step_angle": "40 deg"}))
     assert result.status is Status.OK
     assert "step_angle" in result.message
-    assert result.fidelity["step_angle"] == pytest.approx(result.solver["tries"][-1]["changed"]["step_angle"])
+    assert result.fidelity["step_angle"] == pytest.approx(
+        result.findings["tries"][-1]["changed"]["step_angle"]
+    )
     assert result.summary["torque_mean"] == pytest.approx(0.6348, rel=1e-3)
 
 
-def test_refuge_of_a_misaligned_gear_is_right_and_says_what_it_changed() -> None:
+def test_fallback_of_a_misaligned_gear_is_right_and_says_what_it_changed() -> None:
     askew = GEAR.replace({"installation.angle_error": "0.8 deg"})
-    result = robust_run(TORQUE, askew, STILL.replace({"step_angle": "35 deg", "strip_points": 1}))
+    result = run_with_fallback(TORQUE, askew, STILL.replace({"step_angle": "35 deg", "strip_points": 1}))
     assert result.status is Status.OK
     assert "strip_points 2" in result.message
     generators = run(TORQUE, askew, fidelity=STILL.replace({"mesh": "flank-generators"}))
     assert result.summary["torque_mean"] == pytest.approx(generators.summary["torque_mean"], rel=5e-3)
 
 
-def test_refuge_leaves_a_sound_plan_alone() -> None:
-    result = robust_run(TORQUE, GEAR, STILL)
+def test_fallback_leaves_a_sound_plan_alone() -> None:
+    result = run_with_fallback(TORQUE, GEAR, STILL)
     assert (result.status, result.message) == (Status.OK, "")
-    assert result.solver["tries"] == [{"changed": {}, "status": "ok", "message": ""}]
+    assert result.findings["tries"] == [{"changed": {}, "status": "ok", "message": ""}]
 
 
-def test_refuge_in_vain_keeps_the_first_failure() -> None:
+def test_fallback_in_vain_keeps_the_first_failure() -> None:
     too_soft = GEAR.replace({"mesh.stiffness": 1e11})
-    result = robust_run(TORQUE, too_soft, STILL.replace({"step_angle": "10 deg"}))
+    result = run_with_fallback(TORQUE, too_soft, STILL.replace({"step_angle": "10 deg"}))
     assert result.status is Status.INVALID
     assert "mesh_penetration" in result.message
     assert "nor did" in result.message
-    assert len(result.solver["tries"]) > 2
+    assert len(result.findings["tries"]) > 2
 
 
 def test_time_limit_ends_a_run_from_outside() -> None:
-    result = limited_run(TORQUE, GEAR, STILL.replace({"step_angle": "0.01 deg"}), 0.001)
+    result = isolated_run(TORQUE, GEAR, STILL.replace({"step_angle": "0.01 deg"}), 0.001)
     assert result.status is Status.TIMEOUT
     assert "time limit of 0.001 s" in result.message
 
 
 def test_run_within_its_time_limit_is_the_same_run() -> None:
-    result = limited_run(TORQUE, GEAR, STILL, 60.0)
+    result = isolated_run(TORQUE, GEAR, STILL, 60.0)
     assert result.summary["torque_mean"] == pytest.approx(
         run(TORQUE, GEAR, fidelity=STILL).summary["torque_mean"]
     )

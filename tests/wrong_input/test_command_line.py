@@ -8,6 +8,7 @@ import h5py
 import pytest
 
 from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import free_pinion_torque
 from shell import Command
 
 
@@ -18,7 +19,9 @@ def no_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
     def simulated(*_: object) -> None:
         pytest.fail("simulated in spite of wrong input")
 
-    monkeypatch.setattr("rps_exudyn.simulate.run.SCENES", {"free-pinion-torque": simulated})
+    monkeypatch.setattr(
+        free_pinion_torque, "SCENE", dataclasses.replace(free_pinion_torque.SCENE, run=simulated)
+    )
 
 
 MISTAKES = {

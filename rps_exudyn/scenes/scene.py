@@ -1,0 +1,53 @@
+"""A scene: one thing that the test rig does, and what the rest of the package must know about it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene_run import SceneRun
+
+
+def turns_of_test(gear: SteeringGear) -> float:
+    """Return the revolutions that the test records one way."""
+    return gear.test.turns
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """One thing that the test rig does.
+
+    Attributes:
+        name: its name in commands and files.
+        title: its name over tables and charts.
+        run: simulates it; raises InputError for a test or a model that the scene cannot have.
+        signal: name of the signal whose error counts.
+        figure: name of the number in the summary that must be right.
+        chart: module of `charts` that draws it by a function `figure(result, measured)`.
+        steady: whether everything slides at a constant speed.
+        needs_inertia: whether equilibria cannot show it.
+        revolutions: how often the pinion turns in a run one way; None where it does not turn.
+    """
+
+    name: str
+    title: str
+    run: Callable[[SteeringGear, Fidelity, RunOptions], SceneRun]
+    signal: str
+    figure: str
+    chart: str
+    steady: bool = False
+    needs_inertia: bool = False
+    revolutions: Callable[[SteeringGear], float] | None = turns_of_test
+
+    @property
+    def unit_of_cost(self) -> str:
+        """What the CPU time of a run is counted by: "revolution", or "run" where the pinion is held."""
+        return "revolution" if self.revolutions else "run"
+
+
+def swept_revolutions(gear: SteeringGear) -> float:
+    """Return the revolutions that a reversal sweeps, to and fro."""
+    return 4 * gear.test.amplitude * gear.test.cycles / (2 * np.pi)

@@ -1,0 +1,55 @@
+"""One run of one plan: checked before it, and its record after it."""
+
+from dataclasses import replace
+from time import perf_counter, process_time
+
+from rps_exudyn.checks.before_run import refused
+from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result, failed
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.run_options import DEFAULT, RunOptions
+
+
+def run_checked(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
+    """Run a plan unless its numbers would be wrong.
+
+    Raises:
+        InputError: a gear that cannot exist, or a test that it does not allow.
+    """
+    sentences = refused(gear, fidelity, steady=scene_named(scene).steady)
+    if not sentences:
+        return run_unchecked(scene, gear, fidelity)
+    message = "; ".join(sentences)
+    nothing = failed(scene, gear, fidelity, Status.INVALID, f"not run: {message}")
+    return replace(nothing, findings={"refused": message}, geometry=geometry_report(gear).numbers)
+
+
+def run_unchecked(
+    scene: str, gear: SteeringGear, fidelity: Fidelity, options: RunOptions = DEFAULT
+) -> Result:
+    """Run a plan without a check before it, for studies of what goes wrong then.
+
+    Raises:
+        InputError: a gear that cannot exist, or a test that it does not allow.
+    """
+    wall, cpu = perf_counter(), process_time()
+    report = geometry_report(gear)
+    done = scene_named(scene).run(gear, fidelity, options)
+    return Result(
+        scene=scene,
+        gear=gear,
+        fidelity=fidelity.model_dump(),
+        solver=done.outcome.settings,
+        findings=done.outcome.findings,
+        status=done.outcome.status,
+        message=done.outcome.message,
+        signals=done.signals,
+        summary=done.summary,
+        counters={**done.outcome.counters, "solver_cpu": done.outcome.cpu_s},
+        geometry=report.numbers,
+        cpu_s=process_time() - cpu,
+        wall_s=perf_counter() - wall,
+    )
