@@ -24,10 +24,13 @@ def figure_of(scene: str) -> Draw:
     return draw
 
 
-def draw(result: Result, path: str | Path, measured: MeasuredTorque | None = None) -> None:
-    """Save the picture of a result that has signals, a measured torque over it if there is one.
+def draw(result: Result, path: str | Path | None = None, measured: MeasuredTorque | None = None) -> Figure:
+    """Draw a result that has signals, a measured torque over it if there is one, and save it to `path`.
 
     Raises:
         InputError: the file cannot be written.
     """
-    style.save(figure_of(result.scene)(result, measured), path)
+    figure = figure_of(result.scene)(result, measured)
+    if path is not None:
+        style.save(figure, path)
+    return figure

@@ -47,6 +47,7 @@ def result_as_dict(result: "Result", files: Iterable[Path] = ()) -> dict[str, An
         "wall_s": result.wall_s,
         "parameters": result.gear.model_dump(),
         "solver": result.solver,
+        "findings": result.findings,
         "provenance": result.provenance,
         "files": [str(file) for file in files],
     }

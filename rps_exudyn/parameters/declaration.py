@@ -1,4 +1,4 @@
-"""How parameters are declared, read and judged: tables of values with unit, meaning, source and limits.
+"""How parameters are declared, read and validated: tables of values with unit, meaning, source and limits.
 
 One declaration serves the TOML reading, the `--set PATH=VALUE` paths, `describe`, the messages about wrong
 values and what an HDF5 result stores. Values are SI; text with a unit is converted on the way in.
@@ -63,7 +63,7 @@ Acceleration = Annotated[float, Unit("m/s^2", "m/s^2")]
 
 
 def parameter(default: Any, meaning: str, source: Source, **limits: Any) -> Any:
-    """One parameter: its default (text with unit, or SI), what it means and where the value is from."""
+    """Declare one parameter: its default (text with unit, or SI), its meaning, the source of its value."""
     return Field(default, description=meaning, json_schema_extra={"source": source}, **limits)
 
 
@@ -77,7 +77,7 @@ class Table(BaseModel):
     not_in_files: ClassVar[tuple[str, ...]] = ()  # tables that settings reach, but no file
 
     def __init__(self, **tables: Any) -> None:
-        """From nested tables or dictionaries.
+        """Build it from nested tables or dictionaries.
 
         Raises:
             InputError: parameters that are wrong (all of them at once).
@@ -94,7 +94,7 @@ class Table(BaseModel):
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
     def conflicts(self) -> "Iterator[Problem]":
-        """What is wrong between parameters that are each fine alone."""
+        """Yield what is wrong between parameters that are each fine alone."""
         yield from ()
 
     @model_validator(mode="after")
@@ -105,7 +105,7 @@ class Table(BaseModel):
 
     @classmethod
     def from_toml(cls, path: str | Path, settings: Mapping[str, object] | None = None) -> Self:
-        """The tables in a TOML file, with single parameters replaced by `settings` (path -> value).
+        """Read the tables of a TOML file, with single parameters replaced by `settings` (path -> value).
 
         Raises:
             InputError: unreadable file, no TOML, or parameters that are wrong (all of them at once).
@@ -116,7 +116,7 @@ class Table(BaseModel):
     def from_tables(
         cls, tables: Mapping[str, Any], settings: Mapping[str, object] | None = None, where: str = ""
     ) -> Self:
-        """From nested dictionaries; `where` names their origin in messages.
+        """Build it from nested dictionaries; `where` names their origin in messages.
 
         Raises:
             InputError: parameters that are wrong (all of them at once).
@@ -134,15 +134,27 @@ class Table(BaseModel):
         )
 
     def replace(self, settings: Mapping[str, object]) -> Self:
-        """The same with single parameters changed: {"yoke.preload": "400 N"}.
+        """Return the same with single parameters changed: {"yoke.preload": "400 N"}.
 
         Raises:
             InputError: an unknown path, or a value that is not allowed.
         """
         return self.from_tables(self.model_dump(), settings)
 
+    def changes(self) -> dict[str, Any]:
+        """Return path -> value of all parameters that differ from their defaults."""
+        usual = type(self)()
+        values = {item.path: self.value_at(item.path) for item in self.declared()}
+        return {path: value for path, value in values.items() if value != usual.value_at(path)}
+
+    def changes_shown(self) -> list[str]:
+        """Return the same for a reader: "yoke.preload 400 N"."""
+        changes = self.changes()
+        shown = {item.path: item.show for item in self.declared()}
+        return [f"{path} {shown[path](value)}" for path, value in changes.items()]
+
     def value_at(self, path: str) -> Any:
-        """The value of the parameter at a dotted path."""
+        """Return the value of the parameter at a dotted path."""
         value: Any = self
         for name in path.split("."):
             value = getattr(value, name)
@@ -150,7 +162,7 @@ class Table(BaseModel):
 
     @classmethod
     def declared(cls) -> Iterator["Declared"]:
-        """All parameters, those of nested tables too, in the order of their declaration."""
+        """Yield all parameters, those of nested tables too, in the order of their declaration."""
         for name, field in cls.model_fields.items():
             if isinstance(field.annotation, type) and issubclass(field.annotation, Table):
                 for item in field.annotation.declared():
@@ -161,7 +173,7 @@ class Table(BaseModel):
 
     @classmethod
     def declared_at(cls, path: str) -> list["Declared"]:
-        """The parameter at a dotted path, or all of a table; every parameter for "".
+        """Return the parameter at a dotted path, or all of a table; every parameter for "".
 
         Raises:
             InputError: there is no such parameter or table.
@@ -182,10 +194,12 @@ class Declared:
 
     @property
     def meaning(self) -> str:
+        """What the parameter is."""
         return self.field.description or ""
 
     @property
     def source(self) -> Source:
+        """Where its default comes from."""
         extra = self.field.json_schema_extra
         assert isinstance(extra, dict)
         return extra["source"]  # type: ignore[return-value]
@@ -207,6 +221,7 @@ class Declared:
         return ", ".join([*noun, " and ".join(limits)]) if limits else "any number"
 
     def show(self, value: Any) -> str:
+        """Return the value with the unit that a reader expects."""
         return units.show(value, self.unit.si, self.unit.display) if self.unit else str(value)
 
 
@@ -214,7 +229,7 @@ _LIMITS = ((Gt, "gt", "more than"), (Ge, "ge", "at least"), (Lt, "lt", "less tha
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:
-    """The tables of a TOML file.
+    """Return the tables of a TOML file.
 
     Raises:
         InputError: the file cannot be read or is no TOML.
@@ -236,12 +251,12 @@ class Problem(NamedTuple):
     sentence: str
 
     def concerns(self, settings: Iterable[str]) -> bool:
-        """Whether one of its parameters (or a table of theirs) is among the paths `settings`."""
+        """Tell whether one of its parameters (or a table of theirs) is among the paths `settings`."""
         return any(f"{setting}.".startswith(f"{path}.") for setting in settings for path in self.paths)
 
 
 class ConflictError(ValueError):
-    """Parameters that are each fine alone do not fit each other."""
+    """Raised where parameters that are each fine alone do not fit each other."""
 
     def __init__(self, problems: list[Problem]) -> None:
         self.problems = problems
@@ -249,7 +264,7 @@ class ConflictError(ValueError):
 
 
 def _merged(tables: Mapping[str, Any], settings: Mapping[str, object]) -> dict[str, Any]:
-    """The tables with the settings in their places, known or not: validation judges them together."""
+    """The tables with the settings in their places, known or not: validation looks at them together."""
     merged: dict[str, Any] = {
         name: dict(table) if isinstance(table, Mapping) else table for name, table in tables.items()
     }
@@ -276,8 +291,8 @@ def _problems(
     while remaining:
         items = remaining.errors()
         for item in items:
-            told = _told(table, item, given, settings)
-            found += [problem for problem in told if not problem.concerns(_paths(wrong))]
+            problems = _problems_of(table, item, given, settings)
+            found += [problem for problem in problems if not problem.concerns(_paths(wrong))]
         wrong += [item["loc"] for item in items]
         remaining = _error_of(table, _without(given, wrong)) if () not in wrong else None
     return found
@@ -295,12 +310,14 @@ def _paths(places: Iterable[tuple[int | str, ...]]) -> list[str]:
     return [".".join(map(str, loc)) for loc in places]
 
 
-def _told(table: type[Table], item: Any, given: Mapping[str, Any], settings: Iterable[str]) -> list[Problem]:
+def _problems_of(
+    table: type[Table], item: Any, given: Mapping[str, Any], settings: Iterable[str]
+) -> list[Problem]:
     """What one of validation's errors means."""
     conflict = item.get("ctx", {}).get("error")
-    return (
-        conflict.problems if isinstance(conflict, ConflictError) else [_problem(table, item, given, settings)]
-    )
+    if isinstance(conflict, ConflictError):
+        return conflict.problems
+    return [_problem(table, item, given, settings)]
 
 
 def _problem(table: type[Table], item: Any, given: Mapping[str, Any], settings: Iterable[str]) -> Problem:

@@ -113,6 +113,9 @@ class Fidelity(Table):
         known = {"based_on": preset} if preset in PRESETS else {}
         return known | {choice: value for choice, value in tables.items() if choice != "name"}
 
+    def __repr__(self) -> str:
+        return f"<Fidelity: {self.name}>"
+
     def conflicts(self) -> Iterator[Problem]:
         """Yield choices that are each fine alone, but not together."""
         return _conflicts(self)

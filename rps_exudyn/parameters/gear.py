@@ -5,6 +5,7 @@ Sources: "paper" (Kamble & Saha state it), "inferred" (follows from what the pap
 """
 
 from collections.abc import Iterator
+from html import escape
 from typing import Literal
 
 from rps_exudyn.base import units
@@ -247,11 +248,21 @@ class SteeringGear(Table):
     test: Test = Test()
 
     def conflicts(self) -> Iterator[Problem]:
+        """Yield parameters that do not fit each other."""
         return _conflicts(self)
+
+    def __repr__(self) -> str:
+        pinion, changes = self.pinion, self.changes_shown()
+        size = f"{pinion.teeth} teeth, module {_mm(pinion.normal_module)}, preload {self.yoke.preload:g} N"
+        return f"<SteeringGear: {size}; " + ", ".join(changes or ["all as by default"]) + ">"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(f"<li>{escape(change)}</li>" for change in self.changes_shown())
+        return f"<b>SteeringGear</b>, {'by default but for' if rows else 'all as by default'}<ul>{rows}</ul>"
 
 
 def _conflicts(gear: SteeringGear) -> Iterator[Problem]:
-    """What is wrong between parameters that are each fine alone."""
+    """Parameters that are each fine alone, but not together."""
     bush, rack, yoke, pinion = gear.bush, gear.rack, gear.yoke, gear.pinion
     if pinion.shaft_length < pinion.face_width:
         yield Problem(

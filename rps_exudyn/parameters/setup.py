@@ -15,5 +15,7 @@ class Setup(SteeringGear):
 
     @property
     def steering_gear(self) -> SteeringGear:
-        """The gear alone."""
-        return SteeringGear.model_validate(self.model_dump(exclude={"fidelity"}))
+        """The gear alone; its tables are not validated again."""
+        return SteeringGear.model_construct(
+            **{name: getattr(self, name) for name in SteeringGear.model_fields}
+        )

@@ -1,4 +1,12 @@
-"""How a simulation ended. A failed one is a value with a remedy, not an exception."""
+"""How a simulation ended. A failed one is a value with a remedy, not an exception.
+
+ok                 reached its end and passed every check: the numbers may be used
+diverged           left all bounds
+no-convergence     found no equilibrium, or no step that converges
+contact-lost       the rack left the mesh, or the teeth carry no load
+timeout, crashed   was ended by its time limit, or its process ended by itself
+invalid            reached its end and failed the check that the message names, or was refused before
+"""
 
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -35,7 +43,7 @@ _REMEDIES = {
 
 @dataclass
 class Outcome:
-    """How a run ended, and what it cost."""
+    """How a run ended, what it cost (CPU time in seconds, counts by name) and what the solver reports."""
 
     status: Status
     message: str = ""

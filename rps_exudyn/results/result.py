@@ -8,8 +8,11 @@ xarray: `xarray.open_dataset(path, group="signals", engine="h5netcdf")`.
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from html import escape
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from textwrap import shorten
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -21,7 +24,12 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results import provenance as origin
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import GROUPS
+from rps_exudyn.results.quantities import GROUPS, SIGNALS, SUMMARY
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+MOST_NUMBERS = 6  # of the summary that a printed result shows
 
 FILETYPE = "rps_exudyn-result"
 VERSION = (1, 1)
@@ -32,23 +40,42 @@ VERSION = (1, 1)
 class Result:
     """One simulation: what was asked, how it ended, what came out. All values are SI.
 
-    `signals` are arrays of shape (time,), `summary`, `counters` and `geometry` are scalars; their names are
-    those of `quantities`. Use the numbers only if `status` is `Status.OK`.
+        result = rps.run("free-pinion-torque")
+        result["pinion_torque"], result.summary["torque_mean"]
+        result.plot("torque.png")
+
+    Use the numbers only if `status` is `Status.OK`. Their names are those of `quantities`.
+
+    Attributes:
+        scene: what the test rig did.
+        gear: every parameter of the gear and its test.
+        fidelity: what was modelled how, choice by choice; "name" says it in words.
+        solver: every setting of the solver.
+        findings: what solver and choice of the model report beside the numbers, see docs/hdf5-format.md.
+        status: how it ended.
+        message: why, if the status is not OK; else remarks.
+        signals: name -> values over the time, shape (time,).
+        summary: name -> number.
+        counters: name -> what the solver had to do.
+        geometry: name -> number of the geometry report.
+        cpu_s: CPU time of the simulation [s].
+        wall_s: elapsed time of the simulation [s].
+        provenance: versions, commit, date and machine.
     """
 
     scene: str
     gear: SteeringGear
-    fidelity: dict[str, Any]  # what was modelled how
-    solver: dict[str, Any]  # every setting of the solver
-    findings: dict[str, Any] = field(default_factory=dict)  # what solver and choice of model report
+    fidelity: dict[str, Any]
+    solver: dict[str, Any]
+    findings: dict[str, Any] = field(default_factory=dict)
     status: Status
-    message: str = ""  # why, if status is not OK
+    message: str = ""
     signals: Mapping[str, np.ndarray] = field(default_factory=dict)
     summary: Mapping[str, float] = field(default_factory=dict)
     counters: Mapping[str, int | float] = field(default_factory=dict)
     geometry: Mapping[str, float] = field(default_factory=dict)
-    cpu_s: float  # CPU time of the simulation [s]
-    wall_s: float  # elapsed time of the simulation [s]
+    cpu_s: float
+    wall_s: float
     provenance: dict[str, str] = field(default_factory=origin.provenance)
 
     def __post_init__(self) -> None:
@@ -60,8 +87,63 @@ class Result:
             raise ValueError("signals must be one-dimensional, of one length, and hold the time")
 
     def __getitem__(self, signal: str) -> np.ndarray:
-        """The signal of that name, shape (time,)."""
+        """Return the signal of that name, shape (time,)."""
         return self.signals[signal]
+
+    def __repr__(self) -> str:
+        lines = [f"<Result: {self._heading()}", *(f"  {line}" for line in self._facts())]
+        return "\n".join(lines) + ">"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{name}</td><td>{SUMMARY[name].show(value)}</td><td>{SUMMARY[name].long_name}</td></tr>"
+            for name, value in self.summary.items()
+        )
+        message = f"<p>{escape(self.message)}</p>" if self.message else ""
+        return f"<p><b>{escape(self._heading())}</b></p>{message}<table>{rows}</table>"
+
+    def _heading(self) -> str:
+        return f"{self.scene} · fidelity {self.fidelity.get('name', '')} · status {self.status}"
+
+    def _facts(self) -> Iterator[str]:
+        """A few lines about it: message, first numbers, size."""
+        if self.message:
+            yield shorten(self.message, 200, placeholder=" ...")
+        first = list(self.summary.items())[:MOST_NUMBERS]
+        more = len(self.summary) - len(first)
+        numbers = [f"{name} {SUMMARY[name].show(value)}" for name, value in first]
+        if numbers:
+            yield ", ".join(numbers) + (f", {more} more in .summary" if more else "")
+        if self.signals:
+            time = self.signals["time"]
+            yield f"{len(self.signals)} signals at {time.size} instants over {float(np.ptp(time)):.4g} s"
+        yield f"{self.cpu_s:.3g} s of CPU time"
+
+    def plot(self, path: str | Path | None = None, measured: Any = None) -> Any:
+        """Draw the scene's picture; return the matplotlib Figure, saved to `path` (.png, .svg, .pdf) if given.
+
+        Args:
+            path: file of the picture.
+            measured: a measured torque of `analysis.measured.read_measured_torque`, drawn over it.
+
+        Raises:
+            InputError: the result has no signals, or the file cannot be written.
+        """
+        if not self.signals:
+            raise InputError(f"The result has no signals to draw: {self.status}, {self.message}.")
+        charts = import_module("rps_exudyn.charts.scene")  # by name, for drawing stands above results
+        return charts.draw(self, path, measured)
+
+    def to_xarray(self) -> "Dataset":
+        """Return the signals as an xarray Dataset over the time, with units, definitions and the summary."""
+        from xarray import Dataset
+
+        variables = {
+            name: ("time", values, {"units": SIGNALS[name].unit, "long_name": SIGNALS[name].long_name})
+            for name, values in self.signals.items()
+        }
+        about = {"scene": self.scene, "status": self.status.value, "message": self.message}
+        return Dataset(variables, attrs={**about, **self.summary})
 
     def save(self, path: str | Path) -> None:
         """Write the HDF5 file; an existing file is replaced only by a complete one.
@@ -82,7 +164,7 @@ def failed(
     cpu_s: float = 0.0,
     wall_s: float = 0.0,
 ) -> Result:
-    """A simulation that came to nothing, as a result all the same."""
+    """Return a simulation that came to nothing as a result all the same; times in seconds."""
     return Result(
         scene=scene,
         gear=gear,
@@ -96,7 +178,7 @@ def failed(
 
 
 def load(path: str | Path) -> Result:
-    """The result in an HDF5 file.
+    """Read the result in an HDF5 file.
 
     Raises:
         InputError: no such file, not a result of this package, damaged, or of a newer format.
@@ -124,7 +206,7 @@ def _write(result: Result, file: h5py.File) -> None:
 
 
 def attributes_of(result: Result) -> dict[str, Any]:
-    """The root attributes of the result's file."""
+    """Return the root attributes of the result's file."""
     return {
         "filetype": FILETYPE,
         "version": np.array(VERSION),
