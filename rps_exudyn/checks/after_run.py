@@ -1,7 +1,7 @@
-"""Is the number right? What a run must satisfy before it may be called ok.
+"""Checks of a finished run: what it must satisfy before it may be called ok.
 
-Wrong runs end with success flags and plausible torques, so every dynamic run is held against what must be
-true of it: teeth in mesh, contact within the range in which its law holds, work that adds up.
+Wrong runs end with success flags and plausible torques, so every run is compared with what must be true of
+it: teeth in mesh, contact within the range in which its law holds, work that adds up.
 """
 
 from collections.abc import Iterator
@@ -22,9 +22,9 @@ ENERGY_BOUND = 2e-3  # of the drive's or the load's work; 1e-5 is usual ...
 # What loaded material takes along or leaves behind where it passes an edge of the rack: 0.04 % on the paper's
 # gear, more with much friction, and where an error of the shaft angle lets the teeth bear on an edge.
 EDGE_BOUND = 1.5e-2  # likewise ...
-EDGE_SHARE = 1.5e-2  # ... and that per degree of the shaft angle's error ...
+EDGE_FRACTION = 1.5e-2  # ... and that per degree of the shaft angle's error ...
 MISSED_TORQUE = 1e-3  # ... or what a torque that small would do: a gear without friction takes no work [N m]
-# Up to so many samples: share of their range that may hide between them
+# Up to n samples: fraction of their range that may hide between them
 HIDDEN = ((2, np.inf), (4, 1 / 2), (5, 1 / 6), (7, 1 / 16), (12, 1 / 32))
 RESOLVED_BOUND = 0.03  # change of the mean when every second step is left out
 ROLLING_BOUND = 0.06  # of the travel; over whole periods a settled gear does not roll at all
@@ -41,9 +41,10 @@ def validated(
     signals: dict[str, np.ndarray],
     friction_zone: float | None,
 ) -> Outcome:
-    """The outcome of a run that reached its end, after all checks: the first that fails is its cause.
+    """Return the outcome of a run that reached its end after all checks; the first that fails is its cause.
 
-    Of a steady motion `friction_zone` [m/s] is the sliding speed below which friction is not fully developed.
+    `friction_zone` [m/s], given for a steady motion, is the sliding speed below which friction is not fully
+    developed.
     """
     equilibria = outcome.settings.get("name") == "equilibrium"
     in_mesh = gear.basic_rack.addendum * gear.pinion.normal_module / 2
@@ -59,7 +60,7 @@ def validated(
         contact_agreed(contact_disagreement(record)),
         spheres_enough(record, _on_an_edge(gear, signals)),
         work_balanced(signals, ENERGY_BOUND),
-        edges_spared(signals, EDGE_BOUND + EDGE_SHARE * np.degrees(abs(gear.installation.angle_error))),
+        edges_spared(signals, EDGE_BOUND + EDGE_FRACTION * np.degrees(abs(gear.installation.angle_error))),
     )
     for check in checks:
         for status, message in check:
@@ -71,6 +72,7 @@ Failure = Iterator[tuple[Status, str]]
 
 
 def finite(signals: dict[str, np.ndarray]) -> Failure:
+    """Check that every value is a finite number."""
     if np.isfinite(np.concatenate(list(signals.values()))).all():
         return
     for name, values in signals.items():
@@ -79,7 +81,7 @@ def finite(signals: dict[str, np.ndarray]) -> Failure:
 
 
 def rack_in_mesh(signals: dict[str, np.ndarray], place: float, allowed: float) -> Failure:
-    """The rack's lift [m] from where the pinion's axis puts it stays below half a tooth."""
+    """Check that the rack's lift [m] from where the pinion's axis puts it stays below half a tooth."""
     lift = np.abs(signals["rack_y"] - place)
     if (lift > allowed).any():
         yield (
@@ -90,13 +92,14 @@ def rack_in_mesh(signals: dict[str, np.ndarray], place: float, allowed: float) -
 
 
 def teeth_loaded(signals: dict[str, np.ndarray]) -> Failure:
+    """Check that the teeth touch at every instant."""
     free = signals.get("mesh_normal_force", np.ones(1)) <= 0
     if free.any():
         yield Status.CONTACT_LOST, f"the teeth carry no load, first at {first_angle(signals, free)}"
 
 
 def law_valid(element: ForceElement, signals: dict[str, np.ndarray]) -> Failure:
-    """No force element beyond the range in which its law holds."""
+    """Check that no force element leaves the range in which its law holds."""
     for name, bound in element.valid_to.items():
         beyond = signals[name] > bound
         if beyond.any():
@@ -109,7 +112,7 @@ def law_valid(element: ForceElement, signals: dict[str, np.ndarray]) -> Failure:
 
 
 def friction_developed(signals: dict[str, np.ndarray], zone: float, pair: GearPair) -> Failure:
-    """The teeth slide fast enough for Coulomb's law, at the slowest angle and place."""
+    """Check that the teeth slide fast enough for Coulomb's law, at the slowest angle and place."""
     slowest = np.abs(np.diff(signals["pinion_angle"]) / np.diff(signals["time"])) * pair.least_sliding
     if slowest.min() < zone * (1 - 1e-3):
         yield (
@@ -120,7 +123,8 @@ def friction_developed(signals: dict[str, np.ndarray], zone: float, pair: GearPa
 
 
 def torque_resolved(signals: dict[str, np.ndarray]) -> Failure:
-    """The record's steps are fine enough for its mean: leaving out every second one changes little.
+    """Check that the record's steps are fine enough for its mean: leaving out every second one changes
+    little.
 
     The error itself is a third of this difference where torque bends gently, and more where it jumps.
     """
@@ -149,7 +153,7 @@ def _work(force: np.ndarray, path: np.ndarray) -> float:
 
 
 def settled(signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
-    """The rack has rolled into its place: until then the torque is not that of steady sliding."""
+    """Check that the rack has rolled into its place: before, the torque is not that of steady sliding."""
     share = rolling_fraction(signals, gear)
     if share > ROLLING_BOUND:
         yield (
@@ -160,14 +164,17 @@ def settled(signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
 
 
 def rolling_fraction(signals: dict[str, np.ndarray], gear: SteeringGear) -> float:
-    """How far the bar's surface rolls over the record, over the rack's travel."""
+    """Return how far the bar's surface rolls over the record, over the rack's travel."""
     rolled = abs(float(signals["rack_roll"][-1] - signals["rack_roll"][0])) * gear.rack.bar_diameter / 2
     return rolled / max(float(np.abs(np.diff(signals["rack_displacement"])).sum()), 1e-12)
 
 
 def rolling_followed(signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
-    """The angles are close enough for the rack's rolling: equilibria know its rate by backward differences,
-    half a step late, which moves the mean of a torque that varies."""
+    """Check that the angles are close enough for the rack's rolling.
+
+    Equilibria know its rate by backward differences, half a step late, which moves the mean of a torque that
+    varies.
+    """
     late = np.abs(np.diff(signals["rack_roll"], 2)).sum() / 2 * gear.rack.bar_diameter / 2
     share = float(late) / max(float(np.abs(np.diff(signals["rack_displacement"])).sum()), 1e-12)
     force = signals["pinion_torque"] if "pinion_torque" in signals else signals["rack_force"]
@@ -181,6 +188,7 @@ def rolling_followed(signals: dict[str, np.ndarray], gear: SteeringGear) -> Fail
 
 
 def contact_agreed(disagreement: float) -> Failure:
+    """Check that the solver's own contact forces are those of the compiled law."""
     if not disagreement <= AGREEMENT_BOUND:
         yield (
             Status.INVALID,
@@ -190,7 +198,7 @@ def contact_agreed(disagreement: float) -> Failure:
 
 
 def spheres_enough(record: Record, on_an_edge: bool) -> Failure:
-    """Enough spheres touch that their sum is an integral over the contact."""
+    """Check that enough spheres touch: that their sum is an integral over the contact."""
     mesh = next(element for element in record.elements if element.name == "mesh")
     if mesh.kernel is not sampled_force:
         return
@@ -212,7 +220,7 @@ def _on_an_edge(gear: SteeringGear, signals: dict[str, np.ndarray]) -> bool:
 
 
 def work_balanced(signals: dict[str, np.ndarray], bound: float) -> Failure:
-    """The work that is missing is a small share of what drive or load did."""
+    """Check that the work that is missing is a small fraction of what drive or load did."""
     missing = missing_work(signals)
     if not _is_small(missing, bound, signals):
         residual = missing / largest_work(signals)
@@ -220,7 +228,8 @@ def work_balanced(signals: dict[str, np.ndarray], bound: float) -> Failure:
 
 
 def edges_spared(signals: dict[str, np.ndarray], bound: float) -> Failure:
-    """Little work goes with material over the rack's edges; steps that are too long end up there as well."""
+    """Check that little work goes with material over the rack's edges, where too long steps end up as
+    well."""
     taken = float(signals.get("work_mesh_edges", np.zeros(1))[-1])
     if not _is_small(taken, bound, signals):
         share = taken / largest_work(signals)
@@ -235,10 +244,10 @@ def _is_small(work: float, bound: float, signals: dict[str, np.ndarray]) -> bool
 
 
 def least_work(signals: dict[str, np.ndarray]) -> float:
-    """Below which work does not count [J]."""
+    """Return the work below which none counts [J]."""
     return MISSED_TORQUE * float(np.abs(np.diff(signals["pinion_angle"])).sum()) + ROUNDING
 
 
 def first_angle(signals: dict[str, np.ndarray], where: np.ndarray) -> str:
-    """The pinion angle at which something first holds, for a reader."""
+    """Return the pinion angle at which something first holds, for a reader."""
     return f"{round(np.degrees(signals['pinion_angle'][np.argmax(where)]), 6) + 0.0:.4g} deg"

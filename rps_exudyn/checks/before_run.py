@@ -1,11 +1,11 @@
-"""A plan held against the limits beyond which its method ends with a wrong number, before it is run.
+"""Checks of a plan before it is run: the limits beyond which its method ends with a wrong number.
 
     for breach in breaches(gear, fidelity, steady=True):
         breach.sentence          which quantity, its value, the limit, why
         breach.repair            the choice that meets the limit
 
 Each limit is a formula of `predicted` quantities; docs/stability.md shows them in the measured maps. What can
-only be seen in what came out is `judge`'s.
+only be seen in what came out is checked in after_run.
 """
 
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ from rps_exudyn.mesh_contact.spheres import SPHERE_RADIUS
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 
-STEPS_PER_PITCH = 2  # fewer cannot show the tooth frequency; `judge` sees whether more are needed
+STEPS_PER_PITCH = 2  # fewer cannot show the tooth frequency; after_run sees whether more are needed
 REPAIRED_STEPS_PER_PITCH = 20
 DEEPEST = 1.5  # deepest contact over the mean one, measured on the paper's gear
 LEAST_GENERATORS = 20  # 0.5 % of the torque
@@ -40,6 +40,7 @@ class Breach:
 
     @property
     def sentence(self) -> str:
+        """Sentence without a full stop: quantity, value, reason, limit."""
         value, limit = (self.show.format(number) for number in (self.value, self.limit))
         side = "at most" if self.value > self.limit else "at least"
         return f"{self.quantity} is {value}; {self.why} asks for {side} {limit}"
@@ -90,7 +91,7 @@ def _contact_integrated(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Brea
 
 
 def predicted_depth(gear: SteeringGear) -> float:
-    """Mean depth of the teeth's contact under the preload [m].
+    """Return the mean depth of the teeth's contact under the preload [m].
 
     Pressure proportional to depth over a strip of half width sqrt(2 rho d): a line of length L carries
     4/3 k L d sqrt(2 rho d); the flanks of each side carry P / (2 sin alpha_n). L is the face width along the
@@ -108,7 +109,8 @@ def _curvature_radius(pair: GearPair) -> float:
 
 
 def least_profile_samples(gear: SteeringGear) -> int:
-    """Spheres along the path of contact such that `SPACING` strips of contact lie between two of them."""
+    """Return the spheres along the path of contact such that `SPACING` strips of contact lie between two of
+    them."""
     pair = GearPair.of(gear)
     strip = 2 * np.sqrt(2 * _curvature_radius(pair) * max(predicted_depth(gear), 1e-9))
     path = abs(pair.active_path[1] - pair.active_path[0])

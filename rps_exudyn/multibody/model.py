@@ -64,12 +64,12 @@ class SteeringModel:
     constraint: Any = None  # that moves the driven body; its multiplier is the drive's torque or force
 
     def coordinates(self, name: str) -> slice:
-        """Where a body's coordinates stand in the system's vector; the system must be assembled."""
+        """Return where a body's coordinates stand in the system's vector; the system must be assembled."""
         start = self.mbs.GetNodeODE2Index(self.nodes[name])
         return slice(start, start + COORDINATES[name])
 
     def columns(self, bodies: Sequence[str]) -> np.ndarray:
-        """The same for several bodies, stacked."""
+        """Return the same for several bodies, one after the other."""
         return np.concatenate([np.r_[self.coordinates(name)] for name in bodies])
 
     def release(self) -> None:
@@ -80,7 +80,7 @@ class SteeringModel:
         self.SC.Reset()
 
     def segment_columns(self) -> np.ndarray:
-        """The same for all segments of the bush, shape (N, 6)."""
+        """Return the same for all segments of the bush, shape (N, 6)."""
         starts = [self.mbs.GetNodeODE2Index(node) for node in self.segments]
         return np.array(starts)[:, None] + np.arange(6)
 
@@ -94,9 +94,9 @@ def build_model(
     pulse: Pulse | None = None,
     settling: Sequence[np.ndarray] = (),
 ) -> SteeringModel:
-    """The gear in a rig, by default turned at its test's speed from the test's start angle.
+    """Build the gear in a rig, by default turned at its test's speed from the test's start angle.
 
-    Whether it found the equilibrium to start from is told by `start.converged`.
+    `start.converged` says whether it found the equilibrium to start from.
 
     Args:
         rack_load: pulls the rack's end towards -X [N].
@@ -117,9 +117,9 @@ def build_model(
     if "segment" in forces.fit.bodies:
         _add_bush_chain(model)
     if fidelity.mesh == "general-contact":
-        _add_forces_apart(model)
+        _add_forces_one_by_one(model)
     else:
-        _add_forces_at_once(model)
+        _add_forces_together(model)
     _add_drive(model)
     _lock(model)
     if pulse is not None:
@@ -129,7 +129,7 @@ def build_model(
 
 
 def _add_drive(model: SteeringModel) -> None:
-    """The drive as a rheonomic constraint on a coordinate of pinion or rack."""
+    """Prescribe a coordinate of pinion or rack by a rheonomic constraint."""
     drive = model.drive
 
     def place(mbs: Any, t: float, item: int, offset: float) -> float:
@@ -174,8 +174,8 @@ def _add_pulse(model: SteeringModel, pulse: Pulse) -> None:
     model.mbs.AddLoad(LoadForceVector(markerNumber=model.mbs.AddMarker(end), loadVectorUserFunction=force))
 
 
-def _add_forces_apart(model: SteeringModel) -> None:
-    """Every force element as an object of its own, the teeth in Exudyn's general contact."""
+def _add_forces_one_by_one(model: SteeringModel) -> None:
+    """Add every force element as an object of its own, the teeth in Exudyn's general contact."""
     mbs, forces, nodes = model.mbs, model.forces, model.nodes
     for element in forces.elements:
         if element is not forces.mesh:
@@ -186,8 +186,8 @@ def _add_forces_apart(model: SteeringModel) -> None:
     add_tangent(mbs, forces.mesh.data, [nodes["pinion"], nodes["rack"]])
 
 
-def _add_forces_at_once(model: SteeringModel) -> None:
-    """All forces of the gear in one compiled object, with its Jacobian."""
+def _add_forces_together(model: SteeringModel) -> None:
+    """Add all forces of the gear in one compiled object, with its Jacobian."""
     kernel, data = model.forces.dynamics
     bodies = [body for body in COORDINATE_BLOCKS if body in model.nodes]
     nodes = [model.nodes[body] for body in bodies]
@@ -281,7 +281,8 @@ def _add_bodies(model: SteeringModel) -> None:
 
 
 def _add_sensors(model: SteeringModel) -> None:
-    """Coordinates of pinion, rack and plunger, kept inside: `mbs.PlotSensor(model.sensors["rack"])`."""
+    """Add sensors for the coordinates of pinion, rack and plunger, stored internally:
+    `mbs.PlotSensor(model.sensors["rack"])`."""
     from exudyn import OutputVariableType
     from exudyn.itemInterface import SensorNode
 
@@ -296,7 +297,7 @@ def _add_sensors(model: SteeringModel) -> None:
 
 
 def _add_bush_chain(model: SteeringModel) -> None:
-    """The segments, resting under the wrench of the fit at the start."""
+    """Add the segments, resting under the wrench of the fit at the start."""
     gear, chain = model.gear, model.forces.chain
     rest = resting_segments(gear, chain, _wrench_at_fit(model), chain.end_station)
     segment = solids.bush_segment_solid(gear).mass_properties
@@ -325,7 +326,7 @@ def _wrench_at_fit(model: SteeringModel) -> np.ndarray:
 
 
 def _drawn(solid: "Solid", color: str, rotation: np.ndarray | None = None) -> list[Any]:
-    """How Exudyn draws a body."""
+    """Graphics data of a body."""
     from exudyn import graphics
     from matplotlib.colors import to_rgba
 

@@ -24,7 +24,7 @@ class Recorder:
     mesh: list[np.ndarray] = field(default_factory=list)  # Exudyn's own contact forces on pinion and rack
 
     def attach(self) -> "Recorder":
-        """Hook into the model's time steps."""
+        """Hook into the model's time steps; return itself."""
         if self.model.contacts is not None:
             self.model.mbs.SetPreStepUserFunction(self._gate)
         self.model.mbs.SetPostStepUserFunction(self._keep)
@@ -49,7 +49,7 @@ class Recorder:
         return True
 
     def record(self) -> Record:
-        """What was kept, in the order of time."""
+        """Return what was kept, in the order of time."""
         model = self.model
         coordinates, rates = np.array(self.coordinates), np.array(self.rates)
         # at the end; all rotations but the pinion's are small

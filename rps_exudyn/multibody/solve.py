@@ -36,6 +36,7 @@ class SolverPlan:
     minimum_step: float = 1e-7  # [s]
 
     def as_dict(self) -> dict[str, Any]:
+        """Return all settings by their names, for the result's file."""
         return {"name": "generalized-alpha", **asdict(self)}
 
 
@@ -90,7 +91,7 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
 
 @contextmanager
 def _silent() -> Iterator[None]:
-    """Nothing from Exudyn on the console: what a failure means is told by its outcome."""
+    """Keep Exudyn off the console: the outcome says what a failure means."""
     import exudyn as exu
 
     before = exu.config.printToConsole, exu.config.suppressWarnings
@@ -102,8 +103,8 @@ def _silent() -> Iterator[None]:
 
 
 def _settings(plan: SolverPlan) -> "exudyn.SimulationSettings":
-    """The plan in Exudyn's words. What decides a result is set here even where it is the default:
-    defaults change between releases."""
+    """Translate the plan into Exudyn's settings. What decides a result is set here even where it is the
+    default: defaults change between releases."""
     import exudyn as exu
 
     settings = exu.SimulationSettings()

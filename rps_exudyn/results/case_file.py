@@ -22,14 +22,14 @@ READ_WRITE = 1  # H5LT_FILE_IMAGE_OPEN_RW: HDF5's own constant, which h5py does 
 
 @dataclass(frozen=True)
 class Keep:
-    """What of a result is stored besides its numbers: names of signals, thinned to at most `samples`."""
+    """Selection of what a study stores besides numbers: names of signals, thinned to at most `samples`."""
 
     signals: tuple[str, ...] | None = None  # None: all of them; (): none
     samples: int | None = None  # None: every one
 
 
 def kept(result: Result, keep: Keep) -> Result:
-    """The result with only the signals to be kept, thinned evenly; first and last value stay."""
+    """Return the result with only the signals to be kept, thinned evenly; first and last value stay."""
     if keep.signals == () or not result.signals:
         return replace(result, signals={})
     names = keep.signals or tuple(result.signals)
@@ -48,7 +48,7 @@ class FileForms:
         self._forms: dict[tuple[Any, ...], _Form] = {}
 
     def content(self, result: Result) -> bytes:
-        """The bytes of the result's HDF5 file."""
+        """Return the bytes of the result's HDF5 file."""
         shape = _shape(result)
         if shape not in self._forms:
             self._forms[shape] = _Form(result)

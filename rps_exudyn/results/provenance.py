@@ -1,4 +1,4 @@
-"""Where a result comes from: versions, git hash, date, machine."""
+"""Origin of a result: versions, git hash, date, machine."""
 
 import json
 import os
@@ -14,7 +14,7 @@ LIBRARIES = ("exudyn", "numpy", "scipy", "numba", "h5py", "trimesh", "manifold3d
 
 
 def provenance() -> dict[str, str]:
-    """Text for the root attributes of a result, see docs/hdf5-format.md."""
+    """Return the text of the root attributes of a result, see docs/hdf5-format.md."""
     return {
         "package_version": package_version(),
         "library_versions": library_versions(),
@@ -26,19 +26,20 @@ def provenance() -> dict[str, str]:
 
 @cache
 def package_version() -> str:
-    """As installed."""
+    """Return the version installed."""
     return version("rps-exudyn")
 
 
 @cache
 def library_versions() -> str:
-    """JSON: name -> version."""
+    """Return JSON text: name -> version of the libraries that compute."""
     return json.dumps({name: version(name) for name in LIBRARIES})
 
 
 @cache
 def git_hash() -> str:
-    """Commit of the checkout this package runs from, "-dirty" if edited since; "" if installed elsewhere."""
+    """Return the commit of the checkout this package runs from, "-dirty" if edited since; "" if installed
+    elsewhere."""
     folder = Path(__file__).parent
     if not _git(folder, "ls-files", Path(__file__).name):  # an installed copy inside some other checkout
         return ""
@@ -47,7 +48,7 @@ def git_hash() -> str:
 
 @cache
 def machine() -> str:
-    """Processor, its count, operating system and Python, without names of the host or its user."""
+    """Return processor, its count, operating system and Python, without names of the host or its user."""
     return f"{_processor()}, {os.cpu_count()} cores, {platform.system()}, Python {platform.python_version()}"
 
 

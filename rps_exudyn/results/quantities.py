@@ -1,8 +1,8 @@
 """Every quantity a result may hold: name, unit, definition. Declared once, here.
 
 A result with another name is refused when it is made, so that files, charts and the format's page
-(docs/hdf5-format.md, held to this list by a test) cannot drift apart. Directions are those of the housing
-frame in `gears.gear_pair`: X the rack's travel, Y from the pinion to the rack, Z = X x Y.
+(docs/hdf5-format.md, which a test compares with this list) cannot drift apart. Directions are those of the
+housing frame in `gears.gear_pair`: X the rack's travel, Y from the pinion to the rack, Z = X x Y.
 """
 
 from dataclasses import dataclass
@@ -20,17 +20,17 @@ class Quantity:
     long_name: str
 
     def show(self, value: float) -> str:
-        """The value for a reader, for instance "0.593 N m"; counts are whole numbers."""
+        """Return the value for a reader, for instance "0.593 N m"; counts are whole numbers."""
         if isinstance(value, int):
             return str(value)
         return f"{self.displayed(value):.4g} {units.pretty(self.display)}".strip()
 
     def displayed(self, values: Any) -> Any:
-        """SI values, a number or an array of any shape, in the display unit."""
+        """Return SI values, a number or an array of any shape, in the display unit."""
         return values / units.factor(self.display, self.unit)
 
     def axis_label(self, name: str) -> str:
-        """For instance "pinion torque [N m]"."""
+        """Return the label of an axis, for instance "pinion torque [N m]"."""
         unit = units.pretty(self.display)
         return f"{name} [{unit}]" if unit else name
 
@@ -220,5 +220,5 @@ GROUPS = {"signals": SIGNALS, "summary": SUMMARY, "counters": COUNTERS, "geometr
 
 
 def is_work(name: str) -> bool:
-    """Whether a signal counts energy from the start of recording."""
+    """Tell whether a signal counts energy from the start of recording."""
     return name.startswith("work_") or name == "stored_energy"

@@ -120,7 +120,8 @@ class Result:
         yield f"{self.cpu_s:.3g} s of CPU time"
 
     def plot(self, path: str | Path | None = None, measured: Any = None) -> Any:
-        """Draw the scene's picture; return the matplotlib Figure, saved to `path` (.png, .svg, .pdf) if given.
+        """Draw the scene's picture; return the matplotlib Figure, saved to `path` (.png, .svg, .pdf) if
+        given.
 
         Args:
             path: file of the picture.

@@ -14,7 +14,7 @@ from rps_exudyn.scenes.scene_run import Signals
 
 
 def figures_of_turning(signals: Signals, gear: SteeringGear) -> dict[str, float]:
-    """Of a gear whose pinion is turned steadily: its torque the first way, and what both ways show."""
+    """Return the figures of a pinion turned steadily: its torque the first way, and what both ways show."""
     teeth, first = gear.pinion.teeth, passes(signals)[0].signals
     return {
         **describe_torque(first["pinion_angle"], first["pinion_torque"], teeth),
@@ -25,7 +25,8 @@ def figures_of_turning(signals: Signals, gear: SteeringGear) -> dict[str, float]
 
 
 def figures_of_motion(signals: Signals, gear: SteeringGear) -> dict[str, float]:
-    """Of any gear in motion: its gain, how the rack moves in its guides, where the work goes."""
+    """Return the figures of any gear in motion: its gain, how the rack moves in its guides, where the work
+    goes."""
     return {
         "rack_gain": gain(passes(signals)[0].signals),
         **describe_rack(signals, float(GearPair.of(gear).gain)),
@@ -35,11 +36,11 @@ def figures_of_motion(signals: Signals, gear: SteeringGear) -> dict[str, float]:
 
 
 def gain(signals: Signals) -> float:
-    """Displacement of the rack per revolution of the pinion over a record in one direction [m]."""
+    """Return the displacement of the rack per revolution of the pinion over a record in one direction [m]."""
     angle, place = signals["pinion_angle"], signals["rack_displacement"]
     return float((place[-1] - place[0]) / (angle[-1] - angle[0]) * 2 * np.pi)
 
 
 def balance(signals: Signals) -> dict[str, float]:
-    """The energy residual, of models that know what they store."""
+    """Return the energy residual, of models that know what they store."""
     return {"energy_residual": energy_residual(signals)} if "stored_energy" in signals else {}

@@ -1,4 +1,4 @@
-"""What a reader should know of a run that is all right: which limits of the gear it met, with the numbers."""
+"""Remarks on a run that is all right: which limits of the gear it met, with the numbers."""
 
 from collections.abc import Iterator
 
@@ -10,7 +10,7 @@ from rps_exudyn.scenes.scene_run import Signals
 
 
 def remarks(gear: SteeringGear, signals: Signals) -> Iterator[str]:
-    """Sentences without a full stop."""
+    """Yield remarks on a record, sentences without a full stop."""
     if signals:
         yield from _flank_lifted(signals)
         yield from _yoke_stopped(gear, signals)

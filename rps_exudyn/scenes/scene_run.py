@@ -1,4 +1,4 @@
-"""What a scene hands back, and how several maneuvers of the rig become one."""
+"""The run of a scene before it becomes a result, and how several maneuvers of the rig become one."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -22,21 +22,22 @@ class SceneRun:
 
     @property
     def ok(self) -> bool:
+        """Whether it ended well."""
         return self.outcome.status is Status.OK
 
     def noting(self, *remarks: str) -> "SceneRun":
-        """With remarks for the reader of a run that is all right; a failed one keeps its cause."""
-        told = "; ".join(remark for remark in remarks if remark)
-        return replace(self, outcome=replace(self.outcome, message=told)) if self.ok and told else self
+        """Return a run that is all right with remarks for its reader; a failed one keeps its cause."""
+        text = "; ".join(remark for remark in remarks if remark)
+        return replace(self, outcome=replace(self.outcome, message=text)) if self.ok and text else self
 
     def described(self, figures: Callable[[Signals], dict[str, float]]) -> "SceneRun":
-        """With the summary that `figures` reads from the signals, if there are any; of a failed run without
-        those that only a whole one has."""
+        """Return the run with the summary that `figures` reads from its signals, if there are any."""
         return replace(self, summary=figures(self.signals)) if self.signals else self
 
 
 def joined(runs: Sequence[SceneRun]) -> SceneRun:
-    """Maneuvers one after the other as one record, without a pause: time and works go on where they stood.
+    """Join maneuvers one after the other to one record, without a pause: time and works go on where they
+    stood.
 
     The outcome is that of the first maneuver that failed; maneuvers after it should not have been made.
     """

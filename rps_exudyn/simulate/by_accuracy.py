@@ -7,7 +7,7 @@
 
 The error is that of the scene's torque or force, RMS over the motion in % of its mean, whether one joins the
 computed angles by straight lines or smoothly. What a setting promises is its worst error on many random
-gears, with a margin, and what the reference itself leaves open. docs/accuracy.md tells how it was found.
+gears, with a margin, and what the reference itself leaves open. docs/accuracy.md says how it was found.
 """
 
 import json
@@ -43,14 +43,14 @@ class Setting:
     median: float  # error on the gears it was tried on [%]
     cost: float  # CPU seconds of the solver per revolution where all teeth are alike, median of gears
     cost_of_turn: float  # the same where errors single out a tooth, so that no pitch stands for another
-    failed: float  # share of these gears on which it gave no result
+    failed: float  # fraction of these gears on which it gave no result
 
     def cost_for(self, gear: SteeringGear) -> float:
-        """CPU seconds of the solver per revolution of this gear, about."""
+        """Return about how many CPU seconds of the solver a revolution of this gear costs."""
         return self.cost if whole_periods(gear, 2 * np.pi) == gear.pinion.teeth else self.cost_of_turn
 
     def for_gear(self, gear: SteeringGear) -> Fidelity:
-        """With the step that has so many angles on this gear's tooth pitch."""
+        """Return the fidelity, with the step that has the setting's angles on this gear's tooth pitch."""
         settings = dict(self.settings)
         if self.angles_per_pitch is not None:
             settings = {"step_angle": 2 * np.pi / gear.pinion.teeth / self.angles_per_pitch, **settings}
@@ -59,7 +59,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class SceneTable:
-    """What is known about one scene."""
+    """Settings measured on one scene."""
 
     scene: str
     floor: float  # below it the references' methods disagree [%]
@@ -69,7 +69,7 @@ class SceneTable:
 
 @dataclass(frozen=True)
 class Choice:
-    """What was chosen, and why."""
+    """Setting chosen, its fidelity, and why."""
 
     fidelity: Fidelity
     setting: Setting
@@ -77,7 +77,7 @@ class Choice:
 
 
 def choose(scene: str, gear: SteeringGear, wanted: float, preset: str | None = None) -> Choice:
-    """The cheapest setting that promises `wanted` [%], of all or of one preset.
+    """Return the cheapest setting that promises `wanted` [%], of all or of one preset.
 
     Raises:
         InputError: the accuracy is below the floor, no setting promises it, or nothing is known of the scene.
@@ -92,8 +92,8 @@ def choose(scene: str, gear: SteeringGear, wanted: float, preset: str | None = N
         )
     known = [each for each in table.settings if preset in (None, each.preset)]
     if not known:
-        there = ", ".join(sorted({each.preset for each in table.settings}))
-        raise InputError(f"--fidelity is {preset}; for {scene} accuracies are known of {there}.")
+        measured = ", ".join(sorted({each.preset for each in table.settings}))
+        raise InputError(f"--fidelity is {preset}; for {scene} accuracies are known of {measured}.")
     enough = [each for each in known if each.promised <= wanted]
     if not enough:
         best = min(each.promised for each in known)
@@ -108,7 +108,7 @@ def choose(scene: str, gear: SteeringGear, wanted: float, preset: str | None = N
 
 
 def beyond_promise(gear: SteeringGear, signals: Mapping[str, np.ndarray] | None = None) -> str:
-    """Why the table promises nothing for this gear, or for what its run has shown; empty if it does."""
+    """Tell why the table promises nothing for this gear, or for what its run has shown; empty if it does."""
     if GearPair.of(gear).slowest_sliding < LEAST_SLIDING:
         return (
             "; NOT promised for this gear, whose teeth hardly slide at the pitch point: friction jumps there"
@@ -128,14 +128,14 @@ def _why(taken: Setting, table: SceneTable, wanted: float, enough: int, cost: fl
     knobs += [f"{name} {value:g}" for name, value in taken.settings.items()]
     per = scene_named(table.scene).unit_of_cost
     return (
-        f"{taken.preset}, {', '.join(knobs) or 'as it is'}: the cheapest of {enough} settings that keep "
+        f"{taken.preset}, {', '.join(knobs) or 'unmodified'}: the cheapest of {enough} settings that keep "
         f"{wanted:g} %; it promises {taken.promised:.2g} % (half of {table.gears} random gears stay below "
         f"{taken.median:.2g} %) at about {1e3 * cost:.2g} ms of CPU time per {per}"
     )
 
 
 def percent(text: str) -> float:
-    """The number in "1%" or "0.1 %".
+    """Return the number in "1%" or "0.1 %".
 
     Raises:
         InputError: anything else, or not above zero.
@@ -153,7 +153,7 @@ def percent(text: str) -> float:
 
 
 def scene_table(scene: str) -> SceneTable:
-    """The published table of a scene.
+    """Return the published table of a scene.
 
     Raises:
         InputError: there is none.
@@ -164,8 +164,9 @@ def scene_table(scene: str) -> SceneTable:
             f"--accuracy knows {', '.join(scenes)}; for {scene} too few random gears have a reference, "
             "so that nothing can be promised."
         )
-    told = scenes[scene]
-    return SceneTable(scene, told["floor"], told["gears"], tuple(Setting(**row) for row in told["settings"]))
+    table = scenes[scene]
+    settings = tuple(Setting(**row) for row in table["settings"])
+    return SceneTable(scene, table["floor"], table["gears"], settings)
 
 
 @cache

@@ -16,7 +16,7 @@ from rps_exudyn.simulate.run import simulate
 
 
 def compiled_kernels() -> int:
-    """How many files the cache of compiled kernels holds."""
+    """Count the files in the cache of compiled kernels."""
     return sum(len(files) for _, _, files in os.walk(numba.config.CACHE_DIR))
 
 
@@ -37,13 +37,14 @@ class CaseRunner:
         return compiled_kernels() != self._kernels
 
     def warm_up(self, task: dict[str, Any], turns: float) -> None:
-        """The task's scene over a few degrees of the default gear, for nothing: loads all that cases need."""
+        """Run the task's scene over a few degrees of the default gear and discard it: loads what cases
+        need."""
         gear = SteeringGear().replace({"test.turns": turns})
         result = _outcome(task | {"gear": gear.model_dump()})
         self._forms.content(kept(result, _keep(task)))
 
     def run(self, task: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
-        """The case's row for the index, and its file."""
+        """Return the case's row for the index, and the bytes of its file."""
         result = kept(_outcome(task), _keep(task))
         row = {
             "status": result.status.value,

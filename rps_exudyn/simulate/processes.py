@@ -52,11 +52,11 @@ class Done:
 
 
 class StorageError(InputError):
-    """A result could not be written: there is no use in going on."""
+    """Raised where a result could not be written, so that there is no use in going on."""
 
 
 class StartError(RuntimeError):
-    """Processes end before they have done anything."""
+    """Raised where processes end before they have done anything."""
 
 
 @dataclass(eq=False)
@@ -69,13 +69,15 @@ class _Worker:
     since: float = field(default_factory=monotonic)  # the clock of its start, or of its first task
 
     def give(self, tasks: list[Task]) -> None:
+        """Hand over cases."""
         if not self.tasks:
             self.since = monotonic()
         self.tasks.extend(tasks)
-        with contextlib.suppress(OSError):  # it has just died, which its reader tells
+        with contextlib.suppress(OSError):  # it has just died, which its reader reports
             self._write("".join(json.dumps(task) + "\n" for task in tasks))
 
     def warm_up(self, task: Task) -> None:
+        """Hand over a case that is run at a small size and discarded."""
         with contextlib.suppress(OSError):
             self._write(json.dumps(task) + "\n")
 
@@ -256,8 +258,8 @@ class Processes:
     def _count_failed_start(self, how: str) -> None:
         self._failed_starts += 1
         if self._failed_starts > 2 * self._jobs + 2:
-            told = f"; {self._messages} holds what they said" if self._messages else ""
-            raise StartError(f"Processes end before they have done anything ({how}){told}.")
+            where = f"; {self._messages} holds what they said" if self._messages else ""
+            raise StartError(f"Processes end before they have done anything ({how}){where}.")
 
 
 class _Waiting:
@@ -267,7 +269,7 @@ class _Waiting:
         self._tasks, self._again = tasks, again
 
     def peek(self) -> Task | None:
-        """The next task, left where it is."""
+        """Return the next task, left where it is."""
         if not self._again and (task := next(self._tasks, None)) is not None:
             self._again.append(task)
         return self._again[0] if self._again else None
@@ -276,7 +278,7 @@ class _Waiting:
         return self.peek() is not None
 
     def take(self, count: int) -> list[Task]:
-        """Up to so many."""
+        """Take up to `count` tasks."""
         taken: list[Task] = []
         while len(taken) < count and self.peek() is not None:
             taken.append(self._again.popleft())

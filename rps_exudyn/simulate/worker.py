@@ -67,7 +67,7 @@ def _store(path: str | None, content: bytes) -> dict[str, Any]:
 
 
 def _private_output() -> Callable[[dict[str, Any]], None]:
-    """The channel for answers; what libraries print goes to standard error instead."""
+    """Return the channel for answers; what libraries print goes to standard error instead."""
     channel = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
 
@@ -79,7 +79,7 @@ def _private_output() -> Callable[[dict[str, Any]], None]:
 
 
 def _read(lines: "queue.SimpleQueue[str]") -> None:
-    """In a thread of its own, so that the end of the input is seen during a simulation too."""
+    """Read lines in a thread of its own, so that the end of the input is seen during a simulation too."""
     for line in sys.stdin:
         lines.put(line)
     os._exit(0)

@@ -8,7 +8,7 @@ costs mu N |v_s|, with the sliding speed over the pinion speed as the friction's
     T_0 = mu P / sin(alpha_n) * mean lever + s' (D_bush + kappa mu_p P) + T_bearing
 `closed_form`         the rack's balance along X and Y with the mean forces of both flanks, friction included,
                       and the torque from the power they take; the means weighted as the contact law
-                      shares the load along a line (derived here).
+                      distributes the load along a line (derived here).
 
 The plunger's seat multiplies its friction by kappa (`seat_wedge_factor`). The rack is taken as guided: what
 friction across the rack does to its guides is left out, as is the installation's offset.
@@ -69,12 +69,12 @@ class ClosedForm:
         return self.forward.torque
 
     def towards(self, direction: int) -> MeanState:
-        """Free of load, towards +X or -X."""
+        """Return the state free of load, towards +X or -X."""
         return self.forward if direction > 0 else self.backward
 
 
 def closed_form(gear: SteeringGear) -> ClosedForm:
-    """The gear without load, its loss shares, its limits."""
+    """Return the gear without load: torques, losses, limits."""
     pair = GearPair.of(gear)
     forward, backward = mean_state(gear, +1, 0.0), mean_state(gear, -1, 0.0)
     lever = mean_lever(pair)
@@ -93,7 +93,8 @@ def closed_form(gear: SteeringGear) -> ClosedForm:
 
 
 def load_test(gear: SteeringGear, mass: float | None = None) -> LoadTest:
-    """The load test with `mass` [kg], default `test.load_mass`; beyond `unloading_force` one flank lifts."""
+    """Return the load test with `mass` [kg], default `test.load_mass`; beyond `unloading_force` one flank
+    lifts."""
     load = GRAVITY * (gear.test.load_mass if mass is None else mass)
     return LoadTest(
         load=load,
@@ -105,7 +106,7 @@ def load_test(gear: SteeringGear, mass: float | None = None) -> LoadTest:
 
 
 def beyond_formulas(gear: SteeringGear) -> str:
-    """Why the formulas do not hold for this gear, in words; empty where they do."""
+    """Tell why the formulas do not hold for this gear, in words; empty where they do."""
     pinion, lift = gear.pinion, gear.pinion.runout
     if lift >= gear.yoke.clearance:
         return (
@@ -127,7 +128,7 @@ def beyond_formulas(gear: SteeringGear) -> str:
 
 # --- parts ---------------------------------------------------------------------------------------
 def mean_lever(pair: GearPair) -> float:
-    """Mean friction lever over the line of contact, in closed form [m].
+    """Return the mean friction lever over the path of contact, in closed form [m].
 
     l^2 = (q + b)^2 + a^2 with b = l_s sin(alpha_t) sin(beta_p), a^2 = l_s^2 - b^2; a = 0 for parallel axes.
     """
@@ -150,20 +151,20 @@ def first_order_torque(gear: SteeringGear) -> float:
 
 
 def torque_per_preload(gear: SteeringGear) -> float:
-    """dT_0 / dP = mu mean lever / sin(alpha_n) + kappa mu_p s' [m]."""
+    """Return dT_0 / dP = mu mean lever / sin(alpha_n) + kappa mu_p s' [m]."""
     yoke = gear.yoke
     at_seat = seat_wedge_factor(yoke.seat_angle) * yoke.friction * GearPair.of(gear).gain
     return float(mesh_torque_per_force(gear) + at_seat)
 
 
 def mesh_torque_per_force(gear: SteeringGear) -> float:
-    """The teeth's share: mu mean lever / sin(alpha_n) [m]."""
+    """Return the teeth's part of it, mu mean lever / sin(alpha_n) [m]."""
     pair = GearPair.of(gear)
     return float(gear.mesh.friction * mean_lever(pair) / np.sin(pair.alpha_n))
 
 
 def runout_harmonics(gear: SteeringGear) -> tuple[float, float]:
-    """Once-per-revolution amplitudes of cos and sin of phi + runout_angle [N m], first order in e.
+    """Return the once-per-revolution amplitudes of cos and sin of phi + runout_angle [N m], first order in e.
 
     The eccentric gear lifts the rack by e cos(phi), against the yoke's spring k and what holds the rack
     straight (`tilting_stiffness` k_t, which loads the teeth alone), and shifts it by
@@ -179,8 +180,8 @@ def runout_harmonics(gear: SteeringGear) -> tuple[float, float]:
 
 
 def tilting_stiffness(gear: SteeringGear) -> float:
-    """Force along Y at the mesh over the rack's lift there, of bush and seat, which hold the rack straight;
-    [N/m]."""
+    """Return force along Y at the mesh over the rack's lift there [N/m], of bush and seat, which hold it
+    straight."""
     bush = bush_chain(gear)
     to_fit = housing_station(gear, bush.end_station)
     k = lateral_stiffness(bush)[np.ix_([0, 3], [0, 3])]  # along y, about z
@@ -191,7 +192,8 @@ def tilting_stiffness(gear: SteeringGear) -> float:
 
 
 def unloading_force(gear: SteeringGear, direction: int = +1) -> float:
-    """Load on the rack at which the coast flanks carry nothing any more [N], raised (+1) or lowered (-1).
+    """Return the load on the rack at which the coast flanks carry nothing any more [N], raised (+1) or
+    lowered (-1).
 
     Without friction P cot(alpha_n) cos(beta_r) -+ D.
     """
@@ -202,9 +204,10 @@ def unloading_force(gear: SteeringGear, direction: int = +1) -> float:
 
 # --- balance of the rack -------------------------------------------------------------------------
 def mean_state(gear: SteeringGear, direction: int, load: float) -> MeanState:
-    """Mean forces while the rack moves along `direction` (+1 or -1) X, the load pulling towards -X [N].
+    """Return the mean forces while the rack moves along `direction` (+1 or -1) X, the load pulling towards -X
+    [N].
 
-    Where the balance would need a flank to pull, that flank has lifted; the yoke then gives way until
+    Where the balance would need a flank to pull, that flank has lifted; the yoke then yields until
     the other flank alone carries the load.
     """
     pair, yoke = GearPair.of(gear), gear.yoke
@@ -236,7 +239,8 @@ def mean_state(gear: SteeringGear, direction: int, load: float) -> MeanState:
 
 
 def pushing_force(gear: SteeringGear, direction: int, load: float = 0.0) -> float:
-    """Force on the rack along X that moves it along `direction` with the pinion following freely [N].
+    """Return the force on the rack along X that moves it along `direction` with the pinion following freely
+    [N].
 
     The gear is driven back: no torque acts on the pinion but that of its bearings. `load` pulls towards -X.
     """
@@ -251,7 +255,7 @@ def pushing_force(gear: SteeringGear, direction: int, load: float = 0.0) -> floa
 
 @dataclass(frozen=True)
 class _MeanForce:
-    """Of one side's teeth on the rack, per unit of normal force."""
+    """Mean force of one side's teeth on the rack, per unit of normal force."""
 
     force: np.ndarray  # n + mu v_s / |v_s|, shape (3,)
     moment: float  # the pinion's torque towards +X that it takes [m]
@@ -259,7 +263,7 @@ class _MeanForce:
 
 
 def _mean_force(gear: SteeringGear, side: int, direction: int) -> _MeanForce:
-    """Mean over the field of contact, weighted by the law: load per length ~ sqrt(rho) or constant."""
+    """Mean over the active path of contact, weighted by the law: load per length ~ sqrt(rho) or constant."""
     pair, mu = GearPair.of(gear), gear.mesh.friction
     q, weight = _field_rule(pair, side)
     if gear.mesh.law == "area":
@@ -281,13 +285,13 @@ def _mean_force(gear: SteeringGear, side: int, direction: int) -> _MeanForce:
 
 
 def _transverse(pair: GearPair, side: int) -> np.ndarray:
-    """Direction of the line of contact in the pinion's transverse section, upwards, shape (3,)."""
+    """Direction of the path of contact in the pinion's transverse section, upwards, shape (3,)."""
     e, _, _ = pair.pinion_frame.T
     return -side * np.cos(pair.alpha_t) * e + np.sin(pair.alpha_t) * Y
 
 
 def _field_rule(pair: GearPair, side: int, n: int = 24) -> tuple[np.ndarray, np.ndarray]:
-    """Points q on the line of contact, and weights by the length of the face that the bar leaves there [m].
+    """Points q on the path of contact, and weights by the length of the face that the bar leaves there [m].
 
     Gauss-Legendre on both sides of the pitch point, where sliding may turn about.
     """

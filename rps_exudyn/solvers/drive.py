@@ -16,7 +16,7 @@ DrivenBody = Literal["pinion", "rack"]
 
 
 def travel_per_radian(body: DrivenBody, gain: float) -> float:
-    """Of a body for one radian of the pinion [rad or m]; `gain` is the rack's [m]."""
+    """Return a body's travel for one radian of the pinion [rad or m]; `gain` is the rack's [m]."""
     return 1.0 if body == "pinion" else gain
 
 
@@ -28,15 +28,15 @@ class Drive(ABC):
 
     @abstractmethod
     def place(self, time: np.ndarray | float) -> np.ndarray:
-        """At given times [s], of their shape."""
+        """Return the place at given times [s], of their shape."""
 
     @abstractmethod
     def rate(self, time: np.ndarray | float) -> np.ndarray:
-        """Its time derivative."""
+        """Return the place's time derivative at given times [s], of their shape."""
 
     @property
     def coordinate(self) -> int:
-        """Which coordinate of the stack is driven."""
+        """Number of the driven coordinate, counted over the coordinate blocks."""
         return COORDINATE_BLOCKS[self.body].start
 
     @property
@@ -50,11 +50,11 @@ class Drive(ABC):
         return "pinion_torque" if self.body == "pinion" else "rack_force"
 
     def pinion_angle(self, gain: float, time: float) -> float:
-        """The pinion's angle [rad], up to elasticity."""
+        """Return the pinion's angle [rad], up to elasticity; `gain` is the rack's [m], `time` in seconds."""
         return float(self.place(time)) / travel_per_radian(self.body, gain)
 
     def pinion_speed(self, gain: float, time: float) -> float:
-        """Its time derivative [rad/s]."""
+        """Return the pinion's speed [rad/s], likewise."""
         return float(self.rate(time)) / travel_per_radian(self.body, gain)
 
 
@@ -82,7 +82,7 @@ class Swing(Drive):
 
     @property
     def period(self) -> float:
-        """[s]"""
+        """Duration of a full cycle [s]."""
         return 2 * np.pi * self.amplitude / abs(self.speed)
 
     def place(self, time: np.ndarray | float) -> np.ndarray:

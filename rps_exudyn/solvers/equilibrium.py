@@ -32,7 +32,7 @@ JUMP = 0.5  # of the contact's forces where its quadrature changes [N]: an equil
 
 
 class Balance(NamedTuple):
-    """What is to be balanced."""
+    """Forces to be balanced."""
 
     force: Callable[..., Any]  # (q, v, data) -> (8,), a kernel of `gear_kernel`
     data: Any
@@ -78,7 +78,7 @@ class EquilibriumPath:
 
 
 def steady_rates(pair: GearPair, speed: float) -> np.ndarray:
-    """Rates of steady turning at pinion speed [rad/s], shape (8,)."""
+    """Return the rates of steady turning at pinion speed [rad/s], shape (8,)."""
     rates = np.zeros(SIZE)
     rates[COORDINATE_BLOCKS["pinion"]] = -speed
     rates[COORDINATE_BLOCKS["rack"].start] = pair.gain * speed
@@ -86,7 +86,7 @@ def steady_rates(pair: GearPair, speed: float) -> np.ndarray:
 
 
 def starting_guess(pair: GearPair, angle: float) -> np.ndarray:
-    """Stacked coordinates near the equilibrium at pinion angle `angle` [rad]: the rack follows the runout,
+    """Return coordinates near the equilibrium at pinion angle `angle` [rad]: the rack follows the runout,
     pressed a little into the mesh."""
     phase = angle + pair.runout_angle
     lift = pair.axis_offset + pair.runout * np.cos(phase)
@@ -99,7 +99,7 @@ def starting_guess(pair: GearPair, angle: float) -> np.ndarray:
 
 
 def equilibrium_path(balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray) -> EquilibriumPath:
-    """Equilibria at rising times [s] of a drive's motion."""
+    """Follow the equilibria at rising times [s] of a drive's motion."""
     time = np.asarray(time, dtype=float)
     driven = drive.coordinate
     fixed = {driven, *balance.locked}
@@ -152,10 +152,11 @@ def equilibrium_path(balance: Balance, pair: GearPair, drive: Drive, time: np.nd
 def settled_path(
     balance: Balance, pair: GearPair, drive: Drive, settling: Sequence[np.ndarray], time: np.ndarray
 ) -> EquilibriumPath:
-    """As `equilibrium_path`, and before it the equilibria that lead there at the first of the instants
-    `settling` after which the rack does not roll any more, or at the last of them.
+    """Follow the equilibria from a settled start.
 
-    If none lead there, the gear starts where it rests at once, which may be far from where it will slide.
+    Equilibria at the first of the instants `settling` after which the rack does not roll any more, or at the
+    last of them, lead to the start. If none lead there, the gear starts where it rests without them, which
+    may be far from where it will slide.
     """
     led = None
     for before in settling:
@@ -168,7 +169,7 @@ def settled_path(
 
 
 def _rolling(path: EquilibriumPath, instants: int) -> float:
-    """How far the bar rolls to and fro over the later half of the first instants, over its travel."""
+    """Roll of the bar's surface to and fro over the later half of the first instants, over its travel."""
     travel, roll = (
         path.coordinates[instants // 2 : instants, COORDINATE_BLOCKS["rack"]][:, i] for i in (0, 3)
     )
@@ -176,7 +177,7 @@ def _rolling(path: EquilibriumPath, instants: int) -> float:
 
 
 def _settled_guess(balance: Balance, free: np.ndarray, guess: np.ndarray, rates: np.ndarray) -> np.ndarray:
-    """Where the guess was too far off: let the gear settle there first; the free coordinates."""
+    """Free coordinates of a gear that settled from a guess too far off."""
     q, v = guess.copy(), rates.copy()
 
     def unbalanced(place: np.ndarray) -> np.ndarray:
@@ -195,9 +196,10 @@ def _search(
     rates: np.ndarray,
     forces: np.ndarray,
 ) -> float:
-    """Where Newton's method got stuck between kinks of the forces: least squares within a trust region.
+    """Search by least squares within a trust region where Newton's method got stuck between kinks of the
+    forces.
 
-    Fills row k and returns what remains unbalanced [N].
+    Fills row k and returns the residual [N].
     """
     q, v, base, levers = (
         coordinates[k].copy(),
@@ -245,7 +247,7 @@ def adaptive_path(
     time: np.ndarray,
     tolerance: float,
 ) -> EquilibriumPath:
-    """As `settled_path`, with instants put between those of `time` where the drive's force bends.
+    """Follow as `settled_path`, with instants put between those of `time` where the drive's force bends.
 
     An instant is missed by as much as the force differs from the cubic through its four neighbours; the
     intervals beside one that is missed by more than `tolerance` [N m or N] are halved, until none is.
@@ -285,7 +287,8 @@ def _missed(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def static_approach(load: float, mesh_force: Callable[..., Any], data: Any, offset: float) -> float:
-    """How far a load [N] along -Y presses the guided rack into a frictionless mesh, at pinion angle 0 [m].
+    """Return how far a load [N] along -Y presses the guided rack into a frictionless mesh at pinion angle 0
+    [m].
 
     The rack keeps its direction; it finds its place along X between the flanks by itself. `offset` [m] is
     where it would stand without load.
@@ -313,7 +316,7 @@ def static_approach(load: float, mesh_force: Callable[..., Any], data: Any, offs
 def settled(
     force: Callable[[np.ndarray], np.ndarray], start: np.ndarray, levers: np.ndarray
 ) -> tuple[np.ndarray, float]:
-    """Let the coordinates creep to where the force vanishes; the place, and what remains unbalanced [N].
+    """Let the coordinates creep to where the force vanishes; return the place and the residual [N].
 
     Pseudo-transient continuation: implicit Euler steps of levers^2 dq/dt = force, which cannot overshoot far,
     longer the smaller the force has become until they are Newton's. `levers` turn rotations into lengths [m].

@@ -52,7 +52,7 @@ class GearForces:
 
     @property
     def elements(self) -> list[ForceElement]:
-        """The whole gear."""
+        """Force elements that the gear has, in the order of their parts."""
         parts = (self.mesh, self.seat, self.spring, self.nut, self.bearing, self.fit, self.load, self.weight)
         return [part for part in parts if part is not None]
 
@@ -115,13 +115,13 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
 
 
 def rack_weight(gear: SteeringGear) -> ForceElement:
-    """The rack's weight at its mass centre."""
+    """Return the rack's weight, which acts at its mass centre."""
     bar = rack_solid(gear).mass_properties
     return external_load.weight(bar.mass, gear.installation.gravity, float(bar.centre_of_mass[0]))
 
 
 def mesh_element(gear: SteeringGear, fidelity: Fidelity, zone: float) -> ForceElement:
-    """The contact of the teeth; for general contact its compiled samples."""
+    """Return the contact of the teeth as the fidelity models it; of general contact its compiled samples."""
     if fidelity.mesh == "flank":
         along, across = fidelity.strip_stations, fidelity.strip_points
         return flank_element(gear, friction_zone=zone, along=along, across=across)
@@ -137,7 +137,7 @@ def mesh_element(gear: SteeringGear, fidelity: Fidelity, zone: float) -> ForceEl
 
 
 def ideal_mesh(gear: SteeringGear, fidelity: Fidelity, zone: float) -> tuple[Kernel, Any]:
-    """Kernel and data of the mesh without friction and runout."""
+    """Return kernel and data of the mesh without friction and runout."""
     ideal = gear.replace({"pinion.runout": 0.0, "mesh.friction": 0.0})
     element = mesh_element(ideal, fidelity, zone)
     return element.kernel, element.data

@@ -23,7 +23,8 @@ SLOW = 0.9  # a step that leaves more of the largest_residual than this asks for
 
 @kernel
 def backward_difference(time, y, k, base):  # type: ignore[no-untyped-def]
-    """y'(t_k) = factor (y_k - base) of the parabola through the last three points; fills base."""
+    """Return the factor in y'(t_k) = factor (y_k - base) of the parabola through the last three
+    points, and fill base."""
     h, g = time[k] - time[k - 1], time[k - 1] - time[k - 2]
     factor = (2 * h + g) / (h * (h + g))
     for i in range(base.size):
@@ -33,7 +34,7 @@ def backward_difference(time, y, k, base):  # type: ignore[no-untyped-def]
 
 @kernel
 def largest_residual(forces, free, levers):  # type: ignore[no-untyped-def]
-    """Largest unbalanced force [N]; moments over the lever."""
+    """Return the largest unbalanced force [N]; moments count over their lever."""
     largest = 0.0
     for i in free:
         size = abs(forces[i]) / levers[i]
@@ -58,7 +59,7 @@ def newton_move(inverse, forces, free, levers, move):  # type: ignore[no-untyped
 
 @kernel
 def explain_step(inverse, move, free, before, after):  # type: ignore[no-untyped-def]
-    """Broyden's update: the inverse tangent that maps the change of the forces onto the step made."""
+    """Apply Broyden's update: the inverse tangent that maps the change of the forces onto the step made."""
     n, size = free.size, 0.0
     mapped, row = np.zeros(n), np.zeros(n)
     for i in range(n):
@@ -74,11 +75,11 @@ def explain_step(inverse, move, free, before, after):  # type: ignore[no-untyped
 
 
 @kernel
-def shifted(q, move, share, free, trial):  # type: ignore[no-untyped-def]
-    """Fill the coordinates a share of the step away."""
+def shifted(q, move, fraction, free, trial):  # type: ignore[no-untyped-def]
+    """Fill the coordinates a fraction of the step away."""
     trial[:] = q
     for i in range(free.size):
-        trial[free[i]] += share * move[i]
+        trial[free[i]] += fraction * move[i]
 
 
 @kernel
@@ -91,7 +92,8 @@ def rates_from(q, base, per_time, free, v):  # type: ignore[no-untyped-def]
 
 @cache
 def follower(force: Callable[..., Any]) -> Callable[..., Any]:
-    """follow(first, time, driven, free, levers, coordinates, rates, forces, data) for one law of forces.
+    """Compile follow(first, time, driven, free, levers, coordinates, rates, forces, data) for one law of
+    forces.
 
     Fills `coordinates`, `rates` and `forces`, all (n, size), from row `first` on: from the rows before it, or
     from the guess in row 0; the driven coordinate's columns are given. Returns how many rows are found,

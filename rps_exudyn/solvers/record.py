@@ -1,4 +1,4 @@
-"""A recorded motion, of whatever solver, and what it tells: signals, work, checks.
+"""A recorded motion, of whatever solver, and its signals: places, forces, works, energy.
 
 From coordinates and rates the force elements (see `parts.force_element`) give normal forces, stored energy
 and what each contact dissipates, independently of the sums that the solver used: a balance that closes is
@@ -55,7 +55,7 @@ class Record:
     settled: bool = False  # whether a tooth pitch was turned before
 
     def since(self, time: float) -> "Record":
-        """The part that covers what comes after a time [s]: it begins with the last step until then.
+        """Return what comes after a time [s]: the part that begins with the last step until then.
 
         A solver that had to reduce its step does not meet given times any more.
         """
@@ -64,11 +64,11 @@ class Record:
         return replace(self, **{n: rows[kept] for n, rows in values.items() if isinstance(rows, np.ndarray)})
 
     def of(self, body: str) -> np.ndarray:
-        """Coordinates of one body, (n, .)."""
+        """Return the coordinates of one body, shape (n, .)."""
         return self.coordinates[:, COORDINATE_BLOCKS[body]]
 
     def outputs(self, element: ForceElement) -> np.ndarray:
-        """An element's output at every step: forces, energy_terms, own values."""
+        """Return an element's output at every step: forces, energy terms, own values; shape (n, .)."""
         columns = stacked(element.bodies)
         q, v = (np.ascontiguousarray(rows[:, columns]) for rows in (self.coordinates, self.rates))
         return np.asarray(along(element.kernel)(q, v, element.data))
@@ -125,7 +125,7 @@ def signals_of(record: Record) -> dict[str, np.ndarray]:
 
 
 def _over_edges(record: Record, mesh: ForceElement, out: np.ndarray) -> np.ndarray:
-    """Work that loaded material takes along where it passes the edges of the rack [J].
+    """Work [J] that loaded material takes along where it passes the edges of the rack.
 
     What the teeth's forces take from the bodies, and neither store, rub off nor damp: the contact laws press
     along the normal only, so that material which enters or leaves loaded does so without a force.
@@ -138,7 +138,7 @@ def _over_edges(record: Record, mesh: ForceElement, out: np.ndarray) -> np.ndarr
 
 
 def axis_at_pitch_point(rack: np.ndarray) -> np.ndarray:
-    """Y and Z of the bar's axis where it passes above the pitch point, from coordinates (n, 6); (n, 2) [m].
+    """Return Y and Z of the bar's axis above the pitch point, shape (n, 2) [m], from coordinates (n, 6).
 
     The reference point travels with the rack, and with it along a tilted axis.
     """
@@ -150,7 +150,7 @@ def axis_at_pitch_point(rack: np.ndarray) -> np.ndarray:
 
 
 def repeated(signals: dict[str, np.ndarray], times: int) -> dict[str, np.ndarray]:
-    """Signals of one period, its first instant again at its end, continued over several."""
+    """Return the signals of one period, whose first instant stands again at its end, over several periods."""
     grows = {"time", "pinion_angle", "rack_displacement"}
     whole = {}
     for name, values in signals.items():
@@ -161,7 +161,8 @@ def repeated(signals: dict[str, np.ndarray], times: int) -> dict[str, np.ndarray
 
 
 def contact_disagreement(record: Record) -> float:
-    """Largest difference of the solver's own contact forces from the elements', over the largest, or 0."""
+    """Return the largest difference of the solver's own contact forces from the elements', over the largest,
+    or 0."""
     if record.contact is None:
         return 0.0
     mesh = next(element for element in record.elements if element.name == "mesh")
