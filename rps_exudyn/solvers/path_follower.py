@@ -12,13 +12,15 @@ import numpy as np
 
 from rps_exudyn.base.compiled import kernel, kernel_over
 
+Kernel = Callable[..., Any]
+
 TOLERANCE = 1e-3  # largest unbalanced force accepted [N], moments over 10 mm: 1e-5 of the torque
 MAX_ITERATIONS = 60
 FARTHEST_MOVE = 1e-4  # of one iteration [m]: the contact stays the same contact
 SLOW = 0.9  # a step that leaves more of the largest_residual than this asks for a new tangent
 
 # Loops in place of array expressions: numba compiles those much slower, with all their broadcasting.
-# `free` are the numbers of the coordinates to be found, `levers` turn all coordinates into lengths [m].
+# `free` are the numbers of the coordinates to be found, `lengths` turn all coordinates into lengths [m].
 
 
 @kernel
@@ -33,25 +35,25 @@ def backward_difference(time, y, k, base):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def largest_residual(forces, free, levers):  # type: ignore[no-untyped-def]
-    """Return the largest unbalanced force [N]; moments count over their lever."""
+def largest_residual(forces, free, lengths):  # type: ignore[no-untyped-def]
+    """Return the largest unbalanced force [N]; moments count over their length."""
     largest = 0.0
     for i in free:
-        size = abs(forces[i]) / levers[i]
+        size = abs(forces[i]) / lengths[i]
         if not size <= largest:  # also a nan
             largest = size
     return largest
 
 
 @kernel
-def newton_move(inverse, forces, free, levers, move):  # type: ignore[no-untyped-def]
+def newton_move(inverse, forces, free, lengths, move):  # type: ignore[no-untyped-def]
     """Fill the step of the free coordinates, shortened to `FARTHEST_MOVE`."""
     largest = 0.0
     for i in range(free.size):
         move[i] = 0.0
         for j in range(free.size):
             move[i] -= inverse[i, j] * forces[free[j]]
-        largest = max(largest, abs(move[i]) * levers[free[i]])
+        largest = max(largest, abs(move[i]) * lengths[free[i]])
     if largest > FARTHEST_MOVE:
         for i in range(free.size):
             move[i] *= FARTHEST_MOVE / largest
@@ -90,22 +92,38 @@ def rates_from(q, base, per_time, free, v):  # type: ignore[no-untyped-def]
             v[i] = (q[i] - base[i]) * per_time
 
 
-@cache
-def follower(force: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile follow(first, time, driven, free, levers, coordinates, rates, forces, data) for one law of
-    forces.
+@kernel
+def predict(k, time, coordinates, rates, free, base, q):  # type: ignore[no-untyped-def]
+    """Extrapolate the free coordinates to instant k and fill base; return the factor of the rates, 0 if
+    given.
 
-    Fills `coordinates`, `rates` and `forces`, all (n, size), from row `first` on: from the rows before it, or
-    from the guess in row 0; the driven coordinate's columns are given. Returns how many rows are found,
-    evaluations of the forces, iterations, tangents, and the last largest_residual [N].
+    q holds the coordinates at the instant before.
     """
+    if k == 0:
+        return 0.0
+    if k == 1:
+        per_time = 1 / (time[1] - time[0])
+        base[:] = coordinates[0]
+        for i in free:
+            q[i] += rates[0, i] / per_time
+        return per_time
+    per_time = backward_difference(time, coordinates, k, base)
+    stretch = (time[k] - time[k - 1]) / (time[k - 1] - time[k - 2])
+    for i in free:
+        q[i] += stretch * (q[i] - coordinates[k - 2, i])
+    return per_time
 
-    def inverse_tangent(q, v, base, per_time, free, levers, data, r):  # type: ignore[no-untyped-def]
-        # one-sided differences: Broyden's updates refine what they miss
+
+@cache
+def inverse_tangent_of(force: Kernel) -> Kernel:
+    """Compile the inverse of the tangent of a law of forces, by one-sided differences: Broyden's updates
+    refine what they miss."""
+
+    def inverse_tangent(q, v, base, per_time, free, lengths, data, r):  # type: ignore[no-untyped-def]
         n, trial = free.size, q.copy()
         tangent = np.empty((n, n))
         for j in range(n):
-            step = 1e-9 if levers[free[j]] == 1.0 else 1e-8
+            step = 1e-9 if lengths[free[j]] == 1.0 else 1e-8
             trial[free[j]] = q[free[j]] + step
             rates_from(trial, base, per_time, free, v)
             moved = force(trial, v, data)
@@ -114,57 +132,76 @@ def follower(force: Callable[..., Any]) -> Callable[..., Any]:
             trial[free[j]] = q[free[j]]
         return np.linalg.inv(tangent)
 
-    inverse_tangent = kernel_over(inverse_tangent, force)
+    return kernel_over(inverse_tangent, force)
 
-    def follow(first, time, driven, free, levers, coordinates, rates, forces, data):  # type: ignore[no-untyped-def]
+
+@cache
+def line_search_of(force: Kernel) -> Kernel:
+    """Compile the search along a step for a place with a smaller residual.
+
+    Fills the trial place; returns the fraction of the step, forces and residual there, and evaluations. With
+    an old tangent (`fresh` false) only the whole step is tried.
+    """
+
+    def line_search(q, v, move, base, per_time, free, lengths, data, norm, fresh, trial):  # type: ignore[no-untyped-def]
+        fraction, evaluations = 1.0, 0
+        while True:
+            shifted(q, move, fraction, free, trial)
+            rates_from(trial, base, per_time, free, v)
+            r = force(trial, v, data)
+            evaluations += 1
+            residual = largest_residual(r, free, lengths)
+            enough = SLOW if fraction == 1.0 else 1 - 0.1 * fraction
+            if residual < enough * norm or fraction < 0.02 or not fresh:
+                return fraction, r, residual, evaluations
+            fraction *= 0.5
+
+    return kernel_over(line_search, force)
+
+
+@cache
+def follower(force: Kernel) -> Kernel:
+    """Compile follow(first, time, driven, free, lengths, coordinates, rates, forces, data) for a law of
+    forces.
+
+    Fills `coordinates`, `rates` and `forces`, all (n, size), from row `first` on: from the rows before it, or
+    from the guess in row 0; the driven coordinate's columns are given. Returns how many rows are found,
+    evaluations of the forces, iterations, tangents, and the last residual [N].
+    """
+    inverse_tangent, line_search = inverse_tangent_of(force), line_search_of(force)
+
+    def follow(first, time, driven, free, lengths, coordinates, rates, forces, data):  # type: ignore[no-untyped-def]
         evaluations, iterations, tangents, n = 0, 0, 0, free.size
         inverse, move = np.empty((n, n)), np.empty(n)
         q, v = coordinates[max(first - 1, 0)].copy(), rates[max(first - 1, 0)].copy()
         base, trial = coordinates[0].copy(), np.empty(q.size)
         norm = np.inf
         for k in range(first, time.size):
-            per_time = 0.0
-            if k == 1:
-                per_time = 1 / (time[1] - time[0])
-                base[:] = coordinates[0]
-                for i in free:
-                    q[i] += rates[0, i] / per_time
-            elif k > 1:
-                per_time = backward_difference(time, coordinates, k, base)
-                stretch = (time[k] - time[k - 1]) / (time[k - 1] - time[k - 2])
-                for i in free:
-                    q[i] += stretch * (q[i] - coordinates[k - 2, i])
+            per_time = predict(k, time, coordinates, rates, free, base, q)
             q[driven], v[driven] = coordinates[k, driven], rates[k, driven]
             rates_from(q, base, per_time, free, v)
             r = force(q, v, data)
             evaluations += 1
-            norm = largest_residual(r, free, levers)
+            norm = largest_residual(r, free, lengths)
             fresh = False
             for _ in range(MAX_ITERATIONS):
                 if norm <= TOLERANCE:
                     break
                 if tangents == 0:
-                    inverse = inverse_tangent(q, v, base, per_time, free, levers, data, r)
+                    inverse = inverse_tangent(q, v, base, per_time, free, lengths, data, r)
                     tangents, evaluations, fresh = tangents + 1, evaluations + n, True
                 iterations += 1
-                share = 1.0
-                newton_move(inverse, r, free, levers, move)
-                while True:
-                    shifted(q, move, share, free, trial)
-                    rates_from(trial, base, per_time, free, v)
-                    r_trial = force(trial, v, data)
-                    evaluations += 1
-                    norm_trial = largest_residual(r_trial, free, levers)
-                    enough = SLOW if share == 1.0 else 1 - 0.1 * share
-                    if norm_trial < enough * norm or share < 0.02 or not fresh:
-                        break
-                    share *= 0.5
+                newton_move(inverse, r, free, lengths, move)
+                fraction, r_trial, norm_trial, tried = line_search(
+                    q, v, move, base, per_time, free, lengths, data, norm, fresh, trial
+                )
+                evaluations += tried
                 if not fresh and not norm_trial < SLOW * norm:  # an old tangent: try again with a new one
-                    inverse = inverse_tangent(q, v, base, per_time, free, levers, data, r)
+                    inverse = inverse_tangent(q, v, base, per_time, free, lengths, data, r)
                     tangents, evaluations, fresh = tangents + 1, evaluations + n, True
                     continue
                 for i in range(n):
-                    move[i] *= share
+                    move[i] *= fraction
                 explain_step(inverse, move, free, r, r_trial)
                 fresh = False
                 q[:], r, norm = trial, r_trial, norm_trial
