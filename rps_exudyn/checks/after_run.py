@@ -131,8 +131,8 @@ def torque_resolved(signals: dict[str, np.ndarray]) -> Failure:
     force = signals["pinion_torque"] if "pinion_torque" in signals else signals["rack_force"]
     path = signals["pinion_angle"] if "pinion_torque" in signals else signals["rack_displacement"]
     even = (len(force) - 1) // 2 * 2 + 1
-    work = _work(force[:even], path[:even])
-    missed = abs(work - _work(force[:even:2], path[:even:2]))
+    work = float(np.trapezoid(force[:even], path[:even]))
+    missed = abs(work - float(np.trapezoid(force[:even:2], path[:even:2])))
     # between few of them anything may hide that is as large as their differences
     hidden = float(np.ptp(force) * np.ptp(path)) * next(
         (share for n, share in HIDDEN if len(force) <= n), 0.0
@@ -145,11 +145,6 @@ def torque_resolved(signals: dict[str, np.ndarray]) -> Failure:
             f"{missed / abs(work) if work else np.inf:.1%} of the mean may hide, allowed are "
             f"{RESOLVED_BOUND:.0%}; lower fidelity.step_angle",
         )
-
-
-def _work(force: np.ndarray, path: np.ndarray) -> float:
-    """By trapezoids."""
-    return float((force[1:] + force[:-1]) @ np.diff(path)) / 2
 
 
 def settled(signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:

@@ -12,77 +12,35 @@ Bodies and their joints, in the housing frame of `gears.gear_pair`:
     yokenut   locked to the housing
     bush      chain of rigid segments held by connector springs, or condensed into the sliding fit
 
-What acts between them are the force elements of `parts`, the same that `statics` balances. The rig's drive
+What acts between them are the force elements of `forces` and `mesh_contact`, the same that
+`solvers.equilibrium` balances. The rig's drive
 moves pinion or rack; the model starts in static equilibrium, so there is nothing to settle.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rps_exudyn.forces.bush import resting_segments
 from rps_exudyn.forces.external_load import Pulse
-from rps_exudyn.forces.force_element import COORDINATES
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears import solids
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.multibody.bodies import add_bodies
 from rps_exudyn.multibody.bush_chain import add_chain
 from rps_exudyn.multibody.force_object import add_element, add_forces
-from rps_exudyn.multibody.general_contact import GeneralContacts, add_general_contacts, add_tangent
+from rps_exudyn.multibody.general_contact import add_general_contacts, add_tangent
+from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import Drive, Steady
-from rps_exudyn.solvers.equilibrium import EquilibriumPath, settled_path
-from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
+from rps_exudyn.solvers.equilibrium import settled_path
+from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, stacked, tangent
 
 if TYPE_CHECKING:
-    import exudyn
-
-    from rps_exudyn.gears.polyhedron import Solid
-
-
-@dataclass
-class SteeringModel:
-    """An assembled Exudyn system and the numbers of its items."""
-
-    gear: SteeringGear
-    fidelity: Fidelity
-    forces: GearForces
-    drive: Drive
-    SC: Any
-    mbs: "exudyn.MainSystem"
-    start: EquilibriumPath  # its only row is where the model starts
-    contacts: GeneralContacts | None = None
-    nodes: dict[str, Any] = field(default_factory=dict)
-    bodies: dict[str, Any] = field(default_factory=dict)
-    sensors: dict[str, Any] = field(default_factory=dict)
-    segments: list[Any] = field(default_factory=list)  # nodes of the bush's segments
-    pulse: Pulse | None = None
-    constraint: Any = None  # that moves the driven body; its multiplier is the drive's torque or force
-
-    def coordinates(self, name: str) -> slice:
-        """Return where a body's coordinates stand in the system's vector; the system must be assembled."""
-        start = self.mbs.GetNodeODE2Index(self.nodes[name])
-        return slice(start, start + COORDINATES[name])
-
-    def columns(self, bodies: Sequence[str]) -> np.ndarray:
-        """Return the same for several bodies, one after the other."""
-        return np.concatenate([np.r_[self.coordinates(name)] for name in bodies])
-
-    def release(self) -> None:
-        """Free the system's memory: its items and the functions they call hold each other, out of reach of
-        Python's collector. The model cannot be used any more."""
-        self.mbs.sys.clear()
-        self.mbs.variables.clear()
-        self.SC.Reset()
-
-    def segment_columns(self) -> np.ndarray:
-        """Return the same for all segments of the bush, shape (N, 6)."""
-        starts = [self.mbs.GetNodeODE2Index(node) for node in self.segments]
-        return np.array(starts)[:, None] + np.arange(6)
+    pass
 
 
 def build_model(
@@ -113,7 +71,7 @@ def build_model(
     model = SteeringModel(gear, fidelity, forces, drive, SC, SC.AddSystem(), start, pulse=pulse)
     if not start.converged:
         return model
-    _add_bodies(model)
+    add_bodies(model)
     if "segment" in forces.fit.bodies:
         _add_bush_chain(model)
     if fidelity.mesh == "general-contact":
@@ -194,92 +152,6 @@ def _add_forces_together(model: SteeringModel) -> None:
     add_forces(model.mbs, nodes, kernel, data, len(stacked(bodies)), tangent(kernel))
 
 
-def _add_bodies(model: SteeringModel) -> None:
-    """Pinion, rack, plunger and yokenut, with mass properties from their meshes."""
-    from exudyn.itemInterface import (
-        Node1D,
-        NodeRigidBodyRxyz,
-        ObjectGround,
-        ObjectMass1D,
-        ObjectRigidBody,
-        ObjectRotationalMass1D,
-        VObjectGround,
-        VObjectMass1D,
-        VObjectRigidBody,
-        VObjectRotationalMass1D,
-    )
-
-    gear, mbs, start = model.gear, model.mbs, model.start
-    pair = GearPair.of(gear)
-    q, v = start.coordinates[0], start.rates[0]
-
-    def node_1d(name: str) -> Any:
-        return mbs.AddNode(
-            Node1D(
-                referenceCoordinates=[0.0],
-                initialCoordinates=q[COORDINATE_BLOCKS[name]],
-                initialVelocities=v[COORDINATE_BLOCKS[name]],
-            )
-        )
-
-    parts = {
-        "pinion": solids.pinion_solid(gear),
-        "rack": solids.rack_solid(gear),
-        "plunger": solids.plunger_solid(gear),
-        "yokenut": solids.yokenut_solid(gear),
-    }
-    axis = [0.0, pair.bar_axis_height, 0.0]
-
-    model.nodes["pinion"] = node_1d("pinion")
-    turning = parts["pinion"].mass_properties
-    from_axis = turning.centre_of_mass[:2]
-    model.bodies["pinion"] = mbs.AddObject(
-        ObjectRotationalMass1D(
-            inertia=turning.inertia[2, 2] + turning.mass * (from_axis @ from_axis),
-            nodeNumber=model.nodes["pinion"],
-            referencePosition=pair.pinion_origin,
-            referenceRotation=pair.pinion_frame,
-            visualization=VObjectRotationalMass1D(graphicsData=_drawn(parts["pinion"], "steelblue")),
-        )
-    )
-    model.nodes["rack"] = mbs.AddNode(
-        NodeRigidBodyRxyz(
-            referenceCoordinates=[*axis, 0, 0, 0],
-            initialCoordinates=q[COORDINATE_BLOCKS["rack"]],
-            initialVelocities=v[COORDINATE_BLOCKS["rack"]],
-        )
-    )
-    bar = parts["rack"].mass_properties
-    com = bar.centre_of_mass
-    about_reference = bar.inertia + bar.mass * ((com @ com) * np.eye(3) - np.outer(com, com))
-    model.bodies["rack"] = mbs.AddObject(
-        ObjectRigidBody(
-            mass=bar.mass,
-            centerOfMass=com,
-            inertia=about_reference[[0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]],
-            nodeNumber=model.nodes["rack"],
-            visualization=VObjectRigidBody(graphicsData=_drawn(parts["rack"], "grey")),
-        )
-    )
-    model.nodes["plunger"] = node_1d("plunger")
-    along_y = np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0]])  # ObjectMass1D moves along its local x
-    model.bodies["plunger"] = mbs.AddObject(
-        ObjectMass1D(
-            mass=parts["plunger"].mass_properties.mass,
-            nodeNumber=model.nodes["plunger"],
-            referencePosition=axis,
-            referenceRotation=along_y,
-            visualization=VObjectMass1D(graphicsData=_drawn(parts["plunger"], "orange", along_y.T)),
-        )
-    )
-    model.bodies["yokenut"] = mbs.AddObject(
-        ObjectGround(
-            referencePosition=axis,
-            visualization=VObjectGround(graphicsData=_drawn(parts["yokenut"], "darkgrey")),
-        )
-    )
-
-
 def _add_sensors(model: SteeringModel) -> None:
     """Add sensors for the coordinates of pinion, rack and plunger, stored internally:
     `mbs.PlotSensor(model.sensors["rack"])`."""
@@ -323,12 +195,3 @@ def _wrench_at_fit(model: SteeringModel) -> np.ndarray:
     axis = rotation_matrix(q[3:])[:, 0]
     to_fit = (fit.data.station - q[0]) / axis[0] * axis
     return -np.concatenate([on_rack[:3], moment - np.cross(to_fit, on_rack[:3])])
-
-
-def _drawn(solid: "Solid", color: str, rotation: np.ndarray | None = None) -> list[Any]:
-    """Graphics data of a body."""
-    from exudyn import graphics
-    from matplotlib.colors import to_rgba
-
-    points = solid.vertices if rotation is None else solid.vertices @ rotation.T
-    return [graphics.FromPointsAndTrigs(points, solid.faces, color=list(to_rgba(color)))]

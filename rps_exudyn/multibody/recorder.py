@@ -7,7 +7,7 @@ import numpy as np
 
 from rps_exudyn.forces.bush import stored_in_chain
 from rps_exudyn.forces.external_load import axis_velocity
-from rps_exudyn.multibody.model import SteeringModel
+from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.record import Record
 

@@ -9,8 +9,8 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from html import escape
-from importlib import import_module
 from pathlib import Path
+from pkgutil import resolve_name
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 MOST_NUMBERS = 6  # of the summary that a printed result shows
+DRAWING = "rps_exudyn.charts.scene:draw"  # looked up when a result is drawn: charts stand above results
 
 FILETYPE = "rps_exudyn-result"
 VERSION = (1, 1)
@@ -132,8 +133,8 @@ class Result:
         """
         if not self.signals:
             raise InputError(f"The result has no signals to draw: {self.status}, {self.message}.")
-        charts = import_module("rps_exudyn.charts.scene")  # by name, for drawing stands above results
-        return charts.draw(self, path, measured)
+        draw = resolve_name(DRAWING)
+        return draw(self, path, measured)
 
     def to_xarray(self) -> "Dataset":
         """Return the signals as an xarray Dataset over the time, with units, definitions and the summary."""

@@ -19,7 +19,6 @@ from pathlib import Path
 from time import monotonic
 from typing import IO, Any
 
-import rps_exudyn
 from rps_exudyn.base.errors import InputError
 
 START_LIMIT = 900.0  # [s] until a process must be ready, all its kernels compiled
@@ -287,7 +286,7 @@ class _Waiting:
 
 def _environment() -> dict[str, str]:
     """One thread per process, and the very package that started it."""
-    home = str(Path(rps_exudyn.__file__).parents[1])
+    home = str(Path(__file__).parents[2])
     paths = [home, *filter(None, [os.environ.get("PYTHONPATH")])]
     return {**os.environ, **dict.fromkeys(PINNED, "1"), "PYTHONPATH": os.pathsep.join(paths)}
 

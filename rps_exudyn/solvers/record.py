@@ -8,6 +8,7 @@ therefore evidence.
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from rps_exudyn.forces.force_element import (
     DAMPING_POWER,
@@ -171,5 +172,5 @@ def contact_disagreement(record: Record) -> float:
 
 
 def _work(power: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """Trapezoidal integral from the start [J]."""
-    return np.concatenate([[0.0], np.cumsum(np.diff(time) * (power[1:] + power[:-1]) / 2)])
+    """Integral of a power [W] from the start [J]."""
+    return np.asarray(cumulative_trapezoid(power, time, initial=0.0))

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.checks.after_run import validated
-from rps_exudyn.multibody.model import SteeringModel, build_model
+from rps_exudyn.multibody.model import build_model
 from rps_exudyn.multibody.solve import LARGEST_STATE, _silent
+from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status

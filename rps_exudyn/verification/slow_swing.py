@@ -7,8 +7,9 @@ pinion are accelerated with the swing. Nothing else in a reversal moves fast eno
 from dataclasses import replace
 
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.solids import pinion_solid, rack_solid
+from rps_exudyn.gears.solids import rack_solid
 from rps_exudyn.mesh_contact.flank_data import pack_generators
+from rps_exudyn.multibody.bodies import pinion_inertia
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import swing_maneuver
@@ -42,7 +43,5 @@ def _well_integrated(gear: SteeringGear, fidelity: Fidelity) -> GearForces:
 
 def inertia(gear: SteeringGear) -> float:
     """Of pinion and rack about the pinion's axis, the rack moving at the gear's gain [kg m^2]."""
-    pinion, rack = pinion_solid(gear).mass_properties, rack_solid(gear).mass_properties
-    from_axis = pinion.centre_of_mass[:2]
-    about_axis = pinion.inertia[2, 2] + pinion.mass * (from_axis @ from_axis)
-    return float(about_axis + rack.mass * GearPair.of(gear).gain ** 2)
+    rack = rack_solid(gear).mass_properties.mass
+    return float(pinion_inertia(gear) + rack * GearPair.of(gear).gain ** 2)

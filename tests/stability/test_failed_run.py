@@ -7,7 +7,7 @@ import pytest
 from exudyn.itemInterface import Force, MarkerNodePosition
 
 from rps_exudyn.multibody import model as model_of_gear
-from rps_exudyn.multibody.model import SteeringModel
+from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import load
 from shell import Command

@@ -1,0 +1,118 @@
+"""Pinion, rack, plunger and yokenut as Exudyn bodies, with mass properties and pictures from their solids."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rps_exudyn.gears import solids
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.multibody.inertia import six_moments
+from rps_exudyn.multibody.steering_model import SteeringModel
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
+
+if TYPE_CHECKING:
+    from rps_exudyn.gears.polyhedron import Solid
+
+ALONG_Y = np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0]])  # ObjectMass1D moves along its local x
+
+
+def add_bodies(model: SteeringModel) -> None:
+    """Add all bodies but the bush; pinion, rack and plunger start where the model starts."""
+    gear, axis = model.gear, [0.0, GearPair.of(model.gear).bar_axis_height, 0.0]
+    _add_pinion(model, solids.pinion_solid(gear))
+    _add_rack(model, solids.rack_solid(gear), axis)
+    _add_plunger(model, solids.plunger_solid(gear), axis)
+    _add_yokenut(model, solids.yokenut_solid(gear), axis)
+
+
+def pinion_inertia(gear: SteeringGear) -> float:
+    """Return the pinion's moment of inertia about its axis of rotation [kg m^2]."""
+    pinion = solids.pinion_solid(gear).mass_properties
+    from_axis = pinion.centre_of_mass[:2]
+    return float(pinion.inertia[2, 2] + pinion.mass * (from_axis @ from_axis))
+
+
+def _add_pinion(model: SteeringModel, solid: "Solid") -> None:
+    from exudyn.itemInterface import ObjectRotationalMass1D, VObjectRotationalMass1D
+
+    pair = GearPair.of(model.gear)
+    model.nodes["pinion"] = _node_1d(model, "pinion")
+    model.bodies["pinion"] = model.mbs.AddObject(
+        ObjectRotationalMass1D(
+            inertia=pinion_inertia(model.gear),
+            nodeNumber=model.nodes["pinion"],
+            referencePosition=pair.pinion_origin,
+            referenceRotation=pair.pinion_frame,
+            visualization=VObjectRotationalMass1D(graphicsData=_graphics(solid, "steelblue")),
+        )
+    )
+
+
+def _add_rack(model: SteeringModel, solid: "Solid", axis: list[float]) -> None:
+    from exudyn.itemInterface import NodeRigidBodyRxyz, ObjectRigidBody, VObjectRigidBody
+
+    place, rate = _start(model, "rack")
+    model.nodes["rack"] = model.mbs.AddNode(
+        NodeRigidBodyRxyz(
+            referenceCoordinates=[*axis, 0, 0, 0], initialCoordinates=place, initialVelocities=rate
+        )
+    )
+    bar = solid.mass_properties
+    com = bar.centre_of_mass
+    about_reference = bar.inertia + bar.mass * ((com @ com) * np.eye(3) - np.outer(com, com))
+    model.bodies["rack"] = model.mbs.AddObject(
+        ObjectRigidBody(
+            mass=bar.mass,
+            centerOfMass=com,
+            inertia=six_moments(about_reference),
+            nodeNumber=model.nodes["rack"],
+            visualization=VObjectRigidBody(graphicsData=_graphics(solid, "grey")),
+        )
+    )
+
+
+def _add_plunger(model: SteeringModel, solid: "Solid", axis: list[float]) -> None:
+    from exudyn.itemInterface import ObjectMass1D, VObjectMass1D
+
+    model.nodes["plunger"] = _node_1d(model, "plunger")
+    model.bodies["plunger"] = model.mbs.AddObject(
+        ObjectMass1D(
+            mass=solid.mass_properties.mass,
+            nodeNumber=model.nodes["plunger"],
+            referencePosition=axis,
+            referenceRotation=ALONG_Y,
+            visualization=VObjectMass1D(graphicsData=_graphics(solid, "orange", ALONG_Y.T)),
+        )
+    )
+
+
+def _add_yokenut(model: SteeringModel, solid: "Solid", axis: list[float]) -> None:
+    from exudyn.itemInterface import ObjectGround, VObjectGround
+
+    drawing = VObjectGround(graphicsData=_graphics(solid, "darkgrey"))
+    model.bodies["yokenut"] = model.mbs.AddObject(ObjectGround(referencePosition=axis, visualization=drawing))
+
+
+def _node_1d(model: SteeringModel, body: str) -> Any:
+    from exudyn.itemInterface import Node1D
+
+    place, rate = _start(model, body)
+    return model.mbs.AddNode(
+        Node1D(referenceCoordinates=[0.0], initialCoordinates=place, initialVelocities=rate)
+    )
+
+
+def _start(model: SteeringModel, body: str) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates and rates of a body where the model starts."""
+    block = COORDINATE_BLOCKS[body]
+    return model.start.coordinates[0, block], model.start.rates[0, block]
+
+
+def _graphics(solid: "Solid", color: str, rotation: np.ndarray | None = None) -> list[Any]:
+    """Graphics data of a body, its solid turned by `rotation` (3, 3)."""
+    from exudyn import graphics
+    from matplotlib.colors import to_rgba
+
+    points = solid.vertices if rotation is None else solid.vertices @ rotation.T
+    return [graphics.FromPointsAndTrigs(points, solid.faces, color=list(to_rgba(color)))]

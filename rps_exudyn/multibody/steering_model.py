@@ -1,0 +1,67 @@
+"""An assembled Exudyn system of the gear, and the numbers of its items."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rps_exudyn.forces.external_load import Pulse
+from rps_exudyn.forces.force_element import COORDINATES
+from rps_exudyn.multibody.general_contact import GeneralContacts
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.drive import Drive
+from rps_exudyn.solvers.equilibrium import EquilibriumPath
+from rps_exudyn.solvers.gear_forces import GearForces
+
+if TYPE_CHECKING:
+    import exudyn
+
+
+@dataclass
+class SteeringModel:
+    """An Exudyn system of the gear; nodes, bodies and sensors map names to the numbers of items.
+
+    Attributes:
+        mbs: the system, to go on with as usual; SC is its container.
+        start: equilibrium in which it starts, in its only row.
+        segments: nodes of the bush's segments, from the housing on.
+        constraint: moves the driven body; its multiplier is the drive's torque or force.
+    """
+
+    gear: SteeringGear
+    fidelity: Fidelity
+    forces: GearForces
+    drive: Drive
+    SC: Any
+    mbs: "exudyn.MainSystem"
+    start: EquilibriumPath
+    contacts: GeneralContacts | None = None
+    nodes: dict[str, Any] = field(default_factory=dict)
+    bodies: dict[str, Any] = field(default_factory=dict)
+    sensors: dict[str, Any] = field(default_factory=dict)
+    segments: list[Any] = field(default_factory=list)
+    pulse: Pulse | None = None
+    constraint: Any = None
+
+    def coordinates(self, name: str) -> slice:
+        """Return where a body's coordinates stand in the system's vector; the system must be assembled."""
+        start = self.mbs.GetNodeODE2Index(self.nodes[name])
+        return slice(start, start + COORDINATES[name])
+
+    def columns(self, bodies: Sequence[str]) -> np.ndarray:
+        """Return the same for several bodies, one after the other."""
+        return np.concatenate([np.r_[self.coordinates(name)] for name in bodies])
+
+    def release(self) -> None:
+        """Free the system's memory: its items and the functions they call hold each other, out of reach of
+        Python's collector. The model cannot be used any more."""
+        self.mbs.sys.clear()
+        self.mbs.variables.clear()
+        self.SC.Reset()
+
+    def segment_columns(self) -> np.ndarray:
+        """Return the same for all segments of the bush, shape (N, 6)."""
+        starts = [self.mbs.GetNodeODE2Index(node) for node in self.segments]
+        return np.array(starts)[:, None] + np.arange(6)
