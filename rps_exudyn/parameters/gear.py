@@ -254,7 +254,9 @@ class SteeringGear(Table):
     def __repr__(self) -> str:
         pinion, changes = self.pinion, self.changes_shown()
         size = f"{pinion.teeth} teeth, module {_mm(pinion.normal_module)}, preload {self.yoke.preload:g} N"
-        return f"<SteeringGear: {size}; " + ", ".join(changes or ["all as by default"]) + ">"
+        return f"<SteeringGear: {size}; {'default but for ' if changes else 'default'}{', '.join(changes)}>"
+
+    __str__ = __repr__
 
     def _repr_html_(self) -> str:
         rows = "".join(f"<li>{escape(change)}</li>" for change in self.changes_shown())
