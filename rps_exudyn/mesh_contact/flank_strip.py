@@ -19,16 +19,6 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.base.compiled import inlined
-from rps_exudyn.mesh_contact.flank_data import (
-    BAR_RADIUS,
-    BASE_RADIUS,
-    CROWNING,
-    DAMPING,
-    HALF_FACE,
-    Q_FORM,
-    SLOPE,
-    TIP_DEPTH,
-)
 
 DEPTH = 0
 PRESSING = 1  # depth + damping * its rate
@@ -50,18 +40,18 @@ FAR = 1.0  # a limit that crosses the line farther away is parallel to it [m]
 @inlined
 def describe_strip(strip, line, band, side, data):  # type: ignore[no-untyped-def]
     """Fill the polynomials of one line within a band of the flank."""
-    s, rb, n_p, n_z = side.sign, data[BASE_RADIUS], side.n_p, side.n_z
+    s, rb, n_p, n_z = side.sign, data.base_radius, side.n_p, side.n_z
     q_0, q_1, relief = line.q_0, line.q_1, band.relief
     strip[:] = 0.0
 
     # N_p (s r_b xi^3 / 3 - q* xi^2 / 2) on the crest's depth; the surplus of the flank at q = q* - s r_b xi
     u = q_0 - band.relief_from
-    surplus_0 = n_p * (data[SLOPE] * (q_0 - data[Q_FORM]) - relief * u * u)
-    surplus_1 = n_p * q_1 * (data[SLOPE] - 2 * relief * u)
-    surplus_2 = -n_p * (data[CROWNING] + relief * q_1 * q_1)
+    surplus_0 = n_p * (data.slope * (q_0 - data.q_form) - relief * u * u)
+    surplus_1 = n_p * q_1 * (data.slope - 2 * relief * u)
+    surplus_2 = -n_p * (data.crowning + relief * q_1 * q_1)
     depth = strip[DEPTH]
     depth[0], depth[1], depth[2] = line.d_0 + surplus_0, line.d_1 + surplus_1, surplus_2
-    depth[3] = n_p * s * rb * (2 * relief * u - data[SLOPE])
+    depth[3] = n_p * s * rb * (2 * relief * u - data.slope)
     depth[4] = n_p * s * rb * 2 * relief * q_1
     depth[6] = -n_p * (q_0 / 2 + relief * rb * rb) - surplus_0 / 2
     depth[7] = -n_p * q_1 / 2 - surplus_1 / 2
@@ -69,11 +59,12 @@ def describe_strip(strip, line, band, side, data):  # type: ignore[no-untyped-de
     depth[9] = n_p * s * rb / 3
 
     # its rate is N . v with v = v_centre + w x P, P = P* - w xi e_r + (r_b e_r - w e_t) xi^2 / 2, w = s q*
-    pressing, d, n_t = strip[PRESSING], data[DAMPING], -s * n_p
-    on_r, on_t = n_t * side.w_z - n_z * side.w_t, n_z * side.w_r
+    pressing, d, n_t = strip[PRESSING], data.damping, -s * n_p
+    w_r, w_t, w_z = side.spin
+    on_r, on_t = n_t * w_z - n_z * w_t, n_z * w_r
     pressing[:] = depth
-    pressing[0] += d * (n_t * side.v_t + n_z * side.v_z + on_r * rb + on_t * s * q_0)
-    pressing[1] += d * (on_t * s * q_1 - n_t * side.w_r)
+    pressing[0] += d * (n_t * side.velocity[1] + n_z * side.velocity[2] + on_r * rb + on_t * s * q_0)
+    pressing[1] += d * (on_t * s * q_1 - n_t * w_r)
     pressing[3] -= d * on_r * s * q_0
     pressing[4] -= d * on_r * s * q_1
     pressing[6] += d * (on_r * rb - on_t * s * q_0) / 2
@@ -84,17 +75,13 @@ def describe_strip(strip, line, band, side, data):  # type: ignore[no-untyped-de
     low[0], low[1], low[3] = q_0 - band.low, q_1, -s * rb
 
     face_low, face_high = strip[FACE_LOW], strip[FACE_HIGH]
-    face_low[0], face_low[1], face_high[0], face_high[1] = data[HALF_FACE], 1.0, data[HALF_FACE], -1.0
+    face_low[0], face_low[1], face_high[0], face_high[1] = data.half_face, 1.0, data.half_face, -1.0
 
     # the rack's own y and z: the same expansion of P
-    y_0, y_1 = side.y_0 + side.y_r * rb + side.y_t * s * q_0, side.y_z + side.y_t * s * q_1
-    y_3, y_4 = -side.y_r * s * q_0, -side.y_r * s * q_1
-    y_6, y_7 = (side.y_r * rb - side.y_t * s * q_0) / 2, -side.y_t * s * q_1 / 2
-    z_0, z_1 = side.z_0 + side.z_r * rb + side.z_t * s * q_0, side.z_z + side.z_t * s * q_1
-    z_3, z_4 = -side.z_r * s * q_0, -side.z_r * s * q_1
-    z_6, z_7 = (side.z_r * rb - side.z_t * s * q_0) / 2, -side.z_t * s * q_1 / 2
-    tip[0], tip[1], tip[3], tip[4], tip[6], tip[7] = y_0 + data[TIP_DEPTH], y_1, y_3, y_4, y_6, y_7
-    bar[0] = data[BAR_RADIUS] ** 2 - y_0 * y_0 - z_0 * z_0
+    y_0, y_1, y_3, y_4, y_6, y_7 = _along_strip(side.y, q_0, q_1, s, rb)
+    z_0, z_1, z_3, z_4, z_6, z_7 = _along_strip(side.z, q_0, q_1, s, rb)
+    tip[0], tip[1], tip[3], tip[4], tip[6], tip[7] = y_0 + data.tip_depth, y_1, y_3, y_4, y_6, y_7
+    bar[0] = data.bar_radius**2 - y_0 * y_0 - z_0 * z_0
     bar[1] = -2 * (y_0 * y_1 + z_0 * z_1)
     bar[2] = -(y_1 * y_1 + z_1 * z_1)
     bar[3] = -2 * (y_0 * y_3 + z_0 * z_3)
@@ -103,6 +90,20 @@ def describe_strip(strip, line, band, side, data):  # type: ignore[no-untyped-de
     bar[6] = -(y_3 * y_3 + z_3 * z_3) - 2 * (y_0 * y_6 + z_0 * z_6)
     bar[7] = -2 * (y_3 * y_4 + z_3 * z_4 + y_0 * y_7 + y_1 * y_6 + z_0 * z_7 + z_1 * z_6)
     bar[8] = -(y_4 * y_4 + z_4 * z_4) - 2 * (y_1 * y_7 + z_1 * z_7)
+
+
+@inlined
+def _along_strip(coefficients, q_0, q_1, s, rb):  # type: ignore[no-untyped-def]
+    """Coefficients of 1, Z, xi, xi Z, xi^2, xi^2 Z in one of the rack's coordinates."""
+    c, c_r, c_t, c_z = coefficients
+    return (
+        c + c_r * rb + c_t * s * q_0,
+        c_z + c_t * s * q_1,
+        -c_r * s * q_0,
+        -c_r * s * q_1,
+        (c_r * rb - c_t * s * q_0) / 2,
+        -c_t * s * q_1 / 2,
+    )
 
 
 @inlined
@@ -161,10 +162,10 @@ def is_wide(strip, from_, to):  # type: ignore[no-untyped-def]
 @inlined
 def within_band(line, band, data):  # type: ignore[no-untyped-def]
     """The Z of the face where a strip can reach the band."""
-    reach = MARGIN * data[BASE_RADIUS]
+    reach = MARGIN * data.base_radius
     z_0 = (band.low - reach - line.q_0) / line.q_1
     z_1 = (band.high + reach - line.q_0) / line.q_1
-    b = data[HALF_FACE]
+    b = data.half_face
     return max(min(z_0, z_1), -b), min(max(z_0, z_1), b)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from rps_exudyn.base.compiled import kernel
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.forces.friction import constant_drag
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -30,7 +31,7 @@ def ratio_force(q, v, data):  # type: ignore[no-untyped-def]
     """Coupling, guide and loss; q = pinion (1), rack (6)."""
     out = np.zeros(7 + 3)
     slip = q[1] + data.gain * q[0]  # the pinion's coordinate counts about k, against the steering angle
-    loss = data.loss * v[0] / max(abs(v[0]), data.zone)
+    loss = constant_drag(data.loss, v[0], data.zone)
     out[0] = -data.gain * COUPLING * slip - loss
     out[1] = -COUPLING * slip
     out[2:4] = -COUPLING * q[2:4]

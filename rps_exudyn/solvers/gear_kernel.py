@@ -67,8 +67,8 @@ def _add_all_but_fit(total, mesh, seat, q, v, data):  # type: ignore[no-untyped-
 def gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
     """Generalised forces (8,) with the bush condensed into the fit."""
 
-    def force(q, v, data):  # type: ignore[no-untyped-def]
-        total = np.zeros(8)
+    def force(q, v, handle):  # type: ignore[no-untyped-def]
+        data, total = handle.data, np.zeros(8)
         mesh = mesh_force(q[0:7], v[0:7], data.mesh)
         seat = seat_force(q[1:8], v[1:8], data.seat)
         _add_all_but_fit(total, mesh, seat, q, v, data)
@@ -82,8 +82,8 @@ def gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
 def chain_gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
     """Generalised forces (14,) with the rack in the last segment of a chain."""
 
-    def chain_force(q, v, data):  # type: ignore[no-untyped-def]
-        total = np.zeros(14)
+    def chain_force(q, v, handle):  # type: ignore[no-untyped-def]
+        data, total = handle.data, np.zeros(14)
         mesh = mesh_force(q[0:7], v[0:7], data.mesh)
         seat = seat_force(q[1:8], v[1:8], data.seat)
         _add_all_but_fit(total, mesh, seat, q, v, data)

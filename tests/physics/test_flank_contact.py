@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rps_exudyn.mesh_contact.flank_quadrature import flank_quadrature
+from rps_exudyn.mesh_contact.flank_rows import ROW, ContactLine
 from scipy.spatial.transform import Rotation
 
 from rps_exudyn.gears.flank_form import FlankForm
@@ -16,8 +18,6 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.mesh_contact.flank_contact import flank_contact, flank_lines
 from rps_exudyn.mesh_contact.flank_data import pack, pack_generators
-from rps_exudyn.mesh_contact.flank_quadrature import flank_quadrature
-from rps_exudyn.mesh_contact.flank_rows import ROW, ContactLine
 from rps_exudyn.mesh_contact.wrench import (
     DAMPING_POWER,
     ELASTIC_ENERGY,
