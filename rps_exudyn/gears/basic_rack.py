@@ -116,8 +116,3 @@ def tip_radius_for_crest(pair: GearPair, width: float) -> float:
     return float(
         brentq(lambda radius: crest_width(pair, radius) - width, pair.base_radius, outside, xtol=1e-15)
     )
-
-
-def all_addendum_shift(pair: GearPair) -> float:
-    """Profile shift that puts the rack's tips on the pitch line: x = h_aP / m_n; contact is all recess."""
-    return pair.rack_addendum / pair.module

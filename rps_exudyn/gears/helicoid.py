@@ -64,19 +64,6 @@ class Flank:
         """psi of the generator through (q, Z) [rad]."""
         return np.asarray(self.theta - Z * self.pair.twist - self.side * q / self.pair.base_radius)
 
-    def axial_limits(self, psi: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
-        """Z where the generators begin and end: at an end face, the tip or the form circle [m].
-
-        The first is above the second where a generator misses the flank.
-        """
-        b, slope = self.pair.face_width, self.side * np.tan(self.pair.beta_b)
-        at_middle = self.tangent_length(psi, 0.0)
-        if slope == 0:
-            inside = (at_middle >= self.form_tangent_length) & (at_middle <= self.tip_tangent_length)
-            return np.where(inside, -b / 2, np.inf), np.where(inside, b / 2, -np.inf)
-        ends = (at_middle - self.form_tangent_length) / slope, (at_middle - self.tip_tangent_length) / slope
-        return np.maximum(np.minimum(*ends), -b / 2), np.minimum(np.maximum(*ends), b / 2)
-
     # --- surface -------------------------------------------------------------------------------
     def point(self, psi: np.ndarray | float, Z: np.ndarray | float) -> np.ndarray:
         """Points of the flank, modifications included, pinion frame [m], shape (..., 3)."""

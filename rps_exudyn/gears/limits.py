@@ -1,7 +1,7 @@
-"""Gears that cannot be: every limit once, with the parameter that should change and its nearest value.
+"""Limits of a gear: each with the parameter that should change and its nearest admissible value.
 
 Later limits make sense only if earlier ones hold, so they come in stages: the cutter, the teeth, the
-mesh, the parts around it. `checks.check_gear` puts the sentences before the user.
+mesh, the parts around it. `report.check_gear` puts the sentences before the user.
 """
 
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ from rps_exudyn.gears.basic_rack import (
     undercut_limit,
 )
 from rps_exudyn.gears.clearance import (
-    active_field,
+    path_on_involute,
     pinion_root_clearance,
     pinion_tip_interference,
     rack_root_clearance,
@@ -187,7 +187,7 @@ def _mesh(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
 
 
 def _contact(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
-    q0, qa = active_field(pair)
+    q0, qa = path_on_involute(pair)
     transverse, total = transverse_contact_ratio(pair), transverse_contact_ratio(pair) + pair.overlap_ratio
     if qa <= q0:
         contact = q0 + pair.reference_radius * np.sin(pair.alpha_t)

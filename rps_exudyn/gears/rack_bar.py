@@ -18,10 +18,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from manifold3d import Manifold
 
 from rps_exudyn.gears.basic_rack import arc_segments, rack_tooth, straight_depth
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.polyhedron import cylinder, from_manifold, prism
+from rps_exudyn.gears.polyhedron import cylinder, prism
 from rps_exudyn.parameters.gear import SteeringGear
 
 PAST_THE_BUSH = 20e-3  # how far the bar reaches out of the bush at full travel [m]
@@ -117,8 +118,8 @@ class RackBar:
         close = np.array([[teeth[-1, 0], outside], [first[0, 0], outside]])
         return np.concatenate([first, teeth, close])
 
-    def mesh(self, chord_error: float) -> tuple[np.ndarray, np.ndarray]:
-        """Closed mesh of the bar within `chord_error` [m]: vertices (n, 3) [m], faces (m, 3)."""
+    def solid(self, chord_error: float) -> Manifold:
+        """The bar with its teeth, rack frame, chords within `chord_error` [m]."""
         pair = self.pair
         u, y, w = pair.cross_trace, np.array([0, -1.0, 0]), pair.trace
         middle = np.column_stack([np.zeros(3), u, y])
@@ -128,7 +129,7 @@ class RackBar:
         cutter = prism(self.outline(chord_error), middle - along, middle + along)
         segments = arc_segments(pair.bar_radius, 2 * np.pi, chord_error)
         bar = cylinder(pair.bar_radius, np.array([self.x_min, 0, 0]), np.array([self.x_max, 0, 0]), segments)
-        return from_manifold(bar - cutter)
+        return bar - cutter
 
 
 def pinion_reach(pair: GearPair) -> float:

@@ -1,4 +1,4 @@
-"""Can this gear be built, what are its numbers, and what should its designer be told?"""
+"""The geometry report: whether a gear can be built, its numbers, and warnings for its designer."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.basic_rack import crest_width, pointed_radius, undercut_limit
 from rps_exudyn.gears.clearance import (
-    active_field,
+    path_on_involute,
     pinion_root_clearance,
     pinion_tip_interference,
     rack_root_clearance,
@@ -18,7 +18,7 @@ from rps_exudyn.gears.clearance import (
     transverse_contact_ratio,
 )
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.limits import violations
+from rps_exudyn.gears.limits import Violation, violations
 from rps_exudyn.gears.polyhedron import MassProperties
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.solids import gear_solids
@@ -39,9 +39,15 @@ def check_gear(gear: SteeringGear, force: bool = False) -> None:
     Raises:
         InputError: one sentence per limit: quantity, value, limit, nearest admissible parameter value.
     """
-    found = [item for item in violations(gear, force) if not (force and item.forgivable)]
-    if found:
-        raise InputError([item.sentence(gear) for item in found])
+    _forgiven(gear, force)
+
+
+def _forgiven(gear: SteeringGear, force: bool) -> list[Violation]:
+    """The limits that the gear does not keep and need not; raises as `check_gear` for the others."""
+    found = violations(gear, force)
+    if refused := [item for item in found if not (force and item.forgivable)]:
+        raise InputError([item.sentence(gear) for item in refused])
+    return found
 
 
 class PartMasses(Mapping[str, MassProperties]):
@@ -100,8 +106,7 @@ class GeometryReport:
 
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain numbers, lists and text (SI)."""
-        told: dict[str, Any] = {**self.numbers}
-        told["mass_properties"] = {
+        masses = {
             part: {
                 "volume": item.volume,
                 "mass": item.mass,
@@ -110,8 +115,7 @@ class GeometryReport:
             }
             for part, item in self.mass_properties.items()
         }
-        told["warnings"] = list(self.warnings)
-        return told
+        return {**self.numbers, "mass_properties": masses, "warnings": list(self.warnings)}
 
 
 def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:
@@ -120,9 +124,9 @@ def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:
     Raises:
         InputError: the gear cannot be built, see `check_gear`.
     """
-    check_gear(gear, force)
+    forgiven = _forgiven(gear, force)
     pair, bar = GearPair.of(gear), RackBar.of(gear)
-    start, end = active_field(pair)
+    start, end = path_on_involute(pair)
     transverse = transverse_contact_ratio(pair)
     limit = undercut_limit(pair)
     pitch_line = -pair.profile_shift * pair.module - pair.reference_height  # Y in the rack frame
@@ -150,13 +154,11 @@ def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:
         rack_tip_face_width=2 * float(bar.flank(0, 1).half_chord(bar.tip_height)),
         toothed_length=bar.toothed_ends[1] - bar.toothed_ends[0],
         mass_properties=PartMasses(gear),
-        warnings=tuple(_warnings(gear, pair, bar)),
+        warnings=(*(f"{item.what}." for item in forgiven), *_warnings(gear, pair, bar)),
     )
 
 
 def _warnings(gear: SteeringGear, pair: GearPair, bar: RackBar) -> Iterator[str]:
-    for item in violations(gear, force=True):
-        yield f"{item.what}."
     crest = crest_width(pair, pair.tip_radius)
     if crest < GOOD_CREST * pair.module:
         yield (

@@ -11,7 +11,7 @@ Where the root meets the involute is the *form point*. Without undercut it is th
 with undercut the trochoid crosses the involute further out.
 """
 
-from functools import cache
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -45,7 +45,7 @@ def trochoid(pair: GearPair, eta: np.ndarray | float) -> np.ndarray:
     )
 
 
-@cache
+@lru_cache(maxsize=64)
 def form_point(pair: GearPair) -> FormPoint:
     """Where the pinion's involute ends and its root begins.
 

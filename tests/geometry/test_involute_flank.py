@@ -19,7 +19,7 @@ from rps_exudyn.gears.basic_rack import (
     tip_radius_for_crest,
     undercut_limit,
 )
-from rps_exudyn.gears.clearance import active_field
+from rps_exudyn.gears.clearance import path_on_involute
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.rack_bar import RackBar
@@ -182,7 +182,7 @@ def test_all_addendum_pinion_touches_only_beyond_the_pitch_point() -> None:
     """x = h_aP / m_n: the rack's tips lie on the pitch line, contact is all recess (b = 0 in the paper)."""
     pair = GearPair.of(SteeringGear())
     assert all_addendum_shift(pair) == 1.0
-    start, end = active_field(pair)
+    start, end = path_on_involute(pair)
     assert 0 <= start < 1e-6 < end  # h* = 0.99997 m_n in ISO 53, hence not 0 exactly
 
 
