@@ -14,11 +14,10 @@ from typing import Any
 
 import numba
 import numpy as np
-from numba.core import types
 from numba.core.caching import FunctionCache
 from numba.experimental import structref
 
-# What compiled code is made of: the kernels, and the tables whose entries they know by number
+# What compiled code is made of: the kernels, and the constants and NamedTuples that they read
 KERNEL_SOURCES = (
     "base/compiled.py",
     "solvers/gear_kernel.py",
@@ -86,7 +85,7 @@ def kernel_over(function: Callable[..., Any], *kernels: Callable[..., Any]) -> C
 
 
 @structref.register
-class _HandleType(types.StructRef):
+class _HandleType(numba.types.StructRef):
     """The compiled type of a `Handle`."""
 
 

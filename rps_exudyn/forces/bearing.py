@@ -11,7 +11,9 @@ from rps_exudyn.parameters.gear import SteeringGear
 
 
 class BearingData(NamedTuple):
-    torque: float
+    """Constants of the bearings' friction."""
+
+    torque: float  # [N m]
     zone: float  # friction zone [rad/s]
 
 

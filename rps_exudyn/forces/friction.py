@@ -1,4 +1,4 @@
-"""Friction laws: Coulomb friction with a linear zone about zero slip."""
+"""Coulomb friction, linear in the rate in a zone about zero."""
 
 from rps_exudyn.base.compiled import kernel
 

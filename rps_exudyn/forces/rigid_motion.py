@@ -1,4 +1,4 @@
-"""How a rigid body's node coordinates become motion: Exudyn's RotationRxyz in compiled form.
+"""Rigid motion from a body's node coordinates: Exudyn's RotationRxyz in compiled form.
 
 Angles (a, b, c) turn a body by Rx(a) Ry(b) Rz(c); its angular velocity is G (a', b', c'). A force f and a
 moment m about the body's reference point act on the coordinates as (f, G^T m).
@@ -10,10 +10,12 @@ import numpy as np
 
 from rps_exudyn.base.compiled import inlined, kernel
 
+Vector = tuple[float, float, float]
+
 
 @kernel
 def rotation_matrix(angles):  # type: ignore[no-untyped-def]
-    """Body -> housing, shape (3, 3)."""
+    """Rotation body -> housing, shape (3, 3)."""
     ca, sa = np.cos(angles[0]), np.sin(angles[0])
     cb, sb = np.cos(angles[1]), np.sin(angles[1])
     cc, sc = np.cos(angles[2]), np.sin(angles[2])
@@ -36,13 +38,13 @@ def spin_map(angles):  # type: ignore[no-untyped-def]
 
 @kernel
 def times(m, x):  # type: ignore[no-untyped-def]
-    """m x; for three by three numbers a library call would cost more than the sum."""
+    """The product m x; for three by three numbers a library call would cost more than the sum."""
     return np.array([dot(m[0], x), dot(m[1], x), dot(m[2], x)])
 
 
 @kernel
 def times_transposed(m, x):  # type: ignore[no-untyped-def]
-    """m^T x."""
+    """The product m^T x."""
     return x[0] * m[0] + x[1] * m[1] + x[2] * m[2]
 
 
@@ -78,11 +80,11 @@ def cross(a, b):  # type: ignore[no-untyped-def]
 
 
 class Turn(NamedTuple):
-    """What the angles of a body say about its x axis and its spin."""
+    """A body's x axis, and how its spin follows from the rates of its angles."""
 
-    axis: tuple[float, float, float]  # in the housing
-    about_b: tuple[float, float, float]  # spin per rate of the second angle; of the first it is (1, 0, 0)
-    about_c: tuple[float, float, float]  # and of the third
+    axis: Vector  # in the housing
+    about_b: Vector  # spin per rate of the second angle; of the first it is (1, 0, 0)
+    about_c: Vector  # and of the third
 
 
 @inlined
@@ -105,5 +107,5 @@ def spin_of(turn, rates):  # type: ignore[no-untyped-def]
 
 @inlined
 def on_angles(turn, moment):  # type: ignore[no-untyped-def]
-    """G^T m."""
+    """Moments on the angles, G^T m."""
     return moment[0], dot(turn.about_b, moment), dot(turn.about_c, moment)

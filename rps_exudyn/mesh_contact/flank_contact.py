@@ -40,24 +40,20 @@ from rps_exudyn.mesh_contact.flank_line import (
     side_of,
 )
 from rps_exudyn.mesh_contact.flank_strip import (
-    BREAKS,
     DEPTH,
-    LIMITS,
     MARGIN,
     PRESSING,
     STRIP_SHAPE,
     across,
-    bound,
     describe_strip,
     edges,
-    ends_of,
     greatest_width,
     is_wide,
     slanted,
     touching,
-    watch_limits,
     within_band,
 )
+from rps_exudyn.mesh_contact.strip_limits import BREAKS, LIMITS, bound, ends_of, watch_limits
 from rps_exudyn.mesh_contact.wrench import WRENCH_SIZE
 
 COARSE, GENERATORS = 28, 32  # for the few strips that are too wide for an expansion

@@ -9,7 +9,8 @@ rack flank's outward normal (tangential part -s N_p, axial part N_z) and q*(Z) =
     dA           = (q* - s r_b xi) / cos beta_b dxi dZ
 
 (derived here from the helicoid of `gears.helicoid`). The depth is linear along a generator xi = const and
-close to a parabola across, d depth/d xi = -N_p q sin xi: the contact is a strip along the line xi = 0.
+close to a parabola across, d depth/d xi = -N_p q sin xi: the contact is a strip along the line xi = 0, the
+line of contact.
 In the expansions below only powers are left out that the strip's half width, some 0.05, makes < 1e-6.
 """
 
@@ -19,6 +20,7 @@ import numpy as np
 
 from rps_exudyn.base.compiled import inlined
 from rps_exudyn.forces.friction import coulomb
+from rps_exudyn.forces.rigid_motion import Vector
 from rps_exudyn.mesh_contact.flank_strip import MARGIN
 from rps_exudyn.mesh_contact.wrench import (
     DAMPING_POWER,
@@ -33,7 +35,6 @@ from rps_exudyn.mesh_contact.wrench import (
     TOUCHING,
 )
 
-Vector = tuple[float, float, float]
 Coefficients = tuple[float, float, float, float]
 
 

@@ -1,8 +1,8 @@
 """The kinematic ratio: the ready-made gear joint, which knows the gain and nothing else of the teeth.
 
-A stiff coupling x = gain phi between rack and pinion, the rack guided by it in all other directions. No
-losses in the mesh, no ripple, no backlash; a constant loss torque can be added, for instance the closed
-form's. It is here to show what such a joint misses, and where it suffices.
+It couples x = gain phi stiffly and guides the rack in all other directions. There are no losses in the mesh,
+no ripple and no backlash; a constant loss torque can be added, for instance the closed form's. It shows what
+such a joint misses, and where it suffices.
 """
 
 from typing import NamedTuple
@@ -21,6 +21,8 @@ GUIDE = 1e5  # against rotations of the rack [N m/rad]
 
 
 class RatioData(NamedTuple):
+    """Constants of the kinematic ratio."""
+
     gain: float  # rack travel per radian [m]
     loss: float  # constant loss torque [N m]
     zone: float  # pinion rate below which it falls linearly to zero [rad/s]

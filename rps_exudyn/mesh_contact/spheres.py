@@ -16,9 +16,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 
 CHORD_ERROR = 0.1e-6  # of the pinion's mesh [m]
 SIDES = (-1, +1)  # drive, coast
-SPHERE_RADIUS = (
-    0.1e-3  # [m]; the torque's bias grows with it (-0.1 % per 0.1 mm), the deepest contact allowed too
-)
+# With the radius grow the torque's bias (-0.1 % per 0.1 mm) and the deepest contact allowed
+SPHERE_RADIUS = 0.1e-3  # [m]
 FLANK_MARGIN = 1e-3  # by which a triangle is larger than its flank [m]
 GATE_MARGIN = np.deg2rad(25.0)  # beyond the angle at which a tooth space's flanks leave the rack
 
@@ -70,7 +69,7 @@ def lowest_height(pair: GearPair) -> float:
 
 
 def gate_angle(pair: GearPair) -> float:
-    """How far from the mesh a tooth space can touch the rack, with a margin [rad]."""
+    """Largest angle from the mesh at which a tooth space can touch the rack, with a margin [rad]."""
     q0, qa = pair.active_path
     roll = max(abs(q0), abs(qa)) / pair.base_radius
     return float(roll + abs(pair.twist) * pair.face_width / 2 + GATE_MARGIN)
