@@ -84,10 +84,6 @@ class Flank:
         """dA / (dpsi dZ) = q / cos beta_b [m]."""
         return self.tangent_length(psi, Z) / np.cos(self.pair.beta_b)
 
-    def curvature_radius(self, psi: np.ndarray | float, Z: np.ndarray | float) -> np.ndarray:
-        """Radius of curvature across the generator, q / cos beta_b [m]; along it the flank is straight."""
-        return self.area_element(psi, Z)
-
     def distance(self, points: np.ndarray) -> np.ndarray:
         """Signed distance of points (..., 3) from the unmodified flank, positive outside the tooth [m].
 

@@ -31,6 +31,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.bush_chain import add_chain
 from rps_exudyn.multibody.force_object import add_element, add_forces
 from rps_exudyn.multibody.general_contact import GeneralContacts, add_general_contacts, add_tangent
+from rps_exudyn.multibody.inertia import six_moments
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import Drive, Steady
@@ -256,7 +257,7 @@ def _add_bodies(model: SteeringModel) -> None:
         ObjectRigidBody(
             mass=bar.mass,
             centerOfMass=com,
-            inertia=about_reference[[0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]],
+            inertia=six_moments(about_reference),
             nodeNumber=model.nodes["rack"],
             visualization=VObjectRigidBody(graphicsData=_drawn(parts["rack"], "grey")),
         )
