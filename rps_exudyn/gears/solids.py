@@ -23,6 +23,8 @@ CHORD_ERROR = 1e-6  # of the meshes unless wanted otherwise [m]
 STEEL = 7850.0  # density of the yokenut, which is fixed and only shown [kg/m^3]
 SEAT_RELIEF = 0.5e-3  # clearance of the plunger's front outside its seat [m]
 
+RoundBar = tuple[str, float, float, float]  # axis, radius, from, to [m]
+
 # Solids depend on few of a gear's parameters: the cases of a study share them, with their mass properties
 _kept = lru_cache(maxsize=8)
 
@@ -69,50 +71,41 @@ def plunger_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid
 
     The seat spans +-seat_angle about +Y and seat_length along the rack; outside it the front is relieved.
     """
-    yoke = gear.yoke
-    seat = gear.rack.bar_diameter / 2, yoke.seat_length
-    return _plunger(plunger_ends(gear), yoke.plunger_diameter, *seat, yoke.plunger_mass, chord_error)
-
-
-@_kept
-def _plunger(
-    ends: tuple[float, float], diameter: float, bar: float, length: float, mass: float, chord_error: float
-) -> Solid:
-    plunger = _round_bar("Y", diameter / 2, *ends, chord_error)
-    plunger -= _round_bar("X", bar, -diameter, diameter, chord_error)
-    for side in (-1, 1):
-        plunger -= _round_bar("X", bar + SEAT_RELIEF, side * length / 2, side * diameter, chord_error)
-    unit = _solid(plunger, 1.0)
-    return replace(unit, density=mass / unit.mass_properties.volume)
+    yoke, bar, beyond = gear.yoke, gear.rack.bar_diameter / 2, gear.yoke.plunger_diameter
+    seat = ("X", bar, -beyond, beyond)
+    reliefs = [("X", bar + SEAT_RELIEF, side * yoke.seat_length / 2, side * beyond) for side in (-1, 1)]
+    return _weighing(yoke.plunger_mass, ("Y", beyond / 2, *plunger_ends(gear)), (seat, *reliefs), chord_error)
 
 
 def yokenut_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid:
     """Disc behind the plunger, the yoke clearance away from it."""
     yoke = gear.yoke
     start = plunger_ends(gear)[1] + yoke.clearance
-    return _disc(yoke.nut_diameter / 2, start, start + yoke.nut_thickness, chord_error)
-
-
-@_kept
-def _disc(radius: float, start: float, stop: float, chord_error: float) -> Solid:
-    return _solid(_round_bar("Y", radius, start, stop, chord_error), STEEL)
+    return _drilled(STEEL, ("Y", yoke.nut_diameter / 2, start, start + yoke.nut_thickness), (), chord_error)
 
 
 def bush_segment_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid:
     """One of the equal hollow cylinders that the bush is divided into."""
     bush = gear.bush
     half = bush.length / bush.segments / 2
-    radii = bush.outer_diameter / 2, bush.inner_diameter / 2
-    return _tube(*radii, half, bush.length, bush.density, chord_error)
+    hole = ("X", bush.inner_diameter / 2, -bush.length, bush.length)
+    return _drilled(bush.density, ("X", bush.outer_diameter / 2, -half, half), (hole,), chord_error)
 
 
 @_kept
-def _tube(
-    outer: float, inner: float, half: float, beyond: float, density: float, chord_error: float
-) -> Solid:
-    tube = _round_bar("X", outer, -half, half, chord_error)
-    tube -= _round_bar("X", inner, -beyond, beyond, chord_error)
-    return _solid(tube, density)
+def _drilled(density: float, bar: RoundBar, holes: tuple[RoundBar, ...], chord_error: float) -> Solid:
+    """A round bar from which others are taken away."""
+    body = _round_bar(*bar, chord_error)
+    for hole in holes:
+        body -= _round_bar(*hole, chord_error)
+    return _solid(body, density)
+
+
+@_kept
+def _weighing(mass: float, bar: RoundBar, holes: tuple[RoundBar, ...], chord_error: float) -> Solid:
+    """The same of a given mass [kg]."""
+    unit = _drilled(1.0, bar, holes, chord_error)
+    return replace(unit, density=mass / unit.mass_properties.volume)
 
 
 def plunger_ends(gear: SteeringGear) -> tuple[float, float]:

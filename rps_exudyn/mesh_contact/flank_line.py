@@ -21,19 +21,8 @@ import numpy as np
 from rps_exudyn.base.compiled import inlined
 from rps_exudyn.forces.friction import coulomb
 from rps_exudyn.forces.rigid_motion import Vector
+from rps_exudyn.mesh_contact import wrench
 from rps_exudyn.mesh_contact.flank_strip import MARGIN
-from rps_exudyn.mesh_contact.wrench import (
-    DAMPING_POWER,
-    ELASTIC_ENERGY,
-    FORCE,
-    FRICTION_POWER,
-    MOMENT,
-    NORMAL_COAST,
-    NORMAL_DRIVE,
-    PENETRATION,
-    TORQUE,
-    TOUCHING,
-)
 
 Coefficients = tuple[float, float, float, float]
 
@@ -250,18 +239,18 @@ def add_side(sums, angle, position, side, data, out):  # type: ignore[no-untyped
     m_z = n_t * sums[LOAD_R] + n_z * sums[DRAG_B_R] - sums[DRAG_R_T]
     f_e, f_y = cos * f_r - sin * f_t, sin * f_r + cos * f_t
     m_e, m_y = cos * m_r - sin * m_t, sin * m_r + cos * m_t
-    out[TORQUE] += m_z + ecc_e * f_y - ecc_y * f_e
+    out[wrench.TORQUE] += m_z + ecc_e * f_y - ecc_y * f_e
     fx, fy, fz = cd * f_e + sd * f_z, f_y, cd * f_z - sd * f_e
     mx, my, mz = cd * m_e + sd * m_z, m_y, cd * m_z - sd * m_e
-    out[FORCE.start] -= fx
-    out[FORCE.start + 1] -= fy
-    out[FORCE.start + 2] -= fz
-    out[MOMENT.start] -= mx + gy * fz - gz * fy
-    out[MOMENT.start + 1] -= my + gz * fx - gx * fz
-    out[MOMENT.start + 2] -= mz + gx * fy - gy * fx
-    out[NORMAL_DRIVE if side.sign < 0 else NORMAL_COAST] += load
-    out[ELASTIC_ENERGY] += sums[ENERGY]
-    out[FRICTION_POWER] += sums[FRICTION_LOSS]
-    out[DAMPING_POWER] += sums[DAMPING_LOSS]
-    out[PENETRATION] = max(out[PENETRATION], sums[DEEPEST])
-    out[TOUCHING] += sums[LINES]
+    out[wrench.FORCE.start] -= fx
+    out[wrench.FORCE.start + 1] -= fy
+    out[wrench.FORCE.start + 2] -= fz
+    out[wrench.MOMENT.start] -= mx + gy * fz - gz * fy
+    out[wrench.MOMENT.start + 1] -= my + gz * fx - gx * fz
+    out[wrench.MOMENT.start + 2] -= mz + gx * fy - gy * fx
+    out[wrench.NORMAL_DRIVE if side.sign < 0 else wrench.NORMAL_COAST] += load
+    out[wrench.ELASTIC_ENERGY] += sums[ENERGY]
+    out[wrench.FRICTION_POWER] += sums[FRICTION_LOSS]
+    out[wrench.DAMPING_POWER] += sums[DAMPING_LOSS]
+    out[wrench.PENETRATION] = max(out[wrench.PENETRATION], sums[DEEPEST])
+    out[wrench.TOUCHING] += sums[LINES]
