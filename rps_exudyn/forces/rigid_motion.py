@@ -51,31 +51,37 @@ def times_transposed(m, x):  # type: ignore[no-untyped-def]
 # --- vectors as tuples, which need no memory ---------------------------------------------------------
 @inlined
 def vector(x):  # type: ignore[no-untyped-def]
+    """An array (3,) as a tuple."""
     return x[0], x[1], x[2]
 
 
 @inlined
 def plus(a, b):  # type: ignore[no-untyped-def]
+    """The sum a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 @inlined
 def minus(a, b):  # type: ignore[no-untyped-def]
+    """The difference a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 @inlined
 def scaled(k, a):  # type: ignore[no-untyped-def]
+    """The multiple k a."""
     return k * a[0], k * a[1], k * a[2]
 
 
 @inlined
 def dot(a, b):  # type: ignore[no-untyped-def]
+    """The scalar product a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @inlined
 def cross(a, b):  # type: ignore[no-untyped-def]
+    """The vector product a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 

@@ -1,4 +1,4 @@
-"""Room between pinion and rack away from the flanks, and where they would cut into each other.
+"""Clearances of pinion and rack away from the flanks, and where they would cut into each other.
 
 All in the pinion's transverse section: the rack's section there is the basic rack, stretched by
 1 / cos beta_p along X, for any shaft angle. Runout takes away from every clearance.
@@ -14,17 +14,17 @@ from rps_exudyn.gears.trochoid import form_point
 
 
 def pinion_root_clearance(pair: GearPair) -> float:
-    """From the rack's tips to the pinion's root circle [m]."""
+    """Clearance of the rack's tips from the pinion's root circle [m]."""
     return pair.rack_dedendum - pair.rack_addendum
 
 
 def rack_root_clearance(pair: GearPair) -> float:
-    """From the pinion's tip circle to the rack's root [m]."""
+    """Clearance of the pinion's tip circle from the rack's root [m]."""
     return pair.reference_line_height + pair.rack_dedendum - pair.tip_radius
 
 
 def rack_tip_interference(pair: GearPair) -> float:
-    """How far the rack's tips reach beyond the end of the cutter's straight flank, if positive [m].
+    """Reach of the rack's tips beyond the end of the cutter's straight flank, if positive [m].
 
     A rack tooth inside the cutter's outline only sweeps room that the cutter swept before. Beyond C1 the
     cutter is rounded and the rack is not: its corners then cut into the pinion's root.
@@ -34,7 +34,7 @@ def rack_tip_interference(pair: GearPair) -> float:
 
 @lru_cache(maxsize=64)
 def pinion_tip_interference(pair: GearPair, positions: int = 2001) -> float:
-    """How deep the pinion's tip corners cut into the rack's root fillets over the mesh, across the teeth [m].
+    """Depth to which the pinion's tip corners cut into the rack's root fillets, across the teeth [m].
 
     Negative: the least room; minus infinity if the corners never come as deep as the fillets.
     """
@@ -58,6 +58,6 @@ def path_on_involute(pair: GearPair) -> tuple[float, float]:
 
 
 def transverse_contact_ratio(pair: GearPair) -> float:
-    """epsilon_alpha over the active path of contact; negative if the teeth do not meet."""
+    """Transverse contact ratio epsilon_alpha; negative if the teeth do not meet."""
     q0, qa = path_on_involute(pair)
     return (qa - q0) * float(np.cos(pair.beta_b)) / pair.normal_base_pitch

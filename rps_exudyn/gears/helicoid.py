@@ -37,7 +37,7 @@ class Flank:
 
     @cached_property
     def theta(self) -> float:
-        """Theta: angle of the involute's root on the base circle at Z = 0 [rad]."""
+        """Angle Theta of the involute's root on the base circle at Z = 0 [rad]."""
         pair = self.pair
         centre = np.pi / 2 + np.pi / pair.teeth * (1 + 2 * self.tooth)
         return float(centre + self.side * half_angle(pair, pair.base_radius)) + self.form.turn(
@@ -47,21 +47,21 @@ class Flank:
     # --- limits --------------------------------------------------------------------------------
     @cached_property
     def form_tangent_length(self) -> float:
-        """q where the trochoid of the root begins [m]."""
+        """Tangent length where the trochoid of the root begins [m]."""
         return form_point(self.pair).tangent_length
 
     @cached_property
     def tip_tangent_length(self) -> float:
-        """q at the tip circle [m]."""
+        """Tangent length at the tip circle [m]."""
         return float(np.sqrt(self.pair.tip_radius**2 - self.pair.base_radius**2))
 
     # --- coordinates ---------------------------------------------------------------------------
     def tangent_length(self, psi: np.ndarray | float, Z: np.ndarray | float) -> np.ndarray:
-        """q [m]."""
+        """Tangent length q [m]."""
         return np.asarray(self.side * self.pair.base_radius * (self.theta - psi - Z * self.pair.twist))
 
     def generator(self, q: np.ndarray | float, Z: np.ndarray | float) -> np.ndarray:
-        """psi of the generator through (q, Z) [rad]."""
+        """Angle psi of the generator through (q, Z) [rad]."""
         return np.asarray(self.theta - Z * self.pair.twist - self.side * q / self.pair.base_radius)
 
     # --- surface -------------------------------------------------------------------------------
@@ -81,7 +81,7 @@ class Flank:
         return self.side * np.stack([-cb * np.sin(psi), cb * np.cos(psi), np.full_like(psi, sb)], axis=-1)
 
     def area_element(self, psi: np.ndarray | float, Z: np.ndarray | float) -> np.ndarray:
-        """dA / (dpsi dZ) = q / cos beta_b [m]."""
+        """Area element dA / (dpsi dZ) = q / cos beta_b, and radius of curvature across the generator [m]."""
         return self.tangent_length(psi, Z) / np.cos(self.pair.beta_b)
 
     def distance(self, points: np.ndarray) -> np.ndarray:

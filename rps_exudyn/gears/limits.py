@@ -32,9 +32,8 @@ from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.parameters.gear import SteeringGear
 
 LEAST_CREST = 0.05  # narrowest crest, in modules; below it a tooth counts as pointed
-STANDARD_ROUNDING = (
-    1e-4  # modules; ISO 53 rounds rho_fP: its flank ends 0.00003 m_n before the rack's tips do
-)
+# ISO 53 rounds rho_fP: its flank ends 0.00003 m_n before the rack's tips do
+STANDARD_ROUNDING = 1e-4  # in modules
 ROUNDING = 1e-9  # a limit met to a nanometre is met [m]
 
 
@@ -48,6 +47,7 @@ class Violation:
     forgivable: bool = False  # a gear with it can be built all the same
 
     def sentence(self, gear: SteeringGear) -> str:
+        """The message: what is wrong, the parameter's value, and its nearest admissible value."""
         parameter = gear.declared_at(self.path)[0]
         now = f"{self.path} is {parameter.show(gear.value_at(self.path))}"
         if self.nearest is None:

@@ -48,7 +48,7 @@ class RackFlank:
 
 @dataclass(frozen=True)
 class RackBar:
-    """Where the bar and its teeth begin and end."""
+    """Ends of the bar and of its teeth."""
 
     pair: GearPair
     x_min: float  # ends of the bar [m]
@@ -65,7 +65,7 @@ class RackBar:
 
     @property
     def largest_displacement(self) -> float:
-        """How far the rack may move either way until the pinion leaves its teeth [m]."""
+        """Largest displacement either way at which the pinion stays on the rack's teeth [m]."""
         return self.teeth_each_way * self.pair.rack_pitch - pinion_reach(self.pair)
 
     @property
@@ -75,10 +75,12 @@ class RackBar:
 
     @cached_property
     def tip_height(self) -> float:
+        """Y of the teeth's tips [m]."""
         return -self.pair.reference_height - self.pair.rack_addendum
 
     @cached_property
     def root_height(self) -> float:
+        """Y of the teeth's roots [m]."""
         return -self.pair.reference_height + self.pair.rack_dedendum
 
     @property

@@ -22,7 +22,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 
 
 class FormPoint(NamedTuple):
-    """Where involute and trochoid meet."""
+    """The point where involute and trochoid meet."""
 
     eta: float  # of the trochoid [rad]
     tangent_length: float  # of the involute, q_form [m]
@@ -47,7 +47,7 @@ def trochoid(pair: GearPair, eta: np.ndarray | float) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def form_point(pair: GearPair) -> FormPoint:
-    """Where the pinion's involute ends and its root begins.
+    """The point where the pinion's involute ends and its root begins.
 
     Raises:
         ValueError: undercut leaves nothing of the involute.

@@ -10,7 +10,7 @@
 
 The few strips that become too wide for this, near the form circle, are integrated along their generators.
 
-All teeth of both sides are found without search: psi* gives q*(Z) of every tooth, and the flank is where
+No search is needed for the teeth of both sides: psi* gives q*(Z) of every tooth, and the flank is where
 q_form <= q <= q_tip. Two laws, one per `mesh.law`:
 
 "area"  pressure = stiffness * (depth + damping * its rate), never pulling: a bed of springs, the same
@@ -57,7 +57,7 @@ from rps_exudyn.mesh_contact.strip_limits import BREAKS, LIMITS, bound, ends_of,
 from rps_exudyn.mesh_contact.wrench import WRENCH_SIZE
 
 COARSE, GENERATORS = 28, 32  # for the few strips that are too wide for an expansion
-FINE = 200  # for what is integrated along generators alone
+FINE = 200  # where all is integrated along generators
 
 
 @kernel

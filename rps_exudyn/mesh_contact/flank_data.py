@@ -57,7 +57,7 @@ class FlankData(NamedTuple):
     # integration
     along: np.ndarray  # rules (4, 2, n) along a segment of a line
     across: np.ndarray  # and across a strip
-    generators: int  # > 0: by so many generators instead of strips
+    generators: int  # > 0: over n generators instead of strips
 
 
 def pack(

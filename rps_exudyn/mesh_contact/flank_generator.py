@@ -1,4 +1,4 @@
-"""The flank contact on single generators, exact: where one is in contact, and the loads on it.
+"""The flank contact on single generators, exact: its limits and the loads between them.
 
 On a generator xi = const of the pinion's flank the point runs along a straight line and the depth is a
 polynomial of degree 2 in Z (1 without modifications of the flank), so that its part in contact is an
@@ -10,7 +10,7 @@ import numpy as np
 from rps_exudyn.base.compiled import inlined, kernel
 from rps_exudyn.mesh_contact.flank_line import press
 
-REACH = 0.35  # generators within this angle of a line's crest are looked at [rad]
+REACH = 0.35  # contact is sought within this angle of a line's crest [rad]
 
 
 @kernel
@@ -18,7 +18,7 @@ def press_area(coarse, generators, band, line, side, data, sums):  # type: ignor
     """Add the loads of one line's area within a band of the flank: midpoint rule across the generators.
 
     Corners of the area make kinks, so that the error falls with the square of the number of generators.
-    `coarse` of them are looked at to find the area. Returns the greatest depth.
+    The area is found on `coarse` of them. Returns the greatest depth.
     """
     step = 2 * REACH / coarse
     low, high = REACH, -REACH
@@ -39,7 +39,7 @@ def press_area(coarse, generators, band, line, side, data, sums):  # type: ignor
 
 @kernel
 def _last(xi, step, band, line, side, data):  # type: ignore[no-untyped-def]
-    """By bisection, the last generator in contact between xi and xi + step."""
+    """The last generator in contact between xi and xi + step, by bisection."""
     for _ in range(24):
         step /= 2
         z_0, z_1 = interval(xi + step, band, line, side, data)
@@ -98,7 +98,7 @@ def _on_axis(coefficients, p_r, p_t, d_r, d_t):  # type: ignore[no-untyped-def]
 
 @inlined
 def interval(xi, band, line, side, data):  # type: ignore[no-untyped-def]
-    """Z between which a generator is in contact."""
+    """The Z between which a generator is in contact."""
     p_r, p_t, q, d_r, d_t, dq = _on_generator(xi, line, side, data)
     low, high = _clip(-data.half_face, data.half_face, band.high - q, -dq, 0.0)
     low, high = _clip(low, high, q - band.low, dq, 0.0)

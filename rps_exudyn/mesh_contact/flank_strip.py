@@ -134,7 +134,7 @@ def crest(strip, z):  # type: ignore[no-untyped-def]
 
 @inlined
 def is_wide(strip, from_, to):  # type: ignore[no-untyped-def]
-    """Does the strip grow so wide, near the form circle, that the expansions do not hold?
+    """Whether the strip grows so wide, near the form circle, that the expansions do not hold.
 
     The half width over the tangent length is largest where the latter is least, at an end.
     """

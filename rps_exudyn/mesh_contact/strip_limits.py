@@ -35,7 +35,7 @@ def _row_of(limit):  # type: ignore[no-untyped-def]
 
 
 class Ends(NamedTuple):
-    """Where a strip begins and ends on its line xi = 0, how it leans there, and which limits do it."""
+    """The ends of a strip on its line xi = 0, how it leans there, and the limits that end it."""
 
     low: float
     high: float
