@@ -73,7 +73,7 @@ MAKERS = {"kernel", "inlined", "kernel_over"}
 
 
 def _used_by_kernels(tree: ast.AST) -> set[str]:
-    """Names in compiled functions: those decorated by a maker, or untyped as the closures of `kernel_over`."""
+    """Names in compiled functions, decorated or untyped as the closures of `kernel_over` are."""
     functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef) and not node.returns]
     nodes = [node for function in functions for node in ast.walk(function)]
     return {node.id for node in nodes if isinstance(node, ast.Name)} - MAKERS
