@@ -43,7 +43,9 @@ class Solid:
         second = sum(np.einsum("i,ij,ik->jk", volumes, p, p) for p in (a, b, c, total)) / 20
         second = second - volume * np.outer(centre, centre)
         inertia = self.density * (np.trace(second) * np.eye(3) - second)
-        return MassProperties(float(volume), float(self.density * volume), origin + centre, inertia)
+        centre = origin + centre
+        centre.flags.writeable = inertia.flags.writeable = False  # solids are shared
+        return MassProperties(float(volume), float(self.density * volume), centre, inertia)
 
 
 def refuse_defects(name: str, vertices: np.ndarray, faces: np.ndarray) -> None:

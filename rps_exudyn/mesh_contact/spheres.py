@@ -52,7 +52,7 @@ def contact_data(gear: SteeringGear, *, profile: int, axial: int, friction_zone:
     )
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=2)  # they may be many
 def _spheres(pair: GearPair, form: FlankForm, profile: int, axial: int) -> tuple[np.ndarray, np.ndarray]:
     """Centres (z, 2, n, 3) [m] and areas (z, 2, n) [m^2] by tooth space, drive and coast flank."""
     mesh = pinion_mesh(pair, CHORD_ERROR)
