@@ -18,21 +18,20 @@ from scipy.spatial.transform import Rotation
 
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.flank_contact import flank_contact
-from rps_exudyn.mesh_contact.flank_data import pack, pack_generators
-from rps_exudyn.mesh_contact.flank_quadrature import flank_quadrature
+from rps_exudyn.mesh_contact.flank_data import FlankData, pack
 from rps_exudyn.parameters.gear import SteeringGear
 
 ANGLES = np.linspace(0, np.pi / 3, 25)[:-1]
 PRESS = 12e-6  # by which the rack is pressed into the mesh [m]
 
-EVALUATORS: dict[str, tuple[Callable[..., Any], Callable[[SteeringGear], np.ndarray]]] = {
+EVALUATORS: dict[str, tuple[Callable[..., Any], Callable[[SteeringGear], FlankData]]] = {
     "strip, 2 stations x 2": (flank_contact, lambda gear: pack(gear, along=2)),
     "strip, 3 x 2": (flank_contact, lambda gear: pack(gear, along=3)),
     "strip, 4 x 2 (default)": (flank_contact, pack),
     "strip, 6 x 3": (flank_contact, lambda gear: pack(gear, along=6, across=3)),
-    "20 generators": (flank_quadrature, lambda gear: pack_generators(gear, generators=20)),
-    "40 generators": (flank_quadrature, lambda gear: pack_generators(gear, generators=40)),
-    "160 generators": (flank_quadrature, lambda gear: pack_generators(gear, generators=160)),
+    "20 generators": (flank_contact, lambda gear: pack(gear, generators=20)),
+    "40 generators": (flank_contact, lambda gear: pack(gear, generators=40)),
+    "160 generators": (flank_contact, lambda gear: pack(gear, generators=160)),
 }
 CASES: dict[str, tuple[dict[str, object], tuple[float, float, float]]] = {
     "the paper's gear": ({}, (0, 0, 0)),
@@ -63,7 +62,7 @@ def states(gear: SteeringGear, turn: tuple[float, float, float]) -> list[tuple[A
     return [(-angle, -1.0, place + angle * x, rotation, v, np.zeros(3)) for angle in ANGLES]
 
 
-def microseconds(kernel: Callable[..., Any], arguments: list[tuple[Any, ...]], data: np.ndarray) -> float:
+def microseconds(kernel: Callable[..., Any], arguments: list[tuple[Any, ...]], data: FlankData) -> float:
     """CPU time of one evaluation."""
     angles = np.array([args[0] for args in arguments])
     places = np.array([args[2] for args in arguments])
@@ -85,11 +84,11 @@ def microseconds(kernel: Callable[..., Any], arguments: list[tuple[Any, ...]], d
 
 
 def errors(
-    kernel: Callable[..., Any], gear: SteeringGear, turn: tuple[float, float, float], data: np.ndarray
+    kernel: Callable[..., Any], gear: SteeringGear, turn: tuple[float, float, float], data: FlankData
 ) -> tuple[float, float]:
     """Torque RMS and largest of the wrench, both in %."""
-    reference = pack_generators(gear, generators=1280)
-    exact = np.array([flank_quadrature(*args, reference) for args in states(gear, turn)])
+    reference = pack(gear, generators=1280)
+    exact = np.array([flank_contact(*args, reference) for args in states(gear, turn)])
     found = np.array([kernel(*args, data) for args in states(gear, turn)])
     off = found[:, :7] - exact[:, :7]
     normal, radius = exact[:, 7:9].sum(axis=1).mean(), GearPair.of(gear).base_radius

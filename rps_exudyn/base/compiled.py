@@ -15,8 +15,9 @@ from typing import Any
 import numba
 import numpy as np
 from numba.core.caching import FunctionCache
+from numba.experimental import structref
 
-# What compiled code is made of: the kernels, and the tables whose entries they know by number
+# What compiled code is made of: the kernels, and the constants and NamedTuples that they read
 KERNEL_SOURCES = (
     "base/compiled.py",
     "solvers/gear_kernel.py",
@@ -81,3 +82,28 @@ def kernel_over(function: Callable[..., Any], *kernels: Callable[..., Any]) -> C
     compiled = numba.njit(function, error_model="numpy")
     compiled._cache = _FingerprintedCache(function)
     return compiled
+
+
+@structref.register
+class _HandleType(numba.types.StructRef):
+    """The compiled type of a `Handle`."""
+
+
+class Handle(structref.StructRefProxy):
+    """A tuple of constants that compiled functions read as `handle.data`.
+
+    A nested NamedTuple is unpacked number by number in each call from Python, which takes as long as a third
+    of the gear's forces; a handle is one pointer.
+    """
+
+    def __new__(cls, data: tuple[Any, ...]) -> "Handle":
+        return _new_handle(data)
+
+
+structref.define_boxing(_HandleType, Handle)
+structref.define_constructor(Handle, _HandleType, ["data"])
+
+
+@kernel
+def _new_handle(data):  # type: ignore[no-untyped-def]
+    return Handle(data)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from rps_exudyn.charts import style
 from rps_exudyn.charts.shading import shaded_image
 from rps_exudyn.gears.assembly import assembled
-from rps_exudyn.gears.clearance import active_field
+from rps_exudyn.gears.clearance import path_on_involute
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank, transverse_profile
 from rps_exudyn.gears.polyhedron import Solid, from_manifold, to_manifold
@@ -108,7 +108,7 @@ def _draw_mesh(axes: Axes, pair: GearPair, solids: dict[str, Solid]) -> None:
     angle = np.linspace(0, 2 * np.pi, 361)
     axes.plot(pitch * np.cos(angle), pitch * np.sin(angle), color="#b45f06", linewidth=0.8, linestyle="-.")
     axes.axhline(pitch, color="#b45f06", linewidth=0.8, linestyle="-.", label="pitch circle and pitch line")
-    ends = np.array(active_field(pair))
+    ends = np.array(path_on_involute(pair))
     for side, name, colour in ((-1, "drive", "#b00020"), (1, "coast", "#0b5394")):
         direction = np.array([-side * np.cos(pair.alpha_t), np.sin(pair.alpha_t)])
         line = 1e3 * (np.array([0, pair.reference_radius]) + ends[:, None] * direction)
@@ -131,7 +131,7 @@ def _section(pair: GearPair, solid: Solid) -> list[np.ndarray]:
 
 def _contacts(pair: GearPair, side: int) -> np.ndarray:
     """Positions q on the line of contact where flanks touch at pinion angle 0 in the middle plane [m]."""
-    start, end = active_field(pair)
+    start, end = path_on_involute(pair)
     tangent_point = np.pi / 2 - side * pair.alpha_t
     lengths = np.array(
         [float(Flank(pair, tooth, side).tangent_length(tangent_point, 0.0)) for tooth in range(pair.teeth)]

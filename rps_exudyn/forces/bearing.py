@@ -6,18 +6,21 @@ import numpy as np
 
 from rps_exudyn.base.compiled import kernel
 from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.forces.friction import constant_drag
 from rps_exudyn.parameters.gear import SteeringGear
 
 
 class BearingData(NamedTuple):
-    torque: float
+    """Constants of the bearings' friction."""
+
+    torque: float  # [N m]
     zone: float  # friction zone [rad/s]
 
 
 @kernel
 def bearing_force(q, v, data):  # type: ignore[no-untyped-def]
     """Friction torque, linear below the zone; q = pinion (1)."""
-    torque = data.torque * v[0] / max(abs(v[0]), data.zone)
+    torque = constant_drag(data.torque, v[0], data.zone)
     return np.array([-torque, 0.0, torque * v[0], 0.0, torque])
 
 

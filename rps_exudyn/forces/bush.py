@@ -32,6 +32,7 @@ class Tube:
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "Tube":
+        """The gear's bush as a thin-walled tube."""
         bush = gear.bush
         outer, inner = bush.outer_diameter / 2, bush.inner_diameter / 2
         area = np.pi * (outer**2 - inner**2)
@@ -44,10 +45,6 @@ class Tube:
             bending=bush.youngs_modulus * inertia,
         )
 
-    def euler_bernoulli(self) -> "Tube":
-        """The same tube, stiff in shear."""
-        return Tube(self.axial, np.inf, self.torsion, self.bending)
-
     def connection(self, length: float) -> np.ndarray:
         """Stiffness of a piece at its middle, shape (6,): along x, y, z, about x, y, z.
 
@@ -56,15 +53,6 @@ class Tube:
         lateral = 1 / (length**3 / (12 * self.bending) + length / self.shear)
         bending = self.bending / length
         return np.array([self.axial / length, lateral, lateral, self.torsion / length, bending, bending])
-
-    def tip_compliance(self, length: float) -> np.ndarray:
-        """Exact static compliance of the cantilever's free end, shape (6, 6): x y z, about x y z."""
-        c = np.diag(length / np.array([self.axial, np.inf, np.inf, self.torsion, self.bending, self.bending]))
-        c[1, 1] = c[2, 2] = length**3 / (3 * self.bending) + length / self.shear
-        slope = length**2 / (2 * self.bending)
-        c[1, 5] = c[5, 1] = slope  # a force along y turns about +z
-        c[2, 4] = c[4, 2] = -slope  # a force along z turns about -y
-        return c
 
 
 @dataclass(frozen=True)
@@ -78,6 +66,7 @@ class Connection:
 
     @property
     def locked(self) -> bool:
+        """Whether the neighbours are one rigid body."""
         return bool(np.isinf(self.stiffness).all())
 
 
@@ -92,7 +81,7 @@ class Chain:
 
     @classmethod
     def of(cls, tube: Tube, length: float, segments: int) -> "Chain":
-        """Connections from centre to centre, and half pieces at both ends."""
+        """A chain of connections from centre to centre, and half pieces at both ends."""
         h = length / segments
         centres = h * (np.arange(segments) + 0.5)
         root = Connection(-1, 0, h / 4, tube.connection(h / 2))
@@ -121,11 +110,6 @@ class Chain:
             total += carry @ np.diag(1 / connection.stiffness) @ carry.T
         return total
 
-    def tip_compliance(self) -> np.ndarray:
-        """The same at the end face, with the last half piece, shape (6, 6)."""
-        carry = _carry(self.length - self.end_station)
-        return self.compliance_at(self.length) + carry @ np.diag(1 / self.end) @ carry.T
-
 
 def _inner(tube: Tube, h: float, segments: int) -> tuple[Connection, ...]:
     return tuple(Connection(i, i + 1, h * (i + 1), tube.connection(h)) for i in range(segments - 1))
@@ -149,8 +133,8 @@ def adams_chain(gear: SteeringGear) -> Chain:
 
 
 def lateral_stiffness(chain: Chain) -> np.ndarray:
-    """Of the bush's free end with its fit, seen in the housing: forces along y, z and moments about y, z over
-    displacements and tilts, shape (4, 4) [N/m, N, N m]."""
+    """Stiffness of the bush's free end with its fit, seen in the housing: forces along y, z and moments about
+    y, z over displacements and tilts, shape (4, 4) [N/m, N, N m]."""
     compliance = chain.compliance_at(chain.end_station) + np.diag(1 / chain.end)
     # the chain's stations run against X: lateral motion about y and z changes sign with the lever
     mirror = np.diag([1.0, 1.0, -1.0, -1.0])
@@ -158,7 +142,7 @@ def lateral_stiffness(chain: Chain) -> np.ndarray:
 
 
 def housing_station(gear: SteeringGear, station: float | np.ndarray) -> Any:
-    """X in the housing of a station on the chain: its free end faces the mesh."""
+    """X in the housing of a station on the chain [m]; its free end faces the mesh."""
     return gear.bush.distance + gear.bush.length - station
 
 

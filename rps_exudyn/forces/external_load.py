@@ -1,4 +1,4 @@
-"""Forces from outside on the rack: a load at its end, its own weight, a pulse that shakes it."""
+"""External forces on the rack: a load at its end, its weight, a pulse."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -65,7 +65,7 @@ class Pulse:
     count: int
 
     def force(self, time: float) -> np.ndarray:
-        """At a time from the first pulse on [s], shape (3,)."""
+        """Force at a time from the first pulse on [s], shape (3,) [N]."""
         number, since = divmod(time, self.period)
         if time < 0 or number >= self.count or since >= self.duration:
             return np.zeros(3)

@@ -1,8 +1,8 @@
 """Forces between bodies as one compiled function, the same for Exudyn and for the equilibrium solver.
 
 A force element reads the coordinates q and rates v of its bodies, stacked in the order of `bodies`, and
-returns one array: the generalised forces, then the energy_terms (what it stores and what it dissipates),
-then values of its own, named in `outputs`.
+returns one array: the generalised forces, then the energy terms (stored energy and dissipated powers), then
+values of its own, named in `outputs`.
 """
 
 from collections.abc import Callable, Mapping
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-# The energy_terms, behind the generalised forces in every element's output
+# The energy terms, behind the generalised forces in every element's output [J, W, W]
 ELASTIC_ENERGY, FRICTION_POWER, DAMPING_POWER = 0, 1, 2
 ENERGY_TERMS = 3
 
@@ -25,9 +25,9 @@ class ForceElement:
     Attributes:
         name: which force this is, as in the results.
         bodies: the bodies whose coordinates it reads, in the order in which they are stacked.
-        kernel: (q, v, data) -> forces (n,), energy_terms (3,), own outputs.
+        kernel: (q, v, data) -> forces (n,), energy terms (3,), own outputs.
         data: the law's constants, a NamedTuple.
-        outputs: names of the values behind the energy_terms.
+        outputs: names of the values behind the energy terms.
         valid_to: outputs above which the law does not hold any more, and their bounds.
     """
 
@@ -44,4 +44,5 @@ class ForceElement:
         return sum(COORDINATES[body] for body in self.bodies)
 
     def evaluate(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Forces, energy terms and own outputs for one state (n,), (n,)."""
         return self.kernel(q, v, self.data)

@@ -1,4 +1,4 @@
-"""How a rigid body's node coordinates become motion: Exudyn's RotationRxyz in compiled form.
+"""Rigid motion from a body's node coordinates: Exudyn's RotationRxyz in compiled form.
 
 Angles (a, b, c) turn a body by Rx(a) Ry(b) Rz(c); its angular velocity is G (a', b', c'). A force f and a
 moment m about the body's reference point act on the coordinates as (f, G^T m).
@@ -10,10 +10,12 @@ import numpy as np
 
 from rps_exudyn.base.compiled import inlined, kernel
 
+Vector = tuple[float, float, float]
+
 
 @kernel
 def rotation_matrix(angles):  # type: ignore[no-untyped-def]
-    """Body -> housing, shape (3, 3)."""
+    """Rotation body -> housing, shape (3, 3)."""
     ca, sa = np.cos(angles[0]), np.sin(angles[0])
     cb, sb = np.cos(angles[1]), np.sin(angles[1])
     cc, sc = np.cos(angles[2]), np.sin(angles[2])
@@ -36,53 +38,59 @@ def spin_map(angles):  # type: ignore[no-untyped-def]
 
 @kernel
 def times(m, x):  # type: ignore[no-untyped-def]
-    """m x; for three by three numbers a library call would cost more than the sum."""
+    """The product m x; for three by three numbers a library call would cost more than the sum."""
     return np.array([dot(m[0], x), dot(m[1], x), dot(m[2], x)])
 
 
 @kernel
 def times_transposed(m, x):  # type: ignore[no-untyped-def]
-    """m^T x."""
+    """The product m^T x."""
     return x[0] * m[0] + x[1] * m[1] + x[2] * m[2]
 
 
 # --- vectors as tuples, which need no memory ---------------------------------------------------------
 @inlined
 def vector(x):  # type: ignore[no-untyped-def]
+    """An array (3,) as a tuple."""
     return x[0], x[1], x[2]
 
 
 @inlined
 def plus(a, b):  # type: ignore[no-untyped-def]
+    """The sum a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 @inlined
 def minus(a, b):  # type: ignore[no-untyped-def]
+    """The difference a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 @inlined
 def scaled(k, a):  # type: ignore[no-untyped-def]
+    """The multiple k a."""
     return k * a[0], k * a[1], k * a[2]
 
 
 @inlined
 def dot(a, b):  # type: ignore[no-untyped-def]
+    """The scalar product a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @inlined
 def cross(a, b):  # type: ignore[no-untyped-def]
+    """The vector product a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 class Turn(NamedTuple):
-    """What the angles of a body say about its x axis and its spin."""
+    """A body's x axis, and how its spin follows from the rates of its angles."""
 
-    axis: tuple[float, float, float]  # in the housing
-    about_b: tuple[float, float, float]  # spin per rate of the second angle; of the first it is (1, 0, 0)
-    about_c: tuple[float, float, float]  # and of the third
+    axis: Vector  # in the housing
+    about_b: Vector  # spin per rate of the second angle; of the first it is (1, 0, 0)
+    about_c: Vector  # and of the third
 
 
 @inlined
@@ -105,5 +113,5 @@ def spin_of(turn, rates):  # type: ignore[no-untyped-def]
 
 @inlined
 def on_angles(turn, moment):  # type: ignore[no-untyped-def]
-    """G^T m."""
+    """Moments on the angles, G^T m."""
     return moment[0], dot(turn.about_b, moment), dot(turn.about_c, moment)

@@ -4,7 +4,6 @@ The rack slides, rolls and swivels with what carries it: the last segment of the
 the whole chain's stiffness condensed into the fit.
 """
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +13,7 @@ from rps_exudyn.forces.bush import RIGID_END, Chain, housing_station, lateral_st
 from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.forces.friction import coulomb
 from rps_exudyn.forces.rigid_motion import (
+    Vector,
     cross,
     dot,
     minus,
@@ -41,19 +41,19 @@ class FitData(NamedTuple):
 class Held(NamedTuple):
     """A body of the fit: reference point in the housing, its velocity, the x axis, angular velocity."""
 
-    place: tuple[float, float, float]
-    velocity: tuple[float, float, float]
-    axis: tuple[float, float, float]
-    spin: tuple[float, float, float]
+    place: Vector
+    velocity: Vector
+    axis: Vector
+    spin: Vector
 
 
 class FitLoads(NamedTuple):
-    """What the fit does to the rack; the opposite, at the same place, to the carrier."""
+    """Loads of the fit on the rack; the opposite act at the same place on the carrier."""
 
-    force: tuple[float, float, float]
-    moment: tuple[float, float, float]  # about the place of the fit
-    lever_carrier: tuple[float, float, float]  # from each body's reference point to that place
-    lever_rack: tuple[float, float, float]
+    force: Vector
+    moment: Vector  # about the place of the fit
+    lever_carrier: Vector  # from each body's reference point to that place
+    lever_rack: Vector
     stored: float
     lost: float
     lateral: float
@@ -62,7 +62,7 @@ class FitLoads(NamedTuple):
 
 @inlined
 def fit_loads(carrier, rack, data):  # type: ignore[no-untyped-def]
-    """The rack slides and rolls in its carrier and swivels with it.
+    """Loads between rack and carrier: the rack slides and rolls in its carrier and swivels with it.
 
     The elastic connection sits at one place: on the carrier a fixed point, on the rack the point of its
     axis that passes there. Force and moment act at that place on both bodies.
@@ -108,7 +108,7 @@ def _held(q, v):  # type: ignore[no-untyped-def]
 
 @inlined
 def _fill(out, loads, turn):  # type: ignore[no-untyped-def]
-    """The forces on the rack, the energy_terms, and the outputs."""
+    """Fill the forces on the rack, the energy terms, and the outputs."""
     moment = plus(loads.moment, cross(loads.lever_rack, loads.force))
     out[0], out[1], out[2] = loads.force
     out[3], out[4], out[5] = on_angles(turn, moment)
@@ -131,7 +131,7 @@ def fit_force(q, v, data):  # type: ignore[no-untyped-def]
 
 @kernel
 def held_fit_force(q, v, data):  # type: ignore[no-untyped-def]
-    """The same fit in a carrier that is part of the housing; q = rack (6)."""
+    """The fit in a carrier that is part of the housing; q = rack (6)."""
     out = np.empty(6 + 3 + 2)
     still = (0.0, 0.0, 0.0)
     rack, turn = _held(q, v)
@@ -140,18 +140,13 @@ def held_fit_force(q, v, data):  # type: ignore[no-untyped-def]
 
 
 FIT_OUTPUTS = ("bush_lateral_force", "bush_drag")
+LATERAL = [1, 2, 4, 5]  # of x y z, about x y z
 
 
 def chain_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float) -> ForceElement:
     """The rack in the last segment of a chain: the last half piece is the fit's elasticity."""
-    data = FitData(
-        stiffness=np.diag(chain.end[[1, 2, 4, 5]]),
-        drag=gear.bush.drag,
-        zone=friction_zone,
-        radius=gear.rack.bar_diameter / 2,
-        station=housing_station(gear, chain.end_station),
-        lever=-(chain.end_station - chain.centres[-1]),
-    )
+    stiffness, lever = np.diag(chain.end[LATERAL]), -(chain.end_station - chain.centres[-1])
+    data = _data(gear, stiffness, chain.end_station, friction_zone)._replace(lever=lever)
     return ForceElement("bush", ("segment", "rack"), fit_force, data, FIT_OUTPUTS)
 
 
@@ -160,31 +155,24 @@ def condensed_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float) -> 
 
     Axial stretch and twist of the bush are left out: only the drag loads them.
     """
-    data = FitData(
-        stiffness=lateral_stiffness(chain),
-        drag=gear.bush.drag,
-        zone=friction_zone,
-        radius=gear.rack.bar_diameter / 2,
-        station=housing_station(gear, chain.end_station),
-        lever=0.0,
-    )
-    return ForceElement("bush", ("rack",), held_fit_force, data, FIT_OUTPUTS)
+    return _held_fit(_data(gear, lateral_stiffness(chain), chain.end_station, friction_zone))
 
 
 def rigid_fit(gear: SteeringGear, *, friction_zone: float) -> ForceElement:
-    """The rack in a bush that does not give: stiff in place of rigid, at the bush's free end."""
-    data = FitData(
-        stiffness=np.diag(RIGID_END[[1, 2, 4, 5]]),
-        drag=gear.bush.drag,
-        zone=friction_zone,
-        radius=gear.rack.bar_diameter / 2,
-        station=housing_station(gear, gear.bush.length),
-        lever=0.0,
-    )
-    return ForceElement("bush", ("rack",), held_fit_force, data, FIT_OUTPUTS)
+    """The rack in a bush that does not yield: stiff in place of rigid, at the bush's free end."""
+    return _held_fit(_data(gear, np.diag(RIGID_END[LATERAL]), gear.bush.length, friction_zone))
 
 
 def loose_fit(gear: SteeringGear, *, friction_zone: float) -> ForceElement:
-    """A fit that drags and does not hold: of a rack that is guided otherwise."""
-    held = rigid_fit(gear, friction_zone=friction_zone)
-    return replace(held, data=held.data._replace(stiffness=np.zeros((4, 4))))
+    """A fit that drags but does not hold, for a rack that is guided otherwise."""
+    return _held_fit(_data(gear, np.zeros((4, 4)), gear.bush.length, friction_zone))
+
+
+def _data(gear: SteeringGear, stiffness: np.ndarray, station: float, friction_zone: float) -> FitData:
+    """The fit at a station of the chain [m]."""
+    radius, at = gear.rack.bar_diameter / 2, housing_station(gear, station)
+    return FitData(stiffness, gear.bush.drag, friction_zone, radius, at, lever=0.0)
+
+
+def _held_fit(data: FitData) -> ForceElement:
+    return ForceElement("bush", ("rack",), held_fit_force, data, FIT_OUTPUTS)

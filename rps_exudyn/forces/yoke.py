@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.base.compiled import kernel
+from rps_exudyn.base.quadrature import gauss_legendre
 from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.forces.friction import coulomb
 from rps_exudyn.forces.rigid_motion import on_angles, spin_of, turn_of
@@ -34,7 +35,7 @@ class SeatData(NamedTuple):
     arc_y: np.ndarray  # outward normal of the bar at each point: along the yoke axis ...
     arc_z: np.ndarray  # ... and across
     station: np.ndarray  # its position along the rack [m]
-    stiffness: np.ndarray  # its share [N/m]
+    stiffness: np.ndarray  # and its part of the seat's stiffness [N/m]
 
 
 @kernel
@@ -87,11 +88,11 @@ def seat_force(q, v, data):  # type: ignore[no-untyped-def]
 def seat(gear: SteeringGear, *, friction_zone: float, rest_gap: float) -> ForceElement:
     """Contact of the plunger's cylindrical seat with the back of the rack."""
     yoke = gear.yoke
-    x, wx = np.polynomial.legendre.leggauss(ARC_POINTS)
-    s, ws = np.polynomial.legendre.leggauss(LENGTH_POINTS)
+    x, wx = gauss_legendre(ARC_POINTS)
+    s, ws = gauss_legendre(LENGTH_POINTS)
     arc, arc_weight = yoke.seat_angle * x, yoke.seat_angle * wx
     # pressure per depth such that the whole seat has `seat_stiffness` along the yoke axis
-    share = arc_weight / np.sum(arc_weight * np.cos(arc) ** 2)
+    fraction = arc_weight / np.sum(arc_weight * np.cos(arc) ** 2)
     data = SeatData(
         bar_radius=gear.rack.bar_diameter / 2,
         friction=yoke.friction,
@@ -100,14 +101,16 @@ def seat(gear: SteeringGear, *, friction_zone: float, rest_gap: float) -> ForceE
         arc_y=np.cos(np.repeat(arc, s.size)),
         arc_z=np.sin(np.repeat(arc, s.size)),
         station=np.tile(yoke.seat_length / 2 * s, arc.size),
-        stiffness=yoke.seat_stiffness * np.outer(share, ws / 2).ravel(),
+        stiffness=yoke.seat_stiffness * np.outer(fraction, ws / 2).ravel(),
     )
     return ForceElement("seat", ("rack", "plunger"), seat_force, data, ("seat_normal_force", "seat_force"))
 
 
 class SpringData(NamedTuple):
-    rate: float
-    preload: float
+    """Constants of the yoke spring."""
+
+    rate: float  # [N/m]
+    preload: float  # [N]
 
 
 @kernel
@@ -125,8 +128,10 @@ def spring(gear: SteeringGear) -> ForceElement:
 
 
 class NutData(NamedTuple):
-    stiffness: float
-    clearance: float
+    """Constants of the yokenut's contact."""
+
+    stiffness: float  # [N/m]
+    clearance: float  # [m]
 
 
 @kernel

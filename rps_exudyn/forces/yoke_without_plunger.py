@@ -11,29 +11,22 @@ import numpy as np
 from rps_exudyn.base.compiled import kernel
 from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.forces.friction import coulomb
-from rps_exudyn.forces.rigid_motion import (
-    cross,
-    dot,
-    on_angles,
-    plus,
-    scaled,
-    spin_of,
-    turn_of,
-    vector,
-)
+from rps_exudyn.forces.rigid_motion import cross, dot, on_angles, plus, scaled, spin_of, turn_of, vector
 from rps_exudyn.forces.yoke import seat_wedge_factor
 from rps_exudyn.parameters.gear import SteeringGear
 
 
 class YokeForceData(NamedTuple):
-    preload: float
+    """Constants of the yoke as a force."""
+
+    preload: float  # [N]
     rate: float  # of the spring [N/m]
-    clearance: float
+    clearance: float  # [m]
     stop: float  # stiffness of the yokenut's contact and the seat in series [N/m]
     guide: float  # sideways stiffness of the seat [N/m]
     friction: float  # coefficient times the seat's wedge factor
     zone: float  # friction zone [m/s]
-    bar_radius: float
+    bar_radius: float  # [m]
     approach: float  # of the rack to the pinion at rest under the preload [m]
 
 

@@ -1,4 +1,4 @@
-"""The parts where they stand in the gear, housing frame, for pictures and export."""
+"""The parts assembled in the housing frame, for pictures and export."""
 
 import numpy as np
 

@@ -19,7 +19,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 
 
 def involute(alpha: float | np.ndarray) -> float | np.ndarray:
-    """inv(alpha) = tan(alpha) - alpha [rad]."""
+    """The involute function inv(alpha) = tan(alpha) - alpha [rad]."""
     return np.tan(alpha) - alpha
 
 
@@ -63,7 +63,7 @@ def rack_tooth(pair: GearPair, chord_error: float) -> np.ndarray:
 
 
 def arc_segments(radius: float, angle: float, chord_error: float) -> int:
-    """How many chords an arc needs: the sagitta r (1 - cos(step / 2)) stays within `chord_error` [m]."""
+    """Number of chords of an arc whose sagitta r (1 - cos(step / 2)) stays within `chord_error` [m]."""
     step = 2 * np.arccos(max(1 - chord_error / radius, 0.5)) if radius > 0 else np.inf
     return max(int(np.ceil(abs(angle) / step - 1e-9)), 1)
 
@@ -116,8 +116,3 @@ def tip_radius_for_crest(pair: GearPair, width: float) -> float:
     return float(
         brentq(lambda radius: crest_width(pair, radius) - width, pair.base_radius, outside, xtol=1e-15)
     )
-
-
-def all_addendum_shift(pair: GearPair) -> float:
-    """Profile shift that puts the rack's tips on the pitch line: x = h_aP / m_n; contact is all recess."""
-    return pair.rack_addendum / pair.module

@@ -1,8 +1,10 @@
-"""Room between pinion and rack away from the flanks, and where they would cut into each other.
+"""Clearances of pinion and rack away from the flanks, and where they would cut into each other.
 
 All in the pinion's transverse section: the rack's section there is the basic rack, stretched by
-1 / cos beta_p along X, for any shaft angle. Runout takes its share of every clearance.
+1 / cos beta_p along X, for any shaft angle. Runout takes away from every clearance.
 """
+
+from functools import lru_cache
 
 import numpy as np
 
@@ -12,17 +14,17 @@ from rps_exudyn.gears.trochoid import form_point
 
 
 def pinion_root_clearance(pair: GearPair) -> float:
-    """From the rack's tips to the pinion's root circle [m]."""
+    """Clearance of the rack's tips from the pinion's root circle [m]."""
     return pair.rack_dedendum - pair.rack_addendum
 
 
 def rack_root_clearance(pair: GearPair) -> float:
-    """From the pinion's tip circle to the rack's root [m]."""
+    """Clearance of the pinion's tip circle from the rack's root [m]."""
     return pair.reference_line_height + pair.rack_dedendum - pair.tip_radius
 
 
 def rack_tip_interference(pair: GearPair) -> float:
-    """How far the rack's tips reach beyond the end of the cutter's straight flank, if positive [m].
+    """Reach of the rack's tips beyond the end of the cutter's straight flank, if positive [m].
 
     A rack tooth inside the cutter's outline only sweeps room that the cutter swept before. Beyond C1 the
     cutter is rounded and the rack is not: its corners then cut into the pinion's root.
@@ -30,8 +32,9 @@ def rack_tip_interference(pair: GearPair) -> float:
     return pair.rack_addendum - straight_depth(pair)
 
 
+@lru_cache(maxsize=64)
 def pinion_tip_interference(pair: GearPair, positions: int = 2001) -> float:
-    """How deep the pinion's tip corners cut into the rack's root fillets over the mesh, across the teeth [m].
+    """Depth to which the pinion's tip corners cut into the rack's root fillets, across the teeth [m].
 
     Negative: the least room; minus infinity if the corners never come as deep as the fillets.
     """
@@ -48,13 +51,13 @@ def pinion_tip_interference(pair: GearPair, positions: int = 2001) -> float:
     return float((across[in_fillet] - half_space).max())
 
 
-def active_field(pair: GearPair) -> tuple[float, float]:
-    """q0, qa: ends of the line of contact from the pitch point, where the involute exists as well [m]."""
+def path_on_involute(pair: GearPair) -> tuple[float, float]:
+    """q0, qa: ends from the pitch point of the active path of contact where the involute exists [m]."""
     q0, qa = pair.active_path
     return max(q0, form_point(pair).tangent_length - pair.reference_radius * float(np.sin(pair.alpha_t))), qa
 
 
 def transverse_contact_ratio(pair: GearPair) -> float:
-    """epsilon_alpha over the active field; negative if the teeth do not meet."""
-    q0, qa = active_field(pair)
+    """Transverse contact ratio epsilon_alpha; negative if the teeth do not meet."""
+    q0, qa = path_on_involute(pair)
     return (qa - q0) * float(np.cos(pair.beta_b)) / pair.normal_base_pitch

@@ -1,4 +1,4 @@
-"""How far a pinion's mesh is from the analytic flanks."""
+"""Deviation of a pinion's mesh from the analytic flanks."""
 
 from dataclasses import dataclass
 

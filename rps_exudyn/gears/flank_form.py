@@ -1,4 +1,4 @@
-"""Wanted modifications and errors of the pinion's flanks, off the perfect involute helicoid.
+"""Wanted modifications and errors of the pinion's flanks: deviations from the perfect involute helicoid.
 
 Deviations are measured as gear testers do (ISO 1328-1): in the transverse section, along the line of
 action, which is the tangent e_t at the base circle; positive where there is more material than designed.
@@ -14,18 +14,17 @@ from rps_exudyn.parameters.gear import SteeringGear
 
 @dataclass(frozen=True)
 class FlankForm:
-    """What is taken off or added; all zero for the perfect flank. Lengths [m]."""
+    """Deviations of a flank; all zero for the perfect one. Lengths [m]."""
 
     tip_relief: float = 0.0  # taken off at the tip
     tip_relief_length: float = 1e-3  # length of roll from the tip over which it fades out, parabolically
     crowning: float = 0.0  # taken off at both end faces, parabolically
     profile_slope: float = 0.0  # f_Halpha: surplus at the tip, linear from the form circle
-    pitch_error: float = (
-        0.0  # f_pt: tooth 0 is displaced by it along the reference circle, polar angle ascending
-    )
+    pitch_error: float = 0.0  # f_pt: shift of tooth 0 along the reference circle, polar angle ascending
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "FlankForm":
+        """The form of a gear's pinion."""
         pinion = gear.pinion
         return cls(
             pinion.tip_relief,

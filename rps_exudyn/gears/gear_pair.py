@@ -1,4 +1,4 @@
-"""How pinion and rack stand to each other: frames, radii, the field of contact.
+"""How pinion and rack stand to each other: frames, radii, the active path of contact.
 
     Housing frame, origin where the pinion's nominal axis crosses the mesh's middle plane:
 
@@ -20,7 +20,7 @@ Symbols follow ISO 21771; formulas without a source are derived in the geometry 
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -51,8 +51,9 @@ class GearPair:
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "GearPair":
+        """The pair of a gear; equal pairs are one object, which keeps what it has computed."""
         pinion, rack, m = gear.pinion, gear.rack, gear.pinion.normal_module
-        return cls(
+        pair = cls(
             teeth=pinion.teeth,
             module=m,
             alpha_n=pinion.pressure_angle,
@@ -71,6 +72,7 @@ class GearPair:
             runout=pinion.runout,
             runout_angle=pinion.runout_angle,
         )
+        return _shared(pair)
 
     # --- pinion ------------------------------------------------------------------------------
     @cached_property
@@ -85,6 +87,7 @@ class GearPair:
 
     @cached_property
     def base_radius(self) -> float:
+        """r_b = r_p cos(alpha_t)."""
         return self.reference_radius * np.cos(self.alpha_t)
 
     @cached_property
@@ -118,6 +121,7 @@ class GearPair:
 
     @cached_property
     def normal_base_pitch(self) -> float:
+        """p_bn = pi m_n cos(alpha_n)."""
         return np.pi * self.module * np.cos(self.alpha_n)
 
     @cached_property
@@ -170,10 +174,10 @@ class GearPair:
         """
         return side * np.cos(self.alpha_n) * self.cross_trace - np.sin(self.alpha_n) * np.array([0.0, 1, 0])
 
-    # --- field of contact ----------------------------------------------------------------------
+    # --- path of contact -----------------------------------------------------------------------
     @cached_property
     def active_path(self) -> tuple[float, float]:
-        """q0, qa: the line of contact's ends in the transverse section, from the pitch point [m].
+        """q0, qa: ends of the path of contact (ISO 21771) from the pitch point, transverse section [m].
 
         q0 is where the rack's tips (or the base circle) end it, qa where the pinion's tips do.
         """
@@ -191,7 +195,7 @@ class GearPair:
 
     # --- sliding -----------------------------------------------------------------------------
     def friction_lever(self, q: np.ndarray | float) -> np.ndarray:
-        """Sliding speed over pinion speed at q on the line of contact [m].
+        """Sliding speed over pinion speed at q on the path of contact [m].
 
         l(q) = sqrt(l_s^2 + q^2 + 2 q l_s sin(alpha_t) sin(beta_p)), l_s = -r_p sin(delta) / cos(beta_r).
         """
@@ -214,5 +218,10 @@ class GearPair:
 
     @cached_property
     def _friction_levers(self) -> np.ndarray:
-        """Along the field of contact [m]."""
+        """At points of the path of contact [m]."""
         return self.friction_lever(np.linspace(*self.active_path, 201))
+
+
+@lru_cache(maxsize=64)
+def _shared(pair: GearPair) -> GearPair:
+    return pair

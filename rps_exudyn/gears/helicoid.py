@@ -37,7 +37,7 @@ class Flank:
 
     @cached_property
     def theta(self) -> float:
-        """Theta: angle of the involute's root on the base circle at Z = 0 [rad]."""
+        """Angle Theta of the involute's root on the base circle at Z = 0 [rad]."""
         pair = self.pair
         centre = np.pi / 2 + np.pi / pair.teeth * (1 + 2 * self.tooth)
         return float(centre + self.side * half_angle(pair, pair.base_radius)) + self.form.turn(
@@ -47,35 +47,22 @@ class Flank:
     # --- limits --------------------------------------------------------------------------------
     @cached_property
     def form_tangent_length(self) -> float:
-        """q where the trochoid of the root begins [m]."""
+        """Tangent length where the trochoid of the root begins [m]."""
         return form_point(self.pair).tangent_length
 
     @cached_property
     def tip_tangent_length(self) -> float:
-        """q at the tip circle [m]."""
+        """Tangent length at the tip circle [m]."""
         return float(np.sqrt(self.pair.tip_radius**2 - self.pair.base_radius**2))
 
     # --- coordinates ---------------------------------------------------------------------------
     def tangent_length(self, psi: np.ndarray | float, Z: np.ndarray | float) -> np.ndarray:
-        """q [m]."""
+        """Tangent length q [m]."""
         return np.asarray(self.side * self.pair.base_radius * (self.theta - psi - Z * self.pair.twist))
 
     def generator(self, q: np.ndarray | float, Z: np.ndarray | float) -> np.ndarray:
-        """psi of the generator through (q, Z) [rad]."""
+        """Angle psi of the generator through (q, Z) [rad]."""
         return np.asarray(self.theta - Z * self.pair.twist - self.side * q / self.pair.base_radius)
-
-    def axial_limits(self, psi: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
-        """Z where the generators begin and end: at an end face, the tip or the form circle [m].
-
-        The first is above the second where a generator misses the flank.
-        """
-        b, slope = self.pair.face_width, self.side * np.tan(self.pair.beta_b)
-        at_middle = self.tangent_length(psi, 0.0)
-        if slope == 0:
-            inside = (at_middle >= self.form_tangent_length) & (at_middle <= self.tip_tangent_length)
-            return np.where(inside, -b / 2, np.inf), np.where(inside, b / 2, -np.inf)
-        ends = (at_middle - self.form_tangent_length) / slope, (at_middle - self.tip_tangent_length) / slope
-        return np.maximum(np.minimum(*ends), -b / 2), np.minimum(np.maximum(*ends), b / 2)
 
     # --- surface -------------------------------------------------------------------------------
     def point(self, psi: np.ndarray | float, Z: np.ndarray | float) -> np.ndarray:
@@ -94,12 +81,8 @@ class Flank:
         return self.side * np.stack([-cb * np.sin(psi), cb * np.cos(psi), np.full_like(psi, sb)], axis=-1)
 
     def area_element(self, psi: np.ndarray | float, Z: np.ndarray | float) -> np.ndarray:
-        """dA / (dpsi dZ) = q / cos beta_b [m]."""
+        """Area element dA / (dpsi dZ) = q / cos beta_b, and radius of curvature across the generator [m]."""
         return self.tangent_length(psi, Z) / np.cos(self.pair.beta_b)
-
-    def curvature_radius(self, psi: np.ndarray | float, Z: np.ndarray | float) -> np.ndarray:
-        """Radius of curvature across the generator, q / cos beta_b [m]; along it the flank is straight."""
-        return self.area_element(psi, Z)
 
     def distance(self, points: np.ndarray) -> np.ndarray:
         """Signed distance of points (..., 3) from the unmodified flank, positive outside the tooth [m].

@@ -1,7 +1,7 @@
-"""Gears that cannot be: every limit once, with the parameter that should change and its nearest value.
+"""Limits of a gear: each with the parameter that should change and its nearest admissible value.
 
 Later limits make sense only if earlier ones hold, so they come in stages: the cutter, the teeth, the
-mesh, the parts around it. `checks.check_gear` puts the sentences before the user.
+mesh, the parts around it. `report.check_gear` puts the sentences before the user.
 """
 
 from collections.abc import Iterator
@@ -11,30 +11,15 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 import numpy as np
 
 from rps_exudyn.base import units
-from rps_exudyn.gears.basic_rack import (
-    crest_width,
-    cutter_tip_centre,
-    straight_depth,
-    tip_radius_for_crest,
-    undercut_limit,
-)
-from rps_exudyn.gears.clearance import (
-    active_field,
-    pinion_root_clearance,
-    pinion_tip_interference,
-    rack_root_clearance,
-    rack_tip_interference,
-    transverse_contact_ratio,
-)
+from rps_exudyn.gears import basic_rack, clearance
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.parameters.gear import SteeringGear
 
 LEAST_CREST = 0.05  # narrowest crest, in modules; below it a tooth counts as pointed
-STANDARD_ROUNDING = (
-    1e-4  # modules; ISO 53 rounds rho_fP: its flank ends 0.00003 m_n before the rack's tips do
-)
+# ISO 53 rounds rho_fP: its flank ends 0.00003 m_n before the rack's tips do
+STANDARD_ROUNDING = 1e-4  # in modules
 ROUNDING = 1e-9  # a limit met to a nanometre is met [m]
 
 
@@ -48,6 +33,7 @@ class Violation:
     forgivable: bool = False  # a gear with it can be built all the same
 
     def sentence(self, gear: SteeringGear) -> str:
+        """The message: what is wrong, the parameter's value, and its nearest admissible value."""
         parameter = gear.declared_at(self.path)[0]
         now = f"{self.path} is {parameter.show(gear.value_at(self.path))}"
         if self.nearest is None:
@@ -68,26 +54,27 @@ def violations(gear: SteeringGear, force: bool = False) -> list[Violation]:
 # --- the stages ----------------------------------------------------------------------------------
 def _cutter(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
     m = pair.module
-    if cutter_tip_centre(pair)[0] < 0:
+    if basic_rack.cutter_tip_centre(pair)[0] < 0:
         alpha = pair.alpha_n
         # pi/4 - (h - rho) tan(alpha) - rho / cos(alpha) = 0, solved for rho
         rho = (np.pi / 4 - pair.rack_dedendum / m * np.tan(alpha)) / (1 / np.cos(alpha) - np.tan(alpha))
         yield Violation(
             "The cutter's tip would be pointed: its roundings overlap by "
-            f"{_mm(-2 * cutter_tip_centre(pair)[0])}, and may not",
+            f"{_mm(-2 * basic_rack.cutter_tip_centre(pair)[0])}, and may not",
             "basic_rack.fillet_radius",
             _inward(gear, "basic_rack.fillet_radius", rho, -1) if rho >= 0 else None,
         )
-    if rack_tip_interference(pair) > STANDARD_ROUNDING * m:
+    if clearance.rack_tip_interference(pair) > STANDARD_ROUNDING * m:
         needed = (pair.rack_addendum + pair.fillet_radius * (1 - np.sin(pair.alpha_n))) / m
         yield Violation(
-            f"The cutter does not reach: its straight flank ends {_mm(straight_depth(pair))} from the "
-            f"reference line, and the rack's tips, {_mm(pair.rack_addendum)} from it, cut into the root",
+            "The cutter does not reach: its straight flank ends "
+            f"{_mm(basic_rack.straight_depth(pair))} from the reference line, "
+            f"and the rack's tips, {_mm(pair.rack_addendum)} from it, cut into the root",
             "basic_rack.dedendum",
             _inward(gear, "basic_rack.dedendum", needed, +1),
         )
     if pair.root_radius <= 0.1 * m:
-        least = max((pair.rack_dedendum - pair.reference_radius) / m + 0.1, undercut_limit(pair))
+        least = max((pair.rack_dedendum - pair.reference_radius) / m + 0.1, basic_rack.undercut_limit(pair))
         yield Violation(
             f"The root radius is {_mm(pair.root_radius)}; it must be at least {_mm(0.1 * m)}",
             "pinion.profile_shift",
@@ -96,7 +83,7 @@ def _cutter(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
 
 
 def _teeth(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
-    least_shift = undercut_limit(pair)
+    least_shift = basic_rack.undercut_limit(pair)
     undercut = pair.profile_shift < least_shift - 1e-9
     if undercut:
         yield Violation(
@@ -127,13 +114,13 @@ def _teeth(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
 
 
 def _crest(gear: SteeringGear, pair: GearPair, form: float) -> Iterator[Violation]:
-    crest, least = crest_width(pair, pair.tip_radius), LEAST_CREST * pair.module
+    crest, least = basic_rack.crest_width(pair, pair.tip_radius), LEAST_CREST * pair.module
     if crest < least:
-        enough = crest_width(pair, form) > least
+        enough = basic_rack.crest_width(pair, form) > least
         yield Violation(
             f"The teeth are pointed: the crest is {_mm(crest)} wide; it must be at least {_mm(least)}",
             "pinion.tip_diameter",
-            _inward(gear, "pinion.tip_diameter", 2 * tip_radius_for_crest(pair, least), -1)
+            _inward(gear, "pinion.tip_diameter", 2 * basic_rack.tip_radius_for_crest(pair, least), -1)
             if enough
             else None,
         )
@@ -156,21 +143,21 @@ def _crest(gear: SteeringGear, pair: GearPair, form: float) -> Iterator[Violatio
 
 def _mesh(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
     yield from _contact(gear, pair)
-    clearance = rack_root_clearance(pair)
-    if clearance < 0:
+    at_rack, at_pinion = clearance.rack_root_clearance(pair), clearance.pinion_root_clearance(pair)
+    room, cut = min(at_rack, at_pinion), clearance.pinion_tip_interference(pair)
+    if at_rack < 0:
         yield Violation(
-            f"The pinion's tips reach {_mm(-clearance)} into the rack's root",
+            f"The pinion's tips reach {_mm(-at_rack)} into the rack's root",
             "pinion.tip_diameter",
             _inward(gear, "pinion.tip_diameter", 2 * _largest_tip_radius(pair), -1),
         )
-    elif pinion_tip_interference(pair) > ROUNDING:
+    elif cut > ROUNDING:
         yield Violation(
-            f"The pinion's tips cut {_mm(pinion_tip_interference(pair))} into the fillets of the rack's root",
+            f"The pinion's tips cut {_mm(cut)} into the fillets of the rack's root",
             "pinion.tip_diameter",
             _inward(gear, "pinion.tip_diameter", 2 * _largest_tip_radius(pair), -1),
         )
-    elif pair.runout > min(clearance, pinion_root_clearance(pair)):
-        room = min(clearance, pinion_root_clearance(pair))
+    elif pair.runout > room:
         yield Violation(
             f"The runout is {_mm(pair.runout)}; it must be at most the smaller root clearance, {_mm(room)}",
             "pinion.runout",
@@ -187,8 +174,9 @@ def _mesh(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
 
 
 def _contact(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
-    q0, qa = active_field(pair)
-    transverse, total = transverse_contact_ratio(pair), transverse_contact_ratio(pair) + pair.overlap_ratio
+    q0, qa = clearance.path_on_involute(pair)
+    transverse = clearance.transverse_contact_ratio(pair)
+    total = transverse + pair.overlap_ratio
     if qa <= q0:
         contact = q0 + pair.reference_radius * np.sin(pair.alpha_t)
         yield Violation(
@@ -243,10 +231,10 @@ def _parts(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
 # --- nearest values --------------------------------------------------------------------------------
 def _largest_tip_radius(pair: GearPair) -> float:
     """Bisection for the largest tip circle that keeps out of the rack's root and fillets [m]."""
-    inside, outside = form_point(pair).radius, pair.tip_radius + min(rack_root_clearance(pair), 0)
+    inside, outside = form_point(pair).radius, pair.tip_radius + min(clearance.rack_root_clearance(pair), 0)
     while outside - inside > ROUNDING:
         middle = (inside + outside) / 2
-        if pinion_tip_interference(replace(pair, tip_radius=middle)) > 0:
+        if clearance.pinion_tip_interference(replace(pair, tip_radius=middle)) > 0:
             outside = middle
         else:
             inside = middle

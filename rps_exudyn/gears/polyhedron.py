@@ -15,6 +15,8 @@ from rps_exudyn.base.errors import InputError
 
 @dataclass(frozen=True)
 class MassProperties:
+    """Integrals over a solid, in its own frame."""
+
     volume: float  # [m^3]
     mass: float  # [kg]
     centre_of_mass: np.ndarray  # [m], shape (3,)
@@ -41,11 +43,13 @@ class Solid:
         second = sum(np.einsum("i,ij,ik->jk", volumes, p, p) for p in (a, b, c, total)) / 20
         second = second - volume * np.outer(centre, centre)
         inertia = self.density * (np.trace(second) * np.eye(3) - second)
-        return MassProperties(float(volume), float(self.density * volume), origin + centre, inertia)
+        centre = origin + centre
+        centre.flags.writeable = inertia.flags.writeable = False  # solids are shared
+        return MassProperties(float(volume), float(self.density * volume), centre, inertia)
 
 
 def refuse_defects(name: str, vertices: np.ndarray, faces: np.ndarray) -> None:
-    """The guard before every contact search.
+    """Refuse a mesh that no contact search or integral can use.
 
     Raises:
         InputError: open or doubled edges, inverted normals, or faces without area.
@@ -56,7 +60,7 @@ def refuse_defects(name: str, vertices: np.ndarray, faces: np.ndarray) -> None:
 
 
 def defect(vertices: np.ndarray, faces: np.ndarray, least_height: float = 1e-12) -> str | None:
-    """What is wrong with a closed mesh, in words; None for a sound one.
+    """The first defect of a closed mesh, in words; None for a sound one.
 
     `least_height` [m]: a face is a sliver if its smallest height is below it. At lengths of centimetres
     rounding is 1e-18 m, so that normals of all other faces keep six digits.
@@ -106,7 +110,7 @@ def from_manifold(solid: manifold3d.Manifold) -> tuple[np.ndarray, np.ndarray]:
 
 
 def prism(outline: np.ndarray, start: np.ndarray, end: np.ndarray) -> manifold3d.Manifold:
-    """The body that an outline sweeps.
+    """Make the body that an outline sweeps.
 
     Args:
         outline: polygon in the plane, counter-clockwise, shape (n, 2) [m].

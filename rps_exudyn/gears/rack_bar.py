@@ -18,10 +18,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from manifold3d import Manifold
 
 from rps_exudyn.gears.basic_rack import arc_segments, rack_tooth, straight_depth
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.polyhedron import cylinder, from_manifold, prism
+from rps_exudyn.gears.polyhedron import cylinder, prism
 from rps_exudyn.parameters.gear import SteeringGear
 
 PAST_THE_BUSH = 20e-3  # how far the bar reaches out of the bush at full travel [m]
@@ -47,7 +48,7 @@ class RackFlank:
 
 @dataclass(frozen=True)
 class RackBar:
-    """Where the bar and its teeth begin and end."""
+    """Ends of the bar and of its teeth."""
 
     pair: GearPair
     x_min: float  # ends of the bar [m]
@@ -64,7 +65,7 @@ class RackBar:
 
     @property
     def largest_displacement(self) -> float:
-        """How far the rack may move either way until the pinion leaves its teeth [m]."""
+        """Largest displacement either way at which the pinion stays on the rack's teeth [m]."""
         return self.teeth_each_way * self.pair.rack_pitch - pinion_reach(self.pair)
 
     @property
@@ -74,10 +75,12 @@ class RackBar:
 
     @cached_property
     def tip_height(self) -> float:
+        """Y of the teeth's tips [m]."""
         return -self.pair.reference_height - self.pair.rack_addendum
 
     @cached_property
     def root_height(self) -> float:
+        """Y of the teeth's roots [m]."""
         return -self.pair.reference_height + self.pair.rack_dedendum
 
     @property
@@ -117,8 +120,8 @@ class RackBar:
         close = np.array([[teeth[-1, 0], outside], [first[0, 0], outside]])
         return np.concatenate([first, teeth, close])
 
-    def mesh(self, chord_error: float) -> tuple[np.ndarray, np.ndarray]:
-        """Closed mesh of the bar within `chord_error` [m]: vertices (n, 3) [m], faces (m, 3)."""
+    def solid(self, chord_error: float) -> Manifold:
+        """The bar with its teeth, rack frame, chords within `chord_error` [m]."""
         pair = self.pair
         u, y, w = pair.cross_trace, np.array([0, -1.0, 0]), pair.trace
         middle = np.column_stack([np.zeros(3), u, y])
@@ -128,7 +131,7 @@ class RackBar:
         cutter = prism(self.outline(chord_error), middle - along, middle + along)
         segments = arc_segments(pair.bar_radius, 2 * np.pi, chord_error)
         bar = cylinder(pair.bar_radius, np.array([self.x_min, 0, 0]), np.array([self.x_max, 0, 0]), segments)
-        return from_manifold(bar - cutter)
+        return bar - cutter
 
 
 def pinion_reach(pair: GearPair) -> float:

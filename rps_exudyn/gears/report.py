@@ -1,4 +1,4 @@
-"""Can this gear be built, what are its numbers, and what should its designer be told?"""
+"""The geometry report: whether a gear can be built, its numbers, and warnings for its designer."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -8,17 +8,10 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears import clearance
 from rps_exudyn.gears.basic_rack import crest_width, pointed_radius, undercut_limit
-from rps_exudyn.gears.clearance import (
-    active_field,
-    pinion_root_clearance,
-    pinion_tip_interference,
-    rack_root_clearance,
-    rack_tip_interference,
-    transverse_contact_ratio,
-)
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.limits import violations
+from rps_exudyn.gears.limits import Violation, violations
 from rps_exudyn.gears.polyhedron import MassProperties
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.solids import gear_solids
@@ -39,9 +32,15 @@ def check_gear(gear: SteeringGear, force: bool = False) -> None:
     Raises:
         InputError: one sentence per limit: quantity, value, limit, nearest admissible parameter value.
     """
-    found = [item for item in violations(gear, force) if not (force and item.forgivable)]
-    if found:
-        raise InputError([item.sentence(gear) for item in found])
+    _forgiven(gear, force)
+
+
+def _forgiven(gear: SteeringGear, force: bool) -> list[Violation]:
+    """The limits that the gear does not keep and need not; raises as `check_gear` for the others."""
+    found = violations(gear, force)
+    if refused := [item for item in found if not (force and item.forgivable)]:
+        raise InputError([item.sentence(gear) for item in refused])
+    return found
 
 
 class PartMasses(Mapping[str, MassProperties]):
@@ -100,8 +99,7 @@ class GeometryReport:
 
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain numbers, lists and text (SI)."""
-        told: dict[str, Any] = {**self.numbers}
-        told["mass_properties"] = {
+        masses = {
             part: {
                 "volume": item.volume,
                 "mass": item.mass,
@@ -110,8 +108,7 @@ class GeometryReport:
             }
             for part, item in self.mass_properties.items()
         }
-        told["warnings"] = list(self.warnings)
-        return told
+        return {**self.numbers, "mass_properties": masses, "warnings": list(self.warnings)}
 
 
 def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:
@@ -120,10 +117,10 @@ def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:
     Raises:
         InputError: the gear cannot be built, see `check_gear`.
     """
-    check_gear(gear, force)
+    forgiven = _forgiven(gear, force)
     pair, bar = GearPair.of(gear), RackBar.of(gear)
-    start, end = active_field(pair)
-    transverse = transverse_contact_ratio(pair)
+    start, end = clearance.path_on_involute(pair)
+    transverse = clearance.transverse_contact_ratio(pair)
     limit = undercut_limit(pair)
     pitch_line = -pair.profile_shift * pair.module - pair.reference_height  # Y in the rack frame
     return GeometryReport(
@@ -143,20 +140,18 @@ def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:
         contact_end=end,
         undercut_limit=limit,
         undercut_margin=pair.profile_shift - limit,
-        pinion_root_clearance=pinion_root_clearance(pair),
-        rack_root_clearance=rack_root_clearance(pair),
-        interference=max(rack_tip_interference(pair), pinion_tip_interference(pair), 0.0),
+        pinion_root_clearance=clearance.pinion_root_clearance(pair),
+        rack_root_clearance=clearance.rack_root_clearance(pair),
+        interference=max(clearance.rack_tip_interference(pair), clearance.pinion_tip_interference(pair), 0.0),
         rack_face_width=2 * float(bar.flank(0, 1).half_chord(pitch_line)),
         rack_tip_face_width=2 * float(bar.flank(0, 1).half_chord(bar.tip_height)),
         toothed_length=bar.toothed_ends[1] - bar.toothed_ends[0],
         mass_properties=PartMasses(gear),
-        warnings=tuple(_warnings(gear, pair, bar)),
+        warnings=(*(f"{item.what}." for item in forgiven), *_warnings(gear, pair, bar)),
     )
 
 
 def _warnings(gear: SteeringGear, pair: GearPair, bar: RackBar) -> Iterator[str]:
-    for item in violations(gear, force=True):
-        yield f"{item.what}."
     crest = crest_width(pair, pair.tip_radius)
     if crest < GOOD_CREST * pair.module:
         yield (
@@ -165,7 +160,7 @@ def _warnings(gear: SteeringGear, pair: GearPair, bar: RackBar) -> Iterator[str]
         )
     chord = 2 * float(bar.flank(0, 1).half_chord(bar.tip_height))
     if chord < pair.face_width:
-        total = transverse_contact_ratio(pair) + pair.overlap_ratio * chord / pair.face_width
+        total = clearance.transverse_contact_ratio(pair) + pair.overlap_ratio * chord / pair.face_width
         yield (
             f"The round bar is narrower at the rack's tips ({chord * 1e3:.3g} mm) than the pinion's face "
             f"({pair.face_width * 1e3:.3g} mm); with that width the total contact ratio is {total:.3g}."

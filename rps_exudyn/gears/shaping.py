@@ -1,4 +1,4 @@
-"""The pinion as it is cut: a blank from which the basic-rack cutter takes its share, step by step.
+"""The pinion as it is cut: a blank from which the basic-rack cutter takes material away, step by step.
 
 After each step the pinion turns by one step and the cutter moves on by r_p times it. What remains is
 bounded by planes that touch the helicoid along generators; between two of them material is left over, up

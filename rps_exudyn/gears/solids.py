@@ -5,6 +5,9 @@ in a frame with axes parallel to the housing's and its origin on the bar's axis 
 a bush segment around its own centre, axis X.
 """
 
+from dataclasses import replace
+from functools import lru_cache
+
 import numpy as np
 from manifold3d import Manifold
 
@@ -20,6 +23,11 @@ CHORD_ERROR = 1e-6  # of the meshes unless wanted otherwise [m]
 STEEL = 7850.0  # density of the yokenut, which is fixed and only shown [kg/m^3]
 SEAT_RELIEF = 0.5e-3  # clearance of the plunger's front outside its seat [m]
 
+RoundBar = tuple[str, float, float, float]  # axis, radius, from, to [m]
+
+# Solids depend on few of a gear's parameters: the cases of a study share them, with their mass properties
+_kept = lru_cache(maxsize=8)
+
 
 def gear_solids(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> dict[str, Solid]:
     """All parts by name, each in its own frame."""
@@ -34,17 +42,28 @@ def gear_solids(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> dict[st
 
 def pinion_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid:
     """Toothed part, displaced by the runout, and the shaft through its middle."""
-    pair = GearPair.of(gear)
-    teeth = pinion_mesh(pair, chord_error, FlankForm.of(gear))
-    half = gear.pinion.shaft_length / 2
-    shaft = _round_bar("Z", gear.pinion.shaft_diameter / 2, -half, half, chord_error)
-    joined = to_manifold(teeth.vertices + pair.eccentricity, teeth.faces) + shaft
-    return Solid(*from_manifold(joined), gear.pinion.density)
+    pinion = gear.pinion
+    shaft = pinion.shaft_diameter, pinion.shaft_length
+    return _pinion(GearPair.of(gear), FlankForm.of(gear), *shaft, pinion.density, chord_error)
+
+
+@_kept
+def _pinion(
+    pair: GearPair, form: FlankForm, diameter: float, length: float, density: float, chord_error: float
+) -> Solid:
+    teeth = pinion_mesh(pair, chord_error, form)
+    shaft = _round_bar("Z", diameter / 2, -length / 2, length / 2, chord_error)
+    return _solid(to_manifold(teeth.vertices + pair.eccentricity, teeth.faces) + shaft, density)
 
 
 def rack_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid:
     """Bar with teeth."""
-    return Solid(*RackBar.of(gear).mesh(chord_error), gear.rack.density)
+    return _rack(RackBar.of(gear), gear.rack.density, chord_error)
+
+
+@_kept
+def _rack(bar: RackBar, density: float, chord_error: float) -> Solid:
+    return _solid(bar.solid(chord_error), density)
 
 
 def plunger_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid:
@@ -52,33 +71,41 @@ def plunger_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid
 
     The seat spans +-seat_angle about +Y and seat_length along the rack; outside it the front is relieved.
     """
-    yoke, bar = gear.yoke, gear.rack.bar_diameter / 2
-    front, back = plunger_ends(gear)
-    plunger = _round_bar("Y", yoke.plunger_diameter / 2, front, back, chord_error)
-    plunger -= _round_bar("X", bar, -yoke.plunger_diameter, yoke.plunger_diameter, chord_error)
-    for end in (-1, 1):
-        start, stop = end * yoke.seat_length / 2, end * yoke.plunger_diameter
-        plunger -= _round_bar("X", bar + SEAT_RELIEF, start, stop, chord_error)
-    vertices, faces = from_manifold(plunger)
-    volume = Solid(vertices, faces, 1.0).mass_properties.volume
-    return Solid(vertices, faces, yoke.plunger_mass / volume)
+    yoke, bar, beyond = gear.yoke, gear.rack.bar_diameter / 2, gear.yoke.plunger_diameter
+    seat = ("X", bar, -beyond, beyond)
+    reliefs = [("X", bar + SEAT_RELIEF, side * yoke.seat_length / 2, side * beyond) for side in (-1, 1)]
+    return _weighing(yoke.plunger_mass, ("Y", beyond / 2, *plunger_ends(gear)), (seat, *reliefs), chord_error)
 
 
 def yokenut_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid:
     """Disc behind the plunger, the yoke clearance away from it."""
     yoke = gear.yoke
     start = plunger_ends(gear)[1] + yoke.clearance
-    nut = _round_bar("Y", yoke.nut_diameter / 2, start, start + yoke.nut_thickness, chord_error)
-    return Solid(*from_manifold(nut), STEEL)
+    return _drilled(STEEL, ("Y", yoke.nut_diameter / 2, start, start + yoke.nut_thickness), (), chord_error)
 
 
 def bush_segment_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid:
     """One of the equal hollow cylinders that the bush is divided into."""
     bush = gear.bush
     half = bush.length / bush.segments / 2
-    tube = _round_bar("X", bush.outer_diameter / 2, -half, half, chord_error)
-    tube -= _round_bar("X", bush.inner_diameter / 2, -bush.length, bush.length, chord_error)
-    return Solid(*from_manifold(tube), bush.density)
+    hole = ("X", bush.inner_diameter / 2, -bush.length, bush.length)
+    return _drilled(bush.density, ("X", bush.outer_diameter / 2, -half, half), (hole,), chord_error)
+
+
+@_kept
+def _drilled(density: float, bar: RoundBar, holes: tuple[RoundBar, ...], chord_error: float) -> Solid:
+    """A round bar from which others are taken away."""
+    body = _round_bar(*bar, chord_error)
+    for hole in holes:
+        body -= _round_bar(*hole, chord_error)
+    return _solid(body, density)
+
+
+@_kept
+def _weighing(mass: float, bar: RoundBar, holes: tuple[RoundBar, ...], chord_error: float) -> Solid:
+    """The same of a given mass [kg]."""
+    unit = _drilled(1.0, bar, holes, chord_error)
+    return replace(unit, density=mass / unit.mass_properties.volume)
 
 
 def plunger_ends(gear: SteeringGear) -> tuple[float, float]:
@@ -92,3 +119,10 @@ def _round_bar(axis: str, radius: float, start: float, stop: float, chord_error:
     direction = np.eye(3)["XYZ".index(axis)]
     segments = arc_segments(radius, 2 * np.pi, chord_error)
     return cylinder(radius, start * direction, stop * direction, segments)
+
+
+def _solid(body: Manifold, density: float) -> Solid:
+    """A boolean's result, which nobody may change: it is shared."""
+    vertices, faces = from_manifold(body)
+    vertices.flags.writeable = faces.flags.writeable = False
+    return Solid(vertices, faces, density)

@@ -11,7 +11,7 @@ Where the root meets the involute is the *form point*. Without undercut it is th
 with undercut the trochoid crosses the involute further out.
 """
 
-from functools import cache
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +22,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 
 
 class FormPoint(NamedTuple):
-    """Where involute and trochoid meet."""
+    """The point where involute and trochoid meet."""
 
     eta: float  # of the trochoid [rad]
     tangent_length: float  # of the involute, q_form [m]
@@ -45,9 +45,9 @@ def trochoid(pair: GearPair, eta: np.ndarray | float) -> np.ndarray:
     )
 
 
-@cache
+@lru_cache(maxsize=64)
 def form_point(pair: GearPair) -> FormPoint:
-    """Where the pinion's involute ends and its root begins.
+    """The point where the pinion's involute ends and its root begins.
 
     Raises:
         ValueError: undercut leaves nothing of the involute.

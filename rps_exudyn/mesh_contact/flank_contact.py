@@ -10,7 +10,7 @@
 
 The few strips that become too wide for this, near the form circle, are integrated along their generators.
 
-All teeth of both sides are found without search: psi* gives q*(Z) of every tooth, and the flank is where
+No search is needed for the teeth of both sides: psi* gives q*(Z) of every tooth, and the flank is where
 q_form <= q <= q_tip. Two laws, one per `mesh.law`:
 
 "area"  pressure = stiffness * (depth + damping * its rate), never pulling: a bed of springs, the same
@@ -25,19 +25,6 @@ GeneralContact). Loads act normal to the rack's plane, at points of the pinion's
 import numpy as np
 
 from rps_exudyn.base.compiled import inlined, kernel
-from rps_exudyn.mesh_contact.flank_data import (
-    COS_BASE_HELIX,
-    DAMPING,
-    LINE_STIFFNESS,
-    N_ACROSS,
-    N_ALONG,
-    N_FIXED,
-    Q_FORM,
-    Q_TIP,
-    RELIEF,
-    RELIEF_START,
-    STIFFNESS,
-)
 from rps_exudyn.mesh_contact.flank_generator import press_area
 from rps_exudyn.mesh_contact.flank_line import (
     DEEPEST,
@@ -52,41 +39,30 @@ from rps_exudyn.mesh_contact.flank_line import (
     press,
     side_of,
 )
-from rps_exudyn.mesh_contact.flank_rows import ROW, fill
 from rps_exudyn.mesh_contact.flank_strip import (
-    BREAKS,
     DEPTH,
-    LIMITS,
     MARGIN,
     PRESSING,
     STRIP_SHAPE,
     across,
-    bound,
     describe_strip,
     edges,
-    ends_of,
     greatest_width,
     is_wide,
     slanted,
     touching,
-    watch_limits,
     within_band,
 )
-from rps_exudyn.mesh_contact.wrench import TOUCHING, WRENCH_SIZE
+from rps_exudyn.mesh_contact.strip_limits import BREAKS, LIMITS, bound, ends_of, watch_limits
+from rps_exudyn.mesh_contact.wrench import WRENCH_SIZE
 
 COARSE, GENERATORS = 28, 32  # for the few strips that are too wide for an expansion
-NOTHING = (np.inf, -np.inf, 0.0)  # start, end, depth of a line without load
+FINE = 200  # where all is integrated along generators
 
 
 @kernel
 def flank_contact(angle, rate, position, rotation, velocity, spin, data):  # type: ignore[no-untyped-def]
     """The mesh contact kernel, see `wrench`; `data` from `flank_data.pack`."""
-    return flank_lines(angle, rate, position, rotation, velocity, spin, data, np.empty((0, ROW)))
-
-
-@kernel
-def flank_lines(angle, rate, position, rotation, velocity, spin, data, rows):  # type: ignore[no-untyped-def]
-    """As `flank_contact`; also fills one of `rows`, shape (n, ROW), per line as far as there is room."""
     out, sums = np.zeros(WRENCH_SIZE), np.empty(SUMS)
     strip, cuts, breaks = np.empty(STRIP_SHAPE), np.empty((LIMITS, 5)), np.empty(BREAKS)
     for sign in (-1.0, 1.0):
@@ -94,43 +70,35 @@ def flank_lines(angle, rate, position, rotation, velocity, spin, data, rows):  #
         first, last, turn = first_tooth(angle, side, data)
         sums[:] = 0.0
         for tooth in range(first, last + 1):
-            line, rack_tooth = line_of(tooth, turn, side, data)
+            line = line_of(tooth, turn, side, data)
             before = sums[LOAD]
-            plain = Band(data[Q_FORM], min(data[Q_TIP], data[RELIEF_START]), 0.0, 0.0)
-            describe_strip(strip, line, plain, side, data)
-            start, end, depth = _integrate(strip, cuts, breaks, plain, line, side, data, sums)
-            if data[RELIEF] > 0:
-                relieved = Band(data[RELIEF_START], data[Q_TIP], data[RELIEF], data[RELIEF_START])
-                describe_strip(strip, line, relieved, side, data)
-                also = _integrate(strip, cuts, breaks, relieved, line, side, data, sums)
-                start, end, depth = min(start, also[0]), max(end, also[1]), max(depth, also[2])
-            if not sums[LOAD] > before:
-                continue
-            count = int(out[TOUCHING] + sums[LINES])
-            if count < len(rows):
-                load = sums[LOAD] - before
-                fill(rows[count], angle, tooth, rack_tooth, start, end, depth, load, line, side, data)
-            sums[LINES] += 1
-            sums[DEEPEST] = max(sums[DEEPEST], depth)
+            plain = Band(data.q_form, min(data.q_tip, data.relief_start), 0.0, 0.0)
+            depth = _integrate(strip, cuts, breaks, plain, line, side, data, sums)
+            if data.relief > 0:
+                relieved = Band(data.relief_start, data.q_tip, data.relief, data.relief_start)
+                depth = max(depth, _integrate(strip, cuts, breaks, relieved, line, side, data, sums))
+            if sums[LOAD] > before:
+                sums[LINES] += 1
+                sums[DEEPEST] = max(sums[DEEPEST], depth)
         add_side(sums, angle, position, side, data, out)
     return out
 
 
 @inlined
 def _integrate(strip, cuts, breaks, band, line, side, data, sums):  # type: ignore[no-untyped-def]
-    """Add the loads along one strip; where it begins and ends (Z), how deep it is."""
+    """Add the loads on one line within a band of the flank; the greatest depth."""
+    if data.generators > 0:
+        return press_area(FINE, data.generators, band, line, side, data, sums)
     low, high = within_band(line, band, data)
     if not low < high:
-        return NOTHING
-    if is_wide(strip, low, high) and data[LINE_STIFFNESS] == 0:
-        before, deepest, sums[DEEPEST] = sums[LOAD], sums[DEEPEST], 0.0
-        press_area(COARSE, GENERATORS, band, line, side, data, sums)
-        depth, sums[DEEPEST] = sums[DEEPEST], deepest
-        return (low, high, depth) if sums[LOAD] > before else NOTHING
+        return 0.0
+    describe_strip(strip, line, band, side, data)
+    if is_wide(strip, low, high) and data.line_stiffness == 0:
+        return press_area(COARSE, GENERATORS, band, line, side, data, sums)
     low, high, low_ends, high_ends = touching(strip, low, high)
     if not low < high:
-        return NOTHING
-    by_line, n = data[LINE_STIFFNESS] > 0, int(data[N_ALONG])
+        return 0.0
+    by_line = data.line_stiffness > 0
     half = 0.0 if by_line else greatest_width(strip, low, high)
     ends = ends_of(strip, low, high, half)
     low_ends, high_ends = low_ends and ends.limit_low < 0, high_ends and ends.limit_high < 0
@@ -140,15 +108,15 @@ def _integrate(strip, cuts, breaks, band, line, side, data, sums):  # type: igno
         z_0, length = breaks[i], breaks[i + 1] - breaks[i]
         # where the load fades out; law "line": linearly, which the plain rule integrates exactly
         rule = 0 if by_line else int(low_ends and i == 0) + 2 * int(high_ends and i == count - 2)
-        nodes = N_FIXED + 2 * n * rule
-        for k in range(nodes, nodes + n):
-            z, share = z_0 + length * data[k], length * data[k + n] / data[COS_BASE_HELIX]
+        nodes, weights = data.along[rule]
+        for k in range(nodes.size):
+            z, weight = z_0 + length * nodes[k], length * weights[k] / data.cos_base_helix
             if by_line:
-                depth = _line_station(strip, z, share, line, side, data, sums)
+                depth = _line_station(strip, z, weight, line, side, data, sums)
             else:
-                depth = _area_station(strip, z, ends, share, cuts[:watched], line, side, data, sums)
+                depth = _area_station(strip, z, ends, weight, cuts[:watched], line, side, data, sums)
             deepest = max(deepest, depth)
-    return (breaks[0], breaks[count - 1], deepest) if count > 0 else NOTHING
+    return deepest
 
 
 @inlined
@@ -158,7 +126,7 @@ def _area_station(strip, z, ends, length, cuts, line, side, data, sums):  # type
     c_0, c_1, c_2, c_3 = slanted(strip, PRESSING, z, lean)
     low, high = edges(c_0, c_1, c_2, c_3)
     rule = 3  # the pressure vanishes at both ends
-    if data[DAMPING] > 0:  # but not where it is the flanks that part
+    if data.damping > 0:  # but not where it is the flanks that part
         c_0, c_1, c_2, c_3 = slanted(strip, DEPTH, z, lean)
         from_, to = edges(c_0, c_1, c_2, c_3)
         if from_ > low:
@@ -174,15 +142,14 @@ def _area_station(strip, z, ends, length, cuts, line, side, data, sums):  # type
                 high, rule = xi, rule & 1
     if not low < high:
         return 0.0
-    n = int(data[N_ACROSS])
-    nodes = N_FIXED + 8 * int(data[N_ALONG]) + 2 * n * rule
-    scale = data[STIFFNESS] * length * (high - low)
-    for k in range(nodes, nodes + n):
-        xi = low + (high - low) * data[k]
+    nodes, weights = data.across[rule]
+    scale = data.stiffness * length * (high - low)
+    for k in range(nodes.size):
+        xi = low + (high - low) * nodes[k]
         place = z + lean * xi
         p_r, p_t, q = point(xi, place, line, side, data)
         depth = c_0 + xi * (c_1 + xi * (c_2 * (1 - xi * xi / 12) + xi * c_3))
-        area = scale * data[k + n] * q * (1 + ends.turn * xi)
+        area = scale * weights[k] * q * (1 + ends.turn * xi)
         press(depth, area, p_r, p_t, place, side, data, sums)
     deepest = min(max(-c_1 / (2 * c_2), low), high)
     return c_0 + deepest * (c_1 + deepest * c_2)
@@ -195,5 +162,5 @@ def _line_station(strip, z, length, line, side, data, sums):  # type: ignore[no-
     xi = min(max(-c_1 / (2 * c_2), -MARGIN), MARGIN) if c_2 < 0 else 0.0
     depth = c_0 + xi * (c_1 + xi * c_2)
     p_r, p_t, _ = point(xi, z, line, side, data)
-    press(depth, data[LINE_STIFFNESS] * length, p_r, p_t, z, side, data, sums)
+    press(depth, data.line_stiffness * length, p_r, p_t, z, side, data, sums)
     return depth

@@ -1,7 +1,7 @@
-"""What the flank contact kernels know of a gear: one flat array, packed once per gear.
+"""What the flank contact kernels know of a gear, and the rules by which they integrate."""
 
-The entries are named by the constants below; the quadrature tables stand behind them.
-"""
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import roots_jacobi
@@ -11,133 +11,141 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.parameters.gear import SteeringGear
 
-(
-    # pinion
-    TEETH,
-    BASE_RADIUS,
-    TWIST,
-    SIN_BASE_HELIX,
-    COS_BASE_HELIX,
-    THETA,  # Theta of tooth 0, side +1
-    THETA_COAST_TO_DRIVE,  # Theta(side -1) - Theta(side +1)
-    Q_FORM,  # tangent lengths between which the involute is a flank
-    Q_TIP,
-    HALF_FACE,
-    ECCENTRIC_E,  # gear centre in the turning pinion frame
-    ECCENTRIC_Y,
-    # surplus of the flank along the transverse tangent, see gears.flank_form
-    SLOPE,  # per tangent length from Q_FORM on
-    RELIEF_START,  # tangent length where the tip relief begins
-    RELIEF,  # taken off per squared tangent length from there on
-    CROWNING,  # taken off per squared axial length
-    PITCH_ERROR,  # turn of tooth 0
-    # how the pinion stands
-    COS_DELTA,
-    SIN_DELTA,
-    AXIS_OFFSET,
-    # rack, in its own frame (origin on the bar's axis)
-    NORMAL_X,  # |components| of the flank's normal: side NORMAL_X, -NORMAL_Y, -side NORMAL_Z
-    NORMAL_Y,
-    NORMAL_Z,
-    FLANK_OFFSET,  # distance of flank 0 from the origin along its normal
-    NORMAL_BASE_PITCH,
-    TIP_DEPTH,  # the teeth's tips stand at y = -TIP_DEPTH
-    BAR_RADIUS,
-    # contact law
-    STIFFNESS,
-    DAMPING,
-    FRICTION,
-    ZONE,
-    LINE_STIFFNESS,  # > 0: this law instead of the pressure
-    # quadrature
-    N_ALONG,
-    N_ACROSS,
-    N_FIXED,
-) = range(35)
-
 ALONG, ACROSS = 4, 2  # Gauss points: stations in each segment of a line, nodes across the strip
 
 
+class FlankData(NamedTuple):
+    """One gear for the flank contact kernels; SI units."""
+
+    # pinion
+    teeth: int
+    base_radius: float
+    twist: float
+    cos_base_helix: float
+    theta: float  # Theta of tooth 0, side +1
+    theta_coast_to_drive: float  # Theta(side -1) - Theta(side +1)
+    q_form: float  # tangent lengths between which the involute is a flank
+    q_tip: float
+    half_face: float
+    eccentric_e: float  # gear centre in the turning pinion frame
+    eccentric_y: float
+    # surplus of the flank along the transverse tangent, see gears.flank_form
+    slope: float  # per tangent length from q_form on
+    relief_start: float  # tangent length where the tip relief begins
+    relief: float  # taken off per squared tangent length from there on
+    crowning: float  # taken off per squared axial length
+    pitch_error: float  # turn of tooth 0
+    # how the pinion stands
+    cos_delta: float
+    sin_delta: float
+    axis_offset: float
+    # rack, in its own frame (origin on the bar's axis)
+    rack_reference: np.ndarray  # that origin in the housing at displacement 0, shape (3,)
+    normal_x: float  # |components| of the flank's normal: side normal_x, -normal_y, -side normal_z
+    normal_y: float
+    normal_z: float
+    flank_offset: float  # distance of flank 0 from the origin along its normal
+    normal_base_pitch: float
+    tip_depth: float  # the teeth's tips stand at y = -tip_depth
+    bar_radius: float
+    # contact law
+    stiffness: float
+    damping: float
+    friction: float
+    zone: float
+    line_stiffness: float  # > 0: this law instead of the pressure
+    # integration
+    along: np.ndarray  # rules (4, 2, n) along a segment of a line
+    across: np.ndarray  # and across a strip
+    generators: int  # > 0: over n generators instead of strips
+
+
 def pack(
-    gear: SteeringGear, *, zone: float | None = None, along: int = ALONG, across: int = ACROSS
-) -> np.ndarray:
-    """The array for the flank contact kernels.
+    gear: SteeringGear,
+    *,
+    zone: float | None = None,
+    along: int = ALONG,
+    across: int = ACROSS,
+    generators: int = 0,
+) -> FlankData:
+    """The data for the flank contact kernels.
 
     Args:
         gear: the steering gear; its `mesh.law` chooses the contact law.
         zone: sliding speed below which friction falls linearly to zero [m/s]; default `sliding_zone`.
-        along: Gauss points along each segment of a contact line.
+        along: Gauss points along each segment of a contact line, or along each generator.
         across: Gauss points across the contact strip.
+        generators: number of generators to integrate over; 0 integrates over strips.
 
     Raises:
         ValueError: no involute is left between form and tip circle.
     """
-    pair = GearPair.of(gear)
-    form = FlankForm.of(gear)
+    pair, form, mesh = GearPair.of(gear), FlankForm.of(gear), gear.mesh
     coast, drive = Flank(pair, 0, +1), Flank(pair, 0, -1)
-    if coast.form_tangent_length >= coast.tip_tangent_length:
+    q_form, q_tip, half_face = coast.form_tangent_length, coast.tip_tangent_length, pair.face_width / 2
+    if q_form >= q_tip:
         raise ValueError("the tip circle lies inside the form circle: the pinion has no flank")
-    data = np.zeros(N_FIXED)
-    data[TEETH] = pair.teeth
-    data[BASE_RADIUS] = pair.base_radius
-    data[TWIST] = pair.twist
-    data[SIN_BASE_HELIX], data[COS_BASE_HELIX] = np.sin(pair.beta_b), np.cos(pair.beta_b)
-    data[THETA], data[THETA_COAST_TO_DRIVE] = coast.theta, drive.theta - coast.theta
-    data[Q_FORM], data[Q_TIP] = coast.form_tangent_length, coast.tip_tangent_length
-    data[HALF_FACE] = pair.face_width / 2
-    data[ECCENTRIC_E], data[ECCENTRIC_Y] = pair.eccentricity[:2]
-    data[SLOPE] = form.profile_slope / (data[Q_TIP] - data[Q_FORM])
-    data[RELIEF_START] = data[Q_TIP] - form.tip_relief_length if form.tip_relief else np.inf
-    data[RELIEF] = form.tip_relief / form.tip_relief_length**2
-    data[CROWNING] = form.crowning / data[HALF_FACE] ** 2
-    data[PITCH_ERROR] = form.turn(0, pair)
-    data[COS_DELTA], data[SIN_DELTA] = np.cos(pair.delta), np.sin(pair.delta)
-    data[AXIS_OFFSET] = pair.axis_offset
-    data[NORMAL_X], y, z = pair.rack_flank_normal(+1)
-    data[NORMAL_Y], data[NORMAL_Z] = -y, -z
-    data[FLANK_OFFSET] = pair.normal_base_pitch / 4 + np.sin(pair.alpha_n) * pair.reference_height
-    data[NORMAL_BASE_PITCH] = pair.normal_base_pitch
-    data[TIP_DEPTH] = pair.reference_height + pair.rack_addendum
-    data[BAR_RADIUS] = pair.bar_radius
-    data[STIFFNESS], data[DAMPING] = gear.mesh.stiffness, gear.mesh.damping
-    data[FRICTION] = gear.mesh.friction
-    data[ZONE] = sliding_zone(gear) if zone is None else zone
-    data[LINE_STIFFNESS] = gear.mesh.line_stiffness if gear.mesh.law == "line" else 0.0
-    data[N_ALONG], data[N_ACROSS] = along, across
-    return np.concatenate([data, _tables(along, _ALONG_END), _tables(across, _ACROSS_END)])
+    normal = pair.rack_flank_normal(+1)
+    return FlankData(
+        teeth=pair.teeth,
+        base_radius=pair.base_radius,
+        twist=pair.twist,
+        cos_base_helix=np.cos(pair.beta_b),
+        theta=coast.theta,
+        theta_coast_to_drive=drive.theta - coast.theta,
+        q_form=q_form,
+        q_tip=q_tip,
+        half_face=half_face,
+        eccentric_e=pair.eccentricity[0],
+        eccentric_y=pair.eccentricity[1],
+        slope=form.profile_slope / (q_tip - q_form),
+        relief_start=q_tip - form.tip_relief_length if form.tip_relief else np.inf,
+        relief=form.tip_relief / form.tip_relief_length**2,
+        crowning=form.crowning / half_face**2,
+        pitch_error=form.turn(0, pair),
+        cos_delta=np.cos(pair.delta),
+        sin_delta=np.sin(pair.delta),
+        axis_offset=pair.axis_offset,
+        rack_reference=np.array([0.0, pair.bar_axis_height, 0.0]),
+        normal_x=normal[0],
+        normal_y=-normal[1],
+        normal_z=-normal[2],
+        flank_offset=pair.normal_base_pitch / 4 + np.sin(pair.alpha_n) * pair.reference_height,
+        normal_base_pitch=pair.normal_base_pitch,
+        tip_depth=pair.reference_height + pair.rack_addendum,
+        bar_radius=pair.bar_radius,
+        stiffness=mesh.stiffness,
+        damping=mesh.damping,
+        friction=mesh.friction,
+        zone=sliding_zone(gear) if zone is None else zone,
+        line_stiffness=mesh.line_stiffness if mesh.law == "line" else 0.0,
+        along=jacobi_rules(along, 1.5),
+        across=jacobi_rules(across, 1.0),
+        generators=generators,
+    )
 
 
-def pack_generators(
-    gear: SteeringGear, *, zone: float | None = None, generators: int = 640, along: int = 4
-) -> np.ndarray:
-    """The array for `flank_quadrature`: number of generators, and Gauss points on each."""
-    data = pack(gear, zone=zone, along=along)
-    data[N_ACROSS] = generators
-    return data
-
-
-def sliding_zone(gear: SteeringGear, share: float = 0.01) -> float:
-    """Speed zone of the friction: `share` of the mean sliding speed at the test's speed [m/s].
+def sliding_zone(gear: SteeringGear, fraction: float = 0.01) -> float:
+    """Speed zone of the friction: `fraction` of the mean sliding speed at the test's speed [m/s].
 
     At 1 % the law is Coulomb's except where sliding nearly vanishes, as on the pitch line of parallel axes.
     """
     pair = GearPair.of(gear)
     lever = np.mean(pair.friction_lever(np.linspace(*pair.active_path, 33)))
-    return float(share * gear.test.speed * lever)
+    return float(fraction * gear.test.speed * lever)
 
 
-# --- quadrature ----------------------------------------------------------------------------------
-# Where the pressure ends by itself it vanishes linearly, where a line ends by itself its load does so
-# with the power 3/2: these factors go into the weight function of Gauss-Jacobi rules, so that only the
-# smooth rest is approximated. Tables 0..3: the factor at no end, at the low, at the high, at both ends.
-_ACROSS_END = 1.0
-_ALONG_END = 1.5
+@lru_cache(maxsize=64)
+def jacobi_rules(n: int, exponent: float) -> np.ndarray:
+    """Gauss-Jacobi rules on [0, 1] for loads that vanish at no end, the low, the high, at both ends.
 
-
-def _tables(n: int, exponent: float) -> np.ndarray:
-    """Nodes in [0, 1] and weights of the four rules, the factor divided out of the weights; shape (8 n,)."""
-    rules = []
-    for low, high in ((0.0, 0.0), (exponent, 0.0), (0.0, exponent), (exponent, exponent)):
+    Where the pressure ends by itself it vanishes linearly, where a line ends by itself its load does so with
+    the power 3/2: this `exponent` goes into the weight function, and only the smooth rest is approximated.
+    Nodes and weights, the factor divided out of the weights; shape (4, 2, n).
+    """
+    rules = np.empty((4, 2, n))
+    for rule, low, high in zip(rules, (0, exponent, 0, exponent), (0, 0, exponent, exponent), strict=True):
         x, w = roots_jacobi(n, high, low)  # weight function (1 - x)^high (1 + x)^low
-        rules += [(1 + x) / 2, w / ((1 - x) ** high * (1 + x) ** low) / 2]
-    return np.concatenate(rules)
+        rule[:] = (1 + x) / 2, w / ((1 - x) ** high * (1 + x) ** low) / 2
+    rules.flags.writeable = False
+    return rules

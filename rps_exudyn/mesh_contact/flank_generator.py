@@ -1,4 +1,4 @@
-"""The flank contact on single generators, exact: where one is in contact, and the loads on it.
+"""The flank contact on single generators, exact: its limits and the loads between them.
 
 On a generator xi = const of the pinion's flank the point runs along a straight line and the depth is a
 polynomial of degree 2 in Z (1 without modifications of the flank), so that its part in contact is an
@@ -8,23 +8,9 @@ interval with exact ends; that holds for strips of any width.
 import numpy as np
 
 from rps_exudyn.base.compiled import inlined, kernel
-from rps_exudyn.mesh_contact.flank_data import (
-    BAR_RADIUS,
-    BASE_RADIUS,
-    COS_BASE_HELIX,
-    CROWNING,
-    DAMPING,
-    HALF_FACE,
-    N_ALONG,
-    N_FIXED,
-    Q_FORM,
-    SLOPE,
-    STIFFNESS,
-    TIP_DEPTH,
-)
-from rps_exudyn.mesh_contact.flank_line import DEEPEST, press
+from rps_exudyn.mesh_contact.flank_line import press
 
-REACH = 0.35  # generators within this angle of a line's crest are looked at [rad]
+REACH = 0.35  # contact is sought within this angle of a line's crest [rad]
 
 
 @kernel
@@ -32,7 +18,7 @@ def press_area(coarse, generators, band, line, side, data, sums):  # type: ignor
     """Add the loads of one line's area within a band of the flank: midpoint rule across the generators.
 
     Corners of the area make kinks, so that the error falls with the square of the number of generators.
-    `coarse` of them are looked at to find the area.
+    The area is found on `coarse` of them. Returns the greatest depth.
     """
     step = 2 * REACH / coarse
     low, high = REACH, -REACH
@@ -44,14 +30,16 @@ def press_area(coarse, generators, band, line, side, data, sums):  # type: ignor
     if low > high:  # narrower than a step: it is at the crest or nowhere
         low = high = 0.0
     low, high = _last(low, -step, band, line, side, data), _last(high, step, band, line, side, data)
-    width = (high - low) / generators
+    width, deepest = (high - low) / generators, 0.0
     for i in range(generators):
-        press_generator(low + (i + 0.5) * width, width, band, line, side, data, sums)
+        depth = _press_generator(low + (i + 0.5) * width, width, band, line, side, data, sums)
+        deepest = max(deepest, depth)
+    return deepest
 
 
 @kernel
 def _last(xi, step, band, line, side, data):  # type: ignore[no-untyped-def]
-    """By bisection, the last generator in contact between xi and xi + step."""
+    """The last generator in contact between xi and xi + step, by bisection."""
     for _ in range(24):
         step /= 2
         z_0, z_1 = interval(xi + step, band, line, side, data)
@@ -63,7 +51,7 @@ def _last(xi, step, band, line, side, data):  # type: ignore[no-untyped-def]
 @inlined
 def _on_generator(xi, line, side, data):  # type: ignore[no-untyped-def]
     """(P_r, P_t, q) at Z = 0 and their slopes."""
-    s, rb = side.sign, data[BASE_RADIUS]
+    s, rb = side.sign, data.base_radius
     cos, sin = np.cos(xi), np.sin(xi)
     q = line.q_0 - s * rb * xi
     dq = line.q_1
@@ -73,16 +61,16 @@ def _on_generator(xi, line, side, data):  # type: ignore[no-untyped-def]
 @inlined
 def _depth(xi, band, line, side, data):  # type: ignore[no-untyped-def]
     """Coefficients of 1, Z, Z^2."""
-    s, rb, n_p = side.sign, data[BASE_RADIUS], side.n_p
+    s, rb, n_p = side.sign, data.base_radius, side.n_p
     _, _, q, _, _, dq = _on_generator(xi, line, side, data)
     cos = np.cos(xi)
     # d_0 = c + N_p q*(0), so that c + N_p (s r_b (sin xi - xi cos xi) + q* cos xi) is
     at_middle = line.d_0 + n_p * (s * rb * (np.sin(xi) - xi * cos) - line.q_0 * 2 * np.sin(xi / 2) ** 2)
     slope = line.d_1 - n_p * line.q_1 * 2 * np.sin(xi / 2) ** 2
     u = q - band.relief_from
-    at_middle += n_p * cos * (data[SLOPE] * (q - data[Q_FORM]) - band.relief * u * u)
-    slope += n_p * cos * (data[SLOPE] * dq - 2 * band.relief * u * dq)
-    return at_middle, slope, -n_p * cos * (data[CROWNING] + band.relief * dq * dq)
+    at_middle += n_p * cos * (data.slope * (q - data.q_form) - band.relief * u * u)
+    slope += n_p * cos * (data.slope * dq - 2 * band.relief * u * dq)
+    return at_middle, slope, -n_p * cos * (data.crowning + band.relief * dq * dq)
 
 
 @inlined
@@ -102,45 +90,55 @@ def _clip(low, high, c_0, c_1, c_2):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def _on_axis(coefficients, p_r, p_t, d_r, d_t):  # type: ignore[no-untyped-def]
+    """One of the rack's coordinates on a generator, at Z = 0, and its slope."""
+    c, c_r, c_t, c_z = coefficients
+    return c + c_r * p_r + c_t * p_t, c_r * d_r + c_t * d_t + c_z
+
+
+@inlined
 def interval(xi, band, line, side, data):  # type: ignore[no-untyped-def]
-    """Z between which a generator is in contact."""
+    """The Z between which a generator is in contact."""
     p_r, p_t, q, d_r, d_t, dq = _on_generator(xi, line, side, data)
-    low, high = _clip(-data[HALF_FACE], data[HALF_FACE], band.high - q, -dq, 0.0)
+    low, high = _clip(-data.half_face, data.half_face, band.high - q, -dq, 0.0)
     low, high = _clip(low, high, q - band.low, dq, 0.0)
-    y, dy = side.y_0 + side.y_r * p_r + side.y_t * p_t, side.y_r * d_r + side.y_t * d_t + side.y_z
-    low, high = _clip(low, high, y + data[TIP_DEPTH], dy, 0.0)
-    z, dz = side.z_0 + side.z_r * p_r + side.z_t * p_t, side.z_r * d_r + side.z_t * d_t + side.z_z
-    bar = data[BAR_RADIUS] ** 2
+    y, dy = _on_axis(side.y, p_r, p_t, d_r, d_t)
+    low, high = _clip(low, high, y + data.tip_depth, dy, 0.0)
+    z, dz = _on_axis(side.z, p_r, p_t, d_r, d_t)
+    bar = data.bar_radius**2
     low, high = _clip(low, high, bar - y * y - z * z, -2 * (y * dy + z * dz), -dy * dy - dz * dz)
     c_0, c_1, c_2 = _depth(xi, band, line, side, data)
     low, high = _clip(low, high, c_0, c_1, c_2)
-    if data[DAMPING] > 0:
+    if data.damping > 0:
         r_0 = _approach(p_r, p_t, 0.0, side)
         r_1 = _approach(p_r + d_r, p_t + d_t, 1.0, side) - r_0
-        low, high = _clip(low, high, c_0 + data[DAMPING] * r_0, c_1 + data[DAMPING] * r_1, c_2)
+        low, high = _clip(low, high, c_0 + data.damping * r_0, c_1 + data.damping * r_1, c_2)
     return low, high
 
 
 @inlined
 def _approach(p_r, p_t, z, side):  # type: ignore[no-untyped-def]
     """Rate of the depth at a point."""
-    v_t = side.v_t + side.w_z * p_r - side.w_r * z
-    v_z = side.v_z + side.w_r * p_t - side.w_t * p_r
+    w_r, w_t, w_z = side.spin
+    v_t = side.velocity[1] + w_z * p_r - w_r * z
+    v_z = side.velocity[2] + w_r * p_t - w_t * p_r
     return -side.sign * side.n_p * v_t + side.n_z * v_z
 
 
 @inlined
-def press_generator(xi, width, band, line, side, data, sums):  # type: ignore[no-untyped-def]
-    """Add the loads on a generator that stands for a strip of the given width [rad]."""
+def _press_generator(xi, width, band, line, side, data, sums):  # type: ignore[no-untyped-def]
+    """Add the loads on a generator that stands for a strip of the given width [rad]; the greatest depth."""
     low, high = interval(xi, band, line, side, data)
+    deepest = 0.0
     if not low < high:
-        return
+        return deepest
     p_r, p_t, q, d_r, d_t, dq = _on_generator(xi, line, side, data)
     c_0, c_1, c_2 = _depth(xi, band, line, side, data)
-    n = int(data[N_ALONG])
-    for k in range(N_FIXED, N_FIXED + n):
-        z = low + (high - low) * data[k]
+    nodes, weights = data.along[0]
+    for k in range(nodes.size):
+        z = low + (high - low) * nodes[k]
         depth = c_0 + z * (c_1 + z * c_2)
-        area = (q + z * dq) * width * (high - low) * data[k + n] / data[COS_BASE_HELIX]
-        press(depth, data[STIFFNESS] * area, p_r + z * d_r, p_t + z * d_t, z, side, data, sums)
-        sums[DEEPEST] = max(sums[DEEPEST], depth)
+        area = (q + z * dq) * width * (high - low) * weights[k] / data.cos_base_helix
+        press(depth, data.stiffness * area, p_r + z * d_r, p_t + z * d_t, z, side, data, sums)
+        deepest = max(deepest, depth)
+    return deepest

@@ -9,7 +9,8 @@ rack flank's outward normal (tangential part -s N_p, axial part N_z) and q*(Z) =
     dA           = (q* - s r_b xi) / cos beta_b dxi dZ
 
 (derived here from the helicoid of `gears.helicoid`). The depth is linear along a generator xi = const and
-close to a parabola across, d depth/d xi = -N_p q sin xi: the contact is a strip along the line xi = 0.
+close to a parabola across, d depth/d xi = -N_p q sin xi: the contact is a strip along the line xi = 0, the
+line of contact.
 In the expansions below only powers are left out that the strip's half width, some 0.05, makes < 1e-6.
 """
 
@@ -18,47 +19,19 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.base.compiled import inlined
-from rps_exudyn.mesh_contact.flank_data import (
-    AXIS_OFFSET,
-    BASE_RADIUS,
-    COS_DELTA,
-    DAMPING,
-    ECCENTRIC_E,
-    ECCENTRIC_Y,
-    FLANK_OFFSET,
-    FRICTION,
-    HALF_FACE,
-    NORMAL_BASE_PITCH,
-    NORMAL_X,
-    NORMAL_Y,
-    NORMAL_Z,
-    PITCH_ERROR,
-    Q_FORM,
-    Q_TIP,
-    SIN_DELTA,
-    TEETH,
-    THETA,
-    THETA_COAST_TO_DRIVE,
-    TWIST,
-    ZONE,
-)
+from rps_exudyn.forces.friction import coulomb
+from rps_exudyn.forces.rigid_motion import Vector
+from rps_exudyn.mesh_contact import wrench
 from rps_exudyn.mesh_contact.flank_strip import MARGIN
-from rps_exudyn.mesh_contact.wrench import (
-    DAMPING_POWER,
-    ELASTIC_ENERGY,
-    FORCE,
-    FRICTION_POWER,
-    MOMENT,
-    NORMAL_COAST,
-    NORMAL_DRIVE,
-    PENETRATION,
-    TORQUE,
-    TOUCHING,
-)
+
+Coefficients = tuple[float, float, float, float]
 
 
 class Side(NamedTuple):
-    """One side's line frame, and what does not change along its lines."""
+    """One side's line frame (r, t, z), and what does not change along its lines.
+
+    Coefficients (c, c_r, c_t, c_z) stand for c + c_r P_r + c_t P_t + c_z Z, see `affine`.
+    """
 
     sign: float  # s
     psi: float  # psi*
@@ -67,28 +40,12 @@ class Side(NamedTuple):
     n_p: float  # |transverse part| of the normal; N = (0, -s n_p, n_z)
     n_z: float
     offset: float  # depth of flank j at the gear's centre: offset + s j p_bn
-    v_r: float  # rack's velocity relative to the pinion, at the gear's centre
-    v_t: float
-    v_z: float
-    w_r: float  # rack's angular velocity relative to the pinion
-    w_t: float
-    w_z: float
-    slip: float  # the same motion along B = N x e_r: slip + slip_r P_r + slip_t P_t + slip_z Z
-    slip_r: float
-    slip_t: float
-    slip_z: float
-    part: float  # and along N, which parts the flanks when negative
-    part_r: float
-    part_t: float
-    part_z: float
-    y_0: float  # rack's own y and z coordinate of a point: y_0 + y_r P_r + y_t P_t + y_z Z
-    y_r: float
-    y_t: float
-    y_z: float
-    z_0: float
-    z_r: float
-    z_t: float
-    z_z: float
+    velocity: Vector  # of the rack relative to the pinion, at the gear's centre
+    spin: Vector  # angular velocity of the rack relative to the pinion
+    slip: Coefficients  # of the same motion along B = N x e_r
+    part: Coefficients  # and along N, which parts the flanks when negative
+    y: Coefficients  # the rack's own y coordinate of a point
+    z: Coefficients  # and its z coordinate
 
 
 class Line(NamedTuple):
@@ -118,37 +75,57 @@ SUMS = 15
 
 
 @inlined
+def affine(coefficients, p_r, p_t, z):  # type: ignore[no-untyped-def]
+    """The value at a point of the line frame."""
+    return coefficients[0] + coefficients[1] * p_r + coefficients[2] * p_t + coefficients[3] * z
+
+
+@inlined
+def _to_pinion(x, z, data):  # type: ignore[no-untyped-def]
+    """Components along e and k of the pinion frame from those along X and Z of the housing."""
+    return data.cos_delta * x - data.sin_delta * z, data.sin_delta * x + data.cos_delta * z
+
+
+@inlined
+def _to_line(e, y, sin, cos):  # type: ignore[no-untyped-def]
+    """Components along e_r and e_t from those along e and Y."""
+    return cos * e + sin * y, cos * y - sin * e
+
+
+@inlined
+def gear_centre(angle, position, data):  # type: ignore[no-untyped-def]
+    """The gear's centre from its axis of rotation (e, Y), and from the rack's reference point (X, Y, Z)."""
+    ca, sa = np.cos(angle), np.sin(angle)
+    ecc_e = ca * data.eccentric_e - sa * data.eccentric_y
+    ecc_y = sa * data.eccentric_e + ca * data.eccentric_y
+    gx = data.cos_delta * ecc_e - position[0]
+    gy = ecc_y + data.axis_offset - position[1]
+    gz = -data.sin_delta * ecc_e - position[2]
+    return ecc_e, ecc_y, gx, gy, gz
+
+
+@inlined
 def side_of(sign, angle, rate, position, rotation, velocity, spin, data):  # type: ignore[no-untyped-def]
     """The line frame of side `sign` at this pose and motion."""
-    cd, sd = data[COS_DELTA], data[SIN_DELTA]
-    ca, sa = np.cos(angle), np.sin(angle)
-    ecc_e = ca * data[ECCENTRIC_E] - sa * data[ECCENTRIC_Y]
-    ecc_y = sa * data[ECCENTRIC_E] + ca * data[ECCENTRIC_Y]
-    # gear centre from the rack's reference point
-    gx = cd * ecc_e - position[0]
-    gy = ecc_y + data[AXIS_OFFSET] - position[1]
-    gz = -sd * ecc_e - position[2]
+    ecc_e, ecc_y, gx, gy, gz = gear_centre(angle, position, data)
     # the normal: rack -> housing -> pinion frame (e, Y, k)
-    bx, by, bz = sign * data[NORMAL_X], -data[NORMAL_Y], -sign * data[NORMAL_Z]
+    bx, by, bz = sign * data.normal_x, -data.normal_y, -sign * data.normal_z
     nx = rotation[0, 0] * bx + rotation[0, 1] * by + rotation[0, 2] * bz
     ny = rotation[1, 0] * bx + rotation[1, 1] * by + rotation[1, 2] * bz
     nz = rotation[2, 0] * bx + rotation[2, 1] * by + rotation[2, 2] * bz
-    n_e, n_k = cd * nx - sd * nz, sd * nx + cd * nz
+    n_e, n_k = _to_pinion(nx, nz, data)
     n_p = np.sqrt(n_e * n_e + ny * ny)
+    n_t = -sign * n_p
     sin, cos = sign * n_e / n_p, -sign * ny / n_p  # e_t(psi*) = -s N_xy / N_p
-    # velocity of the rack relative to the pinion, at the gear's centre
+    # motion of the rack relative to the pinion, at the gear's centre
     ux = velocity[0] + spin[1] * gz - spin[2] * gy
     uy = velocity[1] + spin[2] * gx - spin[0] * gz
     uz = velocity[2] + spin[0] * gy - spin[1] * gx
-    v_e, v_y, v_z = cd * ux - sd * uz + rate * ecc_y, uy - rate * ecc_e, sd * ux + cd * uz
-    w_e, w_y, w_z = cd * spin[0] - sd * spin[2], spin[1], sd * spin[0] + cd * spin[2] - rate
-    # the rack's own axes y and z in the pinion frame
-    r01, r11, r21 = rotation[0, 1], rotation[1, 1], rotation[2, 1]
-    r02, r12, r22 = rotation[0, 2], rotation[1, 2], rotation[2, 2]
-    y_e, z_e = cd * r01 - sd * r21, cd * r02 - sd * r22
-    v_r, v_t = cos * v_e + sin * v_y, cos * v_y - sin * v_e
-    w_r, w_t = cos * w_e + sin * w_y, cos * w_y - sin * w_e
-    n_t = -sign * n_p
+    v_e, v_z = _to_pinion(ux, uz, data)
+    w_e, w_z = _to_pinion(spin[0], spin[2], data)
+    w_z -= rate
+    v_r, v_t = _to_line(v_e + rate * ecc_y, uy - rate * ecc_e, sin, cos)
+    w_r, w_t = _to_line(w_e, spin[1], sin, cos)
     return Side(
         sign,
         np.arctan2(sin, cos),
@@ -156,42 +133,35 @@ def side_of(sign, angle, rate, position, rotation, velocity, spin, data):  # typ
         cos,
         n_p,
         n_k,
-        data[FLANK_OFFSET] - (nx * gx + ny * gy + nz * gz),
-        v_r,
-        v_t,
-        v_z,
-        w_r,
-        w_t,
-        w_z,
-        n_k * v_t - n_t * v_z,
-        n_k * w_z + n_t * w_t,
-        -n_t * w_r,
-        -n_k * w_r,
-        n_t * v_t + n_k * v_z,
-        n_t * w_z - n_k * w_t,
-        n_k * w_r,
-        -n_t * w_r,
-        r01 * gx + r11 * gy + r21 * gz,
-        cos * y_e + sin * r11,
-        cos * r11 - sin * y_e,
-        sd * r01 + cd * r21,
-        r02 * gx + r12 * gy + r22 * gz,
-        cos * z_e + sin * r12,
-        cos * r12 - sin * z_e,
-        sd * r02 + cd * r22,
+        data.flank_offset - (nx * gx + ny * gy + nz * gz),
+        (v_r, v_t, v_z),
+        (w_r, w_t, w_z),
+        (n_k * v_t - n_t * v_z, n_k * w_z + n_t * w_t, -n_t * w_r, -n_k * w_r),
+        (n_t * v_t + n_k * v_z, n_t * w_z - n_k * w_t, n_k * w_r, -n_t * w_r),
+        _rack_axis(1, rotation, gx, gy, gz, sin, cos, data),
+        _rack_axis(2, rotation, gx, gy, gz, sin, cos, data),
     )
+
+
+@inlined
+def _rack_axis(i, rotation, gx, gy, gz, sin, cos, data):  # type: ignore[no-untyped-def]
+    """The rack's own coordinate i of a point, as coefficients."""
+    x, y, z = rotation[0, i], rotation[1, i], rotation[2, i]
+    e, k = _to_pinion(x, z, data)
+    r, t = _to_line(e, y, sin, cos)
+    return x * gx + y * gy + z * gz, r, t, k
 
 
 @inlined
 def first_tooth(angle, side, data):  # type: ignore[no-untyped-def]
     """Number of the first tooth whose line lies on the flank, and q*(0) there and per tooth further on."""
-    theta = data[THETA] + angle
+    theta = data.theta + angle
     if side.sign < 0:
-        theta += data[THETA_COAST_TO_DRIVE]
-    rb = data[BASE_RADIUS]
-    turn, per_tooth = theta - side.psi, 2 * np.pi / data[TEETH]
-    reach = rb * (data[HALF_FACE] * abs(data[TWIST]) + MARGIN)
-    low, high = (data[Q_FORM] - reach) / rb, (data[Q_TIP] + reach) / rb
+        theta += data.theta_coast_to_drive
+    rb = data.base_radius
+    turn, per_tooth = theta - side.psi, 2 * np.pi / data.teeth
+    reach = rb * (data.half_face * abs(data.twist) + MARGIN)
+    low, high = (data.q_form - reach) / rb, (data.q_tip + reach) / rb
     if side.sign > 0:
         tooth = np.ceil((low - turn) / per_tooth)
         last = np.floor((high - turn) / per_tooth)
@@ -203,23 +173,22 @@ def first_tooth(angle, side, data):  # type: ignore[no-untyped-def]
 
 @inlined
 def line_of(tooth, turn, side, data):  # type: ignore[no-untyped-def]
-    """The line of one tooth, and the number of the rack's flank that is nearest to it."""
-    s, rb, z = side.sign, data[BASE_RADIUS], int(data[TEETH])
-    if tooth % z == 0:
-        turn += data[PITCH_ERROR]
-    q_0 = s * rb * (turn + 2 * np.pi * tooth / z)
-    q_1 = -s * rb * data[TWIST]
+    """The line of one tooth against the flank of the rack that is nearest to it."""
+    s, rb, p = side.sign, data.base_radius, data.normal_base_pitch
+    if tooth % data.teeth == 0:
+        turn += data.pitch_error
+    q_0 = s * rb * (turn + 2 * np.pi * tooth / data.teeth)
+    q_1 = -s * rb * data.twist
     d_0 = side.offset + side.n_p * q_0
-    d_1 = side.n_p * q_1 - side.n_z
-    rack_tooth = -s * np.round(d_0 / data[NORMAL_BASE_PITCH])
-    return Line(q_0, q_1, d_0 + s * rack_tooth * data[NORMAL_BASE_PITCH], d_1), int(rack_tooth)
+    rack_tooth = -s * np.round(d_0 / p)
+    return Line(q_0, q_1, d_0 + s * rack_tooth * p, side.n_p * q_1 - side.n_z)
 
 
 # --- loads -----------------------------------------------------------------------------------------
 @inlined
 def point(xi, z, line, side, data):  # type: ignore[no-untyped-def]
     """P_r, P_t and the tangent length q."""
-    s, rb = side.sign, data[BASE_RADIUS]
+    s, rb = side.sign, data.base_radius
     x2 = xi * xi
     cos, sin = 1 - x2 / 2 * (1 - x2 / 12), xi * (1 - x2 / 6 * (1 - x2 / 20))
     along = s * (line.q_0 + line.q_1 * z) - rb * xi
@@ -229,18 +198,18 @@ def point(xi, z, line, side, data):  # type: ignore[no-untyped-def]
 @inlined
 def press(depth, stiffness, p_r, p_t, z, side, data, sums):  # type: ignore[no-untyped-def]
     """Add the load stiffness * (depth + d * its rate) at a point, with its friction."""
-    slip_r = side.v_r + side.w_t * z - side.w_z * p_t
-    slip_b = side.slip + side.slip_r * p_r + side.slip_t * p_t + side.slip_z * z
+    slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t
+    slip_b = affine(side.slip, p_r, p_t, z)
     pressing = depth
-    if data[DAMPING] > 0:
-        approach = side.part + side.part_r * p_r + side.part_t * p_t + side.part_z * z
-        pressing += data[DAMPING] * approach
+    if data.damping > 0:
+        approach = affine(side.part, p_r, p_t, z)
+        pressing += data.damping * approach
         if not pressing > 0:
             return
         sums[DAMPING_LOSS] += stiffness * (pressing - depth) * approach
     load = stiffness * pressing
     slip = np.sqrt(slip_r * slip_r + slip_b * slip_b)
-    drag = data[FRICTION] * load / max(slip, data[ZONE])
+    drag = coulomb(load, data.friction, slip, data.zone)
     f_r, f_b = drag * slip_r, drag * slip_b
     sums[LOAD] += load
     sums[LOAD_R] += load * p_r
@@ -259,8 +228,8 @@ def press(depth, stiffness, p_r, p_t, z, side, data, sums):  # type: ignore[no-u
 @inlined
 def add_side(sums, angle, position, side, data, out):  # type: ignore[no-untyped-def]
     """Add one side's loads to `out` (`wrench` layout): line frame -> housing frame."""
-    cd, sd, cos, sin = data[COS_DELTA], data[SIN_DELTA], side.cos, side.sin
-    ca, sa = np.cos(angle), np.sin(angle)
+    cd, sd, cos, sin = data.cos_delta, data.sin_delta, side.cos, side.sin
+    ecc_e, ecc_y, gx, gy, gz = gear_centre(angle, position, data)
     n_t, n_z = -side.sign * side.n_p, side.n_z  # N, and B = (0, n_z, -n_t)
     load, drag = sums[LOAD], sums[DRAG_B]
     # on the pinion, line frame, about the gear's centre; on the rack the opposite
@@ -270,23 +239,18 @@ def add_side(sums, angle, position, side, data, out):  # type: ignore[no-untyped
     m_z = n_t * sums[LOAD_R] + n_z * sums[DRAG_B_R] - sums[DRAG_R_T]
     f_e, f_y = cos * f_r - sin * f_t, sin * f_r + cos * f_t
     m_e, m_y = cos * m_r - sin * m_t, sin * m_r + cos * m_t
-    ecc_e = ca * data[ECCENTRIC_E] - sa * data[ECCENTRIC_Y]
-    ecc_y = sa * data[ECCENTRIC_E] + ca * data[ECCENTRIC_Y]
-    out[TORQUE] += m_z + ecc_e * f_y - ecc_y * f_e
+    out[wrench.TORQUE] += m_z + ecc_e * f_y - ecc_y * f_e
     fx, fy, fz = cd * f_e + sd * f_z, f_y, cd * f_z - sd * f_e
     mx, my, mz = cd * m_e + sd * m_z, m_y, cd * m_z - sd * m_e
-    gx = cd * ecc_e - position[0]
-    gy = ecc_y + data[AXIS_OFFSET] - position[1]
-    gz = -sd * ecc_e - position[2]
-    out[FORCE.start] -= fx
-    out[FORCE.start + 1] -= fy
-    out[FORCE.start + 2] -= fz
-    out[MOMENT.start] -= mx + gy * fz - gz * fy
-    out[MOMENT.start + 1] -= my + gz * fx - gx * fz
-    out[MOMENT.start + 2] -= mz + gx * fy - gy * fx
-    out[NORMAL_DRIVE if side.sign < 0 else NORMAL_COAST] += load
-    out[ELASTIC_ENERGY] += sums[ENERGY]
-    out[FRICTION_POWER] += sums[FRICTION_LOSS]
-    out[DAMPING_POWER] += sums[DAMPING_LOSS]
-    out[PENETRATION] = max(out[PENETRATION], sums[DEEPEST])
-    out[TOUCHING] += sums[LINES]
+    out[wrench.FORCE.start] -= fx
+    out[wrench.FORCE.start + 1] -= fy
+    out[wrench.FORCE.start + 2] -= fz
+    out[wrench.MOMENT.start] -= mx + gy * fz - gz * fy
+    out[wrench.MOMENT.start + 1] -= my + gz * fx - gx * fz
+    out[wrench.MOMENT.start + 2] -= mz + gx * fy - gy * fx
+    out[wrench.NORMAL_DRIVE if side.sign < 0 else wrench.NORMAL_COAST] += load
+    out[wrench.ELASTIC_ENERGY] += sums[ENERGY]
+    out[wrench.FRICTION_POWER] += sums[FRICTION_LOSS]
+    out[wrench.DAMPING_POWER] += sums[DAMPING_LOSS]
+    out[wrench.PENETRATION] = max(out[wrench.PENETRATION], sums[DEEPEST])
+    out[wrench.TOUCHING] += sums[LINES]

@@ -1,8 +1,8 @@
 """The kinematic ratio: the ready-made gear joint, which knows the gain and nothing else of the teeth.
 
-A stiff coupling x = gain phi between rack and pinion, the rack guided by it in all other directions. No
-losses in the mesh, no ripple, no backlash; a constant loss torque can be added, for instance the closed
-form's. It is here to show what such a joint misses, and where it suffices.
+It couples x = gain phi stiffly and guides the rack in all other directions. There are no losses in the mesh,
+no ripple and no backlash; a constant loss torque can be added, for instance the closed form's. It shows what
+such a joint misses, and where it suffices.
 """
 
 from typing import NamedTuple
@@ -12,6 +12,7 @@ import numpy as np
 from rps_exudyn.base.compiled import kernel
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.forces.friction import constant_drag
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -20,6 +21,8 @@ GUIDE = 1e5  # against rotations of the rack [N m/rad]
 
 
 class RatioData(NamedTuple):
+    """Constants of the kinematic ratio."""
+
     gain: float  # rack travel per radian [m]
     loss: float  # constant loss torque [N m]
     zone: float  # pinion rate below which it falls linearly to zero [rad/s]
@@ -30,7 +33,7 @@ def ratio_force(q, v, data):  # type: ignore[no-untyped-def]
     """Coupling, guide and loss; q = pinion (1), rack (6)."""
     out = np.zeros(7 + 3)
     slip = q[1] + data.gain * q[0]  # the pinion's coordinate counts about k, against the steering angle
-    loss = data.loss * v[0] / max(abs(v[0]), data.zone)
+    loss = constant_drag(data.loss, v[0], data.zone)
     out[0] = -data.gain * COUPLING * slip - loss
     out[1] = -COUPLING * slip
     out[2:4] = -COUPLING * q[2:4]

@@ -1,9 +1,8 @@
-"""Spheres on the pinion's flanks against the rack's flank planes, in compiled form and without a search.
+"""Spheres on the pinion's flanks against the rack's flank planes, compiled and without a contact search.
 
-The same samples, the same law as Exudyn's GeneralContact computes: pressure proportional to depth, Coulomb
-friction regularised below a zone. It serves the general contact in three ways: as the tangent that its
-own Jacobian lacks, as the energy_terms that GeneralContact does not keep (normal forces, dissipation, stored
-energy, deepest penetration), and as the independent second opinion on its forces.
+Samples and law are those of Exudyn's GeneralContact: pressure proportional to depth, Coulomb friction
+regularised below a zone. They give it the tangent that its own Jacobian lacks, and what it does not keep
+(normal forces, stored energy, dissipation, deepest penetration); and they check its forces independently.
 """
 
 from typing import NamedTuple
@@ -20,15 +19,14 @@ from rps_exudyn.mesh_contact.wrench import MESH_OUTPUTS, WRENCH_SIZE, on_coordin
 class SampledContactData(NamedTuple):
     """Spheres of every tooth space's two flanks, and the planes they meet."""
 
-    centres: (
-        np.ndarray
-    )  # (z, 2, n, 3) by tooth space, drive and coast flank; pinion frame, pinion angle 0 [m]
+    # by tooth space, drive and coast flank; pinion frame, pinion angle 0
+    centres: np.ndarray  # (z, 2, n, 3) [m]
     stiffness: np.ndarray  # (z, 2, n) [N/m]
     radius: float
     damping: float  # damping over stiffness [s]
     friction: float
     zone: float  # friction zone [m/s]
-    gate: float  # a tooth space is looked at within this angle from the mesh [rad]
+    gate: float  # only tooth spaces within this angle from the mesh are evaluated [rad]
     pinion_origin: np.ndarray  # (3,) housing frame
     pinion_frame: np.ndarray  # (3, 3) columns e, Y, k
     normals: np.ndarray  # (2, 3) out of the rack's flanks, rack frame
@@ -40,7 +38,7 @@ class SampledContactData(NamedTuple):
 
 @kernel
 def angle_from_mesh(angle, space, spaces):  # type: ignore[no-untyped-def]
-    """Where a tooth space stands, from the pitch point about k, in (-pi, pi] [rad]."""
+    """Angle of a tooth space from the pitch point about k, in (-pi, pi] [rad]."""
     turned = angle + space * 2 * np.pi / spaces
     return turned - 2 * np.pi * np.round(turned / (2 * np.pi))
 
@@ -94,7 +92,7 @@ def sampled_wrench(angle, rate, position, rotation, velocity, spin, data):  # ty
 
 @kernel
 def sampled_force(q, v, data):  # type: ignore[no-untyped-def]
-    """The same on the coordinates; q = pinion (1), rack (6)."""
+    """Forces of all samples on the coordinates; q = pinion (1), rack (6)."""
     map_ = spin_map(q[4:7])
     wrench = sampled_wrench(
         q[0], v[0], data.rack_reference + q[1:4], rotation_matrix(q[4:7]), v[1:4], times(map_, v[4:7]), data

@@ -1,4 +1,4 @@
-"""Where spheres sit on the pinion's flanks, and how much area each stands for.
+"""Samples of the pinion's flanks: their places, and the area that each stands for.
 
 A regular grid of midpoints over the part of a flank that meets the rack: the tangent length q between the
 limits of contact, the axial Z between the face's or the round bar's ends at that height. Every sample
@@ -46,7 +46,7 @@ def sample_flank(flank: Flank, profile: int, axial: int) -> FlankSamples:
 
 
 def onto_mesh(samples: FlankSamples, triangles: np.ndarray) -> FlankSamples:
-    """The same samples moved along their normals onto a triangulated flank.
+    """Samples moved along their normals onto a triangulated flank.
 
     `triangles` (m, 3, 3) [m] are those of the flank, and may be more; of several crossings the nearest
     counts. A sample keeps its place where no triangle lies under it.
@@ -68,7 +68,7 @@ def onto_mesh(samples: FlankSamples, triangles: np.ndarray) -> FlankSamples:
 
 
 def axial_reach(pair: GearPair, side: int, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Z between which the flank meets the rack, at q from the pitch point along the line of action [m].
+    """Z between which the flank meets the rack, at q from the pitch point on the path of contact [m].
 
     The contact point is P + q t + Z k, t = -side cos(alpha_t) e + sin(alpha_t) Y; it must lie within the
     face and within the round bar, (y - y_bar)^2 + z^2 <= R^2.

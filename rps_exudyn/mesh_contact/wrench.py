@@ -1,4 +1,4 @@
-"""What every mesh contact hands back: one array, one layout.
+"""The array that every mesh contact kernel returns.
 
 A contact kernel is called as
 
@@ -28,13 +28,13 @@ PENETRATION = 12  # deepest [m]
 TOUCHING = 13  # number of samples or lines in contact
 WRENCH_SIZE = 14
 
-# What a mesh contact's force element tells behind the energy_terms
+# What a mesh contact's force element returns behind the energy terms
 MESH_OUTPUTS = ("mesh_normal_force_drive", "mesh_normal_force_coast", "mesh_penetration", "mesh_touching")
 
 
 @kernel
 def on_coordinates(wrench, map_):  # type: ignore[no-untyped-def]
-    """A force element's output from a wrench: forces on pinion (1) and rack (6), energy_terms, MESH_OUTPUTS.
+    """A force element's output from a wrench: forces on pinion (1), rack (6), energy terms, `MESH_OUTPUTS`.
 
     `map_` is the rack's G, angle rates -> angular velocity.
     """

@@ -1,10 +1,11 @@
-"""The bush's segments and springs in an Exudyn system."""
+"""The bush as bodies and springs of an Exudyn system."""
 
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rps_exudyn.forces.bush import Chain, housing_station
+from rps_exudyn.multibody.inertia import six_moments
 from rps_exudyn.parameters.gear import SteeringGear
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ def add_chain(
     inertia: np.ndarray,
     axis_height: float,
 ) -> tuple[list[Any], list[Any]]:
-    """Segments and springs in an Exudyn system; returns the segments' nodes and bodies.
+    """Add segments and springs to an Exudyn system; returns the segments' nodes and bodies.
 
     `rest` (N, 6) is where they start; each has `mass` [kg] and `inertia` (3, 3) [kg m^2] about its centre.
     Springs sit at one point of both neighbours, so that the pair of forces has no free moment.
@@ -37,7 +38,7 @@ def add_chain(
     )
 
     centres = housing_station(gear, chain.centres)
-    moments = inertia[[0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]
+    moments = six_moments(inertia)
     nodes, bodies = [], []
     for x, start in zip(centres, rest, strict=True):
         node = mbs.AddNode(

@@ -1,7 +1,6 @@
-"""A force element as an Exudyn object.
+"""A force element as an Exudyn object: a massless `ObjectGenericODE2`.
 
-It is a massless `ObjectGenericODE2`: unlike a connector between separated markers it carries its own lever
-arms, so moments balance exactly.
+Unlike a connector between separated markers it carries its own lever arms, so moments balance exactly.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -30,10 +29,11 @@ def add_forces(
     size: int,
     tangent: Callable[..., Any] | None = None,
 ) -> Any:
-    """A massless object with a compiled force law over the coordinates of some nodes.
+    """Add a massless object with a compiled force law over the coordinates of some nodes.
 
     Args:
         kernel: (q, v, data) -> the forces (size,), and possibly more behind them.
+        data: the law's constants; unpacking many takes long, a `Handle` on them does not.
         tangent: (q, v, data, factor_q, factor_v) -> factor_q dF/dq + factor_v dF/dv, shape (size, size);
             without it Exudyn takes differences through Python.
     """

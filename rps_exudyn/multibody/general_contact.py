@@ -1,7 +1,7 @@
 """The teeth in Exudyn's GeneralContact: spheres on the pinion's flanks against triangles on the rack's.
 
 GeneralContact knows no contact of triangles with triangles, so one gear is sampled (`mesh_contact.spheres`).
-What experience asks for, each with a test in tests/upstream:
+Exudyn needs, each with a test in tests/upstream:
 
 * drive and coast flanks in contacts of their own, one per tooth space: the implicit solver's active-set
   test compares numbers of contacts only, and a tooth that is out of mesh can be switched off;
@@ -46,7 +46,7 @@ class GeneralContacts:
                 contact.isActive = near
 
     def force(self) -> np.ndarray:
-        """What the contacts added to the system's right-hand side last, shape (n,)."""
+        """The contacts' latest part of the system's right-hand side, shape (n,)."""
         active = [contact for row in self.contacts for contact in row if contact.isActive]
         return np.sum([contact.GetSystemODE2RhsContactForces(copy=True) for contact in active], axis=0)
 
@@ -54,7 +54,7 @@ class GeneralContacts:
 def add_general_contacts(
     mbs: "exudyn.MainSystem", gear: SteeringGear, data: SampledContactData, *, pinion: Any, rack: Any
 ) -> GeneralContacts:
-    """Spheres on the pinion body, triangles on the rack body."""
+    """Add spheres on the pinion body and triangles on the rack body, one contact per flank."""
     from exudyn.itemInterface import MarkerBodyRigid
 
     bar = RackBar.of(gear)
@@ -90,7 +90,7 @@ def _new_contact(mbs: "exudyn.MainSystem", data: SampledContactData, pair: GearP
     contact.frictionProportionalZone = data.zone
     contact.sphereSphereContact = False
     contact.keepContactWhilePenetrating = True  # one law in all solvers; where it is damped, spheres can pull
-    contact.computeContactForces = True  # kept for the second opinion of `sampled_contact`
+    contact.computeContactForces = True  # kept, for comparison with `sampled_contact`
     contact.SetFrictionPairings(data.friction * np.eye(1))
     reach, half = pair.tip_radius + 2e-3, pair.face_width / 2 + 4e-3
     contact.SetSearchTreeBox(pMin=[-reach, -reach, -half], pMax=[reach, reach, half])
@@ -116,7 +116,7 @@ def flank_triangle(bar: RackBar, flank: RackFlank) -> np.ndarray:
 
 
 def add_tangent(mbs: "exudyn.MainSystem", data: SampledContactData, nodes: list[Any]) -> None:
-    """The contact's Jacobian, as a massless object without forces; `nodes`: pinion, rack.
+    """Add the contact's Jacobian, a massless object without forces; `nodes`: pinion, rack.
 
     It comes from the compiled samples. GeneralContact itself contributes none: without contact between
     spheres its own derivative is exactly zero (tests/upstream pins this).
@@ -125,4 +125,5 @@ def add_tangent(mbs: "exudyn.MainSystem", data: SampledContactData, nodes: list[
 
 
 def no_force(q: np.ndarray, v: np.ndarray, data: SampledContactData) -> np.ndarray:
+    """The force law of the object that only carries the Jacobian."""
     return np.zeros(7)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
+from rps_exudyn.base.compiled import Handle
 from rps_exudyn.forces import bearing, external_load, sliding_fit, yoke
 from rps_exudyn.forces.bush import Chain, adams_chain, bush_chain
 from rps_exudyn.forces.force_element import ForceElement
@@ -63,14 +64,15 @@ class GearForces:
         return Balance(kernel, self._data(self.condensed_fit), self.locked)
 
     @property
-    def dynamics(self) -> tuple[Kernel, GearData]:
+    def dynamics(self) -> tuple[Kernel, Handle]:
         """Compiled sum of all forces, with the bush as modelled."""
         total = chain_gear_force if "segment" in self.fit.bodies else gear_force
         return total(self.mesh.kernel, self.seat.kernel), self._data(self.fit)
 
-    def _data(self, fit: ForceElement) -> GearData:
+    def _data(self, fit: ForceElement) -> Handle:
         parts = {name: getattr(self, name) for name in GearData._fields} | {"fit": fit}
-        return GearData(**{name: part.data if part else NOTHING[name] for name, part in parts.items()})
+        data = {name: part.data if part else NOTHING[name] for name, part in parts.items()}
+        return Handle(GearData(**data))
 
 
 def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) -> GearForces:

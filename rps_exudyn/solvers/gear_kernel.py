@@ -1,9 +1,9 @@
-"""The whole gear's forces in one compiled function: what the fast models evaluate thousands of times.
+"""The whole gear's forces in one compiled function, which the fast models evaluate thousands of times.
 
 The coordinates are stacked [pinion (about k), rack (6), plunger]; with the bush as a chain its last segment
-(6) follows. The same force laws as everywhere (`parts`, `mesh_contact`), without a maneuver through Python
-between them. The laws of mesh and yoke are chosen by handing in their kernels; every function made here is
-compiled for them.
+(6) follows. The force laws are those of `forces` and `mesh_contact`, called without a detour through Python.
+The laws of mesh and yoke are chosen by their kernels; every function made here is compiled for them and takes
+a `Handle` on `GearData`.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,12 +29,12 @@ COORDINATE_BLOCKS = {
 
 
 def stacked(bodies: Sequence[str]) -> np.ndarray:
-    """Where the coordinates of some bodies stand in the stack, in the order of the bodies."""
+    """Indices of some bodies' coordinates in the stack, in the order of the bodies."""
     return np.concatenate([np.r_[COORDINATE_BLOCKS[body]] for body in bodies])
 
 
 class GearData(NamedTuple):
-    """Constants of all force laws."""
+    """Constants of all force laws; each is the `data` of a `ForceElement`."""
 
     mesh: Any
     seat: Any  # of the plunger's seat, or of the yoke as a force
@@ -67,8 +67,8 @@ def _add_all_but_fit(total, mesh, seat, q, v, data):  # type: ignore[no-untyped-
 def gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
     """Generalised forces (8,) with the bush condensed into the fit."""
 
-    def force(q, v, data):  # type: ignore[no-untyped-def]
-        total = np.zeros(8)
+    def force(q, v, handle):  # type: ignore[no-untyped-def]
+        data, total = handle.data, np.zeros(8)
         mesh = mesh_force(q[0:7], v[0:7], data.mesh)
         seat = seat_force(q[1:8], v[1:8], data.seat)
         _add_all_but_fit(total, mesh, seat, q, v, data)
@@ -82,8 +82,8 @@ def gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
 def chain_gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
     """Generalised forces (14,) with the rack in the last segment of a chain."""
 
-    def chain_force(q, v, data):  # type: ignore[no-untyped-def]
-        total = np.zeros(14)
+    def chain_force(q, v, handle):  # type: ignore[no-untyped-def]
+        data, total = handle.data, np.zeros(14)
         mesh = mesh_force(q[0:7], v[0:7], data.mesh)
         seat = seat_force(q[1:8], v[1:8], data.seat)
         _add_all_but_fit(total, mesh, seat, q, v, data)
@@ -97,11 +97,11 @@ def chain_gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
 
 @cache
 def tangent(force: Kernel) -> Kernel:
-    """factor_q dF/dq + factor_v dF/dv by forward differences, a function (q, v, data, factor_q, factor_v).
+    """Forward differences: a function (q, v, data, factor_q, factor_v) -> factor_q dF/dq + factor_v dF/dv.
 
     `force` is any kernel whose first outputs are the forces on the coordinates, stacked as above. The steps
     stay far below penetrations (micrometres) and friction zones (0.01 mm/s), for 1 % of the largest entries,
-    enough for Newton's method; rotations act on levers of centimetres.
+    enough for Newton's method; rotations act at distances of centimetres.
     """
 
     def difference_tangent(q, v, data, factor_q, factor_v):  # type: ignore[no-untyped-def]
@@ -124,7 +124,7 @@ def tangent(force: Kernel) -> Kernel:
 
 @cache
 def along(force: Kernel) -> Kernel:
-    """The kernel's outputs for many states (n, .), as a function (coordinates, rates, data) -> (n, .)."""
+    """A kernel over many states: a function (coordinates (n, .), rates (n, .), data) -> outputs (n, .)."""
 
     def each(coordinates, rates, data):  # type: ignore[no-untyped-def]
         first = force(coordinates[0], rates[0], data)

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.solids import rack_solid
-from rps_exudyn.mesh_contact.flank_data import pack_generators
+from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.multibody.bodies import pinion_inertia
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -35,10 +35,8 @@ def _well_integrated(gear: SteeringGear, fidelity: Fidelity) -> GearForces:
     forces = gear_forces(gear, fidelity)
     if fidelity.mesh != "flank-generators":
         return forces
-    table = pack_generators(
-        gear, zone=forces.friction_zone, generators=fidelity.generators, along=ON_GENERATOR
-    )
-    return replace(forces, mesh=replace(forces.mesh, data=forces.mesh.data._replace(table=table)))
+    data = pack(gear, zone=forces.friction_zone, generators=fidelity.generators, along=ON_GENERATOR)
+    return replace(forces, mesh=replace(forces.mesh, data=data))
 
 
 def inertia(gear: SteeringGear) -> float:

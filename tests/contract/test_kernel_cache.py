@@ -1,13 +1,15 @@
 """A cache of compiled kernels is never stale: its folder's name holds all that they are made of."""
 
-import re
+import ast
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 import rps_exudyn
-from rps_exudyn.base.compiled import fingerprint
+from rps_exudyn.base.compiled import KERNEL_SOURCES, fingerprint
 
 PACKAGE = Path(rps_exudyn.__file__).parent
 
@@ -21,13 +23,15 @@ def test_copy_has_the_same_fingerprint(package: Path) -> None:
     assert fingerprint(package) == fingerprint(PACKAGE)
 
 
-def test_swapped_entries_of_a_table_change_it(package: Path) -> None:
-    """Kernels know the entries by number; the file that numbers them compiles nothing itself."""
-    table = package / "mesh_contact" / "flank_data.py"
-    text = table.read_text(encoding="utf-8")
-    swapped = re.sub(r"\bSTIFFNESS,\n    DAMPING,", "DAMPING,\n    STIFFNESS,", text, count=1)
+def test_swapped_fields_change_it(package: Path) -> None:
+    """Kernels know the fields of a NamedTuple by number; the file that declares them compiles nothing."""
+    declared = package / "mesh_contact" / "flank_data.py"
+    text = declared.read_text(encoding="utf-8")
+    swapped = text.replace(
+        "    stiffness: float\n    damping: float\n", "    damping: float\n    stiffness: float\n"
+    )
     assert swapped != text
-    table.write_text(swapped, encoding="utf-8")
+    declared.write_text(swapped, encoding="utf-8")
     assert fingerprint(package) != fingerprint(PACKAGE)
 
 
@@ -44,6 +48,56 @@ def test_any_kernel_source_changes_it(package: Path, name: str) -> None:
     with (package / name).open("a", encoding="utf-8") as source:
         source.write("# changed\n")
     assert fingerprint(package) != fingerprint(PACKAGE)
+
+
+def test_all_that_kernels_read_is_covered() -> None:
+    """Every module that compiles something is fingerprinted, and every module whose names it uses in that."""
+    covered = {source for pattern in KERNEL_SOURCES for source in PACKAGE.glob(pattern)}
+    seen = 0
+    for source in PACKAGE.rglob("*.py"):
+        tree = ast.parse(source.read_text(encoding="utf-8"))
+        imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+        origin = {alias.name: f"{node.module}" for node in imports for alias in node.names}
+        if not MAKERS & origin.keys():
+            continue
+        assert source in covered, f"{source} is not fingerprinted"
+        for name in _used_by_kernels(tree) & origin.keys():
+            if origin[name].startswith("rps_exudyn."):
+                home = PACKAGE.parent / origin[name].replace(".", "/")
+                assert {home.with_suffix(".py"), home / f"{name}.py"} & covered, f"{name}, used in {source}"
+                seen += 1
+    assert seen > 50
+
+
+MAKERS = {"kernel", "inlined", "kernel_over"}
+
+
+def _used_by_kernels(tree: ast.AST) -> set[str]:
+    """Names in compiled functions, decorated or untyped as the closures of `kernel_over` are."""
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef) and not node.returns]
+    nodes = [node for function in functions for node in ast.walk(function)]
+    return {node.id for node in nodes if isinstance(node, ast.Name)} - MAKERS
+
+
+def test_second_process_compiles_nothing() -> None:
+    """The gear's force and the handle on its constants come from the cache in a process that starts anew."""
+    for _ in range(2):
+        done = subprocess.run([sys.executable, "-c", COUNT], check=True, capture_output=True, text=True)
+    assert done.stdout.split() == ["0", "1", "0", "1"]
+
+
+COUNT = """
+import numpy as np
+from rps_exudyn.base import compiled
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.gear_forces import gear_forces
+
+force, handle = gear_forces(SteeringGear(), Fidelity(yoke="force")).dynamics
+force(np.zeros(8), np.zeros(8), handle)
+for stats in (force.stats, compiled._new_handle.stats):
+    print(sum(stats.cache_misses.values()), sum(stats.cache_hits.values()))
+"""
 
 
 def test_what_is_not_compiled_leaves_it(package: Path) -> None:

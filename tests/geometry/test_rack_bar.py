@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.polyhedron import Solid, defect
+from rps_exudyn.gears.polyhedron import Solid, defect, from_manifold
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -20,7 +20,7 @@ def bar(request: pytest.FixtureRequest) -> RackBar:
 
 def test_every_flank_face_of_the_mesh_lies_on_its_analytic_plane(bar: RackBar) -> None:
     """All faces parallel to a flank normal belong to the planes of whole teeth; none is missing."""
-    vertices, faces = bar.mesh(1e-6)
+    vertices, faces = from_manifold(bar.solid(1e-6))
     assert defect(vertices, faces) is None
     corners = vertices[faces]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -38,7 +38,7 @@ def test_every_flank_face_of_the_mesh_lies_on_its_analytic_plane(bar: RackBar) -
 
 def test_width_of_the_tip_land_is_the_bars_chord(bar: RackBar) -> None:
     """The inscribed polygon's chord is short by at most chord_error * R / half chord."""
-    vertices, _ = bar.mesh(1e-7)
+    vertices, _ = from_manifold(bar.solid(1e-7))
     on_land = np.abs(vertices[:, 1] - bar.tip_height) < ROUNDING
     half = float(bar.flank(0, 1).half_chord(bar.tip_height))
     assert np.abs(vertices[on_land, 2]).max() == pytest.approx(
@@ -65,6 +65,6 @@ def test_teeth_cover_travel_and_pinion(bar: RackBar) -> None:
 def test_volume_converges_with_order_two() -> None:
     """Successive differences fall by 4 when the step halves (chord error by 4); 10 % for rounded counts."""
     bar = RackBar(dataclasses.replace(GearPair.of(SteeringGear())), -0.1, 0.1, 12)
-    volumes = [Solid(*bar.mesh(4e-6 / 4**k), 1.0).mass_properties.volume for k in range(4)]
+    volumes = [Solid(*from_manifold(bar.solid(4e-6 / 4**k)), 1.0).mass_properties.volume for k in range(4)]
     differences = np.diff(volumes)
     np.testing.assert_allclose(differences[:-1] / differences[1:], 4, rtol=0.1)

@@ -25,7 +25,11 @@ def flank_points(pair: GearPair, side: int) -> np.ndarray:
     q = (flank.form_tangent_length, flank.tip_tangent_length)
     corners = [float(flank.generator(length, Z)) for length in q for Z in (-b / 2, b / 2)]
     psi = np.arange(min(corners), max(corners), SEARCH_STEP)[:, None]
-    first, last = flank.axial_limits(psi)
+    # a generator begins and ends at an end face, the tip or the form circle; where it misses, first > last
+    at_middle, slope = flank.tangent_length(psi, 0.0), side * np.tan(pair.beta_b)
+    with np.errstate(divide="ignore"):
+        ends = (at_middle - q[0]) / slope, (at_middle - q[1]) / slope
+    first, last = np.maximum(np.minimum(*ends), -b / 2), np.minimum(np.maximum(*ends), b / 2)
     return flank.point(psi, first + (last - first) * np.linspace(0, 1, 7))
 
 

@@ -82,6 +82,18 @@ def test_plunger_has_its_declared_mass_and_a_seat_on_the_bar() -> None:
     assert plunger.vertices[:, 1].max() == pytest.approx(back, abs=1e-12)
 
 
+def test_gears_share_the_solids_that_do_not_differ() -> None:
+    """A study over preload and friction makes no solid twice, and nobody can change a shared one."""
+    solids = gear_solids(GEAR)
+    pressed = gear_solids(GEAR.replace({"yoke.preload": "400 N", "mesh.friction": 0.05}))
+    assert all(pressed[name] is solid for name, solid in solids.items())
+    coarser = gear_solids(GEAR.replace({"pinion.normal_module": "1.84 mm"}))
+    assert {name for name, solid in solids.items() if coarser[name] is not solid} == {"pinion", "rack"}
+    for array in (solids["rack"].vertices, solids["rack"].faces, solids["rack"].mass_properties.inertia):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+
+
 def test_runout_displaces_the_teeth_but_not_the_shaft() -> None:
     """Teeth outside the shaft move by e: their first moment is that of the whole section, V_gear e.
 

@@ -1,4 +1,4 @@
-"""The flank contact against mechanics, symmetry, and two slower ways to the same integral.
+"""The flank contact compared with mechanics, symmetry, and two slower ways to the same integral.
 
 Poses are near the aligned one, pressed by 10 um, with the rack turned by up to 1 mrad: what the teeth see
 in use. Where two evaluators are compared, the tolerance is 1e-4 of the sum of normal forces (times the base
@@ -14,10 +14,8 @@ from scipy.spatial.transform import Rotation
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
-from rps_exudyn.mesh_contact.flank_contact import flank_contact, flank_lines
-from rps_exudyn.mesh_contact.flank_data import pack, pack_generators
-from rps_exudyn.mesh_contact.flank_quadrature import flank_quadrature
-from rps_exudyn.mesh_contact.flank_rows import ROW, ContactLine
+from rps_exudyn.mesh_contact.flank_contact import flank_contact
+from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.mesh_contact.wrench import (
     DAMPING_POWER,
     ELASTIC_ENERGY,
@@ -26,6 +24,7 @@ from rps_exudyn.mesh_contact.wrench import (
     MOMENT,
     NORMAL_COAST,
     NORMAL_DRIVE,
+    PENETRATION,
     TORQUE,
 )
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -35,6 +34,8 @@ from rps_exudyn.solvers.gear_kernel import tangent
 
 PAPER = SteeringGear()
 ZONE = 1e-5  # [m/s], far below all sliding here
+PRESS = 10e-6  # of the rack into the mesh [m]
+FINE = 640  # generators of the reference integral
 ANGLES = np.linspace(0, 1.0, 9)  # one tooth pitch is 2 pi / 6
 POSES: dict[str, dict[str, Any]] = {
     "aligned": {},
@@ -43,7 +44,7 @@ POSES: dict[str, dict[str, Any]] = {
 }
 
 
-def state(gear: SteeringGear, angle: float, press: float = 10e-6, turn: tuple[float, ...] = (0, 0, 0)) -> Any:
+def state(gear: SteeringGear, angle: float, press: float = PRESS, turn: tuple[float, ...] = (0, 0, 0)) -> Any:
     """A kernel's arguments at steering angle `angle`: the rack where it belongs, pressed and turned."""
     pair = GearPair.of(gear)
     rotation = Rotation.from_rotvec(turn).as_matrix()
@@ -70,11 +71,11 @@ def test_strip_agrees_with_fine_quadrature(pose: str) -> None:
     fast, fine, reference = (
         pack(PAPER, zone=ZONE),
         pack(PAPER, zone=ZONE, along=6, across=3),
-        pack_generators(PAPER, zone=ZONE),
+        pack(PAPER, zone=ZONE, generators=FINE),
     )
     for angle in ANGLES:
         args = state(PAPER, angle, **POSES[pose])
-        expected = flank_quadrature(*args, reference)
+        expected = flank_contact(*args, reference)
         assert difference(flank_contact(*args, fine), expected, PAPER) < 1e-4
         assert difference(flank_contact(*args, fast), expected, PAPER) < 4e-4
 
@@ -84,7 +85,9 @@ def test_quadrature_agrees_with_points_on_the_flanks(pose: str) -> None:
     """900 000 points per flank, each an independent spring with its own exact position and normal."""
     args = state(PAPER, 0.31, **POSES[pose])
     assert (
-        difference(flank_quadrature(*args, pack_generators(PAPER, zone=ZONE)), by_points(PAPER, *args), PAPER)
+        difference(
+            flank_contact(*args, pack(PAPER, zone=ZONE, generators=FINE)), by_points(PAPER, *args), PAPER
+        )
         < 1.5e-4
     )
 
@@ -109,10 +112,10 @@ def test_strip_agrees_with_fine_quadrature_for_other_gears(
     settings: dict[str, object], tolerance: float
 ) -> None:
     gear = changed(**settings)
-    fast, reference = pack(gear, zone=ZONE), pack_generators(gear, zone=ZONE)
+    fast, reference = pack(gear, zone=ZONE), pack(gear, zone=ZONE, generators=FINE)
     for angle in ANGLES[::2]:
         args = state(gear, angle, press=12e-6)
-        expected = flank_quadrature(*args, reference)
+        expected = flank_contact(*args, reference)
         assert difference(flank_contact(*args, fast), expected, gear) < tolerance
 
 
@@ -312,38 +315,37 @@ def test_tangent_agrees_with_central_differences(factor_q: float, factor_v: floa
         assert np.max(np.abs(found[:, i] - column)) <= 0.01 * np.max(np.abs(column))
 
 
-def test_single_lines_add_up() -> None:
-    """The lines' forces add up to the sums, and none is longer than the face allows."""
-    rows = np.zeros((8, ROW))
-    out = flank_lines(*state(PAPER, 0.2), pack(PAPER), rows)
-    lines = [ContactLine.of(row) for row in rows if row[0]]
-    assert sum(line.normal_force for line in lines) == pytest.approx(out[NORMAL_DRIVE] + out[NORMAL_COAST])
-    pair = GearPair.of(PAPER)
-    assert all(0 < line.length < pair.face_width / np.cos(pair.beta_b) for line in lines)
-    assert {line.side for line in lines} == {-1, 1}
-
-
 def test_line_law_is_stiffness_times_depth_times_length() -> None:
-    """Law: an aligned line is equally deep all along. Without expansions in its width: rounding."""
-    gear, rows = changed(mesh__law="line"), np.zeros((8, ROW))
-    flank_lines(*state(gear, 0.2), pack(gear), rows)
-    for line in (ContactLine.of(row) for row in rows if row[0]):
-        assert line.normal_force == pytest.approx(
-            gear.mesh.line_stiffness * line.depth * line.length, rel=1e-9
+    """Law: an aligned line is equally deep all along, between the limits of flank and rack. The lengths are
+    counted here on 20 000 sections of the face: 1e-3."""
+    gear = changed(mesh__law="line")
+    for angle in ANGLES[:4]:
+        out = flank_contact(*state(gear, angle), pack(gear))
+        for side, total in ((-1, out[NORMAL_DRIVE]), (+1, out[NORMAL_COAST])):
+            force = gear.mesh.line_stiffness * out[PENETRATION] * line_length(gear, angle, side)
+            assert total == pytest.approx(force, rel=1e-3)
+
+
+def line_length(gear: SteeringGear, angle: float, side: int) -> float:
+    """Length of all lines of contact of one side at a steering angle, the rack aligned [m]."""
+    pair, flank = GearPair.of(gear), Flank(GearPair.of(gear), 0, side)
+    along_normal = -side * (pair.pinion_frame.T @ pair.rack_flank_normal(side))
+    psi = np.arctan2(-along_normal[0], along_normal[1])
+    z = pair.face_width * (np.linspace(0, 1, 20_001)[1:] - 0.5 - 1 / 40_000)
+    c, s = np.cos(psi), np.sin(psi)
+    touching = 0
+    for tooth in range(-pair.teeth, pair.teeth):
+        turned = -angle + 2 * np.pi * tooth / pair.teeth
+        q = flank.tangent_length(psi, z) + side * pair.base_radius * turned
+        x, y = pair.base_radius * c - side * q * s, pair.base_radius * s + side * q * c
+        _, high, across = pair.pinion_frame @ [x, y, z]
+        high -= pair.bar_axis_height - PRESS
+        on_flank = (q > flank.form_tangent_length) & (q < flank.tip_tangent_length)
+        on_rack = (high > -pair.reference_height - pair.rack_addendum) & (
+            np.hypot(high, across) < pair.bar_radius
         )
-
-
-def test_line_law_ends_where_the_flank_does() -> None:
-    """Law: no end of a line is outside the tip circle or inside the form circle."""
-    pair, rows = GearPair.of(PAPER), np.zeros((8, ROW))
-    gear, flank = changed(mesh__law="line"), Flank(pair, 0, +1)
-    least, most = np.hypot(pair.base_radius, [flank.form_tangent_length, flank.tip_tangent_length])
-    for angle in ANGLES:
-        rows[:] = 0.0
-        flank_lines(*state(gear, angle), pack(gear), rows)
-        for line in (ContactLine.of(row) for row in rows if row[0]):
-            radii = np.hypot(*(np.array([line.start, line.end]) @ pair.pinion_frame).T[:2])
-            assert np.all((radii > least - 1e-9) & (radii < most + 1e-9))
+        touching += np.count_nonzero(on_flank & on_rack)
+    return float(touching / z.size * pair.face_width / np.cos(pair.beta_b))
 
 
 # --- deviations of the gear -----------------------------------------------------------------------
@@ -361,22 +363,27 @@ def test_eccentric_gear_carries_the_rack_along() -> None:
 
 
 def test_pitch_error_is_a_turn_of_one_tooth() -> None:
-    """Law: tooth 0 carries what it would carry on a pinion turned by the error, the others what they did."""
+    """Law: tooth 0 carries what it would carry on a pinion turned by the error, the others what they did.
+
+    What tooth 0 carries is what is missing with an error that takes it out of contact.
+    """
     gear, angle = changed(pinion__pitch_error="3 um"), 0.2
+    plain, wrong = pack(PAPER, zone=ZONE), pack(gear, zone=ZONE)
     turn = FlankForm.of(gear).turn(0, GearPair.of(gear))
-    assert turn != 0
+    assert turn == wrong.pitch_error != 0
     a, w, p, r, v, s = state(PAPER, angle)
+    for normal, away in ((NORMAL_DRIVE, 0.01), (NORMAL_COAST, -0.01)):
 
-    def by_tooth(gear: SteeringGear, angle: float) -> dict[tuple[int, int], float]:
-        rows = np.zeros((8, ROW))
-        flank_lines(angle, w, p, r, v, s, pack(gear, zone=ZONE), rows)
-        lines = [ContactLine.of(row) for row in rows if row[0]]
-        return {(line.side, line.tooth): line.normal_force for line in lines}
+        def of_tooth_0(angle: float, normal: int = normal, away: float = away) -> float:
+            data = plain, plain._replace(pitch_error=away)
+            every, others = (flank_contact(angle, w, p, r, v, s, one)[normal] for one in data)
+            return float(every - others)
 
-    with_error, plain, turned = by_tooth(gear, a), by_tooth(PAPER, a), by_tooth(PAPER, a + turn)
-    expected = {key: (turned if key[1] % 6 == 0 else plain)[key] for key in with_error}
-    assert any(tooth % 6 == 0 for _, tooth in with_error)
-    assert with_error == pytest.approx(expected, rel=1e-9)
+        assert of_tooth_0(a) > 1
+        change = (
+            flank_contact(a, w, p, r, v, s, wrong)[normal] - flank_contact(a, w, p, r, v, s, plain)[normal]
+        )
+        assert change == pytest.approx(of_tooth_0(a + turn) - of_tooth_0(a), rel=1e-9)
 
 
 def test_axis_offset_is_an_opposite_shift_of_the_rack() -> None:
