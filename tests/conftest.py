@@ -1,6 +1,12 @@
-"""Made-up results and an in-process command line, for tests that need no simulation."""
+"""Made-up results and an in-process command line, for tests that need no simulation; and the suite's order.
+
+`pytest -m quick` runs the tests that run no compiled kernel, within a minute of CPU time. The whole suite shares
+its files among two processes: one compiles the kernels in `COMPILING` while the other does the quick tests, so
+that few kernels are compiled twice.
+"""
 
 import dataclasses
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -14,12 +20,71 @@ from rps_exudyn.results.result import Result
 from shell import Answer, Command
 
 
+QUICK = (
+    "contract",
+    "geometry",
+    "smoke",
+    "wrong_input",
+    "physics/test_bush.py",
+    "physics/test_closed_form.py",
+    "physics/test_effects.py",
+    "physics/test_metrics.py",
+    "stability/test_judge.py",
+    "stability/test_published_maps.py",
+)
+COMPILING = "smoke/test_real_runs.py"  # every preset
+SLOW = (  # files in the folders above that are not quick
+    COMPILING,
+    "geometry/test_geometry_picture.py",
+    "geometry/test_pinion_mesh.py",
+    "geometry/test_rigid_mesh.py",
+    "geometry/test_shaping.py",
+    "smoke/test_cluster.py",
+    "smoke/test_report.py",
+    "smoke/test_report_in_browser.py",
+    "smoke/test_studies.py",
+    "smoke/test_study_to_report.py",
+)
+PROCESSES = 2
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--update-references",
         action="store_true",
         help="write the values of tests/regression anew and print what changed",
     )
+
+
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """Two processes for folders; files and quick tests are done sooner than a second process has started."""
+    alone = config.option.markexpr == "quick" or all(".py" in Path(name).name for name in config.args)
+    return 0 if alone else min(PROCESSES, os.cpu_count() or 1)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """A test that compiles a kernel fails where only quick ones are wanted."""
+    if config.option.markexpr == "quick":
+        from numba.core.dispatcher import Dispatcher
+
+        def refuse(kernel: Dispatcher, signature: object) -> None:
+            pytest.fail(f"compiles {kernel.py_func.__qualname__}: list the file as SLOW in tests/conftest.py")
+
+        Dispatcher.compile = refuse
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the quick tests, and bring the file that compiles and then the quick tests to the front."""
+    for item in items:
+        if is_quick(item.path):
+            item.add_marker("quick")
+    items.sort(key=lambda item: (not item.path.match(COMPILING), not item.get_closest_marker("quick")))
+
+
+def is_quick(path: Path) -> bool:
+    """Whether the tests in this file run no kernel and take little time."""
+    name = path.relative_to(Path(__file__).parent).as_posix()
+    return name.startswith(QUICK) and name not in SLOW
 
 
 @pytest.fixture
