@@ -19,7 +19,6 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from shell import Answer, Command
 
-
 QUICK = (
     "contract",
     "geometry",
@@ -33,17 +32,20 @@ QUICK = (
     "stability/test_published_maps.py",
 )
 COMPILING = "smoke/test_real_runs.py"  # every preset
-SLOW = (  # files in the folders above that are not quick
+SLOW = (  # files, or single tests, in the folders above that are not quick
     COMPILING,
     "geometry/test_geometry_picture.py",
     "geometry/test_pinion_mesh.py",
     "geometry/test_rigid_mesh.py",
     "geometry/test_shaping.py",
+    "geometry/test_solids.py",
     "smoke/test_cluster.py",
     "smoke/test_report.py",
     "smoke/test_report_in_browser.py",
     "smoke/test_studies.py",
     "smoke/test_study_to_report.py",
+    "wrong_input/test_accuracy.py::test_chosen_and_told",
+    "wrong_input/test_accuracy_from_python.py",
 )
 PROCESSES = 2
 
@@ -68,7 +70,7 @@ def pytest_configure(config: pytest.Config) -> None:
         from numba.core.dispatcher import Dispatcher
 
         def refuse(kernel: Dispatcher, signature: object) -> None:
-            pytest.fail(f"compiles {kernel.py_func.__qualname__}: list the file as SLOW in tests/conftest.py")
+            pytest.fail(f"compiles {kernel.py_func.__qualname__}: list it as SLOW in tests/conftest.py")
 
         Dispatcher.compile = refuse
 
@@ -76,15 +78,10 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark the quick tests, and bring the file that compiles and then the quick tests to the front."""
     for item in items:
-        if is_quick(item.path):
+        name = item.nodeid.removeprefix("tests/")
+        if name.startswith(QUICK) and not name.startswith(SLOW):
             item.add_marker("quick")
-    items.sort(key=lambda item: (not item.path.match(COMPILING), not item.get_closest_marker("quick")))
-
-
-def is_quick(path: Path) -> bool:
-    """Whether the tests in this file run no kernel and take little time."""
-    name = path.relative_to(Path(__file__).parent).as_posix()
-    return name.startswith(QUICK) and name not in SLOW
+    items.sort(key=lambda item: (COMPILING not in item.nodeid, not item.get_closest_marker("quick")))
 
 
 @pytest.fixture

@@ -1,39 +1,108 @@
-"""The README's two commands: one line each, and `.ci/run` runs the second as it is printed."""
+"""The README's commands and example do what it says, and `.ci/run` runs the test command as it is printed."""
 
-import os
 import re
+import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 
+from rps_exudyn.cli import commands
+from rps_exudyn.results.result import Result, load
+from shell import Command
+
 ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+TOOLS = ("pip", "python", "ruff", "mypy", "lint-imports")
 
 
-def command(name: str) -> str:
+def command_line(name: str) -> str:
     """The one line of the block marked with this name."""
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    return re.findall(rf"<!-- {name} command -->\n```sh\n(.+)\n```\n", readme)[0]
+    return re.findall(rf"<!-- {name} command -->\n```sh\n(.+)\n```\n", README)[0]
 
 
 @pytest.mark.parametrize("name", ["run", "test"])
 def test_command_needs_only_python_and_pip(name: str) -> None:
-    assert command(name).startswith("python3 -m venv .venv && .venv/bin/pip install -q -e ")
+    assert command_line(name).startswith("python3 -m venv .venv && .venv/bin/pip install -q -e ")
 
 
-def test_ci_runs_the_printed_command_and_hands_on_its_status(tmp_path: Path) -> None:
-    """With a stand-in for python3, which is the first word of the command."""
-    python3 = tmp_path / "python3"
-    python3.write_text('#!/bin/sh\necho "called with $*"\nexit 3\n')
-    python3.chmod(0o755)
-    path = f"{tmp_path}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run([ROOT / ".ci" / "run"], env={"PATH": path}, capture_output=True, text=True)
-    assert done.stdout.splitlines() == [f"+ {command('test')}", "called with -m venv .venv"]
+# --- .ci/run ---------------------------------------------------------------------------------------
+@pytest.fixture
+def bare(tmp_path: Path) -> Path:
+    """A folder with `.ci/run` and the README, where every tool is a stand-in that prints its arguments.
+
+    `python3 -m venv` makes those of the environment; one named in the file `broken` fails with status 3.
+    """
+    (tmp_path / ".ci").mkdir()
+    shutil.copy(ROOT / ".ci" / "run", tmp_path / ".ci")
+    shutil.copy(ROOT / "README.md", tmp_path)
+    (tmp_path / "broken").touch()
+    stand_in = '#!/bin/sh\necho "${0##*/} $*"\nif grep -qx "${0##*/} $1" broken; then exit 3; fi\n'
+    fill = f"mkdir -p .venv/bin; for tool in {' '.join(TOOLS)}; do cp stand-in .venv/bin/$tool; done\n"
+    for name, script in {"stand-in": stand_in, "python3": stand_in + fill, "chromium": stand_in}.items():
+        (tmp_path / name).write_text(script)
+        (tmp_path / name).chmod(0o755)
+    return tmp_path
+
+
+def ci_run(folder: Path) -> "subprocess.CompletedProcess[str]":
+    path = f"{folder}:/usr/bin:/bin"
+    return subprocess.run([folder / ".ci" / "run"], env={"PATH": path}, capture_output=True, text=True)
+
+
+def test_ci_checks_everything_and_ends_with_the_printed_command(bare: Path) -> None:
+    done = ci_run(bare)
+    assert done.returncode == 0, done.stderr
+    ran = [line for line in done.stdout.splitlines() if not line.startswith("+")]
+    assert ran == [
+        "python3 -m venv .venv",
+        "pip install -q -e .[dev]",
+        "ruff check .",
+        "ruff format --check .",
+        "mypy ",
+        "lint-imports --no-logo",
+        "python3 -m venv .venv",
+        "pip install -q -e .[test]",
+        "python -m pytest -q",
+    ]
+    assert f"+ {command_line('test')}" in done.stdout.splitlines()
+
+
+@pytest.mark.parametrize(
+    "broken", ["ruff check", "ruff format", "mypy ", "lint-imports --no-logo", "python -m"]
+)
+def test_ci_fails_with_each_of_its_checks(bare: Path, broken: str) -> None:
+    (bare / "broken").write_text(broken)
+    done = ci_run(bare)
     assert done.returncode == 3
+    assert done.stdout.splitlines()[-1].startswith(broken)
 
 
-def test_readme_says_what_is_left_out() -> None:
-    text = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
-    said = text[text.index("**What is left out**") : text.index("## How to choose a fidelity")]
-    for word in ("gravity", "bending of the teeth", "temperature", "lubrication", "mesh.damping", "pulls"):
-        assert word in said
+def test_ci_types_the_benchmarks_too(bare: Path) -> None:
+    (bare / "benchmarks").mkdir()
+    assert "mypy benchmarks" in ci_run(bare).stdout.splitlines()
+
+
+# --- what the README says --------------------------------------------------------------------------
+def test_readme_lists_every_command(command: Command) -> None:
+    listed = re.findall(r"^\| `rps-exudyn (\w+)", README, re.M)
+    assert sorted(listed) == sorted(name for name in commands.app if not name.startswith("-"))
+
+
+def test_example_runs_as_printed(
+    made_up_result: Result, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """On a result that is made up: what it asks of `run` is a contract of the package."""
+    asked: dict[str, object] = {}
+
+    def simulated(scene: str, gear: object, **options: object) -> Result:
+        asked.update(scene=scene, gear=gear, **options)
+        return made_up_result
+
+    monkeypatch.setattr("rps_exudyn.run", simulated, raising=False)
+    (tmp_path / "studies").symlink_to(ROOT / "studies")
+    monkeypatch.chdir(tmp_path)
+    exec(re.findall(r"```python\n(import rps_exudyn.+?)```", README, re.S)[0], {})
+    assert asked["gear"].yoke.preload == 400
+    assert (asked["scene"], asked["fidelity"], asked["turns"]) == ("free-pinion-torque", "quasi-static", 2)
+    assert load("fpt.h5").summary == made_up_result.summary
