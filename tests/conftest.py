@@ -1,14 +1,15 @@
 """Made-up results and an in-process command line, for tests that need no simulation; and the suite's order.
 
-`pytest -m quick` runs the tests that run no compiled kernel, within a minute of CPU time. The whole suite shares
-its files among two processes: one compiles the kernels in `COMPILING` while the other does the quick tests, so
-that few kernels are compiled twice.
+`pytest -m quick` runs the tests that run no compiled kernel, within a minute of CPU time. The whole suite
+shares its files among two processes: one compiles the kernels of `COMPILING` while the other does the quick
+tests, so that few kernels are compiled twice.
 """
 
 import dataclasses
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -69,10 +70,10 @@ def pytest_configure(config: pytest.Config) -> None:
     if config.option.markexpr == "quick":
         from numba.core.dispatcher import Dispatcher
 
-        def refuse(kernel: Dispatcher, signature: object) -> None:
+        def refuse(kernel: Any, signature: object) -> None:
             pytest.fail(f"compiles {kernel.py_func.__qualname__}: list it as SLOW in tests/conftest.py")
 
-        Dispatcher.compile = refuse
+        setattr(Dispatcher, "compile", refuse)  # noqa: B010, for mypy
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -13,6 +13,7 @@ from shell import Command
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+CHECKS = ("ruff check", "ruff format", "mypy ", "lint-imports --no-logo", "python -m")
 TOOLS = ("pip", "python", "ruff", "mypy", "lint-imports")
 
 
@@ -68,9 +69,7 @@ def test_ci_checks_everything_and_ends_with_the_printed_command(bare: Path) -> N
     assert f"+ {command_line('test')}" in done.stdout.splitlines()
 
 
-@pytest.mark.parametrize(
-    "broken", ["ruff check", "ruff format", "mypy ", "lint-imports --no-logo", "python -m"]
-)
+@pytest.mark.parametrize("broken", CHECKS)
 def test_ci_fails_with_each_of_its_checks(bare: Path, broken: str) -> None:
     (bare / "broken").write_text(broken)
     done = ci_run(bare)
