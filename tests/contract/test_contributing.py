@@ -1,0 +1,72 @@
+"""CONTRIBUTING.md is true of the code: its answers, its layers, and its recipe of a scene."""
+
+import re
+import sys
+import tomllib
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+import rps_exudyn as rps
+import rps_exudyn.scenes as scenes
+from conftest import QUICK, SLOW
+from rps_exudyn.results.outcome import Outcome, Status
+from rps_exudyn.scenes.scene import Scene
+from rps_exudyn.scenes.scene_run import SceneRun
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+ANSWERS = re.findall(r"^\| (.+?) \| `(.+?)` \| `(.+?)` \|$", PAGE, re.M)
+
+
+@pytest.mark.parametrize(("question", "file", "definition"), ANSWERS)
+def test_answer_is_where_the_page_says(question: str, file: str, definition: str) -> None:
+    assert definition in (ROOT / file).read_text(encoding="utf-8")
+
+
+def test_thirty_questions_cover_every_folder() -> None:
+    assert len(ANSWERS) >= 30
+    folders = {init.parent.name for init in (ROOT / "rps_exudyn").glob("*/__init__.py")}
+    assert {Path(file).parent.name for _, file, _ in ANSWERS} == folders
+
+
+def test_files_of_the_recipes_exist() -> None:
+    named = re.findall(r"`((?:rps_exudyn|tests|docs|studies|\.ci)/[^` ]+)`", PAGE)
+    assert [name for name in named if not (ROOT / name).exists()] == []
+
+
+def test_layers_are_those_of_the_contract() -> None:
+    listed = re.findall(r"\w+", PAGE[PAGE.index("    base, ") : PAGE.index("## Where is")])
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    assert listed == settings["tool"]["importlinter"]["contracts"][0]["layers"][::-1]
+
+
+def test_a_scene_is_one_module_and_one_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    def still(*_: object) -> SceneRun:
+        signals = {"time": np.arange(2.0), "pinion_torque": np.ones(2)}
+        return SceneRun(Outcome(Status.OK), signals, {"torque_mean": 1.0})
+
+    module = ModuleType("rps_exudyn.scenes.holding_still")
+    module.SCENE = Scene(  # type: ignore[attr-defined]
+        name="holding-still",
+        title="",
+        run=still,
+        signal="pinion_torque",
+        figure="torque_mean",
+        chart="torque",
+    )
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    monkeypatch.setattr(scenes, "SCENE_NAMES", (*scenes.SCENE_NAMES, "holding-still"))
+    result = rps.run("holding-still")
+    assert (result.scene, result.status) == ("holding-still", Status.OK)
+    assert result.summary == {"torque_mean": 1.0}
+
+
+@pytest.mark.parametrize("name", [*QUICK, *SLOW])
+def test_lists_of_quick_and_slow_tests_name_what_exists(name: str) -> None:
+    file, _, test = name.partition("::")
+    path = ROOT / "tests" / file
+    assert path.exists()
+    assert not test or f"def {test}(" in path.read_text(encoding="utf-8")
