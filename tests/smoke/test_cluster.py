@@ -17,8 +17,6 @@ from rps_exudyn.study.store import Store
 from shell import Command
 from study_files import write_grid, write_stand_in
 
-pytest.importorskip("distributed")
-
 
 def dask(*arguments: str, cwd: Path) -> "subprocess.Popen[bytes]":
     """In a process group of its own, nannies and all; what it says goes to a file."""
@@ -43,7 +41,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """A scheduler with two workers, which simulate nothing."""
     folder = tmp_path_factory.mktemp("cluster")
     with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("PYTHONPATH", str(write_stand_in(folder)))
+        environment.setenv("PYTHONPATH", str(write_stand_in(folder)), prepend=os.pathsep)
         environment.setenv("STAND_IN_SECONDS", "0.4")
         yield from cluster(folder)
 

@@ -1,32 +1,34 @@
 """The report in a real browser: no request, no error, readable on a phone, whole in print.
 
-Needs Chromium, as the operating system's package or playwright's own; without it these tests are skipped.
+Needs Chromium, as the operating system's package or playwright's own; without it these tests are skipped, or
+fail where the environment says CI=true.
 """
 
+import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from playwright import sync_api
 
 from made_up_study import HOSTILE, make_study, sampled
 from rps_exudyn.report.report import write_report
 from rps_exudyn.results.result import Result
-
-sync_api = pytest.importorskip("playwright.sync_api")
 
 PHONE, DESKTOP = {"width": 360, "height": 740}, {"width": 1280, "height": 900}
 POINTS = [{"preload": 110.0 + 7 * at, "friction": 0.1 + 0.01 * (at % 3)} for at in range(12)]
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator["sync_api.Browser"]:
+def browser() -> Iterator[sync_api.Browser]:
     installed = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     with sync_api.sync_playwright() as playwright:
         try:
             started = playwright.chromium.launch(executable_path=installed, args=["--no-sandbox"])
         except sync_api.Error as error:
-            pytest.skip(f"no browser: {str(error).splitlines()[0]}")
+            give_up = pytest.fail if os.environ.get("CI") == "true" else pytest.skip
+            give_up(f"no browser: {str(error).splitlines()[0]}")
         yield started
         started.close()
 
@@ -41,7 +43,7 @@ def report(made_up_result: Result, tmp_path: Path) -> Path:
     return tmp_path / "report.html"
 
 
-def test_page_is_quiet_and_fits(browser: "sync_api.Browser", report: Path) -> None:
+def test_page_is_quiet_and_fits(browser: sync_api.Browser, report: Path) -> None:
     for viewport in (PHONE, DESKTOP):
         page = browser.new_page(viewport=viewport)
         asked: list[str] = []
@@ -64,7 +66,7 @@ def test_page_is_quiet_and_fits(browser: "sync_api.Browser", report: Path) -> No
         page.close()
 
 
-def test_letters_in_pictures_can_be_read_on_a_phone(browser: "sync_api.Browser", report: Path) -> None:
+def test_letters_in_pictures_can_be_read_on_a_phone(browser: sync_api.Browser, report: Path) -> None:
     page = browser.new_page(viewport=PHONE)
     page.goto(report.as_uri())
     heights = page.locator("figure svg text").evaluate_all(
@@ -75,7 +77,7 @@ def test_letters_in_pictures_can_be_read_on_a_phone(browser: "sync_api.Browser",
     page.close()
 
 
-def test_what_is_folded_is_printed(browser: "sync_api.Browser", report: Path) -> None:
+def test_what_is_folded_is_printed(browser: sync_api.Browser, report: Path) -> None:
     page = browser.new_page(viewport=DESKTOP)
     page.goto(report.as_uri())
     folded = page.locator("details:not([open]) td").first
