@@ -36,7 +36,7 @@ def grid_points(axes: Sequence[Axis] = GRID) -> list[dict[str, Any]]:
 
 def description(points: Sequence[Mapping[str, Any]], **changes: Any) -> Description:
     """A study of these points over preload and friction."""
-    told: dict[str, Any] = {
+    content: dict[str, Any] = {
         "name": "made-up",
         "title": "Made-up study",
         "scene": "free-pinion-torque",
@@ -50,7 +50,7 @@ def description(points: Sequence[Mapping[str, Any]], **changes: Any) -> Descript
         "time_limit": 60.0,
         "provenance": {**provenance(), "command": "rps-exudyn study made-up.toml"},
     }
-    return Description(**told | changes)
+    return Description(**content | changes)
 
 
 def sampled(points: Sequence[Mapping[str, Any]], design: str = "random") -> Description:
@@ -62,30 +62,30 @@ def sampled(points: Sequence[Mapping[str, Any]], design: str = "random") -> Desc
 def make_study(
     folder: Path,
     result: Result,
-    told: Description | None = None,
+    described: Description | None = None,
     failed: Mapping[int, str] | None = None,
     pending: Iterable[int] = (),
 ) -> Path:
     """A study's folder; cases by their number failed with a message, or are still to be run."""
-    told, failed = told or description(grid_points()), failed or {}
-    store = Store.of(folder, told)
+    described, failed = described or description(grid_points()), failed or {}
+    store = Store.of(folder, described)
     store.make_folders()
     store.write_description()
-    for at, case in enumerate(told.cases):
+    for at, case in enumerate(described.cases):
         if at not in set(pending):
-            made = _result_of(told, case, result)
+            made = _result_of(described, case, result)
             if at in failed:
                 made = dataclasses.replace(made, status=Status.DIVERGED, message=failed[at])
             made.save(store.path_of(case.hash))
     return folder
 
 
-def _result_of(told: Description, case: Case, result: Result) -> Result:
-    settings = told.settings(case)
+def _result_of(described: Description, case: Case, result: Result) -> Result:
+    settings = described.settings(case)
     mean = torque({"preload": settings["yoke.preload"], "friction": settings["mesh.friction"]})
     return dataclasses.replace(
         result,
-        gear=result.gear.replace({**told.base, **settings}),
+        gear=result.gear.replace({**described.base, **settings}),
         signals={**result.signals, "pinion_torque": result["pinion_torque"] - 0.6 + mean},
         summary={"torque_mean": mean, "torque_peak_to_peak": 0.02, "rack_gain": 0.035},
     )

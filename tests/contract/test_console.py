@@ -1,4 +1,4 @@
-"""A failed solution is told once, by its outcome: Exudyn itself is silent, and as before afterwards."""
+"""A failed solution is reported once, by its outcome: Exudyn itself stays silent, its settings unchanged."""
 
 import exudyn as exu
 import pytest

@@ -58,9 +58,9 @@ def test_geometry_quantities_are_those_of_the_report() -> None:
 
 
 def test_page_lists_every_key_of_a_study(made_up_result: Result) -> None:
-    told = json.loads(description(grid_points()).to_json())
-    assert {name for name, *_ in rows("`study.json`")} == {f"`{name}`" for name in told}
-    assert {name for name, *_ in rows("Axes of `study.json`")} == {f"`{name}`" for name in told["axes"][0]}
+    keys = json.loads(description(grid_points()).to_json())
+    assert {name for name, *_ in rows("`study.json`")} == {f"`{name}`" for name in keys}
+    assert {name for name, *_ in rows("Axes of `study.json`")} == {f"`{name}`" for name in keys["axes"][0]}
     meaning = {name: text for name, _, text in rows("`study.json`")}
     assert study.FILETYPE in meaning["`filetype`"]
     assert f"now {study.VERSION[0]}, {study.VERSION[1]}" in meaning["`version`"]
@@ -72,10 +72,10 @@ def test_page_lists_everything_in_a_collected_table(made_up_result: Result, tmp_
     collected.write_table(CaseTable.of(Store.open(folder)), tmp_path / "t.h5")
     with h5py.File(tmp_path / "t.h5") as file:
         assert {name for name, *_ in rows("Attributes of the table")} == {f"`{name}`" for name in file.attrs}
-        there = ["/study"] + [f"/{group}/{name}" for group in collected.GROUPS for name in file[group]]
-    told = [name for cells in rows("Contents of the table") for name in re.findall(r"`([^`]+)`", cells[0])]
-    for name in there:
-        assert name in told or f"{name.rpartition('/')[0]}/NAME" in told
+        contents = ["/study"] + [f"/{group}/{name}" for group in collected.GROUPS for name in file[group]]
+    listed = [name for cells in rows("Contents of the table") for name in re.findall(r"`([^`]+)`", cells[0])]
+    for name in contents:
+        assert name in listed or f"{name.rpartition('/')[0]}/NAME" in listed
     outcome = {
         (name.strip("`").removeprefix("/outcome/"), unit, meaning)
         for name, unit, meaning in rows("Contents of the table")

@@ -1,4 +1,4 @@
-"""Laws of the whole gear, held by the equilibrium model, and by the dynamic one where inertia could matter.
+"""Laws of the whole gear, kept by the equilibrium model, and by the dynamic one where inertia could matter.
 
 Domain of the formulas: a guided rack with uniformly loaded flanks. The model's rack is free to tilt and
 roll, and its flanks share the load as they please; where that matters the tolerance says how much.
@@ -65,8 +65,8 @@ def test_preset_means_agree_with_the_closed_form() -> None:
 def test_torque_is_linear(path: str, values: list[float]) -> None:
     """Equal steps to 1 %: the middle value lies on the line through the outer ones."""
     low, middle, high = (turned({path: value}).summary["torque_mean"] for value in values)
-    share = (values[1] - values[0]) / (values[2] - values[0])
-    assert middle == pytest.approx(low + share * (high - low), rel=0.01)
+    fraction = (values[1] - values[0]) / (values[2] - values[0])
+    assert middle == pytest.approx(low + fraction * (high - low), rel=0.01)
 
 
 def test_slope_over_the_preload_is_the_closed_forms() -> None:
@@ -150,7 +150,7 @@ def test_dynamics_are_the_equilibria_when_slow() -> None:
 
 
 def test_ratio_knows_the_gain_and_no_mesh() -> None:
-    """What the gear joint gets right, and what it misses: the mesh's share of the losses, and the ripple."""
+    """What the gear joint gets right, and what it misses: the mesh's part of the losses, and the ripple."""
     ratio = turned({}, Fidelity.preset("flank").replace({"mesh": "ratio"}))
     mean = closed_form(GEAR).forward
     gain = 2 * np.pi * GearPair.of(GEAR).gain
@@ -195,7 +195,7 @@ def test_errors_of_the_installation_find_their_equilibrium(settings: dict[str, o
 
 
 def test_exudyn_users_find_their_sensors() -> None:
-    """The model's own record and Exudyn's sensors tell of the same motion."""
+    """The model's own record and Exudyn's sensors show the same motion."""
     model = build_model(GEAR, Fidelity.preset("flank"))
     recorder = Recorder(model).attach()
     model.mbs.Assemble()

@@ -102,7 +102,7 @@ def test_a_light_weight_cannot_drive_the_gear(direction: int) -> None:
 
 def test_a_heavy_weight_lifts_one_flank() -> None:
     """Above the unloading force said, below not. A stiff spring keeps the rack in mesh then; the preset's own
-    gives way until the teeth leave it."""
+    yields until the teeth leave it."""
     limit = unloading_force(GEAR) / GRAVITY
     stiff = {"yoke.spring_rate": "5 kN/mm"}
     both = ran("load-test", {"test.load_mass": 0.9 * limit, **stiff})
@@ -117,7 +117,7 @@ def test_a_weight_that_lifts_the_rack_out_of_mesh_is_said_to() -> None:
     result = rps.run("load-test", gear, fidelity="quasi-static")
     assert result.status is not Status.OK
     assert f"above {limit:.4g} kg" in result.message
-    assert len(result["pinion_angle"]) > 2  # what there is stays readable
+    assert len(result["pinion_angle"]) > 2  # what was recorded stays readable
 
 
 def test_work_on_the_load_is_its_weight_times_the_travel() -> None:
@@ -219,7 +219,7 @@ def test_weight_of_the_rack_rests_on_teeth_and_bush() -> None:
 # --- reversal --------------------------------------------------------------------------------------
 @pytest.mark.parametrize("fidelity", ["flank", "quasi-static"])
 def test_loop_encloses_what_friction_takes(fidelity: str) -> None:
-    """Work over a cycle = T_0 times the angle turned, but for the ends, where the gear gives way: 1 %."""
+    """Work over a cycle = T_0 times the angle turned, but for the ends, where the gear yields: 1 %."""
     found = ran("reversal", {}, fidelity).summary
     turned = 4 * GEAR.test.amplitude
     free = rps.run("free-pinion-torque", GEAR, fidelity="quasi-static").summary["torque_mean"]

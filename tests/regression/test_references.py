@@ -1,6 +1,6 @@
 """Have the numbers changed? Small cases against values that earlier runs of the same code left.
 
-References are no truth: the laws are in tests/physics. They tell when a change that should not touch a number
+References prove nothing: the laws are in tests/physics. They show when a change that should move no number
 did. `pytest tests/regression --update-references` writes them anew and prints what changed; the commit that
 contains them says why.
 """

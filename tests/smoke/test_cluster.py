@@ -101,7 +101,9 @@ def first_worker(address: str) -> int:
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_no_cluster_there_is_told(command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_cluster_is_reported(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("rps_exudyn.study.cluster.CONNECTING", 1)
     file = write_grid(tmp_path / "s.toml", 100)
     answer = command(["study", str(file), "--cluster", "tcp://127.0.0.1:9"])

@@ -1,4 +1,4 @@
-"""Each preset through the command line, without stand-ins; the full model over a toy share of a turn."""
+"""Each preset through the command line, without stand-ins; the full model over a small part of a turn."""
 
 import pytest
 

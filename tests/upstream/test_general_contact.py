@@ -1,6 +1,6 @@
 """What the package relies on, or works around, in Exudyn 1.13.6's GeneralContact.
 
-A new Exudyn version is judged by running these: one that fails shows which workaround may go or must change.
+Run these with a new Exudyn version: a test that fails shows which workaround may go or must change.
 """
 
 import exudyn as exu
@@ -59,7 +59,7 @@ def test_force_is_stiffness_times_depth() -> None:
 
 
 def test_sphere_deeper_than_its_radius_passes_through_unnoticed() -> None:
-    """Why `judge` bounds the penetration."""
+    """Why `checks.after_run` bounds the penetration."""
     assert contact_force(0.01 * RADIUS)[2] == pytest.approx(0.99 * RADIUS * STIFFNESS, rel=1e-5)
     assert contact_force(-0.01 * RADIUS)[2] <= 0.0
 
@@ -131,15 +131,15 @@ def integrate(mbs: exu.MainSystem, step: float, steps: int) -> None:
     mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.GeneralizedAlpha)
 
 
-@pytest.mark.parametrize(("sphere_sphere", "share"), [(False, 0.0), (True, 1.0)])
-def test_contact_has_no_jacobian_without_contact_between_spheres(sphere_sphere: bool, share: float) -> None:
+@pytest.mark.parametrize(("sphere_sphere", "fraction"), [(False, 0.0), (True, 1.0)])
+def test_contact_between_spheres_alone_has_a_jacobian(sphere_sphere: bool, fraction: float) -> None:
     """Why the general contact brings a Jacobian of its own."""
     mbs = balls_on_plate(
         [([0.1, 0.1, 0.6 * RADIUS], [0, 0, 0])], ONE_TRIANGLE, mass=1.0, sphere_sphere=sphere_sphere
     )
     integrate(mbs, 1e-9, 1)
     _, stiffness, _ = mbs.ComputeLinearizedSystem()
-    assert stiffness[2, 2] == pytest.approx(share * STIFFNESS, rel=1e-5, abs=1e-9)
+    assert stiffness[2, 2] == pytest.approx(fraction * STIFFNESS, rel=1e-5, abs=1e-9)
 
 
 @pytest.mark.parametrize("contacts", ["common", "own"])

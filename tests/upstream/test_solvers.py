@@ -1,7 +1,7 @@
 """What the package relies on, or works around, in Exudyn 1.13.6's solvers and node types.
 
-A new Exudyn version is judged by running these: one that fails shows which workaround may go or must change.
-docs/stability.md tells what each of them costs a user who does not know.
+Run these with a new Exudyn version: a test that fails shows which workaround may go or must change.
+docs/stability.md says what each of them costs a user who does not know.
 """
 
 import subprocess
@@ -190,7 +190,7 @@ def test_a_set_point_written_before_the_step_misleads_multi_stage_solvers(solver
 
 
 def test_spring_between_separate_markers_makes_a_free_moment() -> None:
-    """Force and opposite force at two places, and no couple: why the sliding fit has levers of its own."""
+    """Force and opposite force at two places, and no couple: why the sliding fit has arms of its own."""
     mbs = system()
     rigid = [
         mbs.AddNode(NodeRigidBodyRxyz(referenceCoordinates=[x, 0, 0, 0, 0, 0], initialVelocities=[0] * 6))
@@ -243,7 +243,7 @@ def test_lie_group_nodes_lose_small_rotations() -> None:
 
 
 def test_explicit_solvers_refuse_euler_parameters() -> None:
-    """The one failure of theirs that is told."""
+    """The only failure that they report."""
     mbs = system()
     node = mbs.AddNode(NodeRigidBodyEP(referenceCoordinates=[0, 0, 0, 1, 0, 0, 0], initialVelocities=[0] * 7))
     mbs.AddObject(ObjectRigidBody(mass=1.0, inertia=[1, 1, 1, 0, 0, 0], nodeNumber=node))
