@@ -3,6 +3,7 @@
 import re
 import shutil
 import subprocess
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -86,6 +87,14 @@ def test_ci_types_the_benchmarks_too(bare: Path) -> None:
 def test_readme_lists_every_command(command: Command) -> None:
     listed = re.findall(r"^\| `rps-exudyn (\w+)", README, re.M)
     assert sorted(listed) == sorted(name for name in commands.app if not name.startswith("-"))
+
+
+def test_layout_lists_the_folders_from_the_ground_up() -> None:
+    listed = re.findall(r"^      (\w+)/ ", README[README.index("## Layout") :], re.M)
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    layers = settings["tool"]["importlinter"]["contracts"][0]["layers"]
+    assert sorted(listed) == sorted(layers)
+    assert listed == layers[::-1]
 
 
 def test_example_runs_as_printed(
