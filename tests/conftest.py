@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from rps_exudyn.cli import commands as cli
 from rps_exudyn.parameters.gear import SteeringGear
@@ -49,6 +50,10 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "wrong_input/test_accuracy_from_python.py",
 )
 PROCESSES = 2
+
+# Property tests draw the same cases every time, and a slow machine fails none of them
+settings.register_profile("repeatable", derandomize=True, deadline=None)
+settings.load_profile("repeatable")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
