@@ -31,7 +31,6 @@ QUICK = (
     "physics/test_effects.py",
     "physics/test_metrics.py",
     "stability/test_judge.py",
-    "stability/test_published_maps.py",
 )
 COMPILING = "smoke/test_real_runs.py"  # every preset
 SLOW = (  # files, or single tests, in the folders above that are not quick
@@ -42,6 +41,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "geometry/test_shaping.py",
     "geometry/test_solids.py",
     "smoke/test_cluster.py",
+    "smoke/test_one_entry.py",
     "smoke/test_report.py",
     "smoke/test_report_in_browser.py",
     "smoke/test_studies.py",
