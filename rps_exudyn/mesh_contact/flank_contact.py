@@ -108,9 +108,9 @@ def _integrate(strip, cuts, breaks, band, line, side, data, sums):  # type: igno
         z_0, length = breaks[i], breaks[i + 1] - breaks[i]
         # where the load fades out; law "line": linearly, which the plain rule integrates exactly
         rule = 0 if by_line else int(low_ends and i == 0) + 2 * int(high_ends and i == count - 2)
-        nodes, weights = data.along[rule]
-        for k in range(nodes.size):
-            z, weight = z_0 + length * nodes[k], length * weights[k] / data.cos_base_helix
+        for k in range(data.along.shape[2]):
+            z = z_0 + length * data.along[rule, 0, k]
+            weight = length * data.along[rule, 1, k] / data.cos_base_helix
             if by_line:
                 depth = _line_station(strip, z, weight, line, side, data, sums)
             else:
@@ -142,14 +142,13 @@ def _area_station(strip, z, ends, length, cuts, line, side, data, sums):  # type
                 high, rule = xi, rule & 1
     if not low < high:
         return 0.0
-    nodes, weights = data.across[rule]
     scale = data.stiffness * length * (high - low)
-    for k in range(nodes.size):
-        xi = low + (high - low) * nodes[k]
+    for k in range(data.across.shape[2]):  # numbers one by one: a view of a rule costs more than its use
+        xi = low + (high - low) * data.across[rule, 0, k]
         place = z + lean * xi
         p_r, p_t, q = point(xi, place, line, side, data)
         depth = c_0 + xi * (c_1 + xi * (c_2 * (1 - xi * xi / 12) + xi * c_3))
-        area = scale * weights[k] * q * (1 + ends.turn * xi)
+        area = scale * data.across[rule, 1, k] * q * (1 + ends.turn * xi)
         press(depth, area, p_r, p_t, place, side, data, sums)
     deepest = min(max(-c_1 / (2 * c_2), low), high)
     return c_0 + deepest * (c_1 + deepest * c_2)

@@ -134,11 +134,10 @@ def _press_generator(xi, width, band, line, side, data, sums):  # type: ignore[n
         return deepest
     p_r, p_t, q, d_r, d_t, dq = _on_generator(xi, line, side, data)
     c_0, c_1, c_2 = _depth(xi, band, line, side, data)
-    nodes, weights = data.along[0]
-    for k in range(nodes.size):
-        z = low + (high - low) * nodes[k]
+    for k in range(data.along.shape[2]):
+        z = low + (high - low) * data.along[0, 0, k]
         depth = c_0 + z * (c_1 + z * c_2)
-        area = (q + z * dq) * width * (high - low) * weights[k] / data.cos_base_helix
+        area = (q + z * dq) * width * (high - low) * data.along[0, 1, k] / data.cos_base_helix
         press(depth, data.stiffness * area, p_r + z * d_r, p_t + z * d_t, z, side, data, sums)
         deepest = max(deepest, depth)
     return deepest
