@@ -59,9 +59,10 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     """A kernel that its callers absorb: for functions whose call would cost more than their work.
 
-    Multiply-adds may be fused, which rounds once instead of twice.
+    Multiply-adds are not fused: where a compiler fuses them depends on what it inlines, and the process that
+    compiles would round otherwise than those that load its kernels.
     """
-    return numba.njit(function, cache=True, error_model="numpy", forceinline=True, fastmath={"contract"})
+    return numba.njit(function, cache=True, error_model="numpy", forceinline=True)
 
 
 class _FingerprintedCache(FunctionCache):
