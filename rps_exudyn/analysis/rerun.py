@@ -12,7 +12,7 @@ from rps_exudyn.results.result import Result
 VARYING = ("date",)  # of the provenance: says nothing about the numbers
 
 
-def setup_of(result: Result, file: Path) -> Fidelity:
+def fidelity_of(result: Result, file: Path) -> Fidelity:
     """The fidelity a result was made with.
 
     Raises:

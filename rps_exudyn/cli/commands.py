@@ -1,4 +1,4 @@
-"""The command line `rps-exudyn`: run, study, show, diff, rerun, geometry, describe.
+"""The commands of `rps-exudyn`: run, study, show, diff, rerun, geometry, describe, collect, report.
 
 Exit status: 0 done; 1 the simulation failed (its file says how); 2 wrong input, one sentence for each problem
 on standard error. What a command needs is imported by the command, so that `--help` and `describe` are quick.
@@ -29,7 +29,7 @@ app = App(
     name="rps-exudyn",
     help="Rack-and-pinion steering gears: pinion torque, its variation, and how far to trust it.",
     version=lambda: version("rps-exudyn"),
-    suppress_keyboard_interrupt=False,  # `main` says what is kept
+    suppress_keyboard_interrupt=False,  # `main` reports which files remain
 )
 
 Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
@@ -127,20 +127,18 @@ def study(
     Args:
         file: TOML file, see docs/studies.md.
         out: folder of the study; without it one of the file's name in the current folder.
-        jobs: processes at work; without it one for each processor.
+        jobs: number of worker processes; without it one for each processor.
         cluster: address of a Dask scheduler that does the cases instead, for instance tcp://10.0.0.1:8786.
-        dry_run: list the cases and estimate the time, and do nothing.
-        toy: the study at its smallest, two values of each axis, in a folder NAME-toy: does it work?
-        yes: also if there are very many cases.
+        dry_run: list the cases and estimate the time without simulating.
+        toy: try the study at its smallest size, two values of each axis, in a folder NAME-toy.
+        yes: run it also if there are very many cases.
         json: print the outcome, or the cases, as JSON.
     """
-    from rps_exudyn.cli import study_command as command
+    from rps_exudyn.cli.study_command import Request, do_study, list_cases
 
     folder = out or Path(f"{file.stem}-toy" if toy else file.stem)
-    request = command.Request(file, folder, jobs, cluster, toy, yes)
-    if dry_run:
-        return command.list_cases(request, json)
-    return command.do_study(request, json)
+    request = Request(file, folder, jobs, cluster, toy, yes)
+    return list_cases(request, json) if dry_run else do_study(request, json)
 
 
 @app.command
@@ -163,7 +161,7 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Flag =
 
     Args:
         first: HDF5 file that `run` wrote.
-        second: another one; differences are second minus first.
+        second: HDF5 file to compare with it; differences are second minus first.
         plot: picture (.png, .svg, .pdf) of both torques and their difference.
         json: print the comparison as JSON.
     """
@@ -192,11 +190,11 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
     """Simulate again what a result holds, from the parameters in its file, and say whether it is the same.
 
     Args:
-        file: HDF5 file that `run` or `study` wrote; it is left as it is.
+        file: HDF5 file that `run` or `study` wrote; it is not changed.
         out: HDF5 file of the new result; without it none is written.
         json: print the new summary and the numbers that differ as JSON.
     """
-    from rps_exudyn.analysis.rerun import differing_numbers, setup_of
+    from rps_exudyn.analysis.rerun import differing_numbers, fidelity_of
     from rps_exudyn.cli import printed
     from rps_exudyn.results.result import load
     from rps_exudyn.simulate.run import simulate
@@ -205,7 +203,7 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
         _checked_output(out, RESULT_FILES)
     old = load(file)
     with redirect_stdout(sys.stderr):
-        new = simulate(old.scene, old.gear, setup_of(old, file))
+        new = simulate(old.scene, old.gear, fidelity_of(old, file))
     if out:
         new.save(out)
     differing = differing_numbers(old, new)
@@ -226,7 +224,7 @@ def geometry(
 
     Args:
         out: solids (.glb, .stl) or drawing (.png, .svg, .pdf).
-        force: build an undercut gear all the same.
+        force: build the gear even if it is undercut.
         json: print the report as JSON.
     """
     from rps_exudyn.charts.geometry import draw_geometry
@@ -278,15 +276,15 @@ def collect(folder: Path, /, *, out: Path | None = None) -> int:
         folder: folder that `study` wrote.
         out: table (.h5, .csv); without it table.h5 in the folder.
     """
-    from rps_exudyn.study import collected
+    from rps_exudyn.study.collected import SUFFIXES, write_table
     from rps_exudyn.study.store import Store
     from rps_exudyn.study.table import CaseTable
 
     store = Store.open(folder)
-    out = _checked_output(out or folder / "table.h5", collected.SUFFIXES)
+    out = _checked_output(out or folder / "table.h5", SUFFIXES)
     table = CaseTable.of(store)
     _name_skipped(table.skipped)
-    collected.write_table(table, out)
+    write_table(table, out)
     print(f"written: {out}")
     return DONE
 
@@ -299,12 +297,12 @@ def report(*paths: Path, out: Path | None = None) -> int:
         paths: folders that `study` wrote, also half-finished ones, and HDF5 files that `run` wrote.
         out: page (.html); without it report.html in the study's folder, or a page beside the only file.
     """
-    from rps_exudyn.report import report as pages
+    from rps_exudyn.report.report import SUFFIXES, default_name, write_report
 
     if not paths:
         raise InputError("report needs at least one study's folder or result's file.")
-    out = _checked_output(out or pages.default_name(paths), pages.SUFFIXES)
-    pages.write_report(paths, out)
+    out = _checked_output(out or default_name(paths), SUFFIXES)
+    write_report(paths, out)
     print(f"written: {out}")
     return DONE
 
@@ -313,6 +311,7 @@ def report(*paths: Path, out: Path | None = None) -> int:
 
 
 def _checked_output(path: Path, suffixes: tuple[str, ...]) -> Path:
+    """The path, if it ends in one of the suffixes and can be written; an InputError if not."""
     from rps_exudyn.base.atomic import check_writable
 
     if path.suffix.lower() not in suffixes:
@@ -325,7 +324,7 @@ def _checked_output(path: Path, suffixes: tuple[str, ...]) -> Path:
 
 
 def _keep(result: "Result", out: Path, plot: Path, measured: "MeasuredTorque | None") -> list[Path]:
-    """Write both files and return where they are; a failed run does not replace existing ones."""
+    """Write both files and return their paths; a failed run does not replace existing ones."""
     from rps_exudyn.charts.scene import draw
     from rps_exudyn.results.outcome import Status
 
@@ -354,7 +353,7 @@ def _print_result(
 
 
 def _name_skipped(skipped: Iterable[tuple[Path, str]]) -> None:
-    """Files of a study that could not be used."""
+    """Report the files of a study that could not be used."""
     for _, sentence in skipped:
         _say(f"left out: {sentence}")
 
@@ -369,7 +368,7 @@ def _verdict(result: "Result") -> int:
 
 
 def _sentence(error: CycloptsError) -> str:
-    """What the command line's grammar does not allow."""
+    """The error of the command line's grammar in one sentence."""
     if isinstance(error, UnusedCliTokensError):
         surplus = " ".join(error.unused_tokens or ())
         return f"{surplus} is more than the command takes; --help shows what it takes."

@@ -1,4 +1,4 @@
-"""Study files: what a TOML file may say, and every mistake in it told before anything runs.
+"""Study files: what the TOML file may contain, and every mistake in it reported before anything runs.
 
     title = "Free pinion torque over preload and friction"
     scene = "free-pinion-torque"
@@ -62,12 +62,12 @@ def read_study(path: str | Path) -> Study:
     """The study in a TOML file.
 
     Raises:
-        InputError: all that is wrong with it: file, key, and what is allowed.
+        InputError: everything that is wrong with it: file, key, and what is allowed.
     """
     file = Path(path)
-    told = read_toml(file)
+    content = read_toml(file)
     reader = _StudyKeys(file)
-    study = reader.study(told)
+    study = reader.study(content)
     if reader.problems:
         raise InputError(reader.problems)
     _check_axes_in_gear(study)
@@ -75,43 +75,43 @@ def read_study(path: str | Path) -> Study:
 
 
 class _StudyKeys(Keys):
-    """Those of a study file."""
+    """Reads the keys of a study file."""
 
-    def study(self, told: Mapping[str, Any]) -> Study:
-        for key in told.keys() - set(KEYS):
+    def study(self, content: Mapping[str, Any]) -> Study:
+        for key in content.keys() - set(KEYS):
             self.wrong(units.short(key), f"is no key of a study; there are {', '.join(KEYS)}.")
-        design = self.choice(told, "design", DESIGNS, GRID_DESIGN)
-        settings = self.flat(self.table(told, "set"), "set")
-        axes = read_axes(self, told.get("axis", []), design == GRID_DESIGN)
+        design = self.choice(content, "design", DESIGNS, GRID_DESIGN)
+        settings = self.flat(self.table(content, "set"), "set")
+        axes = read_axes(self, content.get("axis", []), design == GRID_DESIGN)
         check_twice(self, axes, settings)
-        gear = self.gear(told)
-        model = self.cheapest if "accuracy" in told else self.fidelity
-        fidelity = model(told, gear, settings)
+        gear = self.gear(content)
+        model = self.cheapest if "accuracy" in content else self.fidelity
+        fidelity = model(content, gear, settings)
         return Study(
             file=self.file,
-            title=self.text(told, "title", self.file.stem),
-            scene=self.scene(told),
+            title=self.text(content, "title", self.file.stem),
+            scene=self.scene(content),
             tables={**gear, "fidelity": fidelity},
             settings=settings,
             axes=axes,
             design=design,
-            samples=self.samples(told, design),
-            seed=self.whole(told, "seed", 0, 0, 2**32 - 1),
-            time_limit=self.time_limit(told),
-            keep=self.keep(self.table(told, "keep")),
+            samples=self.samples(content, design),
+            seed=self.whole(content, "seed", 0, 0, 2**32 - 1),
+            time_limit=self.time_limit(content),
+            keep=self.keep(self.table(content, "keep")),
         )
 
-    def scene(self, told: Mapping[str, Any]) -> str:
-        return self.choice(told, "scene", SCENE_NAMES, SCENE_NAMES[0])
+    def scene(self, content: Mapping[str, Any]) -> str:
+        return self.choice(content, "scene", SCENE_NAMES, SCENE_NAMES[0])
 
     def fidelity(
-        self, told: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]
+        self, content: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]
     ) -> dict[str, Any]:
-        name = self.choice(told, "fidelity", tuple(PRESETS), "flank")
+        name = self.choice(content, "fidelity", tuple(PRESETS), "flank")
         return preset_table(name)
 
     def cheapest(
-        self, told: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]
+        self, content: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]
     ) -> dict[str, Any]:
         """The cheapest model, of all or of the preset named, that keeps the accuracy on the base gear."""
         from rps_exudyn.simulate.by_accuracy import choose, percent
@@ -119,23 +119,23 @@ class _StudyKeys(Keys):
         if own := choices(settings):
             self.wrong("accuracy", f"chooses the model itself; leave out fidelity.{', fidelity.'.join(own)}.")
             return {}
-        preset = self.choice(told, "fidelity", tuple(PRESETS), "flank") if "fidelity" in told else None
+        preset = self.choice(content, "fidelity", tuple(PRESETS), "flank") if "fidelity" in content else None
         with self.gathering():
             of_gear = {path: value for path, value in settings.items() if not path.startswith(FIDELITY)}
             base = SteeringGear.from_tables(gear, of_gear, where=str(self.file))
-            chosen = choose(self.scene(told), base, percent(self.text(told, "accuracy", "")), preset)
+            chosen = choose(self.scene(content), base, percent(self.text(content, "accuracy", "")), preset)
             return chosen.fidelity.model_dump()
         return {}
 
-    def gear(self, told: Mapping[str, Any]) -> dict[str, Any]:
+    def gear(self, content: Mapping[str, Any]) -> dict[str, Any]:
         """The gear file's tables; it must lie in the study file's folder or below."""
-        if "gear" not in told:
+        if "gear" not in content:
             return {}
-        given = Path(self.text(told, "gear", "."))
+        given = Path(self.text(content, "gear", "."))
         folder = self.file.resolve().parent
         if given.is_absolute() or not (folder / given).resolve().is_relative_to(folder):
             self.wrong(
-                "gear", f"is {shown(told['gear'])}; it must lie in the study file's folder or below it."
+                "gear", f"is {shown(content['gear'])}; it must lie in the study file's folder or below it."
             )
             return {}
         with self.gathering():
@@ -145,33 +145,35 @@ class _StudyKeys(Keys):
             return tables
         return {}
 
-    def samples(self, told: Mapping[str, Any], design: str) -> int:
+    def samples(self, content: Mapping[str, Any], design: str) -> int:
         if design == GRID_DESIGN:
-            if "samples" in told:
+            if "samples" in content:
                 self.wrong("samples", "has no meaning for a grid; its axes say how many cases there are.")
             return 0
-        if "samples" not in told:
+        if "samples" not in content:
             self.wrong("samples", f"is missing: how many points the {design} design draws.")
             return 0
-        return self.whole(told, "samples", 1, 1, MOST_SAMPLES)
+        return self.whole(content, "samples", 1, 1, MOST_SAMPLES)
 
-    def time_limit(self, told: Mapping[str, Any]) -> float:
+    def time_limit(self, content: Mapping[str, Any]) -> float:
         try:
-            limit = units.to_si(told.get("time_limit", "600 s"), "s")
+            limit = units.to_si(content.get("time_limit", "600 s"), "s")
         except ValueError as error:
             self.wrong("time_limit", f"{error}.")
             return 600.0
         if not 0 < limit < np.inf:
-            self.wrong("time_limit", f"is {shown(told['time_limit'])}; it must be more than 0 s and finite.")
+            self.wrong(
+                "time_limit", f"is {shown(content['time_limit'])}; it must be more than 0 s and finite."
+            )
         return limit
 
-    def keep(self, told: Mapping[str, Any]) -> Keep:
-        for key in told.keys() - {"signals", "samples"}:
+    def keep(self, content: Mapping[str, Any]) -> Keep:
+        for key in content.keys() - {"signals", "samples"}:
             self.wrong(f"keep.{key}", "is no key of keep; there are signals, samples.")
         samples = None
-        if "samples" in told:
-            samples = self.whole(told, "samples", 2, 2, 10**9)
-        signals = told.get("signals", "all")
+        if "samples" in content:
+            samples = self.whole(content, "samples", 2, 2, 10**9)
+        signals = content.get("signals", "all")
         if signals in ("all", "none"):
             return Keep(None if signals == "all" else (), samples)
         if not isinstance(signals, list) or any(name not in SIGNALS for name in signals):
@@ -187,10 +189,10 @@ class _StudyKeys(Keys):
 
 
 def _check_axes_in_gear(study: Study) -> None:
-    """The base must be right, and each value of an axis must be allowed in it, alone.
+    """Check the base, and each value of each axis alone in it.
 
     Raises:
-        InputError: what is wrong, each sentence once.
+        InputError: up to ten of the problems, each sentence once.
     """
     _check_base(study)
     problems: dict[str, None] = {}
@@ -199,8 +201,7 @@ def _check_axes_in_gear(study: Study) -> None:
             try:
                 study.setup(settings)
             except InputError as error:
-                told = (f"{study.file}: axis {axis.name}: {problem}" for problem in error.problems)
-                problems |= dict.fromkeys(told)
+                problems |= {f"{study.file}: axis {axis.name}: {problem}": None for problem in error.problems}
     if problems:
         shown = list(problems)[:10]
         raise InputError(
@@ -210,7 +211,7 @@ def _check_axes_in_gear(study: Study) -> None:
 
 def _check_base(study: Study) -> None:
     try:
-        study.base  # noqa: B018 - read for what is wrong with it
+        study.base  # noqa: B018 - read to raise its errors
     except InputError as error:
         name = str(study.file)
         raise InputError(
@@ -219,10 +220,5 @@ def _check_base(study: Study) -> None:
 
 
 def _alone(axis: Axis) -> Iterator[dict[str, Value]]:
-    """Settings of an axis by itself: all of its values, or the ends of what is drawn."""
-    if axis.values is not None:
-        for value in axis.values:
-            yield axis.settings(value)
-    else:
-        for value in ends(axis):
-            yield axis.settings(value)
+    """Settings of an axis by itself: all of its values, or the ends of its distribution."""
+    return (axis.settings(value) for value in (ends(axis) if axis.values is None else axis.values))
