@@ -78,8 +78,26 @@ def short(text: str, most: int = 100) -> str:
     return text if len(text) <= most else f"{text[: most // 2]}...{text[-10:]}"
 
 
+def shown(value: object) -> str:
+    """A wrong value as a message quotes it: its repr, shortened."""
+    try:
+        return short(repr(value))
+    except ValueError:  # a number of more digits than Python writes
+        return "a number too long to be shown"
+
+
+def mm(length: float) -> str:
+    """A length [m] in millimetres, for instance "1.83 mm"."""
+    return show(length, "m", "mm")
+
+
+def words(name: str) -> str:
+    """A quantity's name in words: "torque_mean" -> "torque mean"."""
+    return name.replace("_", " ")
+
+
 def pretty(unit: str) -> str:
-    """The unit as print wants it: "N*mm" -> "N mm", "um" -> "µm"."""
+    """The unit as printed: "N*mm" -> "N mm", "um" -> "µm"."""
     return unit.replace("*", " ").replace("um", "µm").replace("deg", "°").replace("^3", "³")
 
 

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.comparison import turns_one_way
+from rps_exudyn.base.units import words
 from rps_exudyn.charts import style
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
@@ -96,7 +97,7 @@ def _of_one_kind(names: Sequence[str]) -> list[list[str]]:
 def _told_apart(group: Sequence[str]) -> list[str]:
     """What each has beyond the words that all have."""
     common = len(_common(group))
-    return [_words(name)[common:].strip() or "total" for name in group] if len(group) > 1 else [""]
+    return [words(name)[common:].strip() or "total" for name in group] if len(group) > 1 else [""]
 
 
 def _common(names: Sequence[str]) -> str:
@@ -139,7 +140,3 @@ def _draw_panel(axes: Axes, panel: Panel, over: str) -> None:
             frameon=False,
             fontsize=9,
         )
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")

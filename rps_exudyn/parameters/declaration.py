@@ -160,6 +160,11 @@ class Table(BaseModel):
             value = getattr(value, name)
         return value
 
+    def changed(self) -> dict[str, Any]:
+        """Path -> value of the parameters that differ from their defaults."""
+        default, values = type(self)(), {item.path: self.value_at(item.path) for item in self.declared()}
+        return {path: value for path, value in values.items() if value != default.value_at(path)}
+
     @classmethod
     def declared(cls) -> Iterator["Declared"]:
         """Yield all parameters, those of nested tables too, in the order of their declaration."""
@@ -323,7 +328,7 @@ def _problems_of(
 def _problem(table: type[Table], item: Any, given: Mapping[str, Any], settings: Iterable[str]) -> Problem:
     path = ".".join(str(part) for part in item["loc"])
     value = _value_in(given, item["loc"])
-    shown = _shown(value)
+    shown = units.shown(value)
     if item["type"] == "extra_forbidden":
         kind = "table of parameters" if isinstance(value, Mapping) else "parameter"
         from_file = not Problem((path,), "").concerns(settings)
@@ -338,13 +343,6 @@ def _problem(table: type[Table], item: Any, given: Mapping[str, Any], settings: 
     else:
         sentence = f"{path} is {shown}; it must be {table.declared_at(path)[0].allowed}."
     return Problem((path,), sentence)
-
-
-def _shown(value: Any) -> str:
-    try:
-        return units.short(repr(value))
-    except ValueError:  # a number of more digits than Python writes
-        return "a number too long to be shown"
 
 
 def _without(given: Mapping[str, Any], wrong: list[tuple[int | str, ...]]) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 
+from rps_exudyn.base.units import words
 from rps_exudyn.charts import style
 from rps_exudyn.results.quantities import Quantity
 from rps_exudyn.study.description import Axis
@@ -46,7 +47,7 @@ def main_effect_figure(axis: Axis, effect: MainEffect, name: str, quantity: Quan
         color=style.COLOURS["torque"],
         markersize=4,
     )
-    axes.set_ylabel(quantity.axis_label(_words(name)))
+    axes.set_ylabel(quantity.axis_label(words(name)))
     return figure
 
 
@@ -99,7 +100,7 @@ def distribution_figure(numbers: np.ndarray, name: str, quantity: Quantity) -> F
     axes.axvspan(
         low, high, color=style.COLOURS["other"], alpha=0.15, linewidth=0, zorder=0, label="90 % of the cases"
     )
-    axes.set_xlabel(quantity.axis_label(_words(name)))
+    axes.set_xlabel(quantity.axis_label(words(name)))
     axes.set_ylabel("cases")
     style.legend_above(axes)
     return figure
@@ -140,9 +141,5 @@ def _ticks(axes: Axes, direction: str, axis: Axis, values: np.ndarray) -> np.nda
 def _colour_bar(figure: Figure, axes: Axes, image: ScalarMappable, name: str, quantity: Quantity) -> None:
     axes.grid(False)
     bar = figure.colorbar(image, ax=axes)
-    bar.set_label(quantity.axis_label(_words(name)))
+    bar.set_label(quantity.axis_label(words(name)))
     bar.outline.set_visible(False)
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")

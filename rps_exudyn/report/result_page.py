@@ -45,7 +45,7 @@ def side_by_side(results: Mapping[Path, Result]) -> Article:
         values = [result.summary.get(name) for result in results.values()]
         if any(value is not None for value in values):
             rows.append([name, *("" if value is None else SUMMARY[name].show(value) for value in values)])
-    settings = {path: _changed(result.gear) for path, result in results.items()}
+    settings = {path: result.gear.changed() for path, result in results.items()}
     for parameter in dict.fromkeys(name for changed in settings.values() for name in changed):
         values = [result.gear.value_at(parameter) for result in results.values()]
         if len({repr(value) for value in values}) > 1:
@@ -92,7 +92,7 @@ def _scene_figure(result: Result) -> Figure | None:
 
 
 def _parameters(result: Result) -> Iterable[Block]:
-    changed = _changed(result.gear)
+    changed = result.gear.changed()
     if changed:
         yield parameter_grid(changed, "Parameters that differ from the defaults")
     else:
@@ -117,13 +117,6 @@ def _parameters(result: Result) -> Iterable[Block]:
 def _quantities(known: Mapping[str, Quantity], values: Mapping[str, float]) -> Grid:
     rows = [[name, known[name].show(value), known[name].long_name] for name, value in values.items()]
     return Grid(("quantity", "value", "definition"), rows)
-
-
-def _changed(gear: SteeringGear) -> dict[str, object]:
-    """Path -> value of the parameters that are not as by default."""
-    default = SteeringGear()
-    paths = [item.path for item in SteeringGear.declared()]
-    return {path: gear.value_at(path) for path in paths if gear.value_at(path) != default.value_at(path)}
 
 
 def _commands(path: Path) -> str:

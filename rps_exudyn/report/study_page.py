@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.units import words
 from rps_exudyn.charts.signals import overlaid_figure
 from rps_exudyn.report.blocks import (
     Article,
@@ -180,7 +181,7 @@ def _effects(table: CaseTable) -> Iterable[Block]:
         blocks = list(_effects_on(table, name))
         if place < WITH_PICTURES:
             blocks.append(Pictures([*_effect_pictures(table, name), *_surfaces(table, name)]))
-        yield Fold(_words(name), blocks, is_open=place < LEADING)
+        yield Fold(words(name), blocks, is_open=place < LEADING)
 
 
 def _effects_on(table: CaseTable, name: str) -> Iterable[Block]:
@@ -192,10 +193,10 @@ def _effects_on(table: CaseTable, name: str) -> Iterable[Block]:
 def _effect_pictures(table: CaseTable, name: str) -> Iterable[Picture]:
     if table.description.design != GRID_DESIGN:
         spread = distribution_figure(table.numbers[name], name, SUMMARY[name])
-        yield picture(spread, f"{_words(name)}: distribution")
+        yield picture(spread, f"{words(name)}: distribution")
     for axis, effect in _all_effects(table, name):
         figure = main_effect_figure(axis, effect, name, SUMMARY[name])
-        yield picture(figure, f"{_words(name)} over {axis.name}")
+        yield picture(figure, f"{words(name)} over {axis.name}")
 
 
 def _surfaces(table: CaseTable, name: str) -> Iterable[Picture]:
@@ -239,7 +240,7 @@ def _surface(table: CaseTable, pair: tuple[Axis, Axis], name: str) -> Picture:
         known = np.isfinite(numbers)
         points = (table.axes[first.name][known], table.axes[second.name][known], numbers[known])
         figure = scattered_figure(first, second, points, name, quantity)
-    return picture(figure, f"{_words(name)} over {first.name} and {second.name}")
+    return picture(figure, f"{words(name)} over {first.name} and {second.name}")
 
 
 def _sensitivity(table: CaseTable) -> list[Section]:
@@ -270,7 +271,7 @@ def _indices(table: CaseTable, name: str, kinds: Sequence[str]) -> Grid:
             cells.append(f"{show(index.value)}{spread}")
         rows.append([axis, *cells])
     left_out = f", {found.left_out} left out for unknown numbers" if found.left_out else ""
-    caption = f"{_words(name)}: from {found.groups} groups of cases{left_out}; ± is the 95 % interval"
+    caption = f"{words(name)}: from {found.groups} groups of cases{left_out}; ± is the 95 % interval"
     return Grid(("axis", *kinds), rows, caption)
 
 
@@ -289,7 +290,7 @@ def _extremes(table: CaseTable, store: Store) -> Iterable[Block]:
     if not names:
         yield Text("No number differs between the cases that ended ok.")
     for name in names:
-        yield Fold(_words(name), list(_extremes_of(table, store, name)), is_open=True)
+        yield Fold(words(name), list(_extremes_of(table, store, name)), is_open=True)
 
 
 def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[Block]:
@@ -315,7 +316,7 @@ def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[Block]:
     if figure is None:
         yield Text("No signals were kept of these cases.")
     else:
-        yield Pictures([picture(figure, f"Cases with the lowest, median and highest {_words(name)}")])
+        yield Pictures([picture(figure, f"Cases with the lowest, median and highest {words(name)}")])
 
 
 def _opposite(name: str) -> str:
@@ -382,7 +383,3 @@ def _text_of(path: Path) -> str:
 
 def _count(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")

@@ -6,11 +6,11 @@ from typing import Any, get_args
 
 import numpy as np
 
-from rps_exudyn.base import units
+from rps_exudyn.base.units import short, shown, to_si
 from rps_exudyn.parameters.declaration import Declared
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.study.description import Axis, Value
-from rps_exudyn.study.toml_keys import Keys, shown
+from rps_exudyn.study.toml_keys import Keys
 
 SHAPES = ("values", "linspace", "logspace")
 DISTRIBUTIONS = ("uniform", "loguniform", "normal")
@@ -36,7 +36,7 @@ def _axis(keys: Keys, told: Mapping[str, Any], where: str, grid: bool) -> Axis |
     for key in told.keys() - set(AXIS_KEYS):
         keys.wrong(
             where,
-            f"has {units.short(key)}, which is no key of an axis; there are {', '.join(AXIS_KEYS)}.",
+            f"has {short(key)}, which is no key of an axis; there are {', '.join(AXIS_KEYS)}.",
         )
     paths = _paths(keys, told, where)
     shapes = [key for key in (*SHAPES, *DISTRIBUTIONS) if key in told]
@@ -136,8 +136,8 @@ class _Quantity:
         si = self.declared.unit.si if self.declared.unit else ""
         try:
             if self.unit is not None and isinstance(given, int | float) and not isinstance(given, bool):
-                return units.to_si(f"{given!r} {self.unit}".strip(), si)
-            value = units.to_si(given, si)
+                return to_si(f"{given!r} {self.unit}".strip(), si)
+            value = to_si(given, si)
         except ValueError as error:
             self.keys.wrong(self.where, f"{error}.")
             return np.nan

@@ -65,7 +65,7 @@ def describe(study: Study, provenance: Mapping[str, Any]) -> Description:
         title=study.title,
         scene=study.scene,
         fidelity=base.fidelity.model_dump(),
-        base=_changed(base.steering_gear),
+        base=base.steering_gear.changed(),
         axes=study.axes,
         design=study.design,
         seed=None if study.design == GRID_DESIGN else study.seed,
@@ -101,16 +101,6 @@ def _cases(study: Study) -> Iterator[Case]:
             yield Case(case_hash(study.scene, setup, setup.fidelity), values)
     if problems:
         raise InputError(problems)
-
-
-def _changed(gear: SteeringGear) -> dict[str, Any]:
-    """Path -> value of all that differs from the default gear."""
-    default = SteeringGear()
-    return {
-        item.path: gear.value_at(item.path)
-        for item in SteeringGear.declared()
-        if gear.value_at(item.path) != default.value_at(item.path)
-    }
 
 
 # --- designs -----------------------------------------------------------------------------------

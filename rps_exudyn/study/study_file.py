@@ -28,8 +28,8 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.units import short, shown, to_si
 from rps_exudyn.parameters.declaration import read_toml
 from rps_exudyn.parameters.fidelity import PRESETS, preset_table
 from rps_exudyn.parameters.gear import SteeringGear
@@ -39,7 +39,7 @@ from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.axis_tables import check_twice, ends, read_axes
 from rps_exudyn.study.definition import FIDELITY, Study, choices
 from rps_exudyn.study.description import DESIGNS, GRID_DESIGN, Axis, Value
-from rps_exudyn.study.toml_keys import Keys, shown
+from rps_exudyn.study.toml_keys import Keys
 
 KEYS = (
     "title",
@@ -79,7 +79,7 @@ class _StudyKeys(Keys):
 
     def study(self, content: Mapping[str, Any]) -> Study:
         for key in content.keys() - set(KEYS):
-            self.wrong(units.short(key), f"is no key of a study; there are {', '.join(KEYS)}.")
+            self.wrong(short(key), f"is no key of a study; there are {', '.join(KEYS)}.")
         design = self.choice(content, "design", DESIGNS, GRID_DESIGN)
         settings = self.flat(self.table(content, "set"), "set")
         axes = read_axes(self, content.get("axis", []), design == GRID_DESIGN)
@@ -135,7 +135,8 @@ class _StudyKeys(Keys):
         folder = self.file.resolve().parent
         if given.is_absolute() or not (folder / given).resolve().is_relative_to(folder):
             self.wrong(
-                "gear", f"is {shown(content['gear'])}; it must lie in the study file's folder or below it."
+                "gear",
+                f"is {shown(content['gear'])}; it must lie in the study file's folder or below it.",
             )
             return {}
         with self.gathering():
@@ -156,15 +157,14 @@ class _StudyKeys(Keys):
         return self.whole(content, "samples", 1, 1, MOST_SAMPLES)
 
     def time_limit(self, content: Mapping[str, Any]) -> float:
+        given = content.get("time_limit", "600 s")
         try:
-            limit = units.to_si(content.get("time_limit", "600 s"), "s")
+            limit = to_si(given, "s")
         except ValueError as error:
             self.wrong("time_limit", f"{error}.")
             return 600.0
         if not 0 < limit < np.inf:
-            self.wrong(
-                "time_limit", f"is {shown(content['time_limit'])}; it must be more than 0 s and finite."
-            )
+            self.wrong("time_limit", f"is {shown(given)}; it must be more than 0 s and finite.")
         return limit
 
     def keep(self, content: Mapping[str, Any]) -> Keep:
@@ -203,9 +203,9 @@ def _check_axes_in_gear(study: Study) -> None:
             except InputError as error:
                 problems |= {f"{study.file}: axis {axis.name}: {problem}": None for problem in error.problems}
     if problems:
-        shown = list(problems)[:10]
+        worst = list(problems)[:10]
         raise InputError(
-            shown + [f"{study.file}: {len(problems) - 10} more like these."] * (len(problems) > 10)
+            worst + [f"{study.file}: {len(problems) - 10} more like these."] * (len(problems) > 10)
         )
 
 

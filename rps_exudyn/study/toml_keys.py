@@ -11,8 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.units import shown
 from rps_exudyn.parameters.setup import Setup
 
 
@@ -89,10 +89,3 @@ class Keys:
         else:
             self.wrong(f"{where}:", f"{path} is a table; name one of its parameters.")
         return False
-
-
-def shown(value: Any) -> str:
-    try:
-        return units.short(repr(value))
-    except ValueError:  # a number of more digits than Python writes
-        return "a number too long to be shown"
