@@ -1,4 +1,4 @@
-"""A result simulated again: is it the same?"""
+"""A result compared number by number with its repetition."""
 
 from pathlib import Path
 from typing import Any
@@ -9,11 +9,11 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.provenance import FIELDS
 from rps_exudyn.results.result import Result
 
-VARYING = ("date",)  # of the provenance: says nothing about the numbers
+VARYING = ("date",)  # of the provenance: has no effect on the numbers
 
 
 def fidelity_of(result: Result, file: Path) -> Fidelity:
-    """The fidelity a result was made with.
+    """The fidelity of a result, read from `file`.
 
     Raises:
         InputError: this version knows no such fidelity.
@@ -22,9 +22,9 @@ def fidelity_of(result: Result, file: Path) -> Fidelity:
 
 
 def differing_numbers(old: Result, new: Result) -> dict[str, tuple[Any, Any]]:
-    """Name -> both values: status, summary, signals (the first value that differs); {} if all are the same.
+    """Name -> (old, new): status, summary, signals (the first value that differs); {} if all are the same.
 
-    Signals of a thinned record are not compared. With numbers that differ, differing versions are told too.
+    Signals of a thinned record are not compared. If numbers differ, differing versions are listed too.
     """
     found: dict[str, tuple[Any, Any]] = {}
     if old.status is not new.status:

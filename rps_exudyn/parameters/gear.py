@@ -253,7 +253,7 @@ class SteeringGear(Table):
 
     def __repr__(self) -> str:
         pinion, changes = self.pinion, self.changes_shown()
-        size = f"{pinion.teeth} teeth, module {_mm(pinion.normal_module)}, preload {self.yoke.preload:g} N"
+        size = f"{pinion.teeth} teeth, module {mm(pinion.normal_module)}, preload {self.yoke.preload:g} N"
         return f"<SteeringGear: {size}; {'default but for ' if changes else 'default'}{', '.join(changes)}>"
 
     __str__ = __repr__
