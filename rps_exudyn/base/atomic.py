@@ -1,4 +1,4 @@
-"""Files that are complete or not there: written beside the target, then renamed onto it."""
+"""Writing files so that they are complete or absent: beside the target, then renamed onto it."""
 
 import os
 from collections.abc import Iterator
@@ -13,10 +13,10 @@ from rps_exudyn.base.units import short
 def replacing(path: str | Path) -> Iterator[Path]:
     """A temporary file in the same folder that becomes `path` when the block succeeds.
 
-    Whatever happens, an existing `path` stays whole: it is replaced by the finished file, or not at all.
+    An existing `path` is replaced by the finished file or stays unmodified.
 
     Raises:
-        InputError: the folder or the disk does not let the file be written.
+        InputError: the file cannot be written.
     """
     check_writable(path)
     target = Path(path).resolve()
@@ -32,10 +32,10 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 
 def check_writable(path: str | Path) -> None:
-    """Find out before the work whether its result can be kept.
+    """Check before the work whether its result can be written; an existing file is not modified.
 
     Raises:
-        InputError: `path` cannot be written; an existing file is untouched.
+        InputError: `path` cannot be written.
     """
     target = _resolved(path)
     if target.exists() and not target.is_file():
@@ -50,8 +50,21 @@ def check_writable(path: str | Path) -> None:
     except OSError as error:
         raise InputError(f"{short(str(path))} cannot be written: {error.strerror or error}.") from None
     finally:
-        with suppress(OSError):  # of a name too long, which was told above
+        with suppress(OSError):  # of a name too long, reported above
             probe.unlink(missing_ok=True)
+
+
+def append(path: Path, text: str) -> None:
+    """Append to a file in one write, so that several writers cannot mix their lines.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    descriptor = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
+    try:
+        os.write(descriptor, text.encode())
+    finally:
+        os.close(descriptor)
 
 
 def _resolved(path: str | Path) -> Path:
@@ -64,7 +77,7 @@ def _resolved(path: str | Path) -> Path:
 
 
 def _beside(target: Path) -> Path:
-    """Keeps the suffix, by which writers choose their format."""
+    """A hidden name in the same folder with the same suffix, by which writers choose their format."""
     return target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
 
 

@@ -201,7 +201,7 @@ def _effect_pictures(table: CaseTable, name: str) -> Iterable[Picture]:
 
 def _surfaces(table: CaseTable, name: str) -> Iterable[Picture]:
     """Over the pairs of the axes that matter most."""
-    effects = sorted(_all_effects(table, name), key=lambda pair: -pair[1].share)
+    effects = sorted(_all_effects(table, name), key=lambda pair: -pair[1].fraction)
     pairs = itertools.combinations([axis for axis, _ in effects], 2)
     return (_surface(table, pair, name) for pair in itertools.islice(pairs, MOST_SURFACES))
 
@@ -227,7 +227,7 @@ def _effect_row(axis: Axis, effect: MainEffect, name: str) -> list[str]:
         ends = [known[np.argmin(effect.mean[known])], known[np.argmax(effect.mean[known])]]
     levels = [show_value(axis, effect.levels[at].item()) for at in ends]
     means = [SUMMARY[name].show(float(effect.mean[at])) for at in ends]
-    return [axis.name, *levels, *means, f"{effect.share:.0%}"]
+    return [axis.name, *levels, *means, f"{effect.fraction:.0%}"]
 
 
 def _surface(table: CaseTable, pair: tuple[Axis, Axis], name: str) -> Picture:

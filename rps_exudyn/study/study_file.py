@@ -36,9 +36,10 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.case_file import Keep
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import SCENE_NAMES
-from rps_exudyn.study.axis_tables import check_twice, ends, read_axes
+from rps_exudyn.study.axis_tables import check_twice, read_axes
 from rps_exudyn.study.definition import FIDELITY, Study, choices
 from rps_exudyn.study.description import DESIGNS, GRID_DESIGN, Axis, Value
+from rps_exudyn.study.designs import ends
 from rps_exudyn.study.toml_keys import Keys
 
 KEYS = (

@@ -24,7 +24,7 @@ def test_additive_effects_are_found_exactly() -> None:
     effect = grid_effect(AXES, "a", numbers)
     np.testing.assert_allclose(effect.mean, np.array([0, 2, 4]) - 1.5)
     assert effect.span == pytest.approx(4)
-    shares = [grid_effect(AXES, name, numbers).share for name in AXES]
+    shares = [grid_effect(AXES, name, numbers).fraction for name in AXES]
     variances = np.array([4 * 2 / 3, 5 / 4, 0])  # of 2 a and of b over their levels
     np.testing.assert_allclose(shares, variances / variances.sum(), atol=1e-15)
 
@@ -47,8 +47,8 @@ def test_sampled_effect_follows_the_number() -> None:
     x = np.random.default_rng(1).random(400)
     effect = sampled_effect(x, x**2)
     np.testing.assert_allclose(effect.mean, effect.levels**2, atol=0.004)  # a class spans 1/8
-    assert effect.share > 0.97
-    assert sampled_effect(x, np.random.default_rng(2).random(400)).share < 0.05
+    assert effect.fraction > 0.97
+    assert sampled_effect(x, np.random.default_rng(2).random(400)).fraction < 0.05
 
 
 def test_words_are_levels_too() -> None:

@@ -176,7 +176,7 @@ def test_folder_of_something_else(command: Command, tmp_path: Path) -> None:
     ("content", "sentence"),
     [
         ("{}", "is not the description of a study"),
-        ('{"filetype": "rps_exudyn-study", "version": [9, 0]}', "has format version [9, 0]"),
+        ('{"filetype": "rps_exudyn-study", "version": [9, 0]}', "has format version 9.0"),
         ('{"filetype": "rps_exudyn-study", "version": [1, 0]}', "is damaged"),
         ("{", "is damaged"),
     ],
