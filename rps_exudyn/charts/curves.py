@@ -1,4 +1,4 @@
-"""Signals over the pinion angle, the two directions of a record told apart."""
+"""Curves over the pinion angle, with the two directions of a record in colours of their own."""
 
 from matplotlib.axes import Axes
 
@@ -12,38 +12,30 @@ AGAINST_MOTION = "torque against the motion"
 
 
 def over_angle(axes: Axes, signals: Signals, name: str, axis: str, colour: str, label: str = "") -> None:
-    """One signal as recorded: a curve in `colour`, or one per pass in the colour of its direction."""
-    runs = passes(signals)
-    if len(runs) < 2:
-        runs_shown = [(signals, colour, label)]
-    else:
-        runs_shown = [(turned.signals, DIRECTIONS[turned.direction][1], "") for turned in runs]
-    for shown, its_colour, its_label in runs_shown:
-        angle = SIGNALS["pinion_angle"].displayed(shown["pinion_angle"])
-        style.line(axes, angle, shown[name], SIGNALS[name], axis, its_colour, its_label or None)
+    """Draw one signal: a curve in `colour`, or one per pass in the colour of its direction.
+
+    `axis` is the name at the axis, `label` the one in the legend of a record in one direction.
+    """
+    curves = [(turned.signals, DIRECTIONS[turned.direction][1], "") for turned in passes(signals)]
+    if len(curves) < 2:
+        curves = [(dict(signals), colour, label)]
+    for part, its_colour, its_label in curves:
+        angle = SIGNALS["pinion_angle"].displayed(part["pinion_angle"])
+        style.line(axes, angle, part[name], SIGNALS[name], axis, its_colour, its_label or None)
 
 
 def torque_against_motion(axes: Axes, signals: Signals) -> None:
-    """Both directions of the torque on one side of zero, so that their ripples can be seen."""
-    named = set()
+    """Draw both directions of the torque on one side of zero, where their ripples can be compared."""
+    quantity = SIGNALS["pinion_torque"]
     for turned in passes(signals):
-        label, colour = DIRECTIONS[turned.direction]
         angle = SIGNALS["pinion_angle"].displayed(turned.angle)
         torque = turned.direction * turned.signals["pinion_torque"]
-        style.line(
-            axes,
-            angle,
-            torque,
-            SIGNALS["pinion_torque"],
-            AGAINST_MOTION,
-            colour,
-            None if label in named else label,
-        )
-        named.add(label)
+        style.line(axes, angle, torque, quantity, AGAINST_MOTION, DIRECTIONS[turned.direction][1])
+    style.name_directions(axes, {colour: label for label, colour in DIRECTIONS.values()})
 
 
 def add_measured(axes: Axes, measured: MeasuredTorque, against_motion: bool = False) -> None:
-    """A measured torque over those that are drawn, as thin as its points are many."""
+    """Draw a measured torque over the others, in thin lines because it may have many points."""
     for i, turned in enumerate(passes(measured.signals)):
         angle = SIGNALS["pinion_angle"].displayed(turned.angle)
         torque = (turned.direction if against_motion else 1) * turned.signals["pinion_torque"]

@@ -17,7 +17,7 @@ FIGURES = {"push_force_mean": "mean", "push_force_peak_to_peak": "peak to peak"}
 
 
 def rack_push_figure(result: Result, measured: MeasuredTorque | None = None) -> Figure:
-    """The picture, without the lift if the fidelity has none; a measured pinion torque has no place in it."""
+    """The picture, without the lift if the fidelity has none; a measured pinion torque is not drawn."""
     shown = {name: panel for name, panel in _PANELS.items() if name in result.signals}
     figure, axes = style.panels([height for *_, height, _ in shown.values()])
     for panel, (name, (label, colour, _, least)) in zip(axes, shown.items(), strict=True):

@@ -1,7 +1,7 @@
 """Picture of a free pinion torque: torque over pinion angle, below it how the rack lifts and rolls.
 
-A record in both directions shows each torque against its motion, so that both are above zero and close
-enough to be compared (the paper's Figure 16).
+For a record in both directions each torque is drawn against its motion, so that both are above zero and can
+be compared (the paper's Figure 16).
 """
 
 from matplotlib.axes import Axes
