@@ -47,9 +47,10 @@ def contact_pattern(gear: SteeringGear, signals: Signals) -> tuple[FlankPattern,
         raise InputError(f"No contact pattern: the result has no {missing[0]}; its fidelity leaves it out.")
     if gear.mesh.law != "area":
         raise InputError(f'No contact pattern: mesh.law is "{gear.mesh.law}"; only "area" knows a pressure.')
+    roll, face = unrolled(gear)
     drive, coast = (
         FlankPattern(side, roll, face, pressures(gear, signals, side, roll, face).max(axis=(0, 1)))
-        for side, (roll, face) in ((-1, unrolled(gear)), (+1, unrolled(gear)))
+        for side in (-1, +1)
     )
     return drive, coast
 

@@ -1,7 +1,7 @@
 """Writing files so that they are complete or absent: beside the target, then renamed onto it."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -31,12 +31,14 @@ def replacing(path: str | Path) -> Iterator[Path]:
         partial.unlink(missing_ok=True)
 
 
-def check_writable(path: str | Path) -> None:
+def check_writable(path: str | Path, suffixes: Sequence[str] = ()) -> None:
     """Check before the work whether its result can be written; an existing file is not modified.
 
     Raises:
-        InputError: `path` cannot be written.
+        InputError: `path` cannot be written, or ends in none of the suffixes, if any are given.
     """
+    if suffixes and Path(path).suffix.lower() not in suffixes:
+        raise InputError(f"{path} cannot be written: its name must end in {' or '.join(suffixes)}.")
     target = _resolved(path)
     if target.exists() and not target.is_file():
         raise InputError(f"{path} cannot be written: it is not a file.")

@@ -23,15 +23,14 @@ def opened(path: str | Path, filetype: str, what: str, version: tuple[int, int])
     Raises:
         InputError: no such file, no HDF5, of another type, or of another format version.
     """
-    with _opened(path) as file:
+    with _open(path) as file:
         if file.attrs.get("filetype") != filetype:
             raise InputError(f"{path} is an HDF5 file, but not a {what} of rps-exudyn.")
         check_version(np.ravel(file.attrs.get("version", ())), path, version)
         yield file
 
 
-@contextmanager
-def _opened(path: str | Path) -> Iterator[h5py.File]:
+def _open(path: str | Path) -> h5py.File:
     try:
         is_file, is_folder = Path(path).is_file(), Path(path).is_dir()
     except OSError as error:  # a name too long for a file
@@ -40,13 +39,11 @@ def _opened(path: str | Path) -> Iterator[h5py.File]:
         reason = "it is a folder" if is_folder else "there is no such file"
         raise InputError(f"{path} cannot be read: {reason}.")
     try:
-        file = h5py.File(path, "r")
+        return h5py.File(path, "r")
     except PermissionError:
         raise InputError(f"{path} cannot be read: permission denied.") from None
     except OSError:
         raise InputError(f"{path} is no HDF5 file, or it is damaged.") from None
-    with file:
-        yield file
 
 
 def check_version(version: Iterable[object], path: str | Path, known: tuple[int, int]) -> None:

@@ -314,9 +314,7 @@ def _checked_output(path: Path, suffixes: tuple[str, ...]) -> Path:
     """The path, if it ends in one of the suffixes and can be written; an InputError if not."""
     from rps_exudyn.base.atomic import check_writable
 
-    if path.suffix.lower() not in suffixes:
-        raise InputError(f"{path} cannot be written: its name must end in {' or '.join(suffixes)}.")
-    check_writable(path)
+    check_writable(path, suffixes)
     return path
 
 

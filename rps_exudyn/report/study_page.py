@@ -1,6 +1,7 @@
 """The article about a study of any scene and design, also a half-finished one."""
 
 import itertools
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 
@@ -65,8 +66,7 @@ def study_article(store: Store) -> Article:
 
 
 def _progress(table: CaseTable) -> str:
-    count = {status: int((table.status == status).sum()) for status in dict.fromkeys(table.status.tolist())}
-    parts = [f"{number} {status}" for status, number in count.items()]
+    parts = [f"{number} {status}" for status, number in Counter(table.status.tolist()).items()]
     return f"{_count(len(table.cases), 'case')}: {', '.join(parts)}" if parts else "no cases"
 
 
@@ -208,13 +208,9 @@ def _surfaces(table: CaseTable, name: str) -> Iterable[Picture]:
 def _all_effects(table: CaseTable, name: str) -> list[tuple[Axis, MainEffect]]:
     """Every axis that takes several values, with its effect on a number."""
     axes = [axis for axis in table.description.axes if len(np.unique(table.axes[axis.name])) > 1]
-    return [(axis, _effect(table, axis, table.numbers[name])) for axis in axes]
-
-
-def _effect(table: CaseTable, axis: Axis, numbers: np.ndarray) -> MainEffect:
     if table.description.design == GRID_DESIGN:
-        return grid_effect(table.axes, axis.name, numbers)
-    return sampled_effect(table.axes[axis.name], numbers)
+        return [(axis, grid_effect(table.axes, axis.name, table.numbers[name])) for axis in axes]
+    return [(axis, sampled_effect(table.axes[axis.name], table.numbers[name])) for axis in axes]
 
 
 def _effect_row(axis: Axis, effect: MainEffect, name: str) -> list[str]:

@@ -14,7 +14,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.atomic import check_writable, replacing
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.hdf5 import opened
 from rps_exudyn.study.table import CaseTable, Column
@@ -34,10 +34,8 @@ def write_table(table: CaseTable, path: str | Path) -> None:
     Raises:
         InputError: another suffix than `SUFFIXES`, or the file cannot be written.
     """
-    suffix = Path(path).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise InputError(f"{path} cannot be written: its name must end in {' or '.join(SUFFIXES)}.")
-    write = _write_csv if suffix == ".csv" else _write_hdf5
+    check_writable(path, SUFFIXES)
+    write = _write_csv if Path(path).suffix.lower() == ".csv" else _write_hdf5
     with replacing(path) as partial:
         write(table, partial)
 

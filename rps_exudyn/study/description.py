@@ -8,7 +8,9 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field, TypeAdapter, ValidationError
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.hdf5 import check_version
@@ -58,7 +60,7 @@ def settings_of(axes: tuple[Axis, ...], values: Mapping[str, Value]) -> dict[str
 class Case:
     """One point of the design. `hash` names its file; `values` are axis name -> SI value (or word)."""
 
-    hash: str
+    hash: Annotated[str, Field(pattern="^[0-9a-f]{16}$")]  # no path, which could lead out of the folder
     values: Mapping[str, Value]
 
 
@@ -120,48 +122,8 @@ class Description:
         version = content.get("version")
         check_version(version if isinstance(version, list) else [], path, VERSION)
         try:
-            return _from_json(content)
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise InputError(f"{path} is damaged: {type(error).__name__} {error}.") from None
-
-
-def _from_json(content: dict[str, Any]) -> Description:
-    cases = tuple(Case(_name_of_file(case["hash"]), dict(case["values"])) for case in content["cases"])
-    keep = content["signals"]
-    return Description(
-        name=str(content["name"]),
-        scene=str(content["scene"]),
-        fidelity=dict(content["fidelity"]),
-        base=dict(content["base"]),
-        axes=tuple(_axis(axis) for axis in content["axes"]),
-        design=str(content["design"]),
-        seed=content["seed"],
-        cases=cases,
-        signals=Keep(_tuple(keep["signals"]), keep["samples"]),
-        time_limit=float(content["time_limit"]),
-        provenance=dict(content["provenance"]),
-        title=str(content.get("title", "")),
-    )
-
-
-def _axis(content: dict[str, Any]) -> Axis:
-    return Axis(
-        name=str(content["name"]),
-        paths=tuple(content["paths"]),
-        unit=str(content["unit"]),
-        values=_tuple(content["values"]),
-        kind=str(content["kind"]),
-        along={path: tuple(along) for path, along in content.get("along", {}).items()},
-        distribution=dict(content.get("distribution", {})),
-    )
-
-
-def _tuple(values: list[Any] | None) -> tuple[Any, ...] | None:
-    return None if values is None else tuple(values)
-
-
-def _name_of_file(text: Any) -> str:
-    """The text, if it is a hash: it becomes a file's name, and must not point outside the folder."""
-    if not isinstance(text, str) or len(text) != 16 or not set(text) <= set("0123456789abcdef"):
-        raise ValueError(f"{text!r} is no hash of a case")
-    return text
+            return TypeAdapter(cls).validate_python(content)
+        except ValidationError as error:
+            problem = error.errors()[0]
+            place = ".".join(map(str, problem["loc"]))
+            raise InputError(f"{path} is damaged: {place}: {problem['msg']}.") from None

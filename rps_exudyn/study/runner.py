@@ -24,7 +24,7 @@ from rps_exudyn.simulate.processes import Done, Run, Task
 from rps_exudyn.study.cases import describe, setup_of
 from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Case, Description
-from rps_exudyn.study.progress import Log, bar
+from rps_exudyn.study.progress import bar, case_line, log_line
 from rps_exudyn.study.store import CaseRow, Store
 
 
@@ -101,17 +101,17 @@ def _run(work: StudyWork, run: Run, workers_write: bool) -> Tally:
         work = replace(work, missing=_missing(work.study, store))  # another runner may have worked until now
         skipped = store.skipped
         _begin(work)
-        log, forms = Log(store.path / "study.log"), FileForms()
-        log.line(f"{len(work.missing)} of {len(work.description.hashes)} cases to be done")
+        log, forms = store.path / "study.log", FileForms()
+        log_line(log, f"{len(work.missing)} of {len(work.description.hashes)} cases to be done")
         by_hash = {case.hash: case for case in work.missing}
         tasks = (_task(work, case, workers_write) for case in work.missing)
-        with bar(len(work.missing)) as shown:
+        with bar(len(work.missing)) as count:
             for done in run(tasks):
                 case = by_hash[done.task["hash"]]
                 row = _stored(work, case, done, forms)
                 store.add_to_index(case, row)
-                log.case(case, row)
-                shown.count(row.status)
+                log_line(log, case_line(case, row))
+                count(row.status)
         store.rebuild_index()
         store.write_description()
         statuses = Counter(row.status for _, row in store.rows())

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.study.designs import MORRIS_LEVELS, salib, unit_problem
+from rps_exudyn.study.designs import MORRIS_LEVELS, points_per_sample, salib, unit_problem
 from rps_exudyn.study.table import CaseTable
 
 MORRIS, SALTELLI = "morris", "saltelli"
@@ -81,8 +81,7 @@ def indices(table: CaseTable, name: str) -> Indices:
         known = ", ".join(table.numbers) or "none yet"
         raise InputError(f"{name} is no number of this study; there are {known}.")
     inputs, numbers = _inputs(table), table.numbers[name]
-    second_order = design == SALTELLI and _has_second_order(inputs)
-    size = _group_size(design, len(table.axes), second_order)
+    size = points_per_sample(design, len(table.axes))
     whole = _whole_groups(numbers, size, table)
     known_inputs, known_numbers = inputs[np.repeat(whole, size)], numbers[np.repeat(whole, size)]
     problem = unit_problem(table.axes)
@@ -93,7 +92,7 @@ def indices(table: CaseTable, name: str) -> Indices:
         found = analyze(problem, scaled, known_numbers, num_levels=MORRIS_LEVELS, seed=SEED)
     else:
         analyze = salib("analyze.sobol").analyze
-        found = analyze(problem, known_numbers, calc_second_order=second_order, seed=SEED)
+        found = analyze(problem, known_numbers, calc_second_order=False, seed=SEED)
     rows = {
         axis: {kind: _index(found, SALIB_NAMES[kind], at) for kind in KINDS[design]}
         for at, axis in enumerate(table.axes)
@@ -105,13 +104,6 @@ def _index(found: Mapping[str, Any], name: str, at: int) -> Index:
     """The index of the axis number `at` from SALib's answer."""
     confidence = found.get(f"{name}_conf")
     return Index(float(found[name][at]), float("nan") if confidence is None else float(confidence[at]))
-
-
-def _group_size(design: str, axes: int, second_order: bool) -> int:
-    """Number of cases in a trajectory (Morris) or a block (Saltelli)."""
-    if design == MORRIS:
-        return axes + 1
-    return 2 * axes + 2 if second_order else axes + 2
 
 
 def _inputs(table: CaseTable) -> np.ndarray:
@@ -141,15 +133,3 @@ def _whole_groups(numbers: np.ndarray, size: int, table: CaseTable) -> np.ndarra
             f"{LEAST_GROUPS}."
         )
     return np.asarray(whole)
-
-
-def _has_second_order(inputs: np.ndarray) -> bool:
-    """Whether blocks have the 2 D + 2 cases of second-order indices, not D + 2.
-
-    A block is A, then A with each column from B, (then B with each column from A,) then B: the diagonal of
-    the second part is B's own.
-    """
-    count = inputs.shape[1]
-    last = 2 * count + 1
-    diagonal = inputs[1 : count + 1].diagonal()
-    return inputs.shape[0] > last and bool((diagonal == inputs[last]).all())

@@ -42,20 +42,9 @@ from rps_exudyn.study.description import DESIGNS, GRID_DESIGN, Axis, Value
 from rps_exudyn.study.designs import ends
 from rps_exudyn.study.toml_keys import Keys
 
-KEYS = (
-    "title",
-    "scene",
-    "gear",
-    "fidelity",
-    "accuracy",
-    "design",
-    "samples",
-    "seed",
-    "time_limit",
-    "set",
-    "axis",
-    "keep",
-)
+MODEL_KEYS = ("scene", "gear", "fidelity", "accuracy", "set")
+DESIGN_KEYS = ("axis", "design", "samples", "seed")
+KEYS = ("title", *MODEL_KEYS, *DESIGN_KEYS, "time_limit", "keep")
 MOST_SAMPLES = 1_000_000
 
 
@@ -171,20 +160,15 @@ class _StudyKeys(Keys):
     def keep(self, content: Mapping[str, Any]) -> Keep:
         for key in content.keys() - {"signals", "samples"}:
             self.wrong(f"keep.{key}", "is no key of keep; there are signals, samples.")
-        samples = None
-        if "samples" in content:
-            samples = self.whole(content, "samples", 2, 2, 10**9)
+        samples = self.whole(content, "samples", 2, 2, 10**9) if "samples" in content else None
         signals = content.get("signals", "all")
         if signals in ("all", "none"):
             return Keep(None if signals == "all" else (), samples)
         if not isinstance(signals, list) or any(name not in SIGNALS for name in signals):
-            unknown = (
-                [name for name in signals if name not in SIGNALS] if isinstance(signals, list) else signals
-            )
-            self.wrong(
-                "keep.signals",
-                f'has {shown(unknown)}; it must be "all", "none", or names of {", ".join(SIGNALS)}.',
-            )
+            if isinstance(signals, list):
+                signals = [name for name in signals if name not in SIGNALS]
+            allowed = f'"all", "none", or names of {", ".join(SIGNALS)}'
+            self.wrong("keep.signals", f"has {shown(signals)}; it must be {allowed}.")
             return Keep()
         return Keep(tuple(name for name in SIGNALS if name in ("time", "pinion_angle", *signals)), samples)
 

@@ -72,12 +72,11 @@ def table_of(design: str, inputs: np.ndarray, numbers: np.ndarray) -> CaseTable:
     return CaseTable(Path("study"), told, rows, ())
 
 
-@pytest.mark.parametrize("second_order", [True, False])
-def test_sobol_indices_of_ishigamis_function(second_order: bool) -> None:
+def test_sobol_indices_of_ishigamis_function() -> None:
     """Ishigami & Homma (1990): a = 7, b = 0.1 give S1 = 0.314, 0.442, 0 and ST = 0.558, 0.442, 0.244."""
     sobol = pytest.importorskip("SALib.sample.sobol")
     problem = {"num_vars": 3, "names": list("abc"), "bounds": [[-np.pi, np.pi]] * 3}
-    x = sobol.sample(problem, 2048, calc_second_order=second_order, seed=1)
+    x = sobol.sample(problem, 2048, calc_second_order=False, seed=1)
     y = np.sin(x[:, 0]) + 7 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
     found = indices(table_of("saltelli", x, y), "torque_mean")
     first = [row["first order"].value for row in found.rows.values()]
