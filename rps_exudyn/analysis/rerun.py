@@ -1,24 +1,13 @@
 """A result compared number by number with its repetition."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.provenance import FIELDS
 from rps_exudyn.results.result import Result
 
 VARYING = ("date",)  # of the provenance: has no effect on the numbers
-
-
-def fidelity_of(result: Result, file: Path) -> Fidelity:
-    """The fidelity of a result, read from `file`.
-
-    Raises:
-        InputError: this version knows no such fidelity.
-    """
-    return Fidelity.from_tables(result.fidelity, where=str(file))
 
 
 def differing_numbers(old: Result, new: Result) -> dict[str, tuple[Any, Any]]:

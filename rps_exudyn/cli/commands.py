@@ -194,8 +194,9 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
         out: HDF5 file of the new result; without it none is written.
         json: print the new summary and the numbers that differ as JSON.
     """
-    from rps_exudyn.analysis.rerun import differing_numbers, fidelity_of
+    from rps_exudyn.analysis.rerun import differing_numbers
     from rps_exudyn.cli import printed
+    from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.results.result import load
     from rps_exudyn.simulate.run import simulate
 
@@ -203,7 +204,7 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
         _checked_output(out, RESULT_FILES)
     old = load(file)
     with redirect_stdout(sys.stderr):
-        new = simulate(old.scene, old.gear, fidelity_of(old, file))
+        new = simulate(old.scene, old.gear, Fidelity.from_tables(old.fidelity, where=str(file)))
     if out:
         new.save(out)
     differing = differing_numbers(old, new)

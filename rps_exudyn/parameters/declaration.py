@@ -160,11 +160,6 @@ class Table(BaseModel):
             value = getattr(value, name)
         return value
 
-    def changed(self) -> dict[str, Any]:
-        """Path -> value of the parameters that differ from their defaults."""
-        default, values = type(self)(), {item.path: self.value_at(item.path) for item in self.declared()}
-        return {path: value for path, value in values.items() if value != default.value_at(path)}
-
     @classmethod
     def declared(cls) -> Iterator["Declared"]:
         """Yield all parameters, those of nested tables too, in the order of their declaration."""

@@ -45,7 +45,7 @@ def side_by_side(results: Mapping[Path, Result]) -> Article:
         values = [result.summary.get(name) for result in results.values()]
         if any(value is not None for value in values):
             rows.append([name, *("" if value is None else SUMMARY[name].show(value) for value in values)])
-    settings = {path: result.gear.changed() for path, result in results.items()}
+    settings = {path: result.gear.changes() for path, result in results.items()}
     for parameter in dict.fromkeys(name for changed in settings.values() for name in changed):
         values = [result.gear.value_at(parameter) for result in results.values()]
         if len({repr(value) for value in values}) > 1:
@@ -91,7 +91,7 @@ def _scene_figure(result: Result) -> Figure | None:
 
 
 def _parameters(result: Result) -> Iterable[Block]:
-    changed = result.gear.changed()
+    changed = result.gear.changes()
     if changed:
         yield parameter_grid(changed, "Parameters that differ from the defaults")
     else:

@@ -60,7 +60,7 @@ def describe(study: Study, provenance: Mapping[str, Any]) -> Description:
         title=study.title,
         scene=study.scene,
         fidelity=base.fidelity.model_dump(),
-        base=base.steering_gear.changed(),
+        base=base.steering_gear.changes(),
         axes=study.axes,
         design=study.design,
         seed=None if study.design == GRID_DESIGN else study.seed,
