@@ -21,10 +21,8 @@ from rps_exudyn.analysis.torque import mean
 from rps_exudyn.results.quantities import SIGNALS, is_work
 from rps_exudyn.results.result import Result
 
-ABSENT = None
-"""Stands for a setting or a number that one of the results does not have."""
-
 Pair = tuple[Any, Any]
+"""(first, second); None for what one of the results does not have."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +51,7 @@ class SignalPair:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Settings, summaries and signals of two results side by side; a pair is (first, second)."""
+    """Settings, summaries and signals of two results side by side."""
 
     settings: dict[str, Pair]  # those that differ: path such as yoke.preload, fidelity.mesh, solver.steps
     scene: Pair
@@ -73,7 +71,7 @@ def compare(first: Result, second: Result) -> Comparison:
         scene=(first.scene, second.scene),
         status=(first.status, second.status),
         summary={
-            name: (first.summary.get(name, ABSENT), second.summary.get(name, ABSENT))
+            name: (first.summary.get(name), second.summary.get(name))
             for name in dict.fromkeys([*first.summary, *second.summary])
         },
         angle=angle,
@@ -92,7 +90,7 @@ def _settings(result: Result) -> dict[str, Any]:
 def _differing(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Pair]:
     """Path -> both values of the leaves that differ."""
     a, b = dict(_leaves(first)), dict(_leaves(second))
-    return {path: (a.get(path, ABSENT), b.get(path, ABSENT)) for path in a | b if a.get(path) != b.get(path)}
+    return {path: (a.get(path), b.get(path)) for path in a | b if a.get(path) != b.get(path)}
 
 
 def _leaves(tables: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:

@@ -20,7 +20,7 @@ def differing_numbers(old: Result, new: Result) -> dict[str, tuple[Any, Any]]:
         found["status"] = (old.status.value, new.status.value)
     for name in dict.fromkeys((*old.summary, *new.summary)):
         pair = (old.summary.get(name), new.summary.get(name))
-        if not _same(*pair):
+        if pair[0] != pair[1] and any(value == value for value in pair):  # nan is nan again
             found[name] = pair
     for name, values in old.signals.items():
         if name in new.signals and len(values) == len(new.signals[name]):
@@ -34,9 +34,3 @@ def differing_numbers(old: Result, new: Result) -> dict[str, tuple[Any, Any]]:
             if name not in VARYING and old.provenance[name] != new.provenance[name]
         }
     return found
-
-
-def _same(first: float | None, second: float | None) -> bool:
-    return first == second or (
-        first is not None and second is not None and first != first and second != second
-    )

@@ -284,7 +284,8 @@ def collect(folder: Path, /, *, out: Path | None = None) -> int:
     store = Store.open(folder)
     out = _checked_output(out or folder / "table.h5", SUFFIXES)
     table = CaseTable.of(store)
-    _name_skipped(table.skipped)
+    for _, sentence in table.skipped:
+        _say(f"left out: {sentence}")
     write_table(table, out)
     print(f"written: {out}")
     return DONE
@@ -349,12 +350,6 @@ def _print_result(
     else:
         printed.print_result(result, files)
         printed.print_measured(compared)
-
-
-def _name_skipped(skipped: Iterable[tuple[Path, str]]) -> None:
-    """Report the files of a study that could not be used."""
-    for _, sentence in skipped:
-        _say(f"left out: {sentence}")
 
 
 def _verdict(result: "Result") -> int:

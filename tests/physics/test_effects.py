@@ -68,8 +68,8 @@ def table_of(design: str, inputs: np.ndarray, numbers: np.ndarray) -> CaseTable:
         CaseRow(case.hash, Status.OK if np.isfinite(y) else Status.CRASHED, "", 1.0, 1.0, {"torque_mean": y})
         for case, y in zip(cases, numbers.tolist(), strict=True)
     ]
-    told = dataclasses.replace(sampled([]), axes=axes, cases=cases, design=design)
-    return CaseTable(Path("study"), told, rows, ())
+    study = dataclasses.replace(sampled([]), axes=axes, cases=cases, design=design)
+    return CaseTable(Path("study"), study, rows, ())
 
 
 def test_sobol_indices_of_ishigamis_function() -> None:

@@ -65,11 +65,11 @@ def test_study_from_the_command_line_and_one_case_again(command: Command) -> Non
 
 def fresh(*arguments: str) -> str:
     """What a command prints in a process of its own."""
-    told = [sys.executable, "-m", "rps_exudyn", *arguments]
-    return subprocess.run(told, capture_output=True, text=True, check=True).stdout
+    command = [sys.executable, "-m", "rps_exudyn", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 
-def test_rerun_tells_what_differs(command: Command) -> None:
+def test_rerun_lists_what_differs(command: Command) -> None:
     import h5py
 
     assert command(["run", "--fidelity", "closed-form", "--out", "a.h5"]).status == 0
