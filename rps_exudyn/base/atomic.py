@@ -31,8 +31,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
         partial.unlink(missing_ok=True)
 
 
-def check_writable(path: str | Path, suffixes: Sequence[str] = ()) -> None:
-    """Check before the work whether its result can be written; an existing file is not modified.
+def check_writable(path: str | Path, suffixes: Sequence[str] = ()) -> Path:
+    """Return the path if a file can be written there, checked before the work; nothing is modified.
 
     Raises:
         InputError: `path` cannot be written, or ends in none of the suffixes, if any are given.
@@ -54,6 +54,7 @@ def check_writable(path: str | Path, suffixes: Sequence[str] = ()) -> None:
     finally:
         with suppress(OSError):  # of a name too long, reported above
             probe.unlink(missing_ok=True)
+    return Path(path)
 
 
 def append(path: Path, text: str) -> None:

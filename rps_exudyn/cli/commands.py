@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
+from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.options import GearOptions, SetupOptions
 from rps_exudyn.scenes import SCENE_NAMES
@@ -91,8 +92,8 @@ def run(
     limit = seconds(time_limit) if time_limit is not None else None
     preset = setup.preset_alone() if accuracy is not None else None
     chosen = setup.load()
-    out = _checked_output(out or Path(f"{scene}.h5"), RESULT_FILES)
-    plot = _checked_output(plot or out.with_suffix(".png"), PICTURES)
+    out = check_writable(out or Path(f"{scene}.h5"), RESULT_FILES)
+    plot = check_writable(plot or out.with_suffix(".png"), PICTURES)
     curve = read_measured_torque(measured) if measured else None
     with redirect_stdout(sys.stderr):  # what libraries say; standard output is for the result
         result = simulate(
@@ -172,7 +173,7 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Flag =
     from rps_exudyn.results.result import load
 
     if plot:
-        _checked_output(plot, PICTURES)
+        check_writable(plot, PICTURES)
     comparison = compare(load(first), load(second))
     names = (first.stem, second.stem) if first.stem != second.stem else (str(first), str(second))
     if plot:
@@ -201,7 +202,7 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
     from rps_exudyn.simulate.run import simulate
 
     if out:
-        _checked_output(out, RESULT_FILES)
+        check_writable(out, RESULT_FILES)
     old = load(file)
     with redirect_stdout(sys.stderr):
         new = simulate(old.scene, old.gear, Fidelity.from_tables(old.fidelity, where=str(file)))
@@ -236,7 +237,7 @@ def geometry(
 
     chosen = gear.load()
     if out:
-        _checked_output(out, (*FORMATS, *PICTURES))
+        check_writable(out, (*FORMATS, *PICTURES))
     report = geometry_report(chosen, force)
     if out and out.suffix.lower() in FORMATS:
         export_solids(chosen, out)
@@ -282,7 +283,7 @@ def collect(folder: Path, /, *, out: Path | None = None) -> int:
     from rps_exudyn.study.table import CaseTable
 
     store = Store.open(folder)
-    out = _checked_output(out or folder / "table.h5", SUFFIXES)
+    out = check_writable(out or folder / "table.h5", SUFFIXES)
     table = CaseTable.of(store)
     for _, sentence in table.skipped:
         _say(f"left out: {sentence}")
@@ -303,21 +304,10 @@ def report(*paths: Path, out: Path | None = None) -> int:
 
     if not paths:
         raise InputError("report needs at least one study's folder or result's file.")
-    out = _checked_output(out or default_name(paths), SUFFIXES)
+    out = check_writable(out or default_name(paths), SUFFIXES)
     write_report(paths, out)
     print(f"written: {out}")
     return DONE
-
-
-# --- input -------------------------------------------------------------------------------------
-
-
-def _checked_output(path: Path, suffixes: tuple[str, ...]) -> Path:
-    """The path, if it ends in one of the suffixes and can be written; an InputError if not."""
-    from rps_exudyn.base.atomic import check_writable
-
-    check_writable(path, suffixes)
-    return path
 
 
 # --- output ------------------------------------------------------------------------------------

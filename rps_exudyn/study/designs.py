@@ -28,7 +28,7 @@ def points(axes: tuple[Axis, ...], design: str, samples: int, seed: int) -> Iter
     if design == GRID_DESIGN:
         rows: Iterable[Iterable[Value]] = itertools.product(*(axis.values or () for axis in axes))
     else:
-        unit = _DRAW[design](len(axes), samples, seed)
+        unit = _unit_points(design, len(axes), samples, seed)
         rows = ([drawn(axis, float(u)) for axis, u in zip(axes, row, strict=True)] for row in unit)
     names = [axis.name for axis in axes]
     return (dict(zip(names, row, strict=True)) for row in rows)
@@ -83,37 +83,20 @@ def unit_problem(names: Iterable[str]) -> dict[str, Any]:
     return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
 
 
-def _latin_hypercube(axes: int, samples: int, seed: int) -> np.ndarray:
+def _unit_points(design: str, axes: int, samples: int, seed: int) -> np.ndarray:
+    """Points of a sampled design in the unit cube, shape (points, axes)."""
     from scipy.stats import qmc
 
-    return np.asarray(qmc.LatinHypercube(axes, rng=np.random.default_rng(seed)).random(samples))
-
-
-def _sobol(axes: int, samples: int, seed: int) -> np.ndarray:
-    from scipy.stats import qmc
-
-    power = max(0, math.ceil(math.log2(samples)))  # the sequence is even over powers of two
-    return np.asarray(qmc.Sobol(axes, rng=np.random.default_rng(seed)).random_base2(power)[:samples])
-
-
-def _random(axes: int, samples: int, seed: int) -> np.ndarray:
-    return np.random.default_rng(seed).random((samples, axes))
-
-
-def _morris(axes: int, samples: int, seed: int) -> np.ndarray:
-    problem = unit_problem(map(str, range(axes)))
-    return np.asarray(salib("sample.morris").sample(problem, samples, num_levels=MORRIS_LEVELS, seed=seed))
-
-
-def _saltelli(axes: int, samples: int, seed: int) -> np.ndarray:
-    problem = unit_problem(map(str, range(axes)))
-    return np.asarray(salib("sample.sobol").sample(problem, samples, calc_second_order=False, seed=seed))
-
-
-_DRAW = {
-    "latin-hypercube": _latin_hypercube,
-    "sobol": _sobol,
-    "random": _random,
-    "morris": _morris,
-    "saltelli": _saltelli,
-}
+    rng, problem = np.random.default_rng(seed), unit_problem(map(str, range(axes)))
+    if design == "latin-hypercube":
+        points = qmc.LatinHypercube(axes, rng=rng).random(samples)
+    elif design == "sobol":
+        power = max(0, math.ceil(math.log2(samples)))  # the sequence is even over powers of two
+        points = qmc.Sobol(axes, rng=rng).random_base2(power)[:samples]
+    elif design == "random":
+        points = rng.random((samples, axes))
+    elif design == "morris":
+        points = salib("sample.morris").sample(problem, samples, num_levels=MORRIS_LEVELS, seed=seed)
+    else:
+        points = salib("sample.sobol").sample(problem, samples, calc_second_order=False, seed=seed)
+    return np.asarray(points)

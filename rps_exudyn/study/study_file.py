@@ -22,7 +22,7 @@
 docs/studies.md explains every key.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +38,7 @@ from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.axis_tables import check_twice, read_axes
 from rps_exudyn.study.definition import FIDELITY, Study, choices
-from rps_exudyn.study.description import DESIGNS, GRID_DESIGN, Axis, Value
+from rps_exudyn.study.description import DESIGNS, GRID_DESIGN
 from rps_exudyn.study.designs import ends
 from rps_exudyn.study.toml_keys import Keys
 
@@ -46,6 +46,7 @@ MODEL_KEYS = ("scene", "gear", "fidelity", "accuracy", "set")
 DESIGN_KEYS = ("axis", "design", "samples", "seed")
 KEYS = ("title", *MODEL_KEYS, *DESIGN_KEYS, "time_limit", "keep")
 MOST_SAMPLES = 1_000_000
+MOST_PROBLEMS = 10  # of axes, reported at once
 
 
 def read_study(path: str | Path) -> Study:
@@ -58,9 +59,13 @@ def read_study(path: str | Path) -> Study:
     content = read_toml(file)
     reader = _StudyKeys(file)
     study = reader.study(content)
+    if not reader.problems:
+        with reader.gathering():
+            study.base  # noqa: B018 - read to raise its errors
+    if not reader.problems:
+        reader.problems += _problems_of_axes(study)
     if reader.problems:
         raise InputError(reader.problems)
-    _check_axes_in_gear(study)
     return study
 
 
@@ -173,37 +178,14 @@ class _StudyKeys(Keys):
         return Keep(tuple(name for name in SIGNALS if name in ("time", "pinion_angle", *signals)), samples)
 
 
-def _check_axes_in_gear(study: Study) -> None:
-    """Check the base, and each value of each axis alone in it.
-
-    Raises:
-        InputError: up to ten of the problems, each sentence once.
-    """
-    _check_base(study)
+def _problems_of_axes(study: Study) -> list[str]:
+    """What is wrong with each value of an axis, or each end of its distribution, alone in the base."""
     problems: dict[str, None] = {}
     for axis in study.axes:
-        for settings in _alone(axis):
+        for value in ends(axis) if axis.values is None else axis.values:
             try:
-                study.setup(settings)
+                study.setup(axis.settings(value))
             except InputError as error:
                 problems |= {f"{study.file}: axis {axis.name}: {problem}": None for problem in error.problems}
-    if problems:
-        worst = list(problems)[:10]
-        raise InputError(
-            worst + [f"{study.file}: {len(problems) - 10} more like these."] * (len(problems) > 10)
-        )
-
-
-def _check_base(study: Study) -> None:
-    try:
-        study.base  # noqa: B018 - read to raise its errors
-    except InputError as error:
-        name = str(study.file)
-        raise InputError(
-            problem if problem.startswith(name) else f"{name}: {problem}" for problem in error.problems
-        ) from None
-
-
-def _alone(axis: Axis) -> Iterator[dict[str, Value]]:
-    """Settings of an axis by itself: all of its values, or the ends of its distribution."""
-    return (axis.settings(value) for value in (ends(axis) if axis.values is None else axis.values))
+    more = len(problems) - MOST_PROBLEMS
+    return [*problems][:MOST_PROBLEMS] + [f"{study.file}: {more} more like these."] * (more > 0)
