@@ -1,4 +1,4 @@
-"""What a reversal of the pinion costs and loses: the loop of torque over angle, lost motion, sticking.
+"""Figures of reversals of the pinion: the loop of torque over angle, lost motion, sticking.
 
 After a reversal the friction forces turn about only when their contacts have slipped; until then the gear
 yields elastically. The *running torque* of a pass is the median of its torque.

@@ -73,9 +73,9 @@ def test_files_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
 
 def test_directions_are_compared_apart(tmp_path: Path) -> None:
     """The made-up curve has the simulated one's tooth order, and more mean and first order."""
-    forward = np.linspace(-4, 4, 801)
-    angle = np.concatenate([forward, forward[-2::-1]])
-    rising = np.arange(angle.size) < forward.size
+    outward = np.linspace(-4, 4, 801)
+    angle = np.concatenate([outward, outward[-2::-1]])
+    rising = np.arange(angle.size) < outward.size
     simulated = np.where(rising, 0.6, -0.5) + 0.01 * np.cos(6 * angle)
     rows = zip(np.degrees(angle), simulated + 0.03 + 0.02 * np.cos(angle), strict=True)
     text = HEADER + "".join(f"{a},{t}\n" for a, t in rows)
@@ -84,16 +84,16 @@ def test_directions_are_compared_apart(tmp_path: Path) -> None:
         measured, {"pinion_angle": angle, "pinion_torque": simulated}, teeth=6
     )
     assert (forward.direction, backward.direction) == (1, -1)
-    difference = 0.03 + 0.02 * np.cos(forward)
-    rms = np.sqrt(np.trapezoid(difference**2, forward) / 8)
+    difference = 0.03 + 0.02 * np.cos(outward)
+    rms = np.sqrt(np.trapezoid(difference**2, outward) / 8)
     assert forward.torque.rms == pytest.approx(rms, rel=1e-4)
     assert backward.torque.rms == pytest.approx(rms, rel=5e-3)
     assert forward.measured["torque_tooth_order"] == pytest.approx(0.01, rel=0.05)
     assert forward.simulated["torque_first_order"] == pytest.approx(0, abs=1e-4)
     assert forward.measured["torque_first_order"] == pytest.approx(0.02, rel=1e-3)
-    one_way = {"pinion_angle": forward, "pinion_torque": simulated[: forward.size]}
+    one_way = {"pinion_angle": outward, "pinion_torque": simulated[: outward.size]}
     assert [each.direction for each in compare_with_measured(measured, one_way, 6)] == [1]
-    beyond = {"pinion_angle": forward + 10, "pinion_torque": one_way["pinion_torque"]}
+    beyond = {"pinion_angle": outward + 10, "pinion_torque": one_way["pinion_torque"]}
     assert compare_with_measured(measured, beyond, 6) == []
 
 
