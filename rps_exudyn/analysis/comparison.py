@@ -1,4 +1,4 @@
-"""Two results held against each other: what was set differently, and how far their curves lie apart.
+"""Two results compared: settings that differ, and how far their curves lie apart.
 
     from rps_exudyn.analysis.comparison import compare
 
@@ -16,35 +16,34 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.passes import Signals, longest_pass
+from rps_exudyn.analysis.passes import Signals, common_angles, interpolated, longest_pass
 from rps_exudyn.analysis.torque import mean
-from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.results.quantities import SIGNALS, is_work
 from rps_exudyn.results.result import Result
 
-ABSENT = None
-"""Stands for a setting or a number that one of the results does not have."""
-
 Pair = tuple[Any, Any]
+"""(first, second); None for what one of the results does not have."""
 
 
 @dataclass(frozen=True, eq=False)
 class SignalPair:
-    """One signal of both results, over the common angles; SI units."""
+    """One signal of both results at the n common angles; SI units."""
 
     name: str
-    first: np.ndarray
-    second: np.ndarray
+    first: np.ndarray  # shape (n,)
+    second: np.ndarray  # shape (n,)
     mean: float  # of the first over the angle
     rms: float  # of the difference over the angle
     largest: float  # difference by magnitude, with its sign
-    angle: float  # where it is [rad]
+    angle: float  # of the largest difference [rad]
 
     @property
     def difference(self) -> np.ndarray:
+        """Second minus first, shape (n,)."""
         return self.second - self.first
 
     def shown(self, difference: float) -> str:
-        """For a reader: the torque's in % of its mean, others in their display unit."""
+        """The difference as text: of a torque in % of its mean, else in the display unit."""
         if self.name == "pinion_torque" and self.mean:
             return f"{100 * difference / abs(self.mean):.3g} %"
         return SIGNALS[self.name].show(difference)
@@ -52,27 +51,27 @@ class SignalPair:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """What differs between two results."""
+    """Settings, summaries and signals of two results side by side."""
 
-    settings: dict[str, Pair]  # where they differ: path such as yoke.preload, fidelity.mesh, solver.steps
+    settings: dict[str, Pair]  # those that differ: path such as yoke.preload, fidelity.mesh, solver.steps
     scene: Pair
     status: Pair
     summary: dict[str, Pair]  # every number that one of them has
-    angle: np.ndarray  # common pinion angles, rising [rad]; empty if there are none
-    signals: dict[str, SignalPair]  # what both have, but for the angle
+    angle: np.ndarray  # common pinion angles, rising [rad], shape (n,); empty if there are none
+    signals: dict[str, SignalPair]  # those that both have, without the angle
 
 
 def compare(first: Result, second: Result) -> Comparison:
-    """Hold two results against each other, whatever their scenes and fidelities."""
+    """Compare two results of any scenes and fidelities."""
     parts = _comparable_parts(first, second)
-    angle = _common_angles(*parts)
+    angle = common_angles(*(part.get("pinion_angle", np.zeros(0)) for part in parts))
     common = [name for name in parts[0] if name in parts[1] and name != "pinion_angle"]
     return Comparison(
         settings=_differing(_settings(first), _settings(second)),
         scene=(first.scene, second.scene),
         status=(first.status, second.status),
         summary={
-            name: (first.summary.get(name, ABSENT), second.summary.get(name, ABSENT))
+            name: (first.summary.get(name), second.summary.get(name))
             for name in dict.fromkeys([*first.summary, *second.summary])
         },
         angle=angle,
@@ -89,9 +88,9 @@ def _settings(result: Result) -> dict[str, Any]:
 
 
 def _differing(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Pair]:
-    """Path -> both values, where they differ."""
+    """Path -> both values of the leaves that differ."""
     a, b = dict(_leaves(first)), dict(_leaves(second))
-    return {path: (a.get(path, ABSENT), b.get(path, ABSENT)) for path in a | b if a.get(path) != b.get(path)}
+    return {path: (a.get(path), b.get(path)) for path in a | b if a.get(path) != b.get(path)}
 
 
 def _leaves(tables: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
@@ -103,7 +102,7 @@ def _leaves(tables: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, A
 
 
 def _comparable_parts(first: Result, second: Result) -> tuple[Signals, Signals]:
-    """The parts of both records that can be held against each other over the angle; empty without."""
+    """The parts of both records that can be compared over the angle; empty if there are none."""
     if turns_one_way(first) and turns_one_way(second):
         return first.signals, second.signals
     for direction in (+1, -1):
@@ -111,17 +110,6 @@ def _comparable_parts(first: Result, second: Result) -> tuple[Signals, Signals]:
         if a and b:
             return a.signals, b.signals
     return {}, {}
-
-
-def _common_angles(first: Signals, second: Signals) -> np.ndarray:
-    """All recorded angles in the range that both cover."""
-    if not (first and second):
-        return np.zeros(0)
-    a, b = first["pinion_angle"], second["pinion_angle"]
-    both = np.unique(np.concatenate([a, b]))
-    low, high = max(a.min(), b.min()), min(a.max(), b.max())
-    common = both[(both >= low) & (both <= high)]
-    return common if common.size > 1 else np.zeros(0)
 
 
 def turns_one_way(result: Result) -> bool:
@@ -132,7 +120,7 @@ def turns_one_way(result: Result) -> bool:
 
 
 def signal_pair(name: str, angle: np.ndarray, first: np.ndarray, second: np.ndarray) -> SignalPair:
-    """Both over the same rising angles [rad], shape (n,) all."""
+    """Compare two curves over the same rising angles [rad]; all arrays have the shape (n,)."""
     difference = second - first
     at = int(np.argmax(np.abs(difference)))
     return SignalPair(
@@ -148,9 +136,6 @@ def signal_pair(name: str, angle: np.ndarray, first: np.ndarray, second: np.ndar
 
 def _over(angle: np.ndarray, signals: Signals, name: str) -> np.ndarray:
     """A signal at given pinion angles; what counts from the start of recording counts from theirs."""
-    own = signals["pinion_angle"]
-    rising = slice(None) if own[-1] > own[0] else slice(None, None, -1)
-    values = np.interp(angle, own[rising], signals[name][rising])
-    if name == "time" or name.startswith("work_") or name == "stored_energy":
-        values = values - values[0 if own[-1] > own[0] else -1]
-    return values
+    sense = 1 if signals["pinion_angle"][-1] > signals["pinion_angle"][0] else -1
+    values = interpolated(signals, name, angle, sense)
+    return values - values[0 if sense > 0 else -1] if name == "time" or is_work(name) else values

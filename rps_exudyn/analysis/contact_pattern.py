@@ -1,9 +1,9 @@
-"""Pressure on the pinion's flanks: where a tooth carries, and how hard, while it passes through the mesh.
+"""Contact pattern: largest pressure on each point of the pinion's flanks on their way through the mesh.
 
 A flank is unrolled: length of roll (the tangent length q, from the base circle) over the face width Z. At
-every instant the flank's points are put where the recorded motion has them; how deep they stand in the
-rack's flanks gives the pressure of law "area", stiffness * depth. All teeth are laid over each other, so
-that one tooth pitch of the record shows all that a tooth goes through.
+every instant the flank's points are placed by the recorded motion; their depth in the rack's flanks gives
+the pressure of law "area", stiffness * depth. All teeth are superimposed, so that one tooth pitch of the
+record shows the whole passage of a tooth.
 """
 
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ def contact_pattern(gear: SteeringGear, signals: Signals) -> tuple[FlankPattern,
 
     Args:
         gear: the gear that was simulated.
-        signals: pinion_angle and the rack's motions; every instant is looked at, so give as few as needed
+        signals: pinion_angle and the rack's motions; every instant is evaluated, so give only those needed
             (`one_pitch`).
 
     Raises:
@@ -47,9 +47,10 @@ def contact_pattern(gear: SteeringGear, signals: Signals) -> tuple[FlankPattern,
         raise InputError(f"No contact pattern: the result has no {missing[0]}; its fidelity leaves it out.")
     if gear.mesh.law != "area":
         raise InputError(f'No contact pattern: mesh.law is "{gear.mesh.law}"; only "area" knows a pressure.')
+    roll, face = unrolled(gear)
     drive, coast = (
         FlankPattern(side, roll, face, pressures(gear, signals, side, roll, face).max(axis=(0, 1)))
-        for side, (roll, face) in ((-1, unrolled(gear)), (+1, unrolled(gear)))
+        for side in (-1, +1)
     )
     return drive, coast
 
@@ -93,7 +94,7 @@ def pressures(
 def _depth(
     pair: GearPair, points: np.ndarray, side: int, angle: float, place: np.ndarray, turn: np.ndarray
 ) -> np.ndarray:
-    """How deep points of the pinion, shape (..., 3) in its frame, stand in the rack's flanks [m]."""
+    """Depth in the rack's flanks [m] of points of the pinion, shape (..., 3) in its frame."""
     c, s = np.cos(angle), np.sin(angle)
     about_k = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1.0]])  # the pinion angle counts against k
     housing = points @ (pair.pinion_frame @ about_k).T + pair.pinion_origin

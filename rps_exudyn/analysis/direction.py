@@ -1,15 +1,15 @@
-"""Torque towards +X against torque towards -X, at the same pinion angles."""
+"""Torque towards +X compared with torque towards -X at the same pinion angles."""
 
-from rps_exudyn.analysis.passes import Signals, both_directions, common_angles
+from rps_exudyn.analysis.passes import Signals, both_directions
 from rps_exudyn.analysis.torque import mean
 
 
 def describe_directions(signals: Signals) -> dict[str, float]:
     """The summary's figures of both directions, each torque counted against the motion; {} without both."""
-    both = both_directions(signals)
-    if both is None or (angle := common_angles(*both)).size < 2:
+    if (both := both_directions(signals)) is None:
         return {}
-    forward, backward = (each.direction * mean(angle, each.over(angle, "pinion_torque")) for each in both)
+    *ways, angle = both
+    forward, backward = (each.direction * mean(angle, each.over(angle, "pinion_torque")) for each in ways)
     return {
         "torque_mean_forward": forward,
         "torque_mean_backward": backward,

@@ -12,13 +12,13 @@ gross, as the standard measures them; net with the free torque T_0 tared, W s' /
 
 from dataclasses import dataclass
 
-from rps_exudyn.analysis.passes import Signals, both_directions, common_angles
+from rps_exudyn.analysis.passes import Signals, both_directions
 from rps_exudyn.analysis.torque import mean
 
 
 @dataclass(frozen=True)
 class LoadTest:
-    """A weight on the rack, raised and lowered: forward and reverse efficiency (IS 13476)."""
+    """Torques of a weight on the rack, raised and lowered, and the efficiencies (IS 13476) from them."""
 
     load: float  # the weight's force [N]
     ideal_torque: float  # load times rack gain [N m]
@@ -28,19 +28,22 @@ class LoadTest:
 
     @property
     def efficiency_forward(self) -> float:
+        """W s' / T_f, gross."""
         return self.ideal_torque / self.torque_forward
 
     @property
     def efficiency_reverse(self) -> float:
+        """T_r / (W s'), gross."""
         return self.torque_reverse / self.ideal_torque
 
     @property
     def efficiency_forward_net(self) -> float:
-        """With the free torque tared."""
+        """W s' / (T_f - T_0), with the free torque tared."""
         return self.ideal_torque / (self.torque_forward - self.free_torque)
 
     @property
     def efficiency_reverse_net(self) -> float:
+        """(T_r + T_0) / (W s'), with the free torque tared."""
         return (self.torque_reverse + self.free_torque) / self.ideal_torque
 
     @property
@@ -50,22 +53,12 @@ class LoadTest:
 
     @property
     def self_locking(self) -> bool:
-        """The weight cannot drive the gear: it must be pushed down."""
+        """Whether the weight cannot drive the gear: it must be pushed down."""
         return self.torque_reverse < 0
-
-    @property
-    def half_sum(self) -> float:
-        """The ideal torque, up to what friction under load adds, while both flanks touch [N m]."""
-        return (self.torque_forward + self.torque_reverse) / 2
-
-    @property
-    def half_difference(self) -> float:
-        """The free torque, likewise [N m]."""
-        return (self.torque_forward - self.torque_reverse) / 2
 
 
 def measured_load_test(signals: Signals, load: float, gain: float, free_torque: float) -> LoadTest:
-    """The test from a record of raising (pinion angle rises) and lowering, at the angles common to both.
+    """Evaluate a record of raising (pinion angle rises) and lowering at the angles common to both.
 
     Args:
         signals: pinion_angle [rad] and pinion_torque [N m], both directions.
@@ -76,10 +69,10 @@ def measured_load_test(signals: Signals, load: float, gain: float, free_torque: 
     Raises:
         ValueError: the record lacks one direction, or shares no angles.
     """
-    both = both_directions(signals)
-    if both is None or (angle := common_angles(*both)).size < 2:
+    if (both := both_directions(signals)) is None:
         raise ValueError("a load test needs a record of raising and of lowering at common pinion angles")
-    raising, lowering = (mean(angle, each.over(angle, "pinion_torque")) for each in both)
+    *ways, angle = both
+    raising, lowering = (mean(angle, each.over(angle, "pinion_torque")) for each in ways)
     return LoadTest(load, load * gain, raising, lowering, free_torque)
 
 
@@ -92,11 +85,5 @@ def describe_load_test(test: LoadTest) -> dict[str, float]:
     }
     if not test.load > 0:
         return torques
-    names = (
-        "efficiency_forward",
-        "efficiency_reverse",
-        "efficiency_forward_net",
-        "efficiency_reverse_net",
-        "efficiency_ratio",
-    )
-    return torques | {name: getattr(test, name) for name in names}
+    names = ("forward", "reverse", "forward_net", "reverse_net", "ratio")
+    return torques | {f"efficiency_{name}": getattr(test, f"efficiency_{name}") for name in names}

@@ -1,21 +1,21 @@
-"""Orders of a curve over the pinion angle: how much of it repeats once, twice, .. per revolution.
+"""Orders of a curve over the pinion angle: amplitudes of its harmonics, in periods per revolution.
 
-A curve that was recorded at uneven angles is interpolated linearly to even ones over whole periods, so that
-sums are integrals and nothing leaks from one order into the next. Of what was recorded beyond the last whole
-period, nothing enters.
+A curve recorded at uneven angles is interpolated linearly to even ones over whole periods, so that sums are
+integrals and nothing leaks from one order into the next. What was recorded beyond the last whole period is
+discarded.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-LEAST_PER_PERIOD = 6  # points recorded in a period without which it is not seen
+LEAST_PER_PERIOD = 6  # recorded points that a period needs to be resolved
 EVEN_PER_PERIOD = 128  # even angles in a period, at least
 
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """values ~ sum of amplitude cos(order angle + phase); shapes (n,), amplitude[0] is the mean."""
+    """Terms of values ~ sum of amplitude cos(order angle + phase), shape (n,); amplitude[0] is the mean."""
 
     orders: np.ndarray  # 0, 1, .. periods per revolution
     amplitude: np.ndarray  # in the unit of the values
@@ -23,15 +23,15 @@ class Spectrum:
 
 
 def order_spectrum(angle: np.ndarray, values: np.ndarray, highest: int) -> Spectrum | None:
-    """Orders 0 to `highest`, or as far as the recorded points can tell; None without a whole revolution.
+    """Orders 0 to `highest`, or as far as the recorded points resolve them; None without a whole revolution.
 
     Angles [rad] rise or fall, shape (n,).
     """
     harmonics = _harmonics(angle, values, 2 * np.pi, highest)
     if harmonics is None:
         return None
-    told = int(2 * np.pi / np.abs(np.diff(angle)).max() / LEAST_PER_PERIOD * (1 + 1e-9))
-    harmonics = harmonics[: told + 1]
+    resolved = int(2 * np.pi / np.abs(np.diff(angle)).max() / LEAST_PER_PERIOD * (1 + 1e-9))
+    harmonics = harmonics[: resolved + 1]
     return Spectrum(np.arange(harmonics.size), np.abs(harmonics), np.angle(harmonics))
 
 

@@ -1,30 +1,30 @@
-"""What a reversal of the pinion costs and loses: the loop of torque over angle, lost motion, sticking.
+"""Figures of reversals of the pinion: the loop of torque over angle, lost motion, sticking.
 
 After a reversal the friction forces turn about only when their contacts have slipped; until then the gear
-gives way elastically. The *running torque* of a pass is the median of its torque.
+yields elastically. The *running torque* of a pass is the median of its torque.
 """
 
 from itertools import pairwise
 
 import numpy as np
 
-from rps_exudyn.analysis.passes import Pass, Signals, both_directions, common_angles, passes, turning_points
+from rps_exudyn.analysis.passes import Pass, Signals, both_directions, passes, turning_points
 from rps_exudyn.analysis.torque import mean
 
-RUNNING = 0.9  # share of the running torque at which a gear counts as running again
+RUNNING = 0.9  # fraction of the running torque at which a gear counts as running again
 CLOSED = 1e-3  # of the range of angles: how near to its beginning a cycle ends
-MIDDLE = 0.5  # share of the common angles, about their middle, over which lost motion is taken
+MIDDLE = 0.5  # fraction of the common angles, about their middle, over which lost motion is taken
 
 
 def describe_reversal(signals: Signals) -> dict[str, float]:
-    """The summary's figures; {} without a reversal, the area only if the record comes back to an angle."""
+    """The summary's figures of reversals; {} without any, the area only if the record returns to an angle."""
     runs = passes(signals)
     if len(runs) < 2:
         return {}
     reversals = [reversal(before, after) for before, after in pairwise(runs)]
     figures = {"torque_jump": max(jump for jump, _ in reversals)}
-    if told := [turned for _, turned in reversals if turned is not None]:
-        figures["reversal_angle"] = max(told)
+    if turned := [angle for _, angle in reversals if angle is not None]:
+        figures["reversal_angle"] = max(turned)
     if (area := loop_area(signals)) is not None:
         figures["hysteresis_area"] = area
     if (lost := lost_motion(signals)) is not None:
@@ -45,14 +45,14 @@ def loop_area(signals: Signals) -> float | None:
     start = _same_place(angle, ends)
     if start is None:
         return None
-    i, share = start
-    first = [array[i] + share * (array[i + 1] - array[i]) for array in (angle, torque)]
+    i, fraction = start
+    first = [array[i] + fraction * (array[i + 1] - array[i]) for array in (angle, torque)]
     cycle = [np.append(value, array[i + 1 :]) for value, array in zip(first, (angle, torque), strict=True)]
     return float(np.trapezoid(cycle[1], cycle[0]))
 
 
 def _same_place(angle: np.ndarray, ends: list[int]) -> tuple[int, float] | None:
-    """Where the last cycle begins: index, and share of the step after it.
+    """Where the last cycle begins: index, and fraction of the step after it.
 
     Two reversals before the end the pinion turned the same way; a record of one pass there and one back
     is a cycle if it ends where it began.
@@ -70,27 +70,27 @@ def _same_place(angle: np.ndarray, ends: list[int]) -> tuple[int, float] | None:
 
 
 def lost_motion(signals: Signals) -> float | None:
-    """How far the rack stays behind at the same pinion angle, mean over the middle half of the angles [m].
+    """Distance by which the rack stays behind at the same pinion angle, mean over the middle half [m].
 
     Elasticity holds the rack back; friction that rolls it to the other side may outweigh that and carry it
     ahead, which makes the lost motion negative.
     """
-    both = both_directions(signals)
-    if both is None or (angle := common_angles(*both)).size < 2:
+    if (both := both_directions(signals)) is None:
         return None
+    *ways, angle = both
     centre, reach = (angle[0] + angle[-1]) / 2, MIDDLE * (angle[-1] - angle[0]) / 2
     middle = angle[np.abs(angle - centre) <= reach]
     if middle.size < 2:
         return None
-    forward, backward = (each.over(middle, "rack_displacement") for each in both)
+    forward, backward = (each.over(middle, "rack_displacement") for each in ways)
     return mean(middle, backward - forward)
 
 
 def reversal(before: Pass, after: Pass) -> tuple[float, float | None]:
     """Change of the running torque [N m], and pinion angle from the reversal until the gear runs again [rad].
 
-    Running again: the torque has come as near to the new running torque as a tenth of half the change, which
-    without load is nine tenths of the running torque. None if it never does.
+    It runs again when the torque is as near to the new running torque as a tenth of half the change, which
+    without load is nine tenths of the running torque. The angle is None if it never does.
     """
     old, new = (float(np.median(each.signals["pinion_torque"])) for each in (before, after))
     jump = old - new
@@ -102,5 +102,5 @@ def reversal(before: Pass, after: Pass) -> tuple[float, float | None]:
     turned = np.abs(after.angle - before.angle[-1])
     if i == 0:
         return abs(jump), float(turned[0])
-    share = (missing[i - 1] - (1 - RUNNING) * abs(jump) / 2) / (missing[i - 1] - missing[i])
-    return abs(jump), float(turned[i - 1] + share * (turned[i] - turned[i - 1]))
+    fraction = (missing[i - 1] - (1 - RUNNING) * abs(jump) / 2) / (missing[i - 1] - missing[i])
+    return abs(jump), float(turned[i - 1] + fraction * (turned[i] - turned[i - 1]))

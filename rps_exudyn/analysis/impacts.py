@@ -1,7 +1,7 @@
-"""Impacts of the plunger on the yokenut: how many, how hard, how long; the rattle of a gear.
+"""Impacts of the plunger on the yokenut: number, force, duration; the rattle of a gear.
 
-An impact is the time from where the contact force rises from zero to where it has vanished again. A contact
-that is closed when the record begins is contact, but no impact.
+An impact lasts from where the contact force rises from zero to where it has vanished again. A contact that
+is closed when the record begins is no impact.
 """
 
 from dataclasses import dataclass
@@ -13,13 +13,13 @@ from rps_exudyn.analysis.passes import Signals
 
 @dataclass(frozen=True)
 class Impact:
-    """One of them."""
+    """One impact of the plunger on the yokenut."""
 
     start: float  # last instant before contact [s]
     duration: float  # until the first instant without it, or the record's end [s]
     peak_force: float  # [N]
     impulse: float  # integral of the force [N s]
-    speed: float  # at which the plunger comes in [m/s]
+    speed: float  # of the plunger before contact [m/s]
 
 
 def find_impacts(time: np.ndarray, force: np.ndarray, displacement: np.ndarray) -> list[Impact]:
@@ -45,7 +45,7 @@ def find_impacts(time: np.ndarray, force: np.ndarray, displacement: np.ndarray) 
 
 
 def describe_impacts(signals: Signals) -> dict[str, float]:
-    """The summary's figures: number, contact share, largest of all impacts; {} without the signals."""
+    """The summary's figures: number, fraction of time in contact, largest impact; {} without the signals."""
     if not {"yokenut_force", "plunger_displacement"} <= set(signals) or len(signals["time"]) < 2:
         return {}
     time, force = signals["time"], signals["yokenut_force"]
@@ -56,9 +56,5 @@ def describe_impacts(signals: Signals) -> dict[str, float]:
         "impact_contact_share": float(np.trapezoid((force > 0).astype(float), time)) / whole,
         "impact_force_rms": float(np.sqrt(np.trapezoid(force**2, time) / whole)),
     }
-    if found:
-        figures["impact_peak_force"] = max(impact.peak_force for impact in found)
-        figures["impact_impulse"] = max(impact.impulse for impact in found)
-        figures["impact_duration"] = max(impact.duration for impact in found)
-        figures["impact_speed"] = max(impact.speed for impact in found)
-    return figures
+    largest = ("peak_force", "impulse", "duration", "speed") if found else ()
+    return figures | {f"impact_{name}": max(getattr(impact, name) for impact in found) for name in largest}

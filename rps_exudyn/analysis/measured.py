@@ -1,4 +1,4 @@
-"""A measured torque curve from a CSV file, and how a simulated one compares with it.
+"""A measured torque curve from a CSV file, compared with a simulated one.
 
 The first line names the columns with their units, others may be there; lines that begin with # are skipped:
 
@@ -35,12 +35,12 @@ class MeasuredTorque:
     """A measured curve in SI units, in the order of its file."""
 
     name: str
-    signals: dict[str, np.ndarray]  # pinion_angle [rad], pinion_torque [N m]
+    signals: dict[str, np.ndarray]  # pinion_angle [rad], pinion_torque [N m], shape (n,)
 
 
 @dataclass(frozen=True, eq=False)
 class AgainstMeasured:
-    """A simulated torque held against the measured one in one direction, over the angles that both cover."""
+    """A simulated and a measured torque in one direction, over the angles that both cover."""
 
     direction: int  # +1 moves the rack along +X
     angle_range: tuple[float, float]  # [rad]
@@ -73,11 +73,14 @@ def read_measured_torque(path: str | Path) -> MeasuredTorque:
 
 
 def compare_with_measured(measured: MeasuredTorque, signals: Signals, teeth: int) -> list[AgainstMeasured]:
-    """One comparison for each direction in which both were recorded at common angles, +X first."""
+    """Compare the torques in each direction in which both were recorded at common angles, +X first."""
     compared: list[AgainstMeasured] = []
     for direction in (+1, -1) if "pinion_torque" in signals else ():
         ours, theirs = (longest_pass(each, direction) for each in (signals, measured.signals))
-        if ours is None or theirs is None or (angle := common_angles(theirs, ours)).size < FEWEST:
+        if ours is None or theirs is None:
+            continue
+        angle = common_angles(theirs.angle, ours.angle)
+        if angle.size < FEWEST:
             continue
         curves = [each.over(angle, "pinion_torque") for each in (theirs, ours)]
         figures = [describe_torque(angle, torque, teeth) for torque in curves]
@@ -88,7 +91,7 @@ def compare_with_measured(measured: MeasuredTorque, signals: Signals, teeth: int
 
 # --- reading ---------------------------------------------------------------------------------------
 def _rows(path: str | Path) -> Iterator[tuple[int, list[str]]]:
-    """Line numbers and cells, comments left out; cells apart by comma, semicolon or tab."""
+    """Line numbers and cells, without comments; cells are separated by comma, semicolon or tab."""
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
@@ -105,7 +108,7 @@ def _rows(path: str | Path) -> Iterator[tuple[int, list[str]]]:
 
 
 def _column(path: str | Path, line: int, header: list[str], name: str) -> tuple[int, float]:
-    """Where the column stands, and its unit in SI."""
+    """Index of the column, and its unit in SI."""
     for index, cell in enumerate(header):
         found = re.fullmatch(rf"\s*{name}\s*\[([^\]]+)\]\s*", cell)
         if found:

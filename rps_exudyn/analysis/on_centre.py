@@ -13,7 +13,7 @@ WINDOW = np.deg2rad(100)  # either side of the centre
 
 
 def describe_on_centre(signals: Signals, teeth: int) -> dict[str, float]:
-    """The summary's figures; within the window and outside, where the record covers a tooth pitch there."""
+    """The summary's figures within the window and outside, where the record covers a tooth pitch there."""
     pitch, runs = 2 * np.pi / teeth, passes(signals)
     on = [part for each in runs for part in parts(each, -WINDOW, WINDOW, least=pitch)]
     off = [
@@ -32,7 +32,7 @@ def describe_on_centre(signals: Signals, teeth: int) -> dict[str, float]:
 
 
 def parts(turned: Pass, low: float, high: float, least: float) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Angle and torque against the motion between two angles [rad]; nothing if less than `least` apart."""
+    """Angle [rad] and torque against the motion [N m] from `low` to `high`; none over less than `least`."""
     inside = (turned.angle >= low) & (turned.angle <= high)
     angle = turned.angle[inside]
     if angle.size < 2 or np.ptp(angle) < least:

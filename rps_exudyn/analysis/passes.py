@@ -1,4 +1,4 @@
-"""A record taken apart where the pinion turns back: passes in one direction each.
+"""Parts of a record in which the pinion turns one way: passes.
 
     forward, backward = passes(signals)
 
@@ -13,39 +13,44 @@ import numpy as np
 
 Signals = Mapping[str, np.ndarray]
 
-LEAST_SHARE = 5e-3  # of the whole range of angles: a turn back smaller than that is no pass
+LEAST_TURN = 5e-3  # of the whole range of angles: a smaller turn back begins no pass
 
 
 @dataclass(frozen=True, eq=False)
 class Pass:
-    """What was recorded while the pinion turned one way."""
+    """The signals recorded while the pinion turned one way, each of shape (n,)."""
 
     direction: int  # +1 moves the rack along +X
     signals: dict[str, np.ndarray]  # in the order of time; the pinion angle strictly monotone
 
     @property
     def angle(self) -> np.ndarray:
-        """Pinion angle [rad]."""
+        """Pinion angle [rad], shape (n,)."""
         return self.signals["pinion_angle"]
 
     def over(self, angle: np.ndarray, name: str) -> np.ndarray:
-        """A signal at rising pinion angles [rad] within the pass."""
-        order = slice(None, None, self.direction)
-        return np.interp(angle, self.angle[order], self.signals[name][order])
+        """A signal at rising pinion angles [rad] within the pass, shape of the angles."""
+        return interpolated(self.signals, name, angle, self.direction)
 
 
 def passes(signals: Signals) -> list[Pass]:
     """All passes in the order of time; instants of standing still or jerking back belong to none.
 
-    A record that was put together of several, where one begins at the time at which the one before ended,
-    is parted there too.
+    A record joined from several, each of which begins at the time at which the one before ended, is divided
+    there too.
     """
-    return [each for maneuver in _trips(signals) for each in _passes_of_one(maneuver)]
+    return [each for maneuver in _maneuvers(signals) for each in _passes_of_one(maneuver)]
+
+
+def interpolated(signals: Signals, name: str, angle: np.ndarray, direction: int) -> np.ndarray:
+    """A signal at rising pinion angles [rad]; its own angles rise (`direction` +1) or fall (-1)."""
+    order = slice(None, None, direction)
+    return np.interp(angle, signals["pinion_angle"][order], signals[name][order])
 
 
 def turning_points(angle: np.ndarray) -> list[int]:
     """Indices at which the angle turns back, and both ends of the record; empty if it never moves."""
-    least = LEAST_SHARE * float(np.ptp(angle)) if angle.size else 0.0
+    least = LEAST_TURN * float(np.ptp(angle)) if angle.size else 0.0
     if not least > 0:
         return []
     points, low, high, direction = [], 0, 0, 0
@@ -67,8 +72,8 @@ def turning_points(angle: np.ndarray) -> list[int]:
     return [*points, high if direction > 0 else low]
 
 
-def _trips(signals: Signals) -> list[Signals]:
-    """The records of which this one was put together."""
+def _maneuvers(signals: Signals) -> list[Signals]:
+    """The records from which this one was joined."""
     angle = signals["pinion_angle"]
     joints = np.flatnonzero(np.diff(signals.get("time", np.arange(angle.size))) <= 0) + 1
     ends = [0, *joints.tolist(), angle.size]
@@ -89,18 +94,23 @@ def longest_pass(signals: Signals, direction: int) -> Pass | None:
     return max(turned, key=lambda each: float(np.ptp(each.angle)), default=None)
 
 
-def both_directions(signals: Signals) -> tuple[Pass, Pass] | None:
-    """The longest pass towards +X and the longest towards -X, if there are both."""
+def both_directions(signals: Signals) -> tuple[Pass, Pass, np.ndarray] | None:
+    """The longest passes towards +X and -X, and their common angles [rad]; None if there are none."""
     forward, backward = longest_pass(signals, +1), longest_pass(signals, -1)
-    return (forward, backward) if forward and backward else None
+    if not (forward and backward):
+        return None
+    angle = common_angles(forward.angle, backward.angle)
+    return (forward, backward, angle) if angle.size else None
 
 
-def common_angles(first: Pass, second: Pass) -> np.ndarray:
-    """All angles that either recorded in the range that both cover, rising [rad]; may be empty."""
-    both = np.unique(np.concatenate([first.angle, second.angle]))
-    low = max(first.angle.min(), second.angle.min())
-    high = min(first.angle.max(), second.angle.max())
-    return both[(both >= low) & (both <= high)]
+def common_angles(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """All angles that either recorded in the range that both cover, rising [rad]; none if fewer than two."""
+    if not (first.size and second.size):
+        return np.zeros(0)
+    both = np.unique(np.concatenate([first, second]))
+    low, high = max(first.min(), second.min()), min(first.max(), second.max())
+    common = both[(both >= low) & (both <= high)]
+    return common if common.size > 1 else np.zeros(0)
 
 
 def _pass(signals: Signals, first: int, last: int) -> Pass:

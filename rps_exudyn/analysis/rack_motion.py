@@ -1,4 +1,4 @@
-"""What the rack does besides its travel: transmission error, lift, roll, yaw, and the yoke's force on it."""
+"""Motion of the rack besides its travel: transmission error, lift, roll, yaw; and the yoke's force on it."""
 
 import numpy as np
 
@@ -9,16 +9,16 @@ RANGES = {"rack_lift_range": "rack_y", "rack_roll_range": "rack_roll", "rack_yaw
 
 
 def transmission_error(signals: Signals, gain: float) -> np.ndarray:
-    """Rack displacement ahead of gain [m/rad] times pinion angle, from its mean, shape (n,) [m]."""
+    """Rack displacement minus `gain` [m/rad] times pinion angle, from its mean, shape (n,) [m]."""
     error = signals["rack_displacement"] - gain * signals["pinion_angle"]
     return np.asarray(error - error.mean() if error.size else error)
 
 
 def describe_rack(signals: Signals, gain: float) -> dict[str, float]:
-    """The summary's figures as far as the fidelity models the motions; `gain` is rack travel per radian [m].
+    """The summary's figures of the motions that were recorded; `gain` is rack travel per radian [m].
 
-    The transmission error is that of one direction, the larger of two: what lies between directions is lost
-    motion, see `hysteresis`.
+    The transmission error is the larger of those in the two directions: the difference between directions is
+    lost motion, see `hysteresis`.
     """
     figures = {name: float(np.ptp(signals[signal])) for name, signal in RANGES.items() if signal in signals}
     if "seat_force" in signals:
@@ -33,6 +33,6 @@ def _transmission(signals: Signals, gain: float) -> dict[str, float]:
         return {}
     figures = {"transmission_error_peak_to_peak": max(float(np.ptp(error)) for _, error in each_way)}
     first = [order_amplitude(angle, error, 1) for angle, error in each_way]
-    if told := [amplitude for amplitude in first if amplitude is not None]:
-        figures["transmission_error_first_order"] = max(told)
+    if known := [amplitude for amplitude in first if amplitude is not None]:
+        figures["transmission_error_first_order"] = max(known)
     return figures

@@ -1,37 +1,26 @@
-"""A result simulated again: is it the same?"""
+"""A result compared number by number with its repetition."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.provenance import FIELDS
 from rps_exudyn.results.result import Result
 
-VARYING = ("date",)  # of the provenance: says nothing about the numbers
-
-
-def setup_of(result: Result, file: Path) -> Fidelity:
-    """The fidelity a result was made with.
-
-    Raises:
-        InputError: this version knows no such fidelity.
-    """
-    return Fidelity.from_tables(result.fidelity, where=str(file))
+VARYING = ("date",)  # of the provenance: has no effect on the numbers
 
 
 def differing_numbers(old: Result, new: Result) -> dict[str, tuple[Any, Any]]:
-    """Name -> both values: status, summary, signals (the first value that differs); {} if all are the same.
+    """Name -> (old, new): status, summary, signals (the first value that differs); {} if all are the same.
 
-    Signals of a thinned record are not compared. With numbers that differ, differing versions are told too.
+    Signals of a thinned record are not compared. If numbers differ, differing versions are listed too.
     """
     found: dict[str, tuple[Any, Any]] = {}
     if old.status is not new.status:
         found["status"] = (old.status.value, new.status.value)
     for name in dict.fromkeys((*old.summary, *new.summary)):
         pair = (old.summary.get(name), new.summary.get(name))
-        if not _same(*pair):
+        if pair[0] != pair[1] and any(value == value for value in pair):  # nan is nan again
             found[name] = pair
     for name, values in old.signals.items():
         if name in new.signals and len(values) == len(new.signals[name]):
@@ -45,9 +34,3 @@ def differing_numbers(old: Result, new: Result) -> dict[str, tuple[Any, Any]]:
             if name not in VARYING and old.provenance[name] != new.provenance[name]
         }
     return found
-
-
-def _same(first: float | None, second: float | None) -> bool:
-    return first == second or (
-        first is not None and second is not None and first != first and second != second
-    )

@@ -1,6 +1,6 @@
-"""Numbers that describe a torque curve in one direction: mean, spread, orders; over the angle, not over time.
+"""Figures of a torque curve in one direction: mean, spread, orders; over the angle, not over time.
 
-A record in both directions is first taken apart, see `passes`.
+A record in both directions is first divided into `passes`.
 """
 
 import numpy as np
@@ -9,14 +9,17 @@ from rps_exudyn.analysis.harmonics import LEAST_PER_PERIOD, order_amplitude
 
 
 def mean(angle: np.ndarray, values: np.ndarray) -> float:
-    """Mean over the angle, by the trapezoidal rule."""
+    """Mean of values over the angle by the trapezoidal rule; both of shape (n,)."""
     if angle[-1] == angle[0]:
         return float(values[0])
     return float(np.trapezoid(values, angle) / (angle[-1] - angle[0]))
 
 
 def describe_torque(angle: np.ndarray, torque: np.ndarray, teeth: int) -> dict[str, float]:
-    """The summary's torque figures, by their names there; ripple and orders only where they can be told."""
+    """The summary's torque figures from angle [rad] and torque [N m], shape (n,) both.
+
+    Ripple and orders are left out where the record is too short or too coarse for them.
+    """
     figures: dict[str, float | None] = {"torque_mean": mean(angle, torque)}
     if np.abs(np.diff(angle)).max() <= 2 * np.pi / teeth / LEAST_PER_PERIOD * (1 + 1e-9):
         figures["torque_peak_to_peak"] = float(np.ptp(torque))

@@ -1,11 +1,11 @@
-"""Where the work of the drive went, and whether it all went somewhere."""
+"""Balance of work: what drive and load put in, what is lost at each place, and what is missing."""
 
 from collections.abc import Mapping
 
 import numpy as np
 
 NO_LOSS = ("work_drive", "work_load")
-"""Work signals that tell what goes in: from the drive, and from the forces on the rack's end."""
+"""Signals of the work put in: by the drive, and by the forces on the rack's end."""
 
 PLACES = {
     "mesh": ("work_mesh_friction", "work_mesh_damping", "work_mesh_edges"),
@@ -13,7 +13,7 @@ PLACES = {
     "bush": ("work_bush_friction",),
     "bearing": ("work_bearing_friction",),
 }
-"""Where work is lost -> the signals that count it."""
+"""Place where work is lost -> its signals."""
 
 
 def losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
@@ -26,7 +26,7 @@ def losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
 
 
 def describe_losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
-    """The summary's loss shares, of all work lost; {} if none was."""
+    """The summary's loss fractions of all work lost; {} if none was."""
     lost = losses(signals)
     whole = sum(lost.values())
     if not whole > 0:
@@ -41,7 +41,7 @@ def describe_losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
 def loss_torques(signals: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Place -> work lost there per angle turned, shape (n,) [N m]; for a record in one direction.
 
-    These torques add up to the drive's but for what is stored and what a load takes or gives.
+    Their sum is the drive's torque except for what is stored and what a load takes or gives.
     """
     turned = np.abs(signals["pinion_angle"] - signals["pinion_angle"][0])
     return {
@@ -52,26 +52,26 @@ def loss_torques(signals: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def energy_residual(signals: Mapping[str, np.ndarray]) -> float:
-    """(work of drive and load - work lost - change of stored energy) / the larger of both; nan without any.
-
-    Works count from their smallest to their largest: what a load puts in and takes out again is work too.
-    """
+    """(work of drive and load - work lost - change of stored energy) / `largest_work`; nan without work."""
     larger = largest_work(signals)
     return missing_work(signals) / larger if larger else float("nan")
 
 
 def largest_work(signals: Mapping[str, np.ndarray]) -> float:
-    """The wider range of the drive's and the load's work [J]; 0 without any."""
+    """The wider range of the drive's and the load's work [J]; 0 without any.
+
+    A range, because what a load puts in and takes out again is work too.
+    """
     return max((float(np.ptp(signals[name])) for name in NO_LOSS if name in signals), default=0.0)
 
 
 def missing_work(signals: Mapping[str, np.ndarray]) -> float:
-    """Work of drive and load that was neither lost nor stored [J]; 0 of a record without error."""
+    """Work of drive and load that was neither lost nor stored [J]; 0 in a record without error."""
     given = sum(_change(signals, name) for name in NO_LOSS)
     return given - sum(losses(signals).values()) - _change(signals, "stored_energy")
 
 
 def _change(signals: Mapping[str, np.ndarray], name: str) -> float:
-    """Over the whole record; 0 of what was not recorded."""
+    """Change of a signal over the whole record; 0 if it was not recorded."""
     values = signals.get(name, np.zeros(0))
     return float(values[-1] - values[0]) if values.size else 0.0

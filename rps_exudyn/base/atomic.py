@@ -1,7 +1,7 @@
-"""Files that are complete or not there: written beside the target, then renamed onto it."""
+"""Writing files so that they are complete or absent: beside the target, then renamed onto it."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -13,10 +13,10 @@ from rps_exudyn.base.units import short
 def replacing(path: str | Path) -> Iterator[Path]:
     """A temporary file in the same folder that becomes `path` when the block succeeds.
 
-    Whatever happens, an existing `path` stays whole: it is replaced by the finished file, or not at all.
+    An existing `path` is replaced by the finished file or stays unmodified.
 
     Raises:
-        InputError: the folder or the disk does not let the file be written.
+        InputError: the file cannot be written.
     """
     check_writable(path)
     target = Path(path).resolve()
@@ -31,12 +31,14 @@ def replacing(path: str | Path) -> Iterator[Path]:
         partial.unlink(missing_ok=True)
 
 
-def check_writable(path: str | Path) -> None:
-    """Find out before the work whether its result can be kept.
+def check_writable(path: str | Path, suffixes: Sequence[str] = ()) -> Path:
+    """Return the path if a file can be written there, checked before the work; nothing is modified.
 
     Raises:
-        InputError: `path` cannot be written; an existing file is untouched.
+        InputError: `path` cannot be written, or ends in none of the suffixes, if any are given.
     """
+    if suffixes and Path(path).suffix.lower() not in suffixes:
+        raise InputError(f"{path} cannot be written: its name must end in {' or '.join(suffixes)}.")
     target = _resolved(path)
     if target.exists() and not target.is_file():
         raise InputError(f"{path} cannot be written: it is not a file.")
@@ -50,8 +52,22 @@ def check_writable(path: str | Path) -> None:
     except OSError as error:
         raise InputError(f"{short(str(path))} cannot be written: {error.strerror or error}.") from None
     finally:
-        with suppress(OSError):  # of a name too long, which was told above
+        with suppress(OSError):  # of a name too long, reported above
             probe.unlink(missing_ok=True)
+    return Path(path)
+
+
+def append(path: Path, text: str) -> None:
+    """Append to a file in one write, so that several writers cannot mix their lines.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    descriptor = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
+    try:
+        os.write(descriptor, text.encode())
+    finally:
+        os.close(descriptor)
 
 
 def _resolved(path: str | Path) -> Path:
@@ -64,7 +80,7 @@ def _resolved(path: str | Path) -> Path:
 
 
 def _beside(target: Path) -> Path:
-    """Keeps the suffix, by which writers choose their format."""
+    """A hidden name in the same folder with the same suffix, by which writers choose their format."""
     return target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
 
 

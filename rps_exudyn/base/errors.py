@@ -1,12 +1,12 @@
-"""What a user did wrong, in sentences."""
+"""The exception for wrong input: sentences that say what to change."""
 
 from collections.abc import Iterable
 
 
 class InputError(ValueError):
-    """A mistake in what the user gave: parameters, files, options.
+    """Wrong input by the user: parameters, files, options.
 
-    Each problem is one sentence that names what, where, which value, and what is allowed.
+    Each of `problems` is one sentence that names what, where, which value, and what is allowed.
     The command line prints them and exits with status 2; nothing has been computed by then.
     """
 

@@ -1,4 +1,4 @@
-"""Quantities with units, at the edges only: "1.83 mm" <-> 0.00183.
+"""Conversion of quantities with units, at the edges only: "1.83 mm" <-> 0.00183.
 
 Inside the package every number is SI. Text from a TOML file or the command line comes in through
 `to_si`; numbers for a reader go out through `show`.
@@ -29,7 +29,7 @@ def _registry() -> "pint.UnitRegistry":
 
 @cache
 def factor(unit: str, si_unit: str) -> float:
-    """How many `si_unit` one `unit` is, for instance 0.001 for ("mm", "m")."""
+    """The number of `si_unit` in one `unit`, for instance 0.001 for ("mm", "m")."""
     return float(_registry().Quantity(1.0, unit).to(si_unit).magnitude)
 
 
@@ -68,23 +68,41 @@ def to_si(value: object, si_unit: str) -> float:
 
 
 def show(value: float, si_unit: str, display: str) -> str:
-    """The value in the unit a reader expects, for instance "1.83 mm"."""
+    """A value given in `si_unit` as text in the unit `display`, for instance "1.83 mm"."""
     number = value if display == si_unit else value / factor(display, si_unit)
     return f"{number:.6g} {display}".strip()
 
 
 def short(text: str, most: int = 100) -> str:
-    """The text for a sentence: its middle left out if it is too long for one."""
+    """The text, or its beginning and end if it is longer than `most` characters."""
     return text if len(text) <= most else f"{text[: most // 2]}...{text[-10:]}"
 
 
+def shown(value: object) -> str:
+    """A wrong value as a message quotes it: its repr, shortened."""
+    try:
+        return short(repr(value))
+    except ValueError:  # a number of more digits than Python writes
+        return "a number too long to be shown"
+
+
+def mm(length: float) -> str:
+    """A length [m] in millimetres, for instance "1.83 mm"."""
+    return show(length, "m", "mm")
+
+
+def words(name: str) -> str:
+    """A quantity's name in words: "torque_mean" -> "torque mean"."""
+    return name.replace("_", " ")
+
+
 def pretty(unit: str) -> str:
-    """The unit as print wants it: "N*mm" -> "N mm", "um" -> "µm"."""
+    """The unit as printed: "N*mm" -> "N mm", "um" -> "µm"."""
     return unit.replace("*", " ").replace("um", "µm").replace("deg", "°").replace("^3", "³")
 
 
 def _misleading(unit: str, si_unit: str) -> bool:
-    """Units that pint converts because it takes angles for plain numbers.
+    """Whether pint converts the unit only because it takes angles for plain numbers.
 
     0.1 deg is no friction coefficient, and 1 Hz would become 1 rad/s where 2 pi rad/s is meant.
     """

@@ -1,4 +1,4 @@
-"""Picture of two results: both torques over the pinion angle, below it their difference."""
+"""Picture of two results: both torques over the pinion angle, below them their difference."""
 
 from pathlib import Path
 
@@ -11,11 +11,10 @@ from rps_exudyn.results.quantities import SIGNALS
 
 
 def draw_comparison(comparison: Comparison, names: tuple[str, str], path: str | Path) -> None:
-    """Save the picture; `names` stand in its legend.
+    """Save the picture of two results with these names.
 
     Raises:
-        InputError: the results share no angle at which their torques could be compared, or the file cannot
-            be written.
+        InputError: their torques have no pinion angles in common, or the file cannot be written.
     """
     if "pinion_torque" not in comparison.signals:
         raise InputError(f"{path} is not drawn: the two results share no range of the pinion angle.")
@@ -40,10 +39,6 @@ def comparison_figure(comparison: Comparison, names: tuple[str, str]) -> Figure:
     apart.axhline(0, **style.REFERENCE_LINE)
     style.angle_axis(apart)
     headline = f"Pinion torque of {names[1]} against {names[0]}"
-    style.title(figure, " · ".join([headline, *_figures(comparison)]))
+    figures = f"RMS {torque.shown(torque.rms)} · largest {torque.shown(torque.largest)}"
+    style.title(figure, f"{headline} · {figures}")
     return figure
-
-
-def _figures(comparison: Comparison) -> list[str]:
-    torque = comparison.signals["pinion_torque"]
-    return [f"RMS {torque.shown(torque.rms)}", f"largest {torque.shown(torque.largest)}"]

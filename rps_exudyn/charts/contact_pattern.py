@@ -1,4 +1,4 @@
-"""Picture of the contact pattern: the largest pressure that each point of the flanks sees, unrolled."""
+"""Picture of the contact pattern: the largest pressure on each point of the unrolled flanks."""
 
 import matplotlib as mpl
 import numpy as np
@@ -17,7 +17,7 @@ MILLIMETRES, MEGAPASCAL = 1e3, 1e-6
 
 
 def pattern_figure(result: Result) -> Figure:
-    """Both sides over one tooth pitch in the middle of the first pass, all teeth laid over each other.
+    """The picture of both sides over one tooth pitch in the middle of the first pass, all teeth superimposed.
 
     Raises:
         InputError: the record has no pass, lacks the rack's motions, or the contact's law knows no pressure.

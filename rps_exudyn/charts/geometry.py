@@ -24,12 +24,12 @@ PART_COLOURS = {
     "plunger": (0.86, 0.66, 0.36),
 }
 VIEW = np.array([-0.5, -0.22, 1.0])  # from the parts to the eye, housing frame: from below, into the teeth
-SHOWN = np.array([0.034, 0.026, 0.022])  # half the box around rack and pinion that the 3-D view shows [m]
-CHORD_ERROR = 5e-6  # of the shown meshes [m], far below a pixel
+SHOWN = np.array([0.034, 0.026, 0.022])  # half the box around the mesh that the 3-D view shows [m]
+CHORD_ERROR = 5e-6  # of the meshes drawn [m], far below a pixel
 
 
 def draw_geometry(gear: SteeringGear, path: str | Path, force: bool = False) -> None:
-    """Save the picture.
+    """Save the picture of a gear; `force` draws an undercut one, too.
 
     Raises:
         InputError: the gear cannot be built, or the file cannot be written.
@@ -38,6 +38,11 @@ def draw_geometry(gear: SteeringGear, path: str | Path, force: bool = False) -> 
 
 
 def geometry_figure(gear: SteeringGear, force: bool = False) -> Figure:
+    """The picture of a gear, with the warnings of its geometry report.
+
+    Raises:
+        InputError: the gear cannot be built.
+    """
     report, pair = geometry_report(gear, force), GearPair.of(gear)
     solids = assembled(gear, chord_error=CHORD_ERROR)
     with mpl.rc_context({"font.size": 10}):
@@ -55,7 +60,7 @@ def geometry_figure(gear: SteeringGear, force: bool = False) -> Figure:
 
 
 def _draw_view(axes: Axes, pair: GearPair, solids: dict[str, Solid]) -> None:
-    """Shaded view of what is around the mesh."""
+    """Draw the shaded view around the mesh."""
     centre = np.array([0, 2 * pair.reference_radius, 0])
     box = Manifold.cube(tuple(2 * SHOWN), True).translate(tuple(centre))
     parts = []
@@ -68,7 +73,7 @@ def _draw_view(axes: Axes, pair: GearPair, solids: dict[str, Solid]) -> None:
 
 
 def _draw_section(axes: Axes, pair: GearPair, report: GeometryReport) -> None:
-    """Transverse section of the pinion with its circles."""
+    """Draw the transverse section of the pinion with its circles."""
     profile = 1e3 * transverse_profile(pair, 1e-6)
     axes.fill(*profile.T, facecolor=PART_COLOURS["pinion"], alpha=0.45, edgecolor="black", linewidth=1)
     angle = np.linspace(0, 2 * np.pi, 361)
@@ -80,24 +85,16 @@ def _draw_section(axes: Axes, pair: GearPair, report: GeometryReport) -> None:
         "root": (report.root_diameter, "#555555", "-"),
     }
     for name, (diameter, colour, dashes) in circles.items():
-        radius = 5e2 * diameter
-        axes.plot(
-            radius * np.cos(angle),
-            radius * np.sin(angle),
-            color=colour,
-            linestyle=dashes,
-            linewidth=1,
-            label=f"{name} circle, {diameter * 1e3:.3f} mm",
-        )
-    _millimetres(axes, "transverse section of the pinion", "e")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, fontsize=8.5, frameon=False)
+        x, y, label = np.cos(angle), np.sin(angle), f"{name} circle, {diameter * 1e3:.3f} mm"
+        axes.plot(5e2 * diameter * x, 5e2 * diameter * y, color=colour, ls=dashes, linewidth=1, label=label)
+    _finish_section(axes, "transverse section of the pinion")
 
 
 def _draw_mesh(axes: Axes, pair: GearPair, solids: dict[str, Solid]) -> None:
-    """Pinion's transverse plane through the pitch point at pinion angle 0.
+    """Draw the pinion's transverse plane through the pitch point at pinion angle 0.
 
-    Teeth, lines of contact, and as dots the flanks that touch in this plane; the others touch elsewhere
-    along their helix.
+    It shows the teeth, the paths of contact, and as dots the flanks that touch in this plane; the others
+    touch elsewhere along their helix.
     """
     for name in ("rack", "pinion"):
         for polygon in _section(pair, solids[name]):
@@ -112,15 +109,14 @@ def _draw_mesh(axes: Axes, pair: GearPair, solids: dict[str, Solid]) -> None:
     for side, name, colour in ((-1, "drive", "#b00020"), (1, "coast", "#0b5394")):
         direction = np.array([-side * np.cos(pair.alpha_t), np.sin(pair.alpha_t)])
         line = 1e3 * (np.array([0, pair.reference_radius]) + ends[:, None] * direction)
-        axes.plot(*line.T, color=colour, linewidth=1.8, label=f"line of contact, {name} flanks")
+        axes.plot(*line.T, color=colour, linewidth=1.8, label=f"path of contact, {name} flanks")
         touching = 1e3 * (np.array([0, pair.reference_radius]) + _contacts(pair, side)[:, None] * direction)
         if len(touching):
             axes.plot(*touching.T, "o", color=colour, markersize=5, label=f"{name} flanks touch here")
     axes.plot(0, pitch, "k+", markersize=9, label="pitch point")
     axes.set_xlim(-11.5e2 * pair.tip_radius, 11.5e2 * pair.tip_radius)
     axes.set_ylim(2e2 * pair.tip_radius, 2e2 * pair.tip_radius + 17e2 * pair.tip_radius)
-    _millimetres(axes, "in mesh, transverse section at pinion angle 0", "e")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, fontsize=8.5, frameon=False)
+    _finish_section(axes, "in mesh, transverse section at pinion angle 0")
 
 
 def _section(pair: GearPair, solid: Solid) -> list[np.ndarray]:
@@ -130,7 +126,7 @@ def _section(pair: GearPair, solid: Solid) -> list[np.ndarray]:
 
 
 def _contacts(pair: GearPair, side: int) -> np.ndarray:
-    """Positions q on the line of contact where flanks touch at pinion angle 0 in the middle plane [m]."""
+    """Positions q on the path of contact where flanks touch at pinion angle 0 in the middle plane [m]."""
     start, end = path_on_involute(pair)
     tangent_point = np.pi / 2 - side * pair.alpha_t
     lengths = np.array(
@@ -142,9 +138,11 @@ def _contacts(pair: GearPair, side: int) -> np.ndarray:
     return q[(q >= start) & (q <= end)]
 
 
-def _millimetres(axes: Axes, title: str, horizontal: str) -> None:
+def _finish_section(axes: Axes, title: str) -> None:
+    """Set title, legend and axes in millimetres."""
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, fontsize=8.5, frameon=False)
     axes.set_aspect("equal")
-    axes.set_xlabel(f"{horizontal} [mm]")
+    axes.set_xlabel("e [mm]")
     axes.set_ylabel("Y [mm]")
     axes.set_title(title, loc="left", fontsize=10)
     axes.spines[["top", "right"]].set_visible(False)

@@ -1,4 +1,4 @@
-"""What stands over the picture of a result: scene, fidelity, its figures, and its failure in words."""
+"""Headline of a result's picture: scene, fidelity, its figures, and its failure in words."""
 
 from collections.abc import Mapping
 
@@ -11,7 +11,7 @@ from rps_exudyn.results.result import Result
 
 
 def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str]) -> None:
-    """Put it there; `figures` are names in the summary with what to call them, told if they are there."""
+    """Write the headline; `figures` are the summary's names -> labels, skipped if they are not in it."""
     parts = [subject, f"fidelity {result.fidelity['name']}"]
     parts += [
         f"{label} {SUMMARY[name].show(result.summary[name])}"
@@ -23,5 +23,5 @@ def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str
 
 
 def scene_of(result: Result) -> str:
-    """The scene's name for a reader, for instance "Load test"."""
+    """The scene's name in words, for instance "Load test"."""
     return result.scene.replace("-", " ").capitalize()

@@ -19,7 +19,7 @@ MILLISECONDS = 1e3
 
 
 def impact_figure(result: Result, measured: MeasuredTorque | None = None) -> Figure:
-    """The picture; a measured pinion torque has no place in it."""
+    """The picture; a measured pinion torque is not drawn."""
     figure, axes = style.panels([2.8, 2.2])
     time = MILLISECONDS * result["time"]
     style.line(axes[0], time, result["yokenut_force"], SIGNALS["yokenut_force"], "yokenut force", "failure")

@@ -1,6 +1,4 @@
-"""Picture of where the torque goes: losses per angle turned, stacked to what the drive has to give."""
-
-from typing import Any
+"""Picture of the losses: work lost at each place per angle turned, stacked to the torque of the drive."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -17,7 +15,7 @@ CALLED = {"bearing": "bearings", "bush": "bush", "seat": "plunger's seat", "mesh
 
 
 def losses_figure(result: Result) -> Figure:
-    """The first pass of the result; the drive's torque as a line over the stack.
+    """The picture of the first pass; the drive's torque is a line over the stack.
 
     Raises:
         InputError: the record has no pass, or no losses.
@@ -26,7 +24,7 @@ def losses_figure(result: Result) -> Figure:
     torques = loss_torques(runs[0].signals) if runs else {}
     if not torques:
         raise InputError("No losses to draw: the result has no record of work over the pinion angle.")
-    signals, shares = runs[0].signals, describe_losses(runs[0].signals)
+    signals, fractions = runs[0].signals, describe_losses(runs[0].signals)
     figure, (axes,) = style.panels([3.6])
     angle = SIGNALS["pinion_angle"].displayed(runs[0].angle)
     quantity, below = SIGNALS["pinion_torque"], np.zeros_like(angle)
@@ -34,7 +32,7 @@ def losses_figure(result: Result) -> Figure:
         if place not in torques:
             continue
         above = below + quantity.displayed(torques[place])
-        label = f"{called} {100 * shares[f'loss_share_{place}']:.1f} %"
+        label = f"{called} {100 * fractions[f'loss_share_{place}']:.1f} %"
         axes.fill_between(
             angle, below, above, color=style.COLOURS[place], linewidth=0, alpha=0.85, label=label
         )
@@ -44,13 +42,7 @@ def losses_figure(result: Result) -> Figure:
         axes.plot(angle, quantity.displayed(driving), color="black", linewidth=1, label="drive")
     axes.set_ylabel(quantity.axis_label("torque lost"))
     axes.set_ylim(0, None)
-    axes.legend(*_topmost_first(axes), loc="upper left", bbox_to_anchor=(1, 1), frameon=False)
+    axes.legend(reverse=True, loc="upper left", bbox_to_anchor=(1, 1), frameon=False)  # as the layers lie
     style.angle_axis(axes)
     head(figure, result, "Where the torque goes", {})
     return figure
-
-
-def _topmost_first(axes: Any) -> tuple[list[Any], list[str]]:
-    """The legend in the order in which the layers lie."""
-    handles, labels = axes.get_legend_handles_labels()
-    return handles[::-1], labels[::-1]

@@ -4,7 +4,7 @@ from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.charts import style
-from rps_exudyn.charts.curves import DIRECTIONS, over_angle
+from rps_exudyn.charts.curves import DIRECTIONS, panels_over_angle
 from rps_exudyn.charts.heading import head, scene_of
 from rps_exudyn.results.result import Result
 
@@ -17,13 +17,8 @@ FIGURES = {"push_force_mean": "mean", "push_force_peak_to_peak": "peak to peak"}
 
 
 def rack_push_figure(result: Result, measured: MeasuredTorque | None = None) -> Figure:
-    """The picture, without the lift if the fidelity has none; a measured pinion torque has no place in it."""
-    shown = {name: panel for name, panel in _PANELS.items() if name in result.signals}
-    figure, axes = style.panels([height for *_, height, _ in shown.values()])
-    for panel, (name, (label, colour, _, least)) in zip(axes, shown.items(), strict=True):
-        over_angle(panel, result.signals, name, label, colour)
-        style.widen(panel, least)
+    """The picture, without the lift if the fidelity has none; a measured pinion torque is not drawn."""
+    figure, axes = panels_over_angle(result, _PANELS)
     style.name_directions(axes[0], {colour: label for label, colour in DIRECTIONS.values()})
-    style.angle_axis(axes[-1])
     head(figure, result, scene_of(result), FIGURES)
     return figure

@@ -1,4 +1,4 @@
-"""The picture that suits a result: its scene's own."""
+"""The picture of a result, chosen by its scene."""
 
 from collections.abc import Callable
 from importlib import import_module
@@ -16,7 +16,7 @@ Draw = Callable[[Result, MeasuredTorque | None], Figure]
 
 
 def figure_of(scene: str) -> Draw:
-    """Return the function that draws results of a scene; of an unknown one, the torque over the angle."""
+    """The function that draws results of a scene; for an unknown one, the torque over the angle."""
     if scene not in SCENE_NAMES:
         return torque_figure
     chart = scene_named(scene).chart
@@ -25,7 +25,7 @@ def figure_of(scene: str) -> Draw:
 
 
 def draw(result: Result, path: str | Path | None = None, measured: MeasuredTorque | None = None) -> Figure:
-    """Draw a result that has signals, a measured torque over it if there is one, and save it to `path`.
+    """Draw a result that has signals, with a measured torque if one is given, and save it to `path`.
 
     Raises:
         InputError: the file cannot be written.

@@ -1,4 +1,4 @@
-"""Picture of several results' torques over the pinion angle, told apart by the legend."""
+"""Picture of several results' torques over the pinion angle, named in the legend."""
 
 from typing import Any
 
@@ -12,13 +12,13 @@ from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
 
 DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (3, 1.5)), (0, (1, 1)), (0, (6, 2, 1, 2)), "-")
-"""By which curves that lie over each other are told apart."""
+"""Line styles, so that curves that lie over each other can be distinguished."""
 
 
 def torques_figure(
     results: dict[str, Result], headline: str, measured: MeasuredTorque | None = None
 ) -> Figure:
-    """One curve for each result by its name, its first pass; at most as many as there are colours."""
+    """The picture of the first pass of each result (by its name); at most as many as there are colours."""
     figure, (axes,) = style.panels([3.8])
     for (name, result), colour, dashes in zip(results.items(), style.SEVERAL, DASHES, strict=False):
         turned = passes(result.signals)[0]

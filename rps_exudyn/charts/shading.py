@@ -1,6 +1,6 @@
 """Shaded pictures of triangle meshes: parallel projection, hidden surfaces by a depth buffer.
 
-Matplotlib sorts whole triangles by distance, which fails for parts in mesh; this resolves every pixel.
+Matplotlib sorts whole triangles by distance, which fails for parts in mesh; here every pixel is resolved.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ def shaded_image(
     up: np.ndarray,
     pixels_wide: int,
 ) -> np.ndarray:
-    """Picture of several parts that just fits them.
+    """Draw several parts, with the picture's frame around them.
 
     Args:
         parts: vertices (n, 3), faces (m, 3) and colour (red, green, blue in 0..1) of each.
@@ -58,7 +58,7 @@ def _camera(towards_viewer: np.ndarray, up: np.ndarray) -> np.ndarray:
 
 
 def _fill(image: np.ndarray, depth: np.ndarray, corners: np.ndarray, colour: np.ndarray) -> None:
-    """One triangle, corners (x, y, depth) in pixels, shape (3, 3), y downwards."""
+    """Draw one triangle, corners (x, y, depth) in pixels, shape (3, 3), y downwards."""
     (x0, y0), (x1, y1) = np.floor(corners[:, :2].min(axis=0)), np.ceil(corners[:, :2].max(axis=0))
     rows, columns = slice(max(int(y0), 0), int(y1) + 1), slice(max(int(x0), 0), int(x1) + 1)
     y, x = np.mgrid[rows, columns][:, : image.shape[0], : image.shape[1]] + 0.5

@@ -1,16 +1,19 @@
-"""Curves of results of any scene: all signals of one, or the same signals of several, one over the other.
+"""Picture of the signals of any scene: all of one result, or the same ones of several results.
 
-Over the pinion angle if it runs one way, else over time. A signal that stands still or just follows the
-abscissa gets no panel.
+The abscissa is the pinion angle if it runs one way, else time. A signal that stands still or is a straight
+line gets no panel.
 """
 
 from collections.abc import Mapping, Sequence
+from itertools import takewhile
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.comparison import turns_one_way
+from rps_exudyn.base.units import words
 from rps_exudyn.charts import style
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
@@ -18,31 +21,33 @@ from rps_exudyn.results.result import Result
 WIDTH, FIRST_HEIGHT, HEIGHT = 5.2, 2.2, 1.5  # [in]; readable on a phone
 COLOURS = ("torque", "other", "lift", "roll", "failure", "reference")
 MOST_TOGETHER = len(COLOURS)
-STRAIGHT = 0.01  # a curve is called straight if it leaves its chord by less than this share of its span
-STILL = 1e-6  # a signal stands still if its span is less than this share of it
+STRAIGHT = 0.01  # a curve is straight if it deviates from a line by less than this fraction of its span
+STILL = 1e-6  # a signal stands still if its span is less than this fraction of it
+
+_SMALL_LEGEND: Any = {"columnspacing": 1, "handlelength": 1, "borderpad": 0, "frameon": False, "fontsize": 9}
 
 Panel = Sequence[tuple[str, np.ndarray, np.ndarray, str, str]]  # signal, abscissa, values, colour, label
 
 
 def signals_figure(result: Result) -> Figure | None:
-    """All telling signals of a result: those of one kind share a panel. None if nothing moves."""
+    """The picture of a result's curved signals, those of one kind in one panel; None if there are none."""
     over = abscissa([result])
     panels = [
         [
             (name, result[over], result[name], colour, label)
-            for colour, name, label in zip(COLOURS, group, _told_apart(group), strict=False)
+            for colour, name, label in zip(COLOURS, group, _labels(group), strict=False)
         ]
-        for group in _of_one_kind(telling_signals(result, over))
+        for group in _of_one_kind(curved_signals(result, over))
     ]
     return _drawn(panels, over) if panels else None
 
 
 def overlaid_figure(results: Mapping[str, Result], most_panels: int = 3) -> Figure | None:
-    """The first telling signals of several results, by their labels. None if there are none."""
+    """The picture of the first curved signals of several results, by their labels; None without any."""
     recorded = {label: result for label, result in results.items() if result.signals}
     over = abscissa(list(recorded.values()))
-    telling = [telling_signals(result, over) for result in recorded.values()]
-    names = [name for name in SIGNALS if any(name in signals for signals in telling)][:most_panels]
+    curved = {name for result in recorded.values() for name in curved_signals(result, over)}
+    names = [name for name in SIGNALS if name in curved][:most_panels]
     panels = [
         [
             (name, result[over], result[name], colour, label)
@@ -55,24 +60,23 @@ def overlaid_figure(results: Mapping[str, Result], most_panels: int = 3) -> Figu
 
 
 def abscissa(results: Sequence[Result]) -> str:
-    """The signal that all of them are drawn over."""
+    """The name of the signal over which all results are drawn."""
     return "pinion_angle" if results and all(turns_one_way(result) for result in results) else "time"
 
 
-def telling_signals(result: Result, over: str) -> list[str]:
-    """Signals that say more than that they are there, in the order of their declaration."""
+def curved_signals(result: Result, over: str) -> list[str]:
+    """Names of the signals, except works, that are no straight line over `over`, in order of declaration."""
     return [
         name
         for name in SIGNALS
         if name in result.signals
         and name not in ("time", over)
         and not name.startswith("work_")
-        and _tells(result[over], result[name])
+        and _is_curved(result[over], result[name])
     ]
 
 
-def _tells(x: np.ndarray, values: np.ndarray) -> bool:
-    """Whether a curve is more than a straight line."""
+def _is_curved(x: np.ndarray, values: np.ndarray) -> bool:
     known = np.isfinite(x) & np.isfinite(values)
     x, values = x[known], values[known]
     if x.size < 3 or np.ptp(x) == 0 or np.ptp(values) <= STILL * np.abs(values).max():
@@ -82,7 +86,7 @@ def _tells(x: np.ndarray, values: np.ndarray) -> bool:
 
 
 def _of_one_kind(names: Sequence[str]) -> list[list[str]]:
-    """Names with a common first word and unit stand together, at most as many as there are colours."""
+    """Groups of names with a common first word and unit, at most as many in each as there are colours."""
     groups: dict[tuple[str, str], list[str]] = {}
     for name in names:
         groups.setdefault((name.split("_")[0], SIGNALS[name].display), []).append(name)
@@ -93,19 +97,16 @@ def _of_one_kind(names: Sequence[str]) -> list[list[str]]:
     ]
 
 
-def _told_apart(group: Sequence[str]) -> list[str]:
-    """What each has beyond the words that all have."""
+def _labels(group: Sequence[str]) -> list[str]:
+    """The words of each name after those that all have in common."""
     common = len(_common(group))
-    return [_words(name)[common:].strip() or "total" for name in group] if len(group) > 1 else [""]
+    return [words(name)[common:].strip() or "total" for name in group] if len(group) > 1 else [""]
 
 
 def _common(names: Sequence[str]) -> str:
     """The words that all names begin with."""
-    split = [name.split("_") for name in names]
-    same = 0
-    while all(len(words) > same and words[same] == split[0][same] for words in split):
-        same += 1
-    return " ".join(split[0][:same])
+    columns = zip(*(name.split("_") for name in names), strict=False)
+    return " ".join(column[0] for column in takewhile(lambda column: len(set(column)) == 1, columns))
 
 
 def _drawn(panels: Sequence[Panel], over: str) -> Figure:
@@ -122,24 +123,11 @@ def _drawn(panels: Sequence[Panel], over: str) -> Figure:
 
 
 def _draw_panel(axes: Axes, panel: Panel, over: str) -> None:
-    """Names stand over the panel, for beside it they would not fit."""
+    """Draw the curves; names are over the panel, because there is no room for them beside it."""
     for name, x, values, colour, label in panel:
         style.line(axes, SIGNALS[over].displayed(x), values, SIGNALS[name], "", colour, label)
     names = list(dict.fromkeys(name for name, *_ in panel))
     axes.set_ylabel(SIGNALS[names[0]].axis_label("").strip())
     axes.set_title(_common(names), loc="left", fontsize=10)
     if any(label for *_, label in panel):
-        axes.legend(
-            loc="lower right",
-            bbox_to_anchor=(1, 1),
-            ncols=MOST_TOGETHER,
-            columnspacing=1,
-            handlelength=1,
-            borderpad=0,
-            frameon=False,
-            fontsize=9,
-        )
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")
+        axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=MOST_TOGETHER, **_SMALL_LEGEND)

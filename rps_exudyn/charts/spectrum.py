@@ -1,4 +1,4 @@
-"""Picture of a torque's orders: amplitude over periods per revolution, a stem each."""
+"""Picture of the orders of a torque: amplitudes over periods per revolution, as stems."""
 
 from matplotlib.figure import Figure
 
@@ -14,7 +14,7 @@ HIGHEST = 36
 
 
 def spectrum_figure(results: dict[str, Result]) -> Figure:
-    """Orders of the first pass of each result, by their names; from order 1 on, in logarithmic measure.
+    """The picture of the first pass of each result (by its name), from order 1 on, on a logarithmic scale.
 
     Raises:
         InputError: a record covers no whole revolution.

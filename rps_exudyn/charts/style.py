@@ -28,10 +28,10 @@ COLOURS = {
     "bush": "#6aa84f",
     "bearing": "#999999",
 }
-"""By meaning: signals, directions, places where work is lost."""
+"""Colours by meaning: signals, directions, places where work is lost."""
 
 SEVERAL = ("#0b5394", "#e69138", "#38761d", "#b00020", "#674ea7", "#777777")
-"""Of curves that are told apart by the legend alone."""
+"""Colours of curves that only the legend distinguishes."""
 
 _LOOK: Any = {
     "font.size": 10,
@@ -50,7 +50,7 @@ PICTURES = (".png", ".svg", ".pdf")
 
 
 def panels(heights: list[float], width: float = 8.0) -> tuple[Figure, list[Axes]]:
-    """A figure of panels one below the other over one common abscissa; sizes in inches."""
+    """A figure of panels one below the other with a common abscissa, and their axes; sizes in inches."""
     with mpl.rc_context(_LOOK):
         figure = Figure(figsize=(width, sum(heights)), layout="constrained")
         axes = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
@@ -67,9 +67,9 @@ def line(
     colour: str,
     label: str | None = None,
 ) -> None:
-    """One signal over x (display units), shape (n,) both; y is SI and drawn in its display unit.
+    """Draw one signal over x (display unit), shape (n,) both; y is SI and drawn in its display unit.
 
-    `name` stands at the axis, `label` in the legend.
+    `name` is for the axis, `label` for the legend.
     """
     width = _LOOK["lines.linewidth"]
     axes.plot(x, quantity.displayed(y), color=COLOURS[colour], linewidth=width, label=label)
@@ -77,13 +77,13 @@ def line(
 
 
 def legend_above(axes: Axes) -> None:
-    """The legend in one row over the axes, where it hides no curve; none without labels."""
+    """Put the legend over the axes, where it hides no curve; none without labels."""
     if axes.get_legend_handles_labels()[1]:
         axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=4, borderpad=0, frameon=False)
 
 
 def angle_axis(axes: Axes) -> None:
-    """The pinion angle [deg] as the common abscissa, with ticks that suit turns and teeth."""
+    """Make the pinion angle [deg] the common abscissa, with ticks that suit turns and teeth."""
     axes.set_xlabel(SIGNALS["pinion_angle"].axis_label("pinion angle"))
     low, high = axes.dataLim.intervalx
     steps = [1, 1.8, 3.6, 9, 10] if high - low > 400 else [1, 1.5, 3, 6, 10]
@@ -92,16 +92,16 @@ def angle_axis(axes: Axes) -> None:
 
 
 def name_directions(axes: Axes, named: dict[str, str]) -> None:
-    """A legend for curves coloured by direction, colour -> its name, as far as they are there."""
-    there = {each.get_color() for each in axes.lines}
+    """Label the first curve of each direction; `named` is colour -> its name in the legend."""
     for colour, name in named.items():
-        if COLOURS[colour] in there:
-            axes.plot([], [], color=COLOURS[colour], label=name)
+        curves = [curve for curve in axes.lines if curve.get_color() == COLOURS[colour]]
+        if curves:
+            curves[0].set_label(name)
     legend_above(axes)
 
 
 def abscissa(axes: Axes, label: str) -> None:
-    """Another common abscissa than the angle, for instance "time [ms]"."""
+    """Label another common abscissa than the angle, for instance "time [ms]", and limit it to the data."""
     axes.set_xlabel(label)
     low, high = axes.dataLim.intervalx
     if np.isfinite([low, high]).all() and low < high:
@@ -109,7 +109,7 @@ def abscissa(axes: Axes, label: str) -> None:
 
 
 def title(figure: Figure, headline: str, failure: str = "") -> None:
-    """What the picture shows, and below it, in the colour of failure, why not to trust it."""
+    """Write what the picture shows and, in the colour of failure, why not to trust it."""
     figure.suptitle(_wrapped(headline), x=0.01, ha="left", fontsize=11)
     if failure:
         text = "\n".join(textwrap.wrap(failure, width=100))
@@ -117,13 +117,13 @@ def title(figure: Figure, headline: str, failure: str = "") -> None:
 
 
 def _wrapped(headline: str) -> str:
-    """Too long for one line, it is broken between its parts."""
+    """The headline, broken between its parts if it is too long for one line."""
     unbroken = headline.replace(" ", "\xa0").replace("\xa0·\xa0", "\xa0· ")
     return textwrap.fill(unbroken, width=100).replace("\xa0", " ")
 
 
 def widen(axes: Axes, least: float) -> None:
-    """Show at least this span (display unit), so that rounding noise does not look like a signal."""
+    """Widen the ordinate to at least this span (display unit): rounding must not look like a signal."""
     low, high = axes.get_ylim()
     if high - low < least:
         middle = (low + high) / 2
@@ -131,7 +131,7 @@ def widen(axes: Axes, least: float) -> None:
 
 
 def save(figure: Figure, path: str | Path) -> None:
-    """Write the picture in the format of the path's suffix, whole or not at all.
+    """Write the picture in the format of the path's suffix.
 
     Raises:
         InputError: the file cannot be written.

@@ -1,16 +1,15 @@
 """Picture of a free pinion torque: torque over pinion angle, below it how the rack lifts and rolls.
 
-A record in both directions shows each torque against its motion, so that both are above zero and close
-enough to be compared (the paper's Figure 16).
+For a record in both directions each torque is drawn against its motion, so that both are above zero and can
+be compared (the paper's Figure 16).
 """
 
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.charts import style
-from rps_exudyn.charts.curves import add_measured, over_angle, torque_against_motion
+from rps_exudyn.charts.curves import add_measured, panels_over_angle
 from rps_exudyn.charts.heading import head, scene_of
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result
@@ -27,26 +26,13 @@ _BOTH_WAYS = {"torque_mean_forward": "mean towards +X", "torque_mean_backward": 
 
 def torque_figure(result: Result, measured: MeasuredTorque | None = None) -> Figure:
     """The picture; signals that the result's fidelity does not have get no panel."""
-    shown = {name: panel for name, panel in _PANELS.items() if name in result.signals}
-    figure, axes = style.panels([height for _, _, height, _ in shown.values()])
+    figure, axes = panels_over_angle(result, _PANELS)
     both_ways = len(passes(result.signals)) > 1
-    for panel, (name, (label, colour, _, least)) in zip(axes, shown.items(), strict=True):
-        if name == "pinion_torque" and both_ways:
-            torque_against_motion(panel, result.signals)
-        else:
-            over_angle(panel, result.signals, name, label, colour)
-        style.widen(panel, least)
     if measured is not None:
         add_measured(axes[0], measured, against_motion=both_ways)
-    if not both_ways:
-        _mark_mean(axes[0], result)
+    if not both_ways and "torque_mean" in result.summary:
+        mean = SUMMARY["torque_mean"].displayed(result.summary["torque_mean"])
+        axes[0].axhline(mean, **style.REFERENCE_LINE, label="mean")
     style.legend_above(axes[0])
-    style.angle_axis(axes[-1])
     head(figure, result, scene_of(result), _BOTH_WAYS if both_ways else _ONE_WAY)
     return figure
-
-
-def _mark_mean(axes: Axes, result: Result) -> None:
-    if "torque_mean" in result.summary:
-        mean = SUMMARY["torque_mean"].displayed(result.summary["torque_mean"])
-        axes.axhline(mean, **style.REFERENCE_LINE, label="mean")

@@ -1,1 +1,1 @@
-"""Is the number right? Checks of a plan before the run and of the record after it."""
+"""Checks whether a number can be right: of the plan before a run, of the record after it."""

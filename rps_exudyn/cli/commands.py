@@ -1,4 +1,4 @@
-"""The command line `rps-exudyn`: run, study, show, diff, rerun, geometry, describe.
+"""The commands of `rps-exudyn`: run, study, show, diff, rerun, geometry, describe, collect, report.
 
 Exit status: 0 done; 1 the simulation failed (its file says how); 2 wrong input, one sentence for each problem
 on standard error. What a command needs is imported by the command, so that `--help` and `describe` are quick.
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
+from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.options import GearOptions, SetupOptions
 from rps_exudyn.scenes import SCENE_NAMES
@@ -29,7 +30,7 @@ app = App(
     name="rps-exudyn",
     help="Rack-and-pinion steering gears: pinion torque, its variation, and how far to trust it.",
     version=lambda: version("rps-exudyn"),
-    suppress_keyboard_interrupt=False,  # `main` says what is kept
+    suppress_keyboard_interrupt=False,  # `main` reports which files remain
 )
 
 Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
@@ -91,8 +92,8 @@ def run(
     limit = seconds(time_limit) if time_limit is not None else None
     preset = setup.preset_alone() if accuracy is not None else None
     chosen = setup.load()
-    out = _checked_output(out or Path(f"{scene}.h5"), RESULT_FILES)
-    plot = _checked_output(plot or out.with_suffix(".png"), PICTURES)
+    out = check_writable(out or Path(f"{scene}.h5"), RESULT_FILES)
+    plot = check_writable(plot or out.with_suffix(".png"), PICTURES)
     curve = read_measured_torque(measured) if measured else None
     with redirect_stdout(sys.stderr):  # what libraries say; standard output is for the result
         result = simulate(
@@ -127,20 +128,18 @@ def study(
     Args:
         file: TOML file, see docs/studies.md.
         out: folder of the study; without it one of the file's name in the current folder.
-        jobs: processes at work; without it one for each processor.
+        jobs: number of worker processes; without it one for each processor.
         cluster: address of a Dask scheduler that does the cases instead, for instance tcp://10.0.0.1:8786.
-        dry_run: list the cases and estimate the time, and do nothing.
-        toy: the study at its smallest, two values of each axis, in a folder NAME-toy: does it work?
-        yes: also if there are very many cases.
+        dry_run: list the cases and estimate the time without simulating.
+        toy: try the study at its smallest size, two values of each axis, in a folder NAME-toy.
+        yes: run it also if there are very many cases.
         json: print the outcome, or the cases, as JSON.
     """
-    from rps_exudyn.cli import study_command as command
+    from rps_exudyn.cli.study_command import Request, do_study, list_cases
 
     folder = out or Path(f"{file.stem}-toy" if toy else file.stem)
-    request = command.Request(file, folder, jobs, cluster, toy, yes)
-    if dry_run:
-        return command.list_cases(request, json)
-    return command.do_study(request, json)
+    request = Request(file, folder, jobs, cluster, toy, yes)
+    return list_cases(request, json) if dry_run else do_study(request, json)
 
 
 @app.command
@@ -163,7 +162,7 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Flag =
 
     Args:
         first: HDF5 file that `run` wrote.
-        second: another one; differences are second minus first.
+        second: HDF5 file to compare with it; differences are second minus first.
         plot: picture (.png, .svg, .pdf) of both torques and their difference.
         json: print the comparison as JSON.
     """
@@ -174,7 +173,7 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Flag =
     from rps_exudyn.results.result import load
 
     if plot:
-        _checked_output(plot, PICTURES)
+        check_writable(plot, PICTURES)
     comparison = compare(load(first), load(second))
     names = (first.stem, second.stem) if first.stem != second.stem else (str(first), str(second))
     if plot:
@@ -192,20 +191,21 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
     """Simulate again what a result holds, from the parameters in its file, and say whether it is the same.
 
     Args:
-        file: HDF5 file that `run` or `study` wrote; it is left as it is.
+        file: HDF5 file that `run` or `study` wrote; it is not changed.
         out: HDF5 file of the new result; without it none is written.
         json: print the new summary and the numbers that differ as JSON.
     """
-    from rps_exudyn.analysis.rerun import differing_numbers, setup_of
+    from rps_exudyn.analysis.rerun import differing_numbers
     from rps_exudyn.cli import printed
+    from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.results.result import load
     from rps_exudyn.simulate.run import simulate
 
     if out:
-        _checked_output(out, RESULT_FILES)
+        check_writable(out, RESULT_FILES)
     old = load(file)
     with redirect_stdout(sys.stderr):
-        new = simulate(old.scene, old.gear, setup_of(old, file))
+        new = simulate(old.scene, old.gear, Fidelity.from_tables(old.fidelity, where=str(file)))
     if out:
         new.save(out)
     differing = differing_numbers(old, new)
@@ -226,7 +226,7 @@ def geometry(
 
     Args:
         out: solids (.glb, .stl) or drawing (.png, .svg, .pdf).
-        force: build an undercut gear all the same.
+        force: build the gear even if it is undercut.
         json: print the report as JSON.
     """
     from rps_exudyn.charts.geometry import draw_geometry
@@ -237,7 +237,7 @@ def geometry(
 
     chosen = gear.load()
     if out:
-        _checked_output(out, (*FORMATS, *PICTURES))
+        check_writable(out, (*FORMATS, *PICTURES))
     report = geometry_report(chosen, force)
     if out and out.suffix.lower() in FORMATS:
         export_solids(chosen, out)
@@ -278,15 +278,16 @@ def collect(folder: Path, /, *, out: Path | None = None) -> int:
         folder: folder that `study` wrote.
         out: table (.h5, .csv); without it table.h5 in the folder.
     """
-    from rps_exudyn.study import collected
+    from rps_exudyn.study.collected import SUFFIXES, write_table
     from rps_exudyn.study.store import Store
     from rps_exudyn.study.table import CaseTable
 
     store = Store.open(folder)
-    out = _checked_output(out or folder / "table.h5", collected.SUFFIXES)
+    out = check_writable(out or folder / "table.h5", SUFFIXES)
     table = CaseTable.of(store)
-    _name_skipped(table.skipped)
-    collected.write_table(table, out)
+    for _, sentence in table.skipped:
+        _say(f"left out: {sentence}")
+    write_table(table, out)
     print(f"written: {out}")
     return DONE
 
@@ -299,33 +300,21 @@ def report(*paths: Path, out: Path | None = None) -> int:
         paths: folders that `study` wrote, also half-finished ones, and HDF5 files that `run` wrote.
         out: page (.html); without it report.html in the study's folder, or a page beside the only file.
     """
-    from rps_exudyn.report import report as pages
+    from rps_exudyn.report.report import SUFFIXES, default_name, write_report
 
     if not paths:
         raise InputError("report needs at least one study's folder or result's file.")
-    out = _checked_output(out or pages.default_name(paths), pages.SUFFIXES)
-    pages.write_report(paths, out)
+    out = check_writable(out or default_name(paths), SUFFIXES)
+    write_report(paths, out)
     print(f"written: {out}")
     return DONE
-
-
-# --- input -------------------------------------------------------------------------------------
-
-
-def _checked_output(path: Path, suffixes: tuple[str, ...]) -> Path:
-    from rps_exudyn.base.atomic import check_writable
-
-    if path.suffix.lower() not in suffixes:
-        raise InputError(f"{path} cannot be written: its name must end in {' or '.join(suffixes)}.")
-    check_writable(path)
-    return path
 
 
 # --- output ------------------------------------------------------------------------------------
 
 
 def _keep(result: "Result", out: Path, plot: Path, measured: "MeasuredTorque | None") -> list[Path]:
-    """Write both files and return where they are; a failed run does not replace existing ones."""
+    """Write both files and return their paths; a failed run does not replace existing ones."""
     from rps_exudyn.charts.scene import draw
     from rps_exudyn.results.outcome import Status
 
@@ -353,12 +342,6 @@ def _print_result(
         printed.print_measured(compared)
 
 
-def _name_skipped(skipped: Iterable[tuple[Path, str]]) -> None:
-    """Files of a study that could not be used."""
-    for _, sentence in skipped:
-        _say(f"left out: {sentence}")
-
-
 def _verdict(result: "Result") -> int:
     from rps_exudyn.results.outcome import Status
 
@@ -369,7 +352,7 @@ def _verdict(result: "Result") -> int:
 
 
 def _sentence(error: CycloptsError) -> str:
-    """What the command line's grammar does not allow."""
+    """The error of the command line's grammar in one sentence."""
     if isinstance(error, UnusedCliTokensError):
         surplus = " ".join(error.unused_tokens or ())
         return f"{surplus} is more than the command takes; --help shows what it takes."

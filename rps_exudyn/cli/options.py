@@ -1,4 +1,4 @@
-"""How the command line says which gear, and how it is modelled."""
+"""The options of the command line that choose the gear and how it is modelled."""
 
 import tomllib
 from collections.abc import Iterable, Iterator
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class GearOptions:
-    """Which gear."""
+    """Options that choose the gear."""
 
     gear: Path | None = None
     """TOML file of the gear; without it the paper's gear."""
@@ -28,15 +28,19 @@ class GearOptions:
     """PATH=VALUE: one parameter replaced, for instance --set yoke.preload="400 N"; may be repeated."""
 
     def load(self) -> "SteeringGear":
-        """The gear, or an InputError with everything that is wrong with it."""
+        """The gear.
+
+        Raises:
+            InputError: everything that is wrong with it.
+        """
         from rps_exudyn.parameters.gear import SteeringGear
 
         settings, malformed = parse_settings(self.settings)
-        with _all_at_once(malformed):
+        with _reporting_together(malformed):
             return SteeringGear.from_tables(self.tables(), settings, where=str(self.gear or ""))
 
     def tables(self) -> dict[str, Any]:
-        """What the gear's file says."""
+        """The tables of the gear's file; {} without one."""
         from rps_exudyn.parameters.declaration import read_toml
 
         return read_toml(self.gear) if self.gear else {}
@@ -45,7 +49,7 @@ class GearOptions:
 @Parameter(name="*")
 @dataclass(frozen=True)
 class SetupOptions(GearOptions):
-    """Which gear, and how it is modelled."""
+    """Options that choose the gear and its model."""
 
     fidelity: str | None = None
     """What is modelled how: full, flank (default), quasi-static or closed-form; see `describe fidelity`."""
@@ -80,11 +84,11 @@ class SetupOptions(GearOptions):
         if base not in PRESETS:
             problems.append(unknown_preset(base))
         preset = preset_table(base) if base in PRESETS else {}
-        with _all_at_once(problems):
+        with _reporting_together(problems):
             return Setup.from_tables(tables | {"fidelity": preset}, settings, where=str(self.gear or ""))
 
     def preset_alone(self) -> str | None:
-        """Return the preset named, or None: what may stand beside --accuracy.
+        """The preset named, or None: the only choice of the model that --accuracy allows.
 
         Raises:
             InputError: single choices of the model, which --accuracy makes itself.
@@ -97,7 +101,7 @@ class SetupOptions(GearOptions):
         return self.fidelity
 
     def _parts(self) -> dict[str, str]:
-        """Choices within the fidelity that were made."""
+        """The options that choose a part of the fidelity, by its name there."""
         parts = {part: getattr(self, part) for part in ("mesh", "bush", "yoke", "rack", "solver")}
         return {part: choice for part, choice in parts.items() if choice is not None}
 
@@ -117,7 +121,7 @@ def parse_settings(texts: Iterable[str]) -> tuple[dict[str, Any], list[str]]:
 
 
 def _value(text: str) -> Any:
-    """What reads as a TOML value (6, -1, true) is that, anything else is text ("400 N")."""
+    """The TOML value (6, -1, true) that the text reads as, else the text itself ("400 N")."""
     try:
         tables = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):  # no TOML, or a number with more digits than Python reads
@@ -126,8 +130,8 @@ def _value(text: str) -> Any:
 
 
 @contextmanager
-def _all_at_once(problems: list[str]) -> Iterator[None]:
-    """What the block finds wrong is told together with these problems."""
+def _reporting_together(problems: list[str]) -> Iterator[None]:
+    """Raise these problems, and those of the block's own InputError, as one InputError."""
     try:
         yield
     except InputError as error:

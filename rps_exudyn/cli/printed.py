@@ -1,27 +1,29 @@
-"""What the terminal shows: results and parameters as tables for a reader, or as JSON for a program."""
+"""Output of the commands: results and parameters as tables in the terminal, or as JSON."""
 
 import json
 import math
 from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.table import Table as Grid
 
+from rps_exudyn.base.units import words
 from rps_exudyn.parameters.declaration import Declared, Table
 from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, SIGNALS, SUMMARY
 
 if TYPE_CHECKING:
-    from rps_exudyn.analysis.comparison import Comparison
+    from rps_exudyn.analysis.comparison import Comparison, SignalPair
     from rps_exudyn.analysis.measured import AgainstMeasured
     from rps_exudyn.gears.report import GeometryReport
     from rps_exudyn.results.result import Result
 
 
 def print_result(result: "Result", files: Iterable[Path] = ()) -> None:
-    """Scene, fidelity and status, then every summary value with its unit and definition."""
+    """Print scene, fidelity and status, then every summary value with its unit and definition."""
     console = _console()
     console.print(
         f"{result.scene} · fidelity {result.fidelity['name']} · status {result.status}", style="bold"
@@ -34,30 +36,17 @@ def print_result(result: "Result", files: Iterable[Path] = ()) -> None:
 
 
 def result_as_dict(result: "Result", files: Iterable[Path] = ()) -> dict[str, Any]:
-    """All of a result but its signals, in SI units."""
-    return {
-        "scene": result.scene,
-        "status": result.status.value,
-        "message": result.message,
-        "fidelity": result.fidelity,
-        "summary": result.summary,
-        "counters": result.counters,
-        "geometry": result.geometry,
-        "cpu_s": result.cpu_s,
-        "wall_s": result.wall_s,
-        "parameters": result.gear.model_dump(),
-        "solver": result.solver,
-        "findings": result.findings,
-        "provenance": result.provenance,
-        "files": [str(file) for file in files],
-    }
+    """A result without its signals, in SI units."""
+    names = ("scene", "status", "message", "fidelity", "summary", "counters", "geometry", "cpu_s", "wall_s")
+    content = {name: getattr(result, name) for name in (*names, "solver", "findings", "provenance")}
+    return content | {"parameters": result.gear.model_dump(), "files": [str(file) for file in files]}
 
 
 def print_comparison(comparison: "Comparison", names: tuple[str, str], files: Iterable[Path] = ()) -> None:
-    """Settings that differ, summaries side by side, and how far each signal's curves lie apart."""
+    """Print the settings that differ, both summaries, and how far the curves of each signal lie apart."""
     console = _console()
-    for name, *told in zip(names, comparison.scene, comparison.status, strict=True):
-        console.print(f"{name}: {' · status '.join(told)}", style="bold")
+    for name, scene, status in zip(names, comparison.scene, comparison.status, strict=True):
+        console.print(f"{name}: {scene} · status {status}", style="bold")
     settings = [(path, *_both_shown(path, pair)) for path, pair in comparison.settings.items()]
     if settings:
         console.print(_grid(("setting", *names), settings))
@@ -67,15 +56,10 @@ def print_comparison(comparison: "Comparison", names: tuple[str, str], files: It
     console.print(_grid(("quantity", *names, "difference"), _summary_differences(comparison)))
     console.print()
     if comparison.signals:
-        low, high = (SIGNALS["pinion_angle"].show(round(comparison.angle[end], 9)) for end in (0, -1))
-        console.print(f"Signals over pinion angles of {low} to {high}, the torque's in % of its mean:")
+        angles = f"{_angle(comparison.angle[0])} to {_angle(comparison.angle[-1])}"
+        console.print(f"Signals over pinion angles of {angles}, the torque's in % of its mean:")
         rows = (
-            (
-                name,
-                pair.shown(pair.rms),
-                pair.shown(pair.largest),
-                SIGNALS["pinion_angle"].show(round(pair.angle, 9) + 0.0),
-            )
+            (name, pair.shown(pair.rms), pair.shown(pair.largest), _angle(pair.angle))
             for name, pair in comparison.signals.items()
         )
         console.print(_grid(("quantity", "RMS difference", "largest", "at"), rows))
@@ -85,7 +69,7 @@ def print_comparison(comparison: "Comparison", names: tuple[str, str], files: It
 
 
 def comparison_as_dict(comparison: "Comparison", files: Iterable[Path] = ()) -> dict[str, Any]:
-    """All of a comparison but the curves, in SI units; pairs are [first, second]."""
+    """A comparison without the curves, in SI units; pairs are [first, second]."""
     return {
         "scene": comparison.scene,
         "status": comparison.status,
@@ -93,21 +77,24 @@ def comparison_as_dict(comparison: "Comparison", files: Iterable[Path] = ()) -> 
         "summary": comparison.summary,
         "common_angle": comparison.angle[[0, -1]].tolist() if comparison.angle.size else None,
         "signals": {
-            name: {
-                "unit": SIGNALS[name].unit,
-                "mean": pair.mean,
-                "rms": pair.rms,
-                "largest": pair.largest,
-                "pinion_angle": pair.angle,
-            }
+            name: {"unit": SIGNALS[name].unit, "mean": pair.mean, **_differences(pair)}
             for name, pair in comparison.signals.items()
         },
         "files": [str(file) for file in files],
     }
 
 
+def _differences(pair: "SignalPair") -> dict[str, float]:
+    return {"rms": pair.rms, "largest": pair.largest, "pinion_angle": pair.angle}
+
+
+def _angle(angle: float) -> str:
+    """A pinion angle [rad] as text, without rounding noise and negative zeros."""
+    return SIGNALS["pinion_angle"].show(round(float(angle), 9) + 0.0)
+
+
 def print_measured(compared: "list[AgainstMeasured] | None") -> None:
-    """Figures of the measured and the simulated torque side by side, and how far the curves lie apart."""
+    """Print figures of the measured and the simulated torque, and how far the curves lie apart."""
     if compared is None:
         return
     console = _console()
@@ -115,10 +102,9 @@ def print_measured(compared: "list[AgainstMeasured] | None") -> None:
     if not compared:
         console.print("Nothing to compare: at no pinion angle is there a measured and a simulated torque.")
     for each in compared:
-        low, high = (SIGNALS["pinion_angle"].show(round(angle, 9)) for angle in each.angle_range)
-        console.print(
-            f"Torque towards {'+' if each.direction > 0 else '-'}X, pinion angles of {low} to {high}:"
-        )
+        low, high = map(_angle, each.angle_range)
+        sign = "+" if each.direction > 0 else "-"
+        console.print(f"Torque towards {sign}X, pinion angles of {low} to {high}:")
         rows = [
             (name, SUMMARY[name].show(value), SUMMARY[name].show(each.simulated[name]))
             for name, value in each.measured.items()
@@ -142,9 +128,7 @@ def measured_as_dict(compared: "list[AgainstMeasured] | None") -> dict[str, Any]
                 "common_angle": list(each.angle_range),
                 "measured": each.measured,
                 "simulated": each.simulated,
-                "rms": each.torque.rms,
-                "largest": each.torque.largest,
-                "pinion_angle": each.torque.angle,
+                **_differences(each.torque),
             }
             for each in compared
         ]
@@ -152,7 +136,7 @@ def measured_as_dict(compared: "list[AgainstMeasured] | None") -> dict[str, Any]
 
 
 def print_differing(differing: Mapping[str, tuple[Any, Any]], name: str) -> None:
-    """What a repeated simulation found otherwise than the file."""
+    """Print the numbers of a repeated simulation that differ from the file `name`."""
     console = _console()
     if not differing:
         console.print(f"Every number is that of {name}, bit for bit.", soft_wrap=True)
@@ -162,7 +146,7 @@ def print_differing(differing: Mapping[str, tuple[Any, Any]], name: str) -> None
 
 
 def print_geometry(report: "GeometryReport", files: Iterable[Path] = ()) -> None:
-    """Every number with its unit and definition, masses, and what the designer should be told."""
+    """Print every number with its unit and definition, masses, and warnings to the designer."""
     rows = [(name, item.show(getattr(report, name)), item.long_name) for name, item in GEOMETRY.items()]
     rows += [
         (f"mass of {part}", f"{properties.mass:.4g} kg", "")
@@ -176,7 +160,7 @@ def print_geometry(report: "GeometryReport", files: Iterable[Path] = ()) -> None
 
 
 def print_parameters(table: Table, items: list[Declared]) -> None:
-    """Value, meaning and source of each; what is allowed too if it is only one."""
+    """Print value, meaning and source of parameters; of a single one its allowed values, too."""
     rows = [(item.path, item.show(table.value_at(item.path)), item.meaning, item.source) for item in items]
     console = _console()
     console.print(_grid(("parameter", "value", "meaning", "source"), rows))
@@ -185,7 +169,7 @@ def print_parameters(table: Table, items: list[Declared]) -> None:
 
 
 def parameters_as_dict(table: Table, items: list[Declared]) -> dict[str, Any]:
-    """Path -> value in SI, unit, and what else is declared."""
+    """Path -> value in SI, unit, and the rest of the declaration."""
     return {
         item.path: {
             "value": table.value_at(item.path),
@@ -200,7 +184,7 @@ def parameters_as_dict(table: Table, items: list[Declared]) -> dict[str, Any]:
 
 
 def print_json(content: Mapping[str, Any]) -> None:
-    """Strict JSON on standard output; what is not finite becomes null."""
+    """Print strict JSON on standard output; numbers that are not finite become null."""
     print(json.dumps(_finite(content), indent=2, default=str))
 
 
@@ -213,7 +197,7 @@ def _summary_rows(result: "Result") -> Iterable[tuple[str, str, str]]:
 
 
 def _both_shown(path: str, pair: tuple[Any, Any]) -> tuple[str, str]:
-    """Two values of a setting for a reader; those of a parameter in its unit."""
+    """Two values of a setting as text; those of a parameter in its unit."""
     item = {item.path: item for item in Setup.declared()}.get(path)
     first, second = ("-" if value is None else item.show(value) if item else str(value) for value in pair)
     return first, second
@@ -227,12 +211,12 @@ def _summary_differences(comparison: "Comparison") -> Iterable[tuple[str, ...]]:
 
 
 def _counts(result: "Result") -> Iterable[str]:
-    """What the solver had to do, and its own share of the time."""
+    """The solver's counters and its part of the CPU time, as text."""
     for name, value in result.counters.items():
         if name == "solver_cpu":
             yield f"{COUNTERS[name].show(value)} of it in the solver"
         else:
-            yield f"{value} {name.replace('_', ' ')}"
+            yield f"{value} {words(name)}"
 
 
 def _print_files(console: Console, files: Iterable[Path]) -> None:
@@ -250,9 +234,9 @@ def _grid(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Grid:
 
 
 def _console() -> Console:
-    """Plain text; lines are not broken when they go to a file or a pipe."""
-    console = Console(highlight=False, markup=False, emoji=False)
-    return console if console.is_terminal else Console(highlight=False, markup=False, emoji=False, width=200)
+    """A console of plain text; lines are not broken when they go to a file or a pipe."""
+    plain = partial(Console, highlight=False, markup=False, emoji=False)
+    return plain() if plain().is_terminal else plain(width=200)
 
 
 def _finite(value: Any) -> Any:

@@ -1,4 +1,4 @@
-"""The command `study`: what was asked, judged before anything runs; what came out, told."""
+"""The command `study`: options checked before anything runs, cases listed, outcome printed."""
 
 import json as json_text
 import os
@@ -7,17 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.parameters.declaration import Declared
-from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.study.cases import count_of
-from rps_exudyn.study.description import Axis, Case, Value
 from rps_exudyn.study.estimate import estimate
 from rps_exudyn.study.progress import duration
-from rps_exudyn.study.runner import Plan, Tally, run_study
+from rps_exudyn.study.runner import StudyWork, Tally, run_study
 from rps_exudyn.study.study_file import read_study
+from rps_exudyn.study.table import show_value
 
 MANY_CASES = 5000
 """More need `--yes`."""
@@ -38,15 +35,23 @@ class Request:
 
     @property
     def processes(self) -> int:
-        """Raises InputError for a number that cannot be."""
+        """Number of worker processes.
+
+        Raises:
+            InputError: `jobs` is not from 1 to 1024.
+        """
         available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
         jobs = available if self.jobs is None else self.jobs
         if not 1 <= jobs <= 1024:
             raise InputError(f"--jobs is {jobs}; it must be a whole number from 1 to 1024.")
         return jobs
 
-    def plan(self) -> Plan:
-        """Raises InputError for all that is wrong."""
+    def work(self) -> StudyWork:
+        """The study in its folder.
+
+        Raises:
+            InputError: everything that is wrong with file and folder, or more cases than run without `yes`.
+        """
         study = read_study(self.file)
         if self.toy:
             study = study.toy()
@@ -54,26 +59,27 @@ class Request:
         if count > MANY_CASES and not self.yes:
             raise InputError(
                 f"{self.file} has {count} cases; more than {MANY_CASES} are run with --yes only "
-                "(--dry-run --yes tells how long they take)."
+                "(--dry-run --yes estimates how long they take)."
             )
-        return Plan.of(study, self.out)
+        return StudyWork.of(study, self.out)
 
 
 def do_study(request: Request, json: bool) -> int:
-    """Do what is missing and print how it went; 0, or 1 if cases failed."""
-    jobs, plan = request.processes, request.plan()
+    """Simulate the missing cases and print the outcome; exit status 0, or 1 if cases failed."""
+    jobs, work = request.processes, request.work()
+    limit = work.study.time_limit
     if request.cluster:
         from rps_exudyn.study.cluster import cluster
 
         def run_all() -> Tally:
-            with cluster(request.cluster or "", plan.study.time_limit) as run:
-                return run_study(plan, run, workers_write=False)
+            with cluster(request.cluster or "", limit) as run:
+                return run_study(work, run, workers_write=False)
     else:
         from rps_exudyn.simulate.processes import Processes
 
         def run_all() -> Tally:
-            with Processes(jobs, plan.study.time_limit, request.out / "messages.log") as processes:
-                return run_study(plan, processes.run, workers_write=True)
+            with Processes(jobs, limit, request.out / "messages.log") as processes:
+                return run_study(work, processes.run, workers_write=True)
 
     try:
         tally = run_all()
@@ -81,26 +87,25 @@ def do_study(request: Request, json: bool) -> int:
         raise KeyboardInterrupt(
             f"interrupted; finished cases are kept in {request.out}, and the same command does the others."
         ) from None
-    _tell(plan, tally, json)
+    _print_tally(work, tally, json)
     return 0 if set(tally.statuses) <= {Status.OK} else 1
 
 
 def list_cases(request: Request, json: bool) -> int:
-    """Print the cases, what is missing, and how long that will take."""
-    plan = request.plan()
-    jobs = request.processes
-    time = estimate(plan, jobs)
-    missing = {case.hash for case in plan.missing}
-    cases = plan.description.cases
+    """Print the cases, which of them are missing, and the estimated time; exit status 0."""
+    work, jobs = request.work(), request.processes
+    time = estimate(work, jobs)
+    missing = {case.hash for case in work.missing}
+    cases = work.description.cases
     if json:
-        told = [{"hash": case.hash, "values": case.values, "missing": case.hash in missing} for case in cases]
-        content = {"cases": told, "missing": len(missing), "jobs": jobs, "seconds": time.seconds}
+        rows = [{"hash": case.hash, "values": case.values, "missing": case.hash in missing} for case in cases]
+        content = {"cases": rows, "missing": len(missing), "jobs": jobs, "seconds": time.seconds}
         print(json_text.dumps(content, indent=2))
         return 0
-    shown = {axis.name: _Shown.of(axis) for axis in plan.study.axes}
     for case in cases:
         state = "to do" if case.hash in missing else "done "
-        print(f"{case.hash}  {state}  {_values(case, shown)}")
+        values = (f"{axis.name} = {show_value(axis, case.values[axis.name])}" for axis in work.study.axes)
+        print(f"{case.hash}  {state}  {', '.join(values)}")
     print(
         f"{len(cases)} cases, {len(missing)} of them to be done: about {duration(time.seconds)} "
         f"with {jobs} {'process' if jobs == 1 else 'processes'} ({time.source})"
@@ -108,40 +113,16 @@ def list_cases(request: Request, json: bool) -> int:
     return 0
 
 
-def _tell(plan: Plan, tally: Tally, json: bool) -> None:
+def _print_tally(work: StudyWork, tally: Tally, json: bool) -> None:
     for path, sentence in tally.skipped[:SHOWN_SKIPPED]:
         print(f"rps-exudyn: {sentence} It was set aside as {path.stem}.set-aside.", file=sys.stderr)
     if len(tally.skipped) > SHOWN_SKIPPED:
         print(f"rps-exudyn: {len(tally.skipped) - SHOWN_SKIPPED} more files like these.", file=sys.stderr)
-    folder, count = plan.store.path, sum(tally.statuses.values())
+    folder, count = work.store.path, sum(tally.statuses.values())
     if json:
         statuses = {status.value: number for status, number in tally.statuses.items()}
         content: dict[str, Any] = {"folder": str(folder), "cases": count, "statuses": statuses}
         print(json_text.dumps(content | {"done_now": tally.done_now}, indent=2))
         return
-    statuses_told = ", ".join(f"{number} {status}" for status, number in sorted(tally.statuses.items()))
-    print(
-        f"{plan.study.title}: {count} cases in {folder} ({statuses_told}), {tally.done_now} of them done now"
-    )
-
-
-@dataclass(frozen=True)
-class _Shown:
-    """Values of an axis for a reader."""
-
-    declared: Declared
-    unit: str
-
-    @classmethod
-    def of(cls, axis: Axis) -> "_Shown":
-        (declared,) = Setup.declared_at(axis.paths[0])
-        return cls(declared, axis.unit)
-
-    def text(self, value: Value) -> str:
-        if isinstance(value, str | int) or not self.declared.unit:
-            return str(value)
-        return units.show(value, self.declared.unit.si, self.unit)
-
-
-def _values(case: Case, shown: dict[str, _Shown]) -> str:
-    return ", ".join(f"{name} = {shown[name].text(value)}" for name, value in case.values.items())
+    outcomes = ", ".join(f"{number} {status}" for status, number in sorted(tally.statuses.items()))
+    print(f"{work.study.title}: {count} cases in {folder} ({outcomes}), {tally.done_now} of them done now")

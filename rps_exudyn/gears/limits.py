@@ -10,7 +10,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 
 import numpy as np
 
-from rps_exudyn.base import units
+from rps_exudyn.base.units import factor, mm
 from rps_exudyn.gears import basic_rack, clearance
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
@@ -60,7 +60,7 @@ def _cutter(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
         rho = (np.pi / 4 - pair.rack_dedendum / m * np.tan(alpha)) / (1 / np.cos(alpha) - np.tan(alpha))
         yield Violation(
             "The cutter's tip would be pointed: its roundings overlap by "
-            f"{_mm(-2 * basic_rack.cutter_tip_centre(pair)[0])}, and may not",
+            f"{mm(-2 * basic_rack.cutter_tip_centre(pair)[0])}, and may not",
             "basic_rack.fillet_radius",
             _inward(gear, "basic_rack.fillet_radius", rho, -1) if rho >= 0 else None,
         )
@@ -68,15 +68,15 @@ def _cutter(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
         needed = (pair.rack_addendum + pair.fillet_radius * (1 - np.sin(pair.alpha_n))) / m
         yield Violation(
             "The cutter does not reach: its straight flank ends "
-            f"{_mm(basic_rack.straight_depth(pair))} from the reference line, "
-            f"and the rack's tips, {_mm(pair.rack_addendum)} from it, cut into the root",
+            f"{mm(basic_rack.straight_depth(pair))} from the reference line, "
+            f"and the rack's tips, {mm(pair.rack_addendum)} from it, cut into the root",
             "basic_rack.dedendum",
             _inward(gear, "basic_rack.dedendum", needed, +1),
         )
     if pair.root_radius <= 0.1 * m:
         least = max((pair.rack_dedendum - pair.reference_radius) / m + 0.1, basic_rack.undercut_limit(pair))
         yield Violation(
-            f"The root radius is {_mm(pair.root_radius)}; it must be at least {_mm(0.1 * m)}",
+            f"The root radius is {mm(pair.root_radius)}; it must be at least {mm(0.1 * m)}",
             "pinion.profile_shift",
             _inward(gear, "pinion.profile_shift", least, +1),
         )
@@ -104,8 +104,8 @@ def _teeth(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
         return
     if pair.tip_radius <= form * (1 + 1e-6):
         yield Violation(
-            f"The tip diameter is {_mm(2 * pair.tip_radius)}; it must be above the form diameter "
-            f"{_mm(2 * form)}, where the involute begins",
+            f"The tip diameter is {mm(2 * pair.tip_radius)}; it must be above the form diameter "
+            f"{mm(2 * form)}, where the involute begins",
             "pinion.tip_diameter",
             _inward(gear, "pinion.tip_diameter", 2 * form * (1 + 2e-6), +1),
         )
@@ -118,7 +118,7 @@ def _crest(gear: SteeringGear, pair: GearPair, form: float) -> Iterator[Violatio
     if crest < least:
         enough = basic_rack.crest_width(pair, form) > least
         yield Violation(
-            f"The teeth are pointed: the crest is {_mm(crest)} wide; it must be at least {_mm(least)}",
+            f"The teeth are pointed: the crest is {mm(crest)} wide; it must be at least {mm(least)}",
             "pinion.tip_diameter",
             _inward(gear, "pinion.tip_diameter", 2 * basic_rack.tip_radius_for_crest(pair, least), -1)
             if enough
@@ -126,7 +126,7 @@ def _crest(gear: SteeringGear, pair: GearPair, form: float) -> Iterator[Violatio
         )
     elif 2 * gear.pinion.tip_relief > crest:
         yield Violation(
-            f"The tip relief takes more than the crest, which is {_mm(crest)} wide",
+            f"The tip relief takes more than the crest, which is {mm(crest)} wide",
             "pinion.tip_relief",
             _inward(gear, "pinion.tip_relief", crest / 2, -1),
         )
@@ -134,8 +134,8 @@ def _crest(gear: SteeringGear, pair: GearPair, form: float) -> Iterator[Violatio
     if rack_crest < least:
         addendum = (np.pi / 2 - LEAST_CREST) / (2 * np.tan(pair.alpha_n))
         yield Violation(
-            f"The rack's teeth are pointed: their crest is {_mm(rack_crest)} wide; it must be "
-            f"at least {_mm(least)}",
+            f"The rack's teeth are pointed: their crest is {mm(rack_crest)} wide; it must be "
+            f"at least {mm(least)}",
             "basic_rack.addendum",
             _inward(gear, "basic_rack.addendum", addendum, -1),
         )
@@ -147,19 +147,19 @@ def _mesh(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
     room, cut = min(at_rack, at_pinion), clearance.pinion_tip_interference(pair)
     if at_rack < 0:
         yield Violation(
-            f"The pinion's tips reach {_mm(-at_rack)} into the rack's root",
+            f"The pinion's tips reach {mm(-at_rack)} into the rack's root",
             "pinion.tip_diameter",
             _inward(gear, "pinion.tip_diameter", 2 * _largest_tip_radius(pair), -1),
         )
     elif cut > ROUNDING:
         yield Violation(
-            f"The pinion's tips cut {_mm(cut)} into the fillets of the rack's root",
+            f"The pinion's tips cut {mm(cut)} into the fillets of the rack's root",
             "pinion.tip_diameter",
             _inward(gear, "pinion.tip_diameter", 2 * _largest_tip_radius(pair), -1),
         )
     elif pair.runout > room:
         yield Violation(
-            f"The runout is {_mm(pair.runout)}; it must be at most the smaller root clearance, {_mm(room)}",
+            f"The runout is {mm(pair.runout)}; it must be at most the smaller root clearance, {mm(room)}",
             "pinion.runout",
             _inward(gear, "pinion.runout", room, -1),
         )
@@ -167,7 +167,7 @@ def _mesh(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
     shaft = gear.pinion.shaft_diameter / 2
     if shaft + pair.runout > rack_tips:
         yield Violation(
-            f"The rack's tips cut into the pinion's shaft: they come to {_mm(rack_tips)} from its axis",
+            f"The rack's tips cut into the pinion's shaft: they come to {mm(rack_tips)} from its axis",
             "pinion.shaft_diameter",
             _inward(gear, "pinion.shaft_diameter", 2 * (rack_tips - pair.runout), -1),
         )
@@ -195,7 +195,7 @@ def _contact(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
         )
     elif gear.pinion.tip_relief > 0 and gear.pinion.tip_relief_length > qa - q0 + ROUNDING:
         yield Violation(
-            f"The tip relief reaches beyond the active flank, which is {_mm(qa - q0)} of roll long",
+            f"The tip relief reaches beyond the active flank, which is {mm(qa - q0)} of roll long",
             "pinion.tip_relief_length",
             _inward(gear, "pinion.tip_relief_length", qa - q0, -1),
         )
@@ -206,7 +206,7 @@ def _parts(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
     missing = bar.x_min - bar.toothed_ends[0]
     if missing > 0:
         yield Violation(
-            f"The rack's teeth need {_mm(missing)} more than the bar offers on the side away from the bush",
+            f"The rack's teeth need {mm(missing)} more than the bar offers on the side away from the bush",
             "rack.length",
             _inward(gear, "rack.length", gear.rack.length + missing, +1),
         )
@@ -215,14 +215,14 @@ def _parts(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
     if corner > plunger:
         room = plunger**2 - seat_half_width**2
         yield Violation(
-            f"The seat's corners reach {_mm(corner)} from the plunger's axis; its radius is {_mm(plunger)}",
+            f"The seat's corners reach {mm(corner)} from the plunger's axis; its radius is {mm(plunger)}",
             "yoke.seat_length",
             _inward(gear, "yoke.seat_length", 2 * np.sqrt(room), -1) if room > 0 else None,
         )
     depth = radius * (1 - np.cos(yoke.seat_angle))
     if yoke.plunger_length <= depth:
         yield Violation(
-            f"The seat is {_mm(depth)} deep; the plunger must be longer than that",
+            f"The seat is {mm(depth)} deep; the plunger must be longer than that",
             "yoke.plunger_length",
             _inward(gear, "yoke.plunger_length", depth + 1e-3, +1),
         )
@@ -248,7 +248,7 @@ def _inward(gear: SteeringGear, path: str, value: float, sense: int) -> float | 
     """
     unit = gear.declared_at(path)[0].unit
     assert unit is not None
-    scale = units.factor(unit.display, unit.si) if unit.si else 1.0
+    scale = factor(unit.display, unit.si) if unit.si else 1.0
     rounding = ROUND_CEILING if sense > 0 else ROUND_FLOOR
     shown = float(Decimal(float(value) / scale).quantize(Decimal("1e-4"), rounding))
     try:
@@ -256,7 +256,3 @@ def _inward(gear: SteeringGear, path: str, value: float, sense: int) -> float | 
     except ValueError:
         return None
     return shown * scale
-
-
-def _mm(length: float) -> str:
-    return f"{length * 1e3:.4g} mm"

@@ -323,7 +323,7 @@ def _problems_of(
 def _problem(table: type[Table], item: Any, given: Mapping[str, Any], settings: Iterable[str]) -> Problem:
     path = ".".join(str(part) for part in item["loc"])
     value = _value_in(given, item["loc"])
-    shown = _shown(value)
+    shown = units.shown(value)
     if item["type"] == "extra_forbidden":
         kind = "table of parameters" if isinstance(value, Mapping) else "parameter"
         from_file = not Problem((path,), "").concerns(settings)
@@ -338,13 +338,6 @@ def _problem(table: type[Table], item: Any, given: Mapping[str, Any], settings: 
     else:
         sentence = f"{path} is {shown}; it must be {table.declared_at(path)[0].allowed}."
     return Problem((path,), sentence)
-
-
-def _shown(value: Any) -> str:
-    try:
-        return units.short(repr(value))
-    except ValueError:  # a number of more digits than Python writes
-        return "a number too long to be shown"
 
 
 def _without(given: Mapping[str, Any], wrong: list[tuple[int | str, ...]]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from html import escape
 from typing import Literal
 
-from rps_exudyn.base import units
+from rps_exudyn.base.units import mm
 from rps_exudyn.parameters.declaration import (
     DEG,
     Acceleration,
@@ -253,7 +253,7 @@ class SteeringGear(Table):
 
     def __repr__(self) -> str:
         pinion, changes = self.pinion, self.changes_shown()
-        size = f"{pinion.teeth} teeth, module {_mm(pinion.normal_module)}, preload {self.yoke.preload:g} N"
+        size = f"{pinion.teeth} teeth, module {mm(pinion.normal_module)}, preload {self.yoke.preload:g} N"
         return f"<SteeringGear: {size}; {'default but for ' if changes else 'default'}{', '.join(changes)}>"
 
     __str__ = __repr__
@@ -269,47 +269,43 @@ def _conflicts(gear: SteeringGear) -> Iterator[Problem]:
     if pinion.shaft_length < pinion.face_width:
         yield Problem(
             ("pinion.shaft_length", "pinion.face_width"),
-            f"pinion.shaft_length is {_mm(pinion.shaft_length)}; it carries the whole gear and must be "
-            f"at least as long as pinion.face_width = {_mm(pinion.face_width)}.",
+            f"pinion.shaft_length is {mm(pinion.shaft_length)}; it carries the whole gear and must be "
+            f"at least as long as pinion.face_width = {mm(pinion.face_width)}.",
         )
     if bush.inner_diameter >= bush.outer_diameter:
         yield Problem(
             ("bush.inner_diameter", "bush.outer_diameter"),
-            f"bush.inner_diameter is {_mm(bush.inner_diameter)}; it must be smaller than "
-            f"bush.outer_diameter = {_mm(bush.outer_diameter)}.",
+            f"bush.inner_diameter is {mm(bush.inner_diameter)}; it must be smaller than "
+            f"bush.outer_diameter = {mm(bush.outer_diameter)}.",
         )
     if rack.bar_diameter >= bush.inner_diameter:
         yield Problem(
             ("rack.bar_diameter", "bush.inner_diameter"),
-            f"rack.bar_diameter is {_mm(rack.bar_diameter)}; the bar must pass through "
-            f"bush.inner_diameter = {_mm(bush.inner_diameter)}.",
+            f"rack.bar_diameter is {mm(rack.bar_diameter)}; the bar must pass through "
+            f"bush.inner_diameter = {mm(bush.inner_diameter)}.",
         )
     tip_height = rack.reference_height + gear.basic_rack.addendum * gear.pinion.normal_module
     if tip_height >= rack.bar_diameter / 2:
         yield Problem(
             ("rack.reference_height", "rack.bar_diameter", "basic_rack.addendum", "pinion.normal_module"),
-            f"rack.reference_height is {_mm(rack.reference_height)}; with the addendum the teeth reach "
-            f"{_mm(tip_height)} above the bar's axis, which must be less than its radius "
-            f"{_mm(rack.bar_diameter / 2)}.",
+            f"rack.reference_height is {mm(rack.reference_height)}; with the addendum the teeth reach "
+            f"{mm(tip_height)} above the bar's axis, which must be less than its radius "
+            f"{mm(rack.bar_diameter / 2)}.",
         )
     if yoke.plunger_diameter <= rack.bar_diameter * 0.8:
         yield Problem(
             ("yoke.plunger_diameter", "rack.bar_diameter"),
-            f"yoke.plunger_diameter is {_mm(yoke.plunger_diameter)}; a seat for the bar needs more than "
-            f"{_mm(rack.bar_diameter * 0.8)}.",
+            f"yoke.plunger_diameter is {mm(yoke.plunger_diameter)}; a seat for the bar needs more than "
+            f"{mm(rack.bar_diameter * 0.8)}.",
         )
     if rack.travel >= rack.length:
         yield Problem(
             ("rack.travel", "rack.length"),
-            f"rack.travel is {_mm(rack.travel)}; it must be shorter than rack.length = {_mm(rack.length)}.",
+            f"rack.travel is {mm(rack.travel)}; it must be shorter than rack.length = {mm(rack.length)}.",
         )
     elif bush.distance > (farthest := rack.length - bush.length - rack.travel / 2):
         yield Problem(
             ("bush.distance", "bush.length", "rack.travel", "rack.length"),
-            f"bush.distance is {_mm(bush.distance)}; it must be at most {_mm(farthest)}, or the rack "
+            f"bush.distance is {mm(bush.distance)}; it must be at most {mm(farthest)}, or the rack "
             "leaves the bush within half its travel.",
         )
-
-
-def _mm(length: float) -> str:
-    return units.show(length, "m", "mm")

@@ -1,6 +1,6 @@
-"""One self-contained HTML page about a study or about single results.
+"""One self-contained HTML page about studies and single results.
 
-blocks.py: what a page is made of; study_page.py and result_page.py fill it, common.py what both need;
-pictures.py turns charts into SVG; html.py with page.html and page.css sets the page; report.py makes the
-file from paths.
+blocks.py defines the parts of a page; study_page.py and result_page.py fill it, common.py serves both;
+pictures.py turns charts into SVG; html.py with page.html and page.css makes the HTML; report.py writes
+the file.
 """

@@ -1,47 +1,45 @@
-"""What a page is made of: articles of sections of blocks. All text is plain; html.py escapes it."""
+"""The parts of a page: articles of sections of blocks. All text is plain; html.py escapes it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
 
 
 @dataclass(frozen=True)
-class Text:
+class Block:
+    """A part of a section; page.html sets it by its kind."""
+
+    @property
+    def kind(self) -> str:
+        """The class' name in lower case."""
+        return type(self).__name__.lower()
+
+
+@dataclass(frozen=True)
+class Text(Block):
     """A paragraph."""
 
-    kind: ClassVar[str] = "text"
     text: str
 
 
-@dataclass(frozen=True)
-class Warning:
+class Warning(Text):
     """A paragraph that must not be missed."""
 
-    kind: ClassVar[str] = "warning"
-    text: str
+
+class Code(Text):
+    """Commands, or the text of a file."""
 
 
 @dataclass(frozen=True)
-class Code:
-    """Commands or a file's text."""
+class Facts(Block):
+    """Pairs of a term and its value."""
 
-    kind: ClassVar[str] = "code"
-    text: str
-
-
-@dataclass(frozen=True)
-class Facts:
-    """Terms with what is said of them."""
-
-    kind: ClassVar[str] = "facts"
     items: Sequence[tuple[str, str]]
 
 
 @dataclass(frozen=True)
-class Grid:
+class Grid(Block):
     """A table; every row has as many cells as there are columns."""
 
-    kind: ClassVar[str] = "grid"
     columns: Sequence[str]
     rows: Sequence[Sequence[str]]
     caption: str = ""
@@ -49,32 +47,27 @@ class Grid:
 
 @dataclass(frozen=True)
 class Picture:
-    """An SVG drawn by this package, with words for who does not see it."""
+    """An SVG drawn by this package, with a caption that describes it."""
 
     svg: str
     caption: str
-    width: float  # at most so wide [in]
+    width: float  # at most [in]
 
 
 @dataclass(frozen=True)
-class Pictures:
+class Pictures(Block):
     """Pictures side by side as far as there is room."""
 
-    kind: ClassVar[str] = "pictures"
     pictures: Sequence[Picture]
 
 
 @dataclass(frozen=True)
-class Fold:
+class Fold(Block):
     """Blocks under a line that opens and closes them; in print they are open."""
 
-    kind: ClassVar[str] = "fold"
     title: str
-    blocks: Sequence["Block"]
+    blocks: Sequence[Block]
     is_open: bool = False
-
-
-Block = Text | Warning | Code | Facts | Grid | Pictures | Fold
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Small pictures of a study: main effect of an axis, response surface over two axes, distribution.
 
-They are as wide as a phone; a page sets them side by side.
+They are as narrow as a phone; a page sets them side by side.
 """
 
 from collections.abc import Iterable
@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 
+from rps_exudyn.base.units import words
 from rps_exudyn.charts import style
 from rps_exudyn.results.quantities import Quantity
 from rps_exudyn.study.description import Axis
@@ -18,42 +19,30 @@ from rps_exudyn.study.effects import MainEffect
 from rps_exudyn.study.table import axis_quantity
 
 WIDTH, HEIGHT = 3.4, 2.6  # [in]; two of them on a sheet of A4
-MOST_TICKS = 5  # levels of a grid that are all written at the axis
+MOST_TICKS = 5  # levels of a grid that are all labelled
 MOST_DOTS = 500
+_DOT: Any = {"alpha": 0.6, "markersize": 8, "markeredgewidth": 0}
 _CASE_DOT: Any = {"color": "white", "markersize": 3.5, "markeredgecolor": "black", "markeredgewidth": 0.5}
-COLOUR_MAP = "cividis"  # even in brightness: printed in grey it still rises
+COLOUR_MAP = "cividis"  # of even brightness: its order is kept in grey print
 
 
 def main_effect_figure(axis: Axis, effect: MainEffect, name: str, quantity: Quantity) -> Figure:
-    """Cases as dots, the means over the axis' levels as a line."""
+    """Picture of a main effect: cases as dots, the means over the axis' levels as a line."""
     figure, axes = _small()
     x, levels = _abscissa(axes, axis, effect)
     some = _some(effect.numbers.size)
-    axes.plot(
-        x[some],
-        quantity.displayed(effect.numbers[some]),
-        ".",
-        color=style.COLOURS["reference"],
-        alpha=0.6,
-        markersize=8,
-        markeredgewidth=0,
-    )
-    known = np.isfinite(effect.mean)
-    axes.plot(
-        levels[known],
-        quantity.displayed(effect.mean[known]),
-        "o-",
-        color=style.COLOURS["torque"],
-        markersize=4,
-    )
-    axes.set_ylabel(quantity.axis_label(_words(name)))
+    numbers, mean = quantity.displayed(effect.numbers[some]), quantity.displayed(effect.mean)
+    axes.plot(x[some], numbers, ".", color=style.COLOURS["reference"], **_DOT)
+    known = np.isfinite(mean)
+    axes.plot(levels[known], mean[known], "o-", color=style.COLOURS["torque"], markersize=4)
+    axes.set_ylabel(quantity.axis_label(words(name)))
     return figure
 
 
 def surface_figure(
     first: Axis, second: Axis, surface: Iterable[np.ndarray], name: str, quantity: Quantity
 ) -> Figure:
-    """Means over a grid of two axes, as colours with lines of equal value; cases unknown stay white."""
+    """Picture of means over a grid of two axes, as colours with contour lines; unknown cases stay white."""
     figure, axes = _small(HEIGHT + 0.3)
     levels, others, means = surface
     shown = quantity.displayed(means)
@@ -77,7 +66,7 @@ def scattered_figure(
     name: str,
     quantity: Quantity,
 ) -> Figure:
-    """Cases of a sampled design over two axes, coloured by the number; arrays have the shape (cases,)."""
+    """Picture of sampled cases over two axes, coloured by the number; arrays have the shape (cases,)."""
     figure, axes = _small(HEIGHT + 0.3)
     x = _ticks(axes, "x", first, points[0])
     y = _ticks(axes, "y", second, points[1])
@@ -89,7 +78,7 @@ def scattered_figure(
 
 
 def distribution_figure(numbers: np.ndarray, name: str, quantity: Quantity) -> Figure:
-    """How often each value occurred, with the median and the range of 90 % of the cases."""
+    """Histogram of a number, shape (cases,) [SI], with the median and the range of 90 % of the cases."""
     figure, axes = _small()
     shown = quantity.displayed(numbers[np.isfinite(numbers)])
     axes.hist(shown, bins="auto" if shown.size > 20 else 5, color=style.COLOURS["torque"], alpha=0.75)
@@ -99,14 +88,14 @@ def distribution_figure(numbers: np.ndarray, name: str, quantity: Quantity) -> F
     axes.axvspan(
         low, high, color=style.COLOURS["other"], alpha=0.15, linewidth=0, zorder=0, label="90 % of the cases"
     )
-    axes.set_xlabel(quantity.axis_label(_words(name)))
+    axes.set_xlabel(quantity.axis_label(words(name)))
     axes.set_ylabel("cases")
     style.legend_above(axes)
     return figure
 
 
 def _some(count: int) -> slice:
-    """Cases that are drawn as dots: evenly spread over all, so that a page stays light."""
+    """Cases that are drawn as dots: at most about MOST_DOTS, evenly chosen, so that a page stays small."""
     return slice(None, None, max(1, -(-count // MOST_DOTS)))
 
 
@@ -116,7 +105,7 @@ def _small(height: float = HEIGHT) -> tuple[Figure, Axes]:
 
 
 def _abscissa(axes: Axes, axis: Axis, effect: MainEffect) -> tuple[np.ndarray, np.ndarray]:
-    """Where cases and levels stand, in the axis' display unit or by their number."""
+    """Abscissae of cases and levels, in the axis' display unit or by their number."""
     levels = _ticks(axes, "x", axis, effect.levels)
     if effect.levels.dtype.kind == "f":
         return axis_quantity(axis).displayed(effect.values), levels
@@ -124,7 +113,7 @@ def _abscissa(axes: Axes, axis: Axis, effect: MainEffect) -> tuple[np.ndarray, n
 
 
 def _ticks(axes: Axes, direction: str, axis: Axis, values: np.ndarray) -> np.ndarray:
-    """Values in the axis' display unit; words by their number, as ticks. The axis gets its label."""
+    """Label the axis; returns the values in its display unit, or the numbers of words, which become ticks."""
     quantity = axis_quantity(axis)
     axes.set(**{f"{direction}label": quantity.axis_label(axis.name)})
     if values.dtype.kind == "f":
@@ -140,9 +129,5 @@ def _ticks(axes: Axes, direction: str, axis: Axis, values: np.ndarray) -> np.nda
 def _colour_bar(figure: Figure, axes: Axes, image: ScalarMappable, name: str, quantity: Quantity) -> None:
     axes.grid(False)
     bar = figure.colorbar(image, ax=axes)
-    bar.set_label(quantity.axis_label(_words(name)))
+    bar.set_label(quantity.axis_label(words(name)))
     bar.outline.set_visible(False)
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")

@@ -1,4 +1,4 @@
-"""Articles -> one HTML page that needs nothing else: no script, no font, no request."""
+"""From articles to one HTML page without scripts, fonts or requests."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,7 +11,7 @@ _FOLDER = Path(__file__).parent
 
 
 def page(title: str, articles: Sequence[Article]) -> str:
-    """The page; all text is escaped, only pictures (drawn by this package) stand as they are."""
+    """The page as HTML; all text is escaped except the SVG of pictures, which this package draws."""
     environment = Environment(
         loader=FileSystemLoader(_FOLDER),
         autoescape=True,

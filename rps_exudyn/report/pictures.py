@@ -1,4 +1,4 @@
-"""Charts as SVG that stands inside a page: text stays text, nothing in it clashes with other pictures."""
+"""Charts as SVG inside a page: text remains text, and identifiers are unique among the pictures."""
 
 import hashlib
 import io
@@ -26,7 +26,7 @@ def picture(figure: Figure, caption: str) -> Picture:
 
 
 def _for_a_page(svg: str) -> str:
-    """The svg element alone, as wide as its place, with just those ids that it refers to itself."""
+    """The svg element alone, as wide as its place, with only the ids to which it refers itself."""
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>\s*|<style.*?</style>\s*", "", svg, flags=re.S)
     svg = re.sub(r'^(<svg\b[^>]*?) width="[^"]*"', r"\1", svg)
@@ -39,5 +39,5 @@ def _for_a_page(svg: str) -> str:
 
 
 def _to_hundredths(coordinates: re.Match[str]) -> str:
-    """Of a point (1/72 inch): finer is not seen, and doubles the page."""
+    """Round to hundredths of a point (1/72 inch): more digits are invisible and double the page's size."""
     return re.sub(r"(\.\d\d)\d+", r"\1", coordinates[0])

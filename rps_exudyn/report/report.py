@@ -1,4 +1,4 @@
-"""Paths of studies and results -> one HTML file."""
+"""From paths of studies and results to one HTML file."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,10 +16,10 @@ SUFFIXES = (".html", ".htm")
 
 
 def write_report(paths: Sequence[str | Path], out: str | Path) -> None:
-    """Write the page about studies (folders) and results (files), whole or not at all.
+    """Write the page about studies (folders) and results (files).
 
     Raises:
-        InputError: a path that is neither, is damaged, or of a newer format; or `out` cannot be written.
+        InputError: a path that is neither, damaged, or of another format; or `out` cannot be written.
     """
     articles = _articles([Path(path) for path in paths])
     text = page(" · ".join(article.title for article in articles), articles)
@@ -28,14 +28,14 @@ def write_report(paths: Sequence[str | Path], out: str | Path) -> None:
 
 
 def default_name(paths: Sequence[Path]) -> Path:
-    """Where the report goes if nobody says: into a study's folder, beside a result, or here."""
+    """The default path of the report: in a study's folder, beside a result, or in the current folder."""
     if len(paths) > 1:
         return Path("report.html")
     return paths[0] / "report.html" if paths[0].is_dir() else paths[0].with_suffix(".html")
 
 
 def _articles(paths: Sequence[Path]) -> list[Article]:
-    """Everything is opened before anything is drawn, so that all mistakes are told at once."""
+    """The articles; all paths are opened before anything is drawn, so that all mistakes are reported."""
     problems: list[str] = []
     opened = {}
     for path in paths:

@@ -1,4 +1,4 @@
-"""What a page says about one result, of any scene; and about several side by side."""
+"""The article about one result of any scene, and the comparison of several side by side."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -9,7 +9,7 @@ from rps_exudyn.charts.scene import figure_of
 from rps_exudyn.charts.signals import WIDTH, signals_figure
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.report.blocks import Article, Block, Code, Facts, Fold, Grid, Pictures, Section, Text, Warning
-from rps_exudyn.report.common import fidelity_facts, parameter_grid, provenance_facts, told
+from rps_exudyn.report.common import as_text, fidelity_facts, parameter_grid, provenance_facts
 from rps_exudyn.report.pictures import picture
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, SUMMARY, Quantity
@@ -18,7 +18,7 @@ from rps_exudyn.scenes import SCENE_NAMES
 
 
 def result_article(result: Result, path: Path) -> Article:
-    """All of one result."""
+    """Outcome, curves, parameters and provenance of a result in the file `path`."""
     return Article(
         title=f"{result.scene} · {path.name}",
         lead=f"fidelity {result.fidelity['name']} · status {result.status} · {result.provenance['date']}",
@@ -32,7 +32,7 @@ def result_article(result: Result, path: Path) -> Article:
 
 
 def side_by_side(results: Mapping[Path, Result]) -> Article:
-    """Several results: their outcomes and numbers in one table."""
+    """The outcomes, numbers and differing parameters of several results, by their files, in one table."""
     names = {path: path.name for path in results}
     if len(set(names.values())) < len(names):
         names = {path: str(path) for path in results}
@@ -45,12 +45,11 @@ def side_by_side(results: Mapping[Path, Result]) -> Article:
         values = [result.summary.get(name) for result in results.values()]
         if any(value is not None for value in values):
             rows.append([name, *("" if value is None else SUMMARY[name].show(value) for value in values)])
-    settings = {path: _changed(result.gear) for path, result in results.items()}
+    settings = {path: result.gear.changes() for path, result in results.items()}
     for parameter in dict.fromkeys(name for changed in settings.values() for name in changed):
         values = [result.gear.value_at(parameter) for result in results.values()]
         if len({repr(value) for value in values}) > 1:
-            shown = [str(parameter_grid({parameter: value}).rows[0][1]) for value in values]
-            rows.append([parameter, *shown])
+            rows.append([parameter, *(parameter_grid({parameter: value}).rows[0][1] for value in values)])
     grid = Grid(["", *names.values()], rows)
     return Article("Results side by side", f"{len(results)} files", [Section("Numbers", [grid])])
 
@@ -79,7 +78,7 @@ def _curves(result: Result) -> Iterable[Block]:
 
 
 def _scene_figure(result: Result) -> Figure | None:
-    """The scene's own picture, if all that it shows was kept; its headline the page has already."""
+    """The scene's own picture without its headline, which the page has; None if signals are missing."""
     if result.status is not Status.OK or result.scene not in SCENE_NAMES:
         return None
     try:
@@ -92,7 +91,7 @@ def _scene_figure(result: Result) -> Figure | None:
 
 
 def _parameters(result: Result) -> Iterable[Block]:
-    changed = _changed(result.gear)
+    changed = result.gear.changes()
     if changed:
         yield parameter_grid(changed, "Parameters that differ from the defaults")
     else:
@@ -101,7 +100,7 @@ def _parameters(result: Result) -> Iterable[Block]:
     yield Fold("All parameters of gear and test", [parameter_grid(every)])
     yield fidelity_facts(result.fidelity)
     yield Fold(
-        "Settings of the solver", [Facts([(name, told(value)) for name, value in result.solver.items()])]
+        "Settings of the solver", [Facts([(name, as_text(value)) for name, value in result.solver.items()])]
     )
     if result.counters:
         times = {"CPU time": result.cpu_s, "elapsed time": result.wall_s}
@@ -117,13 +116,6 @@ def _parameters(result: Result) -> Iterable[Block]:
 def _quantities(known: Mapping[str, Quantity], values: Mapping[str, float]) -> Grid:
     rows = [[name, known[name].show(value), known[name].long_name] for name, value in values.items()]
     return Grid(("quantity", "value", "definition"), rows)
-
-
-def _changed(gear: SteeringGear) -> dict[str, object]:
-    """Path -> value of the parameters that are not as by default."""
-    default = SteeringGear()
-    paths = [item.path for item in SteeringGear.declared()]
-    return {path: gear.value_at(path) for path in paths if gear.value_at(path) != default.value_at(path)}
 
 
 def _commands(path: Path) -> str:

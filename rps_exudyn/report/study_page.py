@@ -1,13 +1,14 @@
-"""What a page says about a study, also a half-finished one, of any scene and design."""
+"""The article about a study of any scene and design, also a half-finished one."""
 
 import itertools
+from collections import Counter
 from collections.abc import Iterable, Sequence
-from pathlib import Path
-from typing import Literal
+from contextlib import suppress
 
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.units import words
 from rps_exudyn.charts.signals import overlaid_figure
 from rps_exudyn.report.blocks import (
     Article,
@@ -37,15 +38,15 @@ from rps_exudyn.study.effects import MainEffect, grid_effect, sampled_effect, su
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import PENDING, CaseTable, axis_quantity, show_value
 
-LEADING = 3  # numbers that stand open, with their best and worst cases
-WITH_PICTURES = 6  # numbers whose effects are drawn, not only told
-MOST_SURFACES = 3  # for each of them: of the axes that matter most
+LEADING = 3  # numbers whose folds are open, with their best and worst cases
+WITH_PICTURES = 6  # numbers whose effects are drawn, too
+MOST_SURFACES = 3  # for each of them, over the axes with the largest effects
 MOST_ROWS = 300  # cases listed one by one
 MOST_VALUES = 8  # of an axis, written out
 
 
 def study_article(store: Store) -> Article:
-    """All of one study."""
+    """Everything about the study in a folder."""
     table = CaseTable.of(store)
     description = table.description
     return Article(
@@ -65,8 +66,7 @@ def study_article(store: Store) -> Article:
 
 
 def _progress(table: CaseTable) -> str:
-    count = {status: int((table.status == status).sum()) for status in dict.fromkeys(table.status.tolist())}
-    parts = [f"{number} {status}" for status, number in count.items()]
+    parts = [f"{number} {status}" for status, number in Counter(table.status.tolist()).items()]
     return f"{_count(len(table.cases), 'case')}: {', '.join(parts)}" if parts else "no cases"
 
 
@@ -78,8 +78,8 @@ def _what(table: CaseTable) -> Iterable[Block]:
     pending = int((table.status == PENDING).sum())
     if pending:
         yield Warning(
-            f"Not finished: {pending} of {len(table.cases)} cases are still to run. What follows is of the "
-            "others; the same command goes on where it stopped."
+            f"Not finished: {pending} of {len(table.cases)} cases are still to run. The page shows the "
+            "others; the same command continues where it stopped."
         )
     if table.skipped:
         yield Warning(
@@ -148,8 +148,8 @@ def _outcome(table: CaseTable) -> Iterable[Block]:
     rows = []
     for name, values in table.numbers.items():
         known = values[np.isfinite(values)]
-        told = [SUMMARY[name].show(float(at(known))) for at in (np.min, np.median, np.max)]
-        rows.append([name, *told, SUMMARY[name].long_name])
+        shown = [SUMMARY[name].show(float(at(known))) for at in (np.min, np.median, np.max)]
+        rows.append([name, *shown, SUMMARY[name].long_name])
     yield Grid(
         ("quantity", "lowest", "median", "highest", "definition"), rows, "Over the cases that ended ok"
     )
@@ -175,32 +175,32 @@ def _effects(table: CaseTable) -> Iterable[Block]:
         )
     else:
         yield Text("Dots are cases; the line joins the means of classes of equally many.")
-    yield Text("The share is what the means of an axis' levels alone explain of the variance over the cases.")
+    yield Text("The fraction is the part of the variance that the means of an axis' levels explain.")
     for place, name in enumerate(names):
         blocks = list(_effects_on(table, name))
         if place < WITH_PICTURES:
             blocks.append(Pictures([*_effect_pictures(table, name), *_surfaces(table, name)]))
-        yield Fold(_words(name), blocks, is_open=place < LEADING)
+        yield Fold(words(name), blocks, is_open=place < LEADING)
 
 
 def _effects_on(table: CaseTable, name: str) -> Iterable[Block]:
     yield Text(f"{SUMMARY[name].long_name}.")
     rows = [_effect_row(axis, effect, name) for axis, effect in _all_effects(table, name)]
-    yield Grid(("axis", "from", "to", "mean from", "mean to", "share"), rows)
+    yield Grid(("axis", "from", "to", "mean from", "mean to", "fraction"), rows)
 
 
 def _effect_pictures(table: CaseTable, name: str) -> Iterable[Picture]:
     if table.description.design != GRID_DESIGN:
         spread = distribution_figure(table.numbers[name], name, SUMMARY[name])
-        yield picture(spread, f"{_words(name)}: distribution")
+        yield picture(spread, f"{words(name)}: distribution")
     for axis, effect in _all_effects(table, name):
         figure = main_effect_figure(axis, effect, name, SUMMARY[name])
-        yield picture(figure, f"{_words(name)} over {axis.name}")
+        yield picture(figure, f"{words(name)} over {axis.name}")
 
 
 def _surfaces(table: CaseTable, name: str) -> Iterable[Picture]:
-    """Over the pairs of the axes that matter most."""
-    effects = sorted(_all_effects(table, name), key=lambda pair: -pair[1].share)
+    """Pictures over pairs of the axes with the largest effects."""
+    effects = sorted(_all_effects(table, name), key=lambda pair: -pair[1].fraction)
     pairs = itertools.combinations([axis for axis, _ in effects], 2)
     return (_surface(table, pair, name) for pair in itertools.islice(pairs, MOST_SURFACES))
 
@@ -208,25 +208,22 @@ def _surfaces(table: CaseTable, name: str) -> Iterable[Picture]:
 def _all_effects(table: CaseTable, name: str) -> list[tuple[Axis, MainEffect]]:
     """Every axis that takes several values, with its effect on a number."""
     axes = [axis for axis in table.description.axes if len(np.unique(table.axes[axis.name])) > 1]
-    return [(axis, _effect(table, axis, table.numbers[name])) for axis in axes]
-
-
-def _effect(table: CaseTable, axis: Axis, numbers: np.ndarray) -> MainEffect:
     if table.description.design == GRID_DESIGN:
-        return grid_effect(table.axes, axis.name, numbers)
-    return sampled_effect(table.axes[axis.name], numbers)
+        return [(axis, grid_effect(table.axes, axis.name, table.numbers[name])) for axis in axes]
+    return [(axis, sampled_effect(table.axes[axis.name], table.numbers[name])) for axis in axes]
 
 
 def _effect_row(axis: Axis, effect: MainEffect, name: str) -> list[str]:
+    """From the first level to the last; words, which have no order, from the lowest mean to the highest."""
     known = np.flatnonzero(np.isfinite(effect.mean))
     if known.size < 2:
         return [axis.name, "", "", "", "", ""]
+    if effect.levels.dtype.kind != "f":
+        known = known[np.argsort(effect.mean[known], kind="stable")]
     ends = [known[0], known[-1]]
-    if effect.levels.dtype.kind != "f":  # words have no order: from the lowest mean to the highest
-        ends = [known[np.argmin(effect.mean[known])], known[np.argmax(effect.mean[known])]]
     levels = [show_value(axis, effect.levels[at].item()) for at in ends]
     means = [SUMMARY[name].show(float(effect.mean[at])) for at in ends]
-    return [axis.name, *levels, *means, f"{effect.share:.0%}"]
+    return [axis.name, *levels, *means, f"{effect.fraction:.0%}"]
 
 
 def _surface(table: CaseTable, pair: tuple[Axis, Axis], name: str) -> Picture:
@@ -239,7 +236,7 @@ def _surface(table: CaseTable, pair: tuple[Axis, Axis], name: str) -> Picture:
         known = np.isfinite(numbers)
         points = (table.axes[first.name][known], table.axes[second.name][known], numbers[known])
         figure = scattered_figure(first, second, points, name, quantity)
-    return picture(figure, f"{_words(name)} over {first.name} and {second.name}")
+    return picture(figure, f"{words(name)} over {first.name} and {second.name}")
 
 
 def _sensitivity(table: CaseTable) -> list[Section]:
@@ -259,29 +256,27 @@ def _sensitivity(table: CaseTable) -> list[Section]:
 
 def _indices(table: CaseTable, name: str, kinds: Sequence[str]) -> Grid:
     found = sensitivity.indices(table, name)
-    unit = SUMMARY[name] if found.design == sensitivity.MORRIS else None
-    rows = []
-    for axis, row in found.rows.items():
-        cells = []
-        for kind in kinds:
-            index = row[kind]
-            show = unit.show if unit else "{:.3f}".format
-            spread = f" ± {show(index.confidence)}" if np.isfinite(index.confidence) else ""
-            cells.append(f"{show(index.value)}{spread}")
-        rows.append([axis, *cells])
+    show = SUMMARY[name].show if found.design == sensitivity.MORRIS else "{:.3f}".format
+
+    def cell(index: sensitivity.Index) -> str:
+        interval = f" ± {show(index.confidence)}" if np.isfinite(index.confidence) else ""
+        return f"{show(index.value)}{interval}"
+
+    rows = [[axis, *(cell(row[kind]) for kind in kinds)] for axis, row in found.rows.items()]
     left_out = f", {found.left_out} left out for unknown numbers" if found.left_out else ""
-    caption = f"{_words(name)}: from {found.groups} groups of cases{left_out}; ± is the 95 % interval"
+    caption = f"{words(name)}: from {found.groups} groups of cases{left_out}; ± is the 95 % interval"
     return Grid(("axis", *kinds), rows, caption)
 
 
 # --- single cases ------------------------------------------------------------------------------
 
 
-def _better(name: str) -> Literal["lowest", "highest", ""]:
-    """Which end of a number is the better one, if it is known."""
+def _ends(name: str) -> dict[str, str]:
+    """The ends of a number from the better to the worse, if that is known: end -> its label."""
     if name.startswith("efficiency"):
-        return "highest"
-    return "lowest" if name.startswith("torque") else ""
+        return {"highest": "highest (best)", "median": "median", "lowest": "lowest (worst)"}
+    best, worst = (" (best)", " (worst)") if name.startswith("torque") else ("", "")
+    return {"lowest": f"lowest{best}", "median": "median", "highest": f"highest{worst}"}
 
 
 def _extremes(table: CaseTable, store: Store) -> Iterable[Block]:
@@ -289,37 +284,27 @@ def _extremes(table: CaseTable, store: Store) -> Iterable[Block]:
     if not names:
         yield Text("No number differs between the cases that ended ok.")
     for name in names:
-        yield Fold(_words(name), list(_extremes_of(table, store, name)), is_open=True)
+        yield Fold(words(name), list(_extremes_of(table, store, name)), is_open=True)
 
 
 def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[Block]:
     numbers = table.numbers[name]
     order = np.argsort(numbers, kind="stable")[: int(np.isfinite(numbers).sum())]
     places = {"lowest": order[0], "median": order[(len(order) - 1) // 2], "highest": order[-1]}
-    if _better(name) == "highest":
-        places = dict(reversed(places.items()))
-    best = {_better(name): " (best)", _opposite(name): " (worst)"} if _better(name) else {}
-    cases = {f"{end}{best.get(end, '')}": table.cases[at] for end, at in places.items()}
-    rows = [
-        [label, SUMMARY[name].show(float(numbers[at])), *_settings(table, case), case.hash]
-        for (label, case), at in zip(cases.items(), places.values(), strict=True)
-    ]
-    yield Grid(("", name, *(axis.name for axis in table.description.axes), "case"), rows)
-    results = {}
-    for label, case in cases.items():
+    rows, results = [], {}
+    for end, label in _ends(name).items():
+        case, number = table.cases[places[end]], float(numbers[places[end]])
+        rows.append([label, SUMMARY[name].show(number), *_settings(table, case), case.hash])
         try:
-            results[label.split(" ")[0]] = store.result(case)
+            results[end] = store.result(case)
         except InputError as error:
             yield Text(" ".join(error.problems))
+    yield Grid(("", name, *table.axes, "case"), rows)
     figure = overlaid_figure(results)
     if figure is None:
         yield Text("No signals were kept of these cases.")
     else:
-        yield Pictures([picture(figure, f"Cases with the lowest, median and highest {_words(name)}")])
-
-
-def _opposite(name: str) -> str:
-    return "lowest" if _better(name) == "highest" else "highest"
+        yield Pictures([picture(figure, f"Cases with the lowest, median and highest {words(name)}")])
 
 
 def _settings(table: CaseTable, case: Case) -> list[str]:
@@ -332,8 +317,11 @@ def _failed(table: CaseTable) -> Iterable[Block]:
         rows = [
             [row.message, *_settings(table, case), case.hash] for case, row in failed if row.status is status
         ]
-        columns = ("message", *(axis.name for axis in table.description.axes), "case")
-        yield Grid(columns, rows[:MOST_ROWS], f"{status}: {_count(len(rows), 'case')}. {status.remedy}")
+        yield Grid(
+            ("message", *table.axes, "case"),
+            rows[:MOST_ROWS],
+            f"{status}: {_count(len(rows), 'case')}. {status.remedy}",
+        )
     if table.skipped:
         rows = [[path.name, sentence] for path, sentence in table.skipped]
         yield Grid(("file", "why it could not be read"), rows[:MOST_ROWS], "Files left out")
@@ -343,24 +331,23 @@ def _failed(table: CaseTable) -> Iterable[Block]:
 
 def _all_cases(table: CaseTable) -> Iterable[Block]:
     names = (_ranked(table) or list(table.numbers))[:LEADING]
-    columns = (*(axis.name for axis in table.description.axes), "status", *names, "case")
     rows = []
     for at, case in enumerate(table.cases[:MOST_ROWS]):
         known = {name: float(table.numbers[name][at]) for name in names}
-        told = [SUMMARY[name].show(value) if np.isfinite(value) else "" for name, value in known.items()]
-        rows.append([*_settings(table, case), table.status[at].item(), *told, case.hash])
+        shown = [SUMMARY[name].show(value) if np.isfinite(value) else "" for name, value in known.items()]
+        rows.append([*_settings(table, case), table.status[at].item(), *shown, case.hash])
     some = f"The first {MOST_ROWS} of {len(table.cases)} cases. " if len(table.cases) > MOST_ROWS else ""
     yield Text(f"{some}Every number of every case: rps-exudyn collect {table.path}")
-    yield Fold(_count(len(rows), "case"), [Grid(columns, rows)])
+    yield Fold(_count(len(rows), "case"), [Grid((*table.axes, "status", *names, "case"), rows)])
 
 
 # --- provenance --------------------------------------------------------------------------------
 
 
 def _provenance(table: CaseTable) -> Iterable[Block]:
-    told = dict(table.description.provenance)
-    command = str(told.pop("command", "")) or f"rps-exudyn study {table.path / 'study.toml'}"
-    yield provenance_facts(told)
+    origin = dict(table.description.provenance)
+    command = str(origin.pop("command", "")) or f"rps-exudyn study {table.path / 'study.toml'}"
+    yield provenance_facts(origin)
     example = next((case.hash for case, ok in zip(table.cases, table.ok, strict=True) if ok), "HASH")
     yield Code(
         f"{command}     # the study; what is finished is kept\n"
@@ -368,21 +355,10 @@ def _provenance(table: CaseTable) -> Iterable[Block]:
         f"rps-exudyn collect {table.path}     # all numbers in one table\n"
         f"rps-exudyn report {table.path}     # this page"
     )
-    study_file = _text_of(table.path / "study.toml")
-    if study_file:
+    with suppress(OSError):
+        study_file = (table.path / "study.toml").read_text(encoding="utf-8", errors="replace")
         yield Fold("Study file", [Code(study_file)])
-
-
-def _text_of(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return ""
 
 
 def _count(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")

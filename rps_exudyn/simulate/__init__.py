@@ -1,1 +1,5 @@
-"""Gear, fidelity and scene in; a result out, whatever its outcome."""
+"""Simulation of a scene: gear and fidelity in, a result out, whatever its outcome.
+
+run.py is the one entry; by_accuracy.py chooses a model, fallback.py safer settings, isolated_run.py a
+process with a time limit; processes.py, worker.py and case_run.py do the cases of studies.
+"""

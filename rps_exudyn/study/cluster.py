@@ -1,8 +1,8 @@
-"""The same cases on a Dask cluster, which its own commands start (`dask scheduler`, `dask worker`).
+"""Cases done on a Dask cluster, which its own commands start (`dask scheduler`, `dask worker`).
 
-Every thread of a Dask worker keeps one process of `processes`, so that time limits and crashes are what they
-are at home. Contents of files come back to the submitting side: workers need no common disk, only the same
-rps-exudyn. Dask hands the cases of a lost worker to others.
+Every thread of a Dask worker keeps one process of `processes`, so that time limits and crashes are handled
+as on the local machine. Contents of files come back to the submitting side: workers need no common disk, only
+the same rps-exudyn. Dask hands the cases of a lost worker to others.
 """
 
 import threading
@@ -26,7 +26,7 @@ _own = threading.local()
 
 @contextmanager
 def cluster(address: str, time_limit: float) -> Iterator[Run]:
-    """Does tasks on the cluster whose scheduler has this address, for instance tcp://10.0.0.1:8786.
+    """A function that does tasks on the cluster whose scheduler has this address (tcp://10.0.0.1:8786).
 
     Raises:
         InputError: no cluster there, no workers, or workers with another rps-exudyn.
@@ -57,7 +57,7 @@ def _connected(address: str) -> "Iterator[Client]":
 
 
 def _threads(client: "Client", address: str) -> int:
-    """How many the cluster has, once its workers are known to be like this one."""
+    """The number of threads of the cluster, after a check that its workers have this rps-exudyn."""
     try:
         client.wait_for_workers(1, timeout=CONNECTING)
     except TimeoutError:
@@ -76,7 +76,7 @@ def _identity() -> str:
 
 
 def _run(client: "Client", tasks: Iterator[Task], time_limit: float, ahead: int) -> Iterator[Done]:
-    """As many submitted as keep the cluster busy; answers in the order in which they come."""
+    """Submit `ahead` tasks at a time, and yield the answers in the order in which they come."""
     from distributed import as_completed
 
     given: dict[Any, Task] = {}
@@ -103,7 +103,7 @@ def _run(client: "Client", tasks: Iterator[Task], time_limit: float, ahead: int)
 
 
 def do_case(task: dict[str, Any], time_limit: float) -> tuple[Any, str, bool, float]:
-    """On the cluster: one case in this thread's process; the fields of `Done`."""
+    """Do one case in this thread's process, on the cluster; returns the fields of `Done`."""
     processes = getattr(_own, "processes", None)
     if processes is None:
         processes = _own.processes = Processes(1, time_limit)

@@ -3,24 +3,21 @@
     write_table(CaseTable.of(store), "table.h5")
     read_table("table.h5")["summary"]["torque_mean"]
 
-The columns of docs/hdf5-format.md: the axes, hash, status, message, times, and the summary's numbers. SI
-units; in a CSV they stand in the header, for instance `torque_mean [N*m]`.
+Its columns are described in docs/hdf5-format.md: the axes, hash, status, message, times, and the summary's
+numbers. Units are SI; a CSV has them in its header, for instance `torque_mean [N*m]`.
 """
 
 import csv
-from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
-from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.atomic import check_writable, replacing
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.hdf5 import opened
-from rps_exudyn.results.quantities import SUMMARY, Quantity
-from rps_exudyn.study.table import CaseTable, axis_quantity
+from rps_exudyn.study.table import CaseTable, Column
 
 FILETYPE = "rps_exudyn-table"
 VERSION = (1, 0)
@@ -28,62 +25,17 @@ VERSION = (1, 0)
 
 SUFFIXES = (".h5", ".hdf5", ".csv")
 
-OUTCOME = {
-    "hash": Quantity("", "", "name of the case's file in cases/, without .h5"),
-    "status": Quantity("", "", "how the case ended, or pending"),
-    "message": Quantity("", "", "why, if the status is not ok"),
-    "cpu_s": Quantity("s", "s", "CPU time of the simulation"),
-    "wall_s": Quantity("s", "s", "elapsed time of the simulation"),
-}
-"""What every table has beside its axes and numbers."""
-
 GROUPS = ("axes", "outcome", "summary")
 
 
-@dataclass(frozen=True, eq=False)
-class Column:
-    """One column, shape (cases,), with what it is."""
-
-    group: str  # one of GROUPS
-    name: str
-    values: np.ndarray
-    quantity: Quantity
-
-    @property
-    def header(self) -> str:
-        """Its name with its unit, for instance "torque_mean [N*m]"."""
-        return f"{self.name} [{self.quantity.unit}]" if self.quantity.unit else self.name
-
-
-def columns_of(table: CaseTable) -> list[Column]:
-    """The table's columns, in order."""
-    outcome: dict[str, np.ndarray] = {
-        "hash": np.array([case.hash for case in table.cases], dtype=np.str_),
-        "status": table.status,
-        "message": np.array([row.message if row else "" for row in table.rows], dtype=np.str_),
-        "cpu_s": table.times("cpu_s"),
-        "wall_s": table.times("wall_s"),
-    }
-    return [
-        *(
-            Column("axes", axis.name, table.axes[axis.name], axis_quantity(axis))
-            for axis in table.description.axes
-        ),
-        *(Column("outcome", name, outcome[name], quantity) for name, quantity in OUTCOME.items()),
-        *(Column("summary", name, values, SUMMARY[name]) for name, values in table.numbers.items()),
-    ]
-
-
 def write_table(table: CaseTable, path: str | Path) -> None:
-    """The study as one file, in the format of the path's suffix, whole or not at all.
+    """Write the study as one file, in the format of the path's suffix.
 
     Raises:
         InputError: another suffix than `SUFFIXES`, or the file cannot be written.
     """
-    suffix = Path(path).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise InputError(f"{path} cannot be written: its name must end in {' or '.join(SUFFIXES)}.")
-    write = _write_csv if suffix == ".csv" else _write_hdf5
+    check_writable(path, SUFFIXES)
+    write = _write_csv if Path(path).suffix.lower() == ".csv" else _write_hdf5
     with replacing(path) as partial:
         write(table, partial)
 
@@ -92,7 +44,7 @@ def read_table(path: str | Path) -> dict[str, dict[str, np.ndarray]]:
     """Group (axes, outcome, summary) -> column -> values, shape (cases,), of a table in HDF5.
 
     Raises:
-        InputError: no such file, no table of this package, damaged, or of a newer format.
+        InputError: no such file, no table of this package, damaged, or of another format version.
     """
     with opened(path, FILETYPE, "table", VERSION) as file:
         try:
@@ -104,7 +56,7 @@ def read_table(path: str | Path) -> dict[str, dict[str, np.ndarray]]:
 
 
 def _write_csv(table: CaseTable, path: Path) -> None:
-    columns = columns_of(table)
+    columns = table.columns()
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow([column.header for column in columns])
@@ -114,7 +66,7 @@ def _write_csv(table: CaseTable, path: Path) -> None:
 
 
 def _cell(value: Any) -> Any:
-    """Unknown numbers are left empty."""
+    """The value, or nothing for an unknown number."""
     return "" if isinstance(value, float) and np.isnan(value) else value
 
 
@@ -135,7 +87,7 @@ def _write_hdf5(table: CaseTable, path: Path) -> None:
             number = file.create_group(group).create_dataset("case", data=np.arange(len(table.cases)))
             number.attrs.update({"units": "", "long_name": "number of the case in the order of the design"})
             number.make_scale("case")
-        for column in columns_of(table):
+        for column in table.columns():
             _put(file[column.group], column)
 
 
@@ -147,8 +99,7 @@ def _put(group: h5py.Group, column: Column) -> None:
         data=values.astype(object) if text else values,
         dtype=h5py.string_dtype() if text else None,
     )
-    attributes: Mapping[str, str] = {"units": column.quantity.unit, "long_name": column.quantity.long_name}
-    dataset.attrs.update(attributes)
+    dataset.attrs.update({"units": column.quantity.unit, "long_name": column.quantity.long_name})
     dataset.dims[0].attach_scale(group["case"])
 
 

@@ -4,12 +4,11 @@
     study.torque_mean.sel(preload=300, method="nearest")
     study.pinion_torque.isel(preload=0)  # its file is read now
 
-Signals are read from the cases' files only where they are looked at. All values are SI, each variable has
-`units` and `long_name`. Numbers and signals of a case that did not end ok, or is not finished, are nan;
-`status` says which.
+Signals are read from the cases' files on access. All values are SI; each variable has `units` and
+`long_name`. Numbers and signals of a case that did not end ok, or is not finished, are nan; `status` says
+which.
 """
 
-from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,10 +24,10 @@ from xarray.core.indexing import (
 )
 
 from rps_exudyn.results.case_file import Keep
-from rps_exudyn.results.quantities import SIGNALS, SUMMARY, Quantity
+from rps_exudyn.results.quantities import SIGNALS, Quantity
 from rps_exudyn.study.description import Description
 from rps_exudyn.study.store import Store
-from rps_exudyn.study.table import CaseTable, axis_quantity
+from rps_exudyn.study.table import CaseTable, Column, axis_quantity
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -37,25 +36,21 @@ CASE, SAMPLE = "case", "sample"
 
 
 def open_study(path: str | Path) -> Dataset:
-    """The study in a folder, also a half-finished one.
+    """Open the study in a folder, also a half-finished one.
 
     Dimensions are the axes of a grid; a sampled design has the one dimension `case`, with the axes' values
     along it. Signals have `sample` as their last dimension, padded with nan to the longest record.
 
     Raises:
-        InputError: no study there, a damaged one, or one of a newer format.
+        InputError: no study there, a damaged one, or one of another format version.
     """
     table = CaseTable.of(Store.open(path))
     layout = _Layout(table)
-    variables: dict[str, Any] = {
-        "hash": layout.variable(np.array([case.hash for case in table.cases], dtype=np.str_), ""),
-        "status": layout.variable(table.status, "absent", {"long_name": "how the case ended"}),
-        "cpu_s": layout.variable(
-            table.times("cpu_s"), np.nan, {"units": "s", "long_name": "CPU time of the simulation"}
-        ),
+    variables = {
+        column.name: layout.variable(column)
+        for column in table.columns()
+        if column.group == "summary" or column.name in ("hash", "status", "cpu_s")
     }
-    for name, values in table.numbers.items():
-        variables[name] = layout.variable(values, np.nan, _attributes(SUMMARY[name]))
     return Dataset(
         variables | _signals(table, layout), coords=layout.coordinates(), attrs=_origin(table.description)
     )
@@ -69,27 +64,14 @@ def study_frame(path: str | Path) -> "DataFrame":
     Raises:
         InputError: as `open_study`.
     """
-    return frame_of(CaseTable.of(Store.open(path)))
+    from pandas import DataFrame
 
-
-def frame_of(table: CaseTable) -> "DataFrame":
-    """A case table as a pandas frame."""
-    from pandas import DataFrame, Index
-
-    return DataFrame(
-        {
-            **table.axes,
-            "status": table.status.astype(object),
-            "message": [row.message if row else "" for row in table.rows],
-            "cpu_s": table.times("cpu_s"),
-            **table.numbers,
-        },
-        index=Index([case.hash for case in table.cases], name="hash"),
-    )
+    columns = CaseTable.of(Store.open(path)).columns()
+    return DataFrame({each.name: each.values for each in columns if each.name != "wall_s"}).set_index("hash")
 
 
 class _Layout:
-    """Where each case stands: over the axes of a grid, or along one dimension."""
+    """The place of each case: over the axes of a grid, or along one dimension."""
 
     def __init__(self, table: CaseTable) -> None:
         self._table = table
@@ -108,17 +90,18 @@ class _Layout:
             self.places = (np.arange(len(table.cases)),)
 
     def arranged(self, values: np.ndarray, absent: Any) -> np.ndarray:
-        """One value per case, shape (cases,), in the shape of the dimensions."""
+        """Values of shape (cases,) in the shape of the dimensions."""
         array = np.full(self.shape, absent, dtype=np.result_type(values.dtype, np.asarray(absent).dtype))
         array[self.places] = values
         return array
 
-    def variable(
-        self, values: np.ndarray, absent: Any, attributes: Mapping[str, str] | None = None
-    ) -> Variable:
-        return Variable(self.dimensions, self.arranged(values, absent), attributes)
+    def variable(self, column: Column) -> Variable:
+        """A column over the dimensions; points of a grid without a case have the status "absent"."""
+        absent = {"hash": "", "status": "absent"}.get(column.name, np.nan)
+        return Variable(self.dimensions, self.arranged(column.values, absent), _attributes(column.quantity))
 
     def coordinates(self) -> Coordinates:
+        """The axes' values along their dimensions."""
         table, found = self._table, {}
         for axis in table.description.axes:
             values = np.array(axis.values) if self.is_grid else table.axes[axis.name]
@@ -129,7 +112,7 @@ class _Layout:
 
 
 class _Signal(BackendArray):
-    """One signal of all cases, shape (axes..., sample): each look reads just the files it touches."""
+    """One signal of all cases, shape (axes..., sample): an access reads only the files that it needs."""
 
     def __init__(self, name: str, files: np.ndarray, samples: int) -> None:
         self._name, self._files = name, files
@@ -150,7 +133,7 @@ class _Signal(BackendArray):
         return values
 
     def _record(self, path: Path) -> np.ndarray:
-        """The whole record, padded; a file that has gone or lost the signal since gives nan."""
+        """The whole record, padded; nan if the file or its signal has been removed since."""
         padded = np.full(self.shape[-1], np.nan)
         try:
             with h5py.File(path, "r") as file:
@@ -162,7 +145,7 @@ class _Signal(BackendArray):
 
 
 def _signals(table: CaseTable, layout: _Layout) -> dict[str, Variable]:
-    """Every signal that was kept, unread."""
+    """Every signal that was kept, not read yet."""
     folder = table.path / "cases"
     usable = zip(table.cases, table.ok, strict=True)
     paths = np.array([folder / f"{case.hash}.h5" if ok else None for case, ok in usable], dtype=object)
@@ -182,9 +165,9 @@ def _signals(table: CaseTable, layout: _Layout) -> dict[str, Variable]:
 
 
 def _lengths(paths: list[Path], keep: Keep) -> dict[str, int]:
-    """Signal -> samples of the longest record; only the files' directories are read.
+    """Signal -> samples of the longest record, from the shapes of the files' datasets.
 
-    Not even those once every signal that the study keeps was seen as long as it may be.
+    No more files are opened once every signal that the study keeps has been found with all its samples.
     """
     longest: dict[str, int] = {}
     for path in paths:
@@ -196,13 +179,10 @@ def _lengths(paths: list[Path], keep: Keep) -> dict[str, int]:
                         longest[name] = max(longest.get(name, 0), group[name].shape[0])
         except (OSError, KeyError):  # gone since the table was read
             continue
-        if keep.signals and keep.samples and _all_seen(longest, keep.signals, keep.samples):
+        samples = keep.samples or np.inf
+        if keep.signals and all(longest.get(name, 0) >= samples for name in keep.signals):
             break
     return longest
-
-
-def _all_seen(longest: Mapping[str, int], names: Iterable[str], samples: int) -> bool:
-    return all(longest.get(name, 0) >= samples for name in names)
 
 
 def _attributes(quantity: Quantity) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""A study as its author means it: a base of gear and fidelity, and axes that vary it."""
+"""A study as its file defines it: a base of gear and fidelity, and axes that vary it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -15,7 +15,7 @@ FIDELITY = "fidelity."
 
 @dataclass(frozen=True)
 class Study:
-    """What a study file says. `tables` and `settings` make the base that the axes vary."""
+    """The content of a study file. `tables` and `settings` make the base that the axes vary."""
 
     file: Path
     title: str
@@ -31,6 +31,7 @@ class Study:
 
     @property
     def name(self) -> str:
+        """The file's name without its suffix."""
         return self.file.stem
 
     @cached_property
@@ -52,16 +53,16 @@ class Study:
 
     @cached_property
     def _base_tables(self) -> dict[str, Any]:
-        """All in SI: units are read once, not in every case."""
+        """The base in SI, so that units are converted once and not in every case."""
         return self.base.model_dump()
 
     def toy(self) -> "Study":
-        """The same study at the smallest size that still shows whether it works."""
+        """The same study at the smallest size: two values of each axis, or four samples."""
         return replace(self, axes=tuple(_first_two(axis) for axis in self.axes), samples=min(self.samples, 4))
 
 
 def choices(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """What of the settings concerns the fidelity, by the names within it."""
+    """The settings of the fidelity, by their names within it."""
     return {
         path.removeprefix(FIDELITY): value for path, value in settings.items() if path.startswith(FIDELITY)
     }

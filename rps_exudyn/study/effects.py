@@ -1,9 +1,9 @@
-"""What each axis of a study does to a number: means over levels, shares of the variance, surfaces.
+"""Effects of a study's axes on a number: means over levels, fractions of the variance, surfaces.
 
 A main effect is the mean of the number over all cases with the same value of one axis. In a full grid the
-other axes are then the same everywhere; where cases are missing or failed, only those settings of the other
-axes enter that are known at every level, so that like is compared with like. The values of a sampled axis
-are put into classes of equal count.
+other axes are then the same at every level; where cases are missing or failed, only those settings of the
+other axes enter that are known at every level. The values of a sampled axis are put into classes of equal
+count.
 """
 
 from collections.abc import Mapping
@@ -14,18 +14,18 @@ import numpy as np
 MOST_CLASSES = 8
 LEAST_PER_CLASS = 4
 LEAST_KNOWN = (0.5, 0.75, 1.0)
-"""Levels that miss more of their cases than others get no mean: shares of the fullest level, in turn."""
+"""Levels that miss more of their cases than others get no mean: fractions of the fullest level, in turn."""
 
 
 @dataclass(frozen=True, eq=False)
 class MainEffect:
-    """One axis' effect on a number."""
+    """The effect of one axis on a number, in the units of both."""
 
-    levels: np.ndarray  # values of the axis, or means of its classes; words as they are; shape (levels,)
-    mean: np.ndarray  # shape (levels,), nan where too little is known
-    share: float  # of the variance that the levels explain, 0..1
-    values: np.ndarray  # of the axis, one per known case
-    numbers: np.ndarray  # of those cases
+    levels: np.ndarray  # values of the axis (numbers or words), or means of its classes; shape (levels,)
+    mean: np.ndarray  # of the number, shape (levels,), nan where too little is known
+    fraction: float  # of the variance that the levels explain, 0..1
+    values: np.ndarray  # of the axis, shape (known cases,)
+    numbers: np.ndarray  # of those cases, shape (known cases,)
 
     @property
     def span(self) -> float:
@@ -39,7 +39,9 @@ def grid_effect(axes: Mapping[str, np.ndarray], axis: str, numbers: np.ndarray) 
     levels, group = np.unique(axes[axis], return_inverse=True)
     mean = _balanced_means(group, len(levels), _others(axes, (axis,)), numbers)
     known = np.isfinite(numbers)
-    return MainEffect(levels, mean, _share(group[known], numbers[known]), axes[axis][known], numbers[known])
+    return MainEffect(
+        levels, mean, _explained(group[known], numbers[known]), axes[axis][known], numbers[known]
+    )
 
 
 def sampled_effect(values: np.ndarray, numbers: np.ndarray) -> MainEffect:
@@ -52,7 +54,7 @@ def sampled_effect(values: np.ndarray, numbers: np.ndarray) -> MainEffect:
     else:
         levels, group = np.unique(values, return_inverse=True)
     mean = np.array([numbers[group == at].mean() for at in range(len(levels))])
-    return MainEffect(levels, mean, _share(group, numbers), values, numbers)
+    return MainEffect(levels, mean, _explained(group, numbers), values, numbers)
 
 
 def surface(
@@ -93,14 +95,14 @@ def _balanced_means(group: np.ndarray, groups: int, setting: np.ndarray, numbers
 
 
 def _equal_classes(values: np.ndarray) -> np.ndarray:
-    """Number of each value's class; classes hold equally many, up to the remainder."""
+    """Number of each value's class; classes are of equal size, up to the remainder."""
     count = int(np.clip(values.size // LEAST_PER_CLASS, 1, MOST_CLASSES))
     ranks = np.argsort(np.argsort(values, kind="stable"), kind="stable")
     return ranks * count // max(values.size, 1)
 
 
-def _share(group: np.ndarray, numbers: np.ndarray) -> float:
-    """Correlation ratio: what the means of the groups explain of the variance."""
+def _explained(group: np.ndarray, numbers: np.ndarray) -> float:
+    """Correlation ratio: the fraction of the variance that the means of the groups explain."""
     total = float(np.sum((numbers - numbers.mean()) ** 2)) if numbers.size else 0.0
     if not total:
         return 0.0

@@ -1,4 +1,4 @@
-"""How long a study will take: from what its finished cases took, else from measured costs."""
+"""Estimated duration of a study: from the times of its finished cases, else from measured costs."""
 
 from dataclasses import dataclass
 
@@ -6,8 +6,9 @@ import numpy as np
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.study.cases import setup_of
+from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Case
-from rps_exudyn.study.runner import Plan
+from rps_exudyn.study.runner import StudyWork
 
 # Elapsed seconds of a case on one core of a small cloud machine: fixed, and per step of the solver
 COSTS = {
@@ -25,30 +26,29 @@ STARTING = 4.0  # [s] of the processes, kernels compiled
 
 @dataclass(frozen=True)
 class Estimate:
-    """What the missing cases will take together."""
+    """Elapsed time that the missing cases will take together."""
 
     seconds: float
-    source: str  # in words
+    source: str  # what it is based on, in words
 
 
-def estimate(plan: Plan, jobs: int) -> Estimate:
-    """Elapsed time of the missing cases with so many jobs."""
-    if not plan.missing:
+def estimate(work: StudyWork, jobs: int) -> Estimate:
+    """Estimate the elapsed time of the missing cases with `jobs` processes."""
+    missing = work.missing
+    if not missing:
         return Estimate(0.0, "nothing is missing")
-    measured = plan.measured()
+    measured = work.measured()
     if measured:
         each = float(np.mean(measured))
         source = f"from the {len(measured)} finished cases, {each:.3g} s each"
     else:
-        some = plan.missing[:: max(1, len(plan.missing) // 100)]
-        each = float(np.mean([_cost(plan, case) for case in some]))
+        each = float(np.mean([_cost(work.study, case) for case in missing[:: max(1, len(missing) // 100)]]))
         source = f"from costs measured on one small machine, {each:.3g} s each; rough"
-    shared = min(jobs, len(plan.missing))
-    return Estimate(STARTING + len(plan.missing) * (each + STORING) / shared, source)
+    return Estimate(STARTING + len(missing) * (each + STORING) / min(jobs, len(missing)), source)
 
 
-def _cost(plan: Plan, case: Case) -> float:
-    setup = setup_of(plan.study, case)
+def _cost(study: Study, case: Case) -> float:
+    setup = setup_of(study, case)
     fixed, per_step = _rates(setup.fidelity)
     steps = 2 * np.pi * setup.test.turns / setup.fidelity.step_angle
     return float(fixed + per_step * steps)

@@ -1,7 +1,6 @@
-"""What a running study shows: a bar with rate and time left in a terminal, and one line per case in a log."""
+"""Progress of a running study: a bar with rate and time left in a terminal, one line per case in a log."""
 
-import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
@@ -10,50 +9,27 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn
 from rich.text import Text
 
+from rps_exudyn.base.atomic import append
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.study.description import Case
 from rps_exudyn.study.store import CaseRow
 
 
-class Log:
-    """study.log: each line is written at once and whole."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-
-    def case(self, case: Case, row: CaseRow) -> None:
-        """One finished case."""
-        values = " ".join(f"{name}={value:.6g}" if isinstance(value, float) else f"{name}={value}"
-                          for name, value in case.values.items())  # fmt: skip
-        self.line(" ".join(filter(None, (case.hash, row.status, f"{row.wall_s:.3f} s", values, row.message))))
-
-    def line(self, text: str) -> None:
-        """With the time before it."""
-        content = f"{datetime.now().astimezone().isoformat(timespec='seconds')} {text}\n"
-        descriptor = os.open(self._path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
-        try:
-            os.write(descriptor, content.encode())
-        finally:
-            os.close(descriptor)
+def log_line(path: Path, text: str) -> None:
+    """Append a line to a study's log, with the time before it."""
+    append(path, f"{datetime.now().astimezone().isoformat(timespec='seconds')} {text}\n")
 
 
-class Bar:
-    """Counts cases; shown on standard error if that is a terminal."""
-
-    def __init__(self, progress: Progress, total: int) -> None:
-        self._progress = progress
-        self._task = progress.add_task("cases", total=total, failed=0)
-        self._failed = 0
-
-    def count(self, status: Status) -> None:
-        """One more case has ended so."""
-        self._failed += status is not Status.OK
-        self._progress.update(self._task, advance=1, failed=self._failed)
+def case_line(case: Case, row: CaseRow) -> str:
+    """The line of the log about a finished case."""
+    values = (f"{value:.6g}" if isinstance(value, float) else value for value in case.values.values())
+    axes = (f"{name}={value}" for name, value in zip(case.values, values, strict=True))
+    return " ".join(filter(None, (case.hash, row.status, f"{row.wall_s:.3f} s", *axes, row.message)))
 
 
 @contextmanager
-def bar(total: int) -> Iterator[Bar]:
-    """A bar over the cases that are still to be done."""
+def bar(total: int) -> Iterator[Callable[[Status], None]]:
+    """Show a bar over `total` cases if standard error is a terminal; yields a function that counts one."""
     console = Console(stderr=True)
     columns = (
         TextColumn("{task.description}"),
@@ -65,7 +41,13 @@ def bar(total: int) -> Iterator[Bar]:
     with Progress(
         *columns, console=console, disable=not console.is_terminal, refresh_per_second=4
     ) as progress:
-        yield Bar(progress, total)
+        task = progress.add_task("cases", total=total, failed=0)
+
+        def count(status: Status) -> None:
+            failed = progress.tasks[0].fields["failed"] + (status is not Status.OK)
+            progress.update(task, advance=1, failed=failed)
+
+        yield count
 
 
 class _Rate(ProgressColumn):
@@ -81,7 +63,7 @@ class _Rate(ProgressColumn):
 
 
 def duration(seconds: float) -> str:
-    """For a reader: "45 s", "12 min", "3.5 h"."""
+    """A duration as text: "45 s", "12 min", "3.5 h"."""
     if seconds < 90:
         return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
     return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

@@ -1,14 +1,17 @@
-"""A study, done: what is missing is simulated, each case a file, a line of the log and a row of the index.
+"""Running a study: each missing case is simulated and becomes a file, a line of the log, a row of the index.
 
-Stopped at any instant and started again, it does what is missing. A case is missing if its file is not there
-or cannot be read, if its process crashed (which may have been the machine's doing), or if it ran out of a
-time limit shorter than today's. Other failures are facts about the case and are kept.
+Stopped at any instant and started again, it does what is missing. A case is missing if its file does not
+exist or cannot be read, if its process crashed (the machine may have been the cause), or if it exceeded a
+time limit shorter than the present one. Other failures are properties of the case and are kept.
 """
 
 import shlex
 import sys
+from base64 import b64decode
+from collections import Counter
+from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from rps_exudyn.base.atomic import replacing
@@ -21,34 +24,35 @@ from rps_exudyn.simulate.processes import Done, Run, Task
 from rps_exudyn.study.cases import describe, setup_of
 from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Case, Description
-from rps_exudyn.study.progress import Log, bar
+from rps_exudyn.study.progress import bar, case_line, log_line
 from rps_exudyn.study.store import CaseRow, Store
 
 
 @dataclass(frozen=True)
-class Plan:
-    """A study and its folder: what is there, and what is still to be done."""
+class StudyWork:
+    """A study in its folder, and the cases that are still missing there."""
 
     study: Study
     store: Store
     missing: tuple[Case, ...]
 
     @classmethod
-    def of(cls, study: Study, folder: Path) -> "Plan":
-        """Looks, and changes nothing.
+    def of(cls, study: Study, folder: Path) -> "StudyWork":
+        """The work that is left in a folder, which is not modified.
 
         Raises:
-            InputError: cases that cannot be, or a folder of something else.
+            InputError: cases with wrong parameters, or a folder of something else.
         """
         store = Store.of(folder, describe(study, {**provenance(), "command": shlex.join(sys.argv)}))
         return cls(study, store, _missing(study, store))
 
     @property
     def description(self) -> Description:
+        """The description of the study with all its cases."""
         return self.store.description
 
     def measured(self) -> list[float]:
-        """What the finished cases took [s]."""
+        """Elapsed times of the cases that ended ok [s]."""
         return [row.wall_s for _, row in self.store.rows() if row.status is Status.OK]
 
 
@@ -58,7 +62,7 @@ def _missing(study: Study, store: Store) -> tuple[Case, ...]:
 
 
 def to_be_done_again(row: CaseRow, time_limit: float) -> bool:
-    """Whether a finished case counts as missing, see above."""
+    """Whether a finished case counts as missing under a time limit [s]."""
     if row.status is Status.TIMEOUT:
         return row.wall_s < time_limit
     return row.status is Status.CRASHED
@@ -66,88 +70,86 @@ def to_be_done_again(row: CaseRow, time_limit: float) -> bool:
 
 @dataclass(frozen=True)
 class Tally:
-    """How a study went: cases by how they ended, and files that could not be used."""
+    """Outcome of a study: number of cases by status, and files that could not be used."""
 
-    statuses: dict[Status, int]
+    statuses: Mapping[Status, int]
     done_now: int
-    skipped: list[tuple[Path, str]]
+    skipped: list[tuple[Path, str]]  # each with the reason
 
 
-def run_study(plan: Plan, run: Run, workers_write: bool) -> Tally:
-    """Do what is missing.
+def run_study(work: StudyWork, run: Run, workers_write: bool) -> Tally:
+    """Simulate the missing cases.
 
-    `run` does the tasks; where `workers_write` they write their files themselves, else contents come back.
+    Args:
+        work: the study in its folder.
+        run: does the tasks.
+        workers_write: whether those who do the tasks write the files, too; else they return their contents.
 
     Raises:
-        InputError: the folder cannot be written, or another runner is at work on it; what was done is kept.
+        InputError: the folder cannot be written, or another runner is at work on it; finished cases are kept.
     """
     try:
-        return _run(plan, run, workers_write)
+        return _run(work, run, workers_write)
     except OSError as error:  # log or index
-        raise InputError(f"{plan.store.path} cannot be written: {error.strerror or error}.") from error
+        raise InputError(f"{work.store.path} cannot be written: {error.strerror or error}.") from error
 
 
-def _run(plan: Plan, run: Run, workers_write: bool) -> Tally:
-    store = plan.store
+def _run(work: StudyWork, run: Run, workers_write: bool) -> Tally:
+    store = work.store
     store.make_folders()
     with store.locked():
-        plan = replace(plan, missing=_missing(plan.study, store))  # another may have worked until now
+        work = replace(work, missing=_missing(work.study, store))  # another runner may have worked until now
         skipped = store.skipped
-        _begin(plan)
-        log, forms = Log(store.path / "study.log"), FileForms()
-        log.line(f"{len(plan.missing)} of {len(plan.description.hashes)} cases to be done")
-        by_hash = {case.hash: case for case in plan.missing}
-        tasks = (_task(plan, case, workers_write) for case in plan.missing)
-        with bar(len(plan.missing)) as shown:
+        _begin(work)
+        log, forms = store.path / "study.log", FileForms()
+        log_line(log, f"{len(work.missing)} of {len(work.description.hashes)} cases to be done")
+        by_hash = {case.hash: case for case in work.missing}
+        tasks = (_task(work, case, workers_write) for case in work.missing)
+        with bar(len(work.missing)) as count:
             for done in run(tasks):
                 case = by_hash[done.task["hash"]]
-                row = _kept(plan, case, done, forms)
+                row = _stored(work, case, done, forms)
                 store.add_to_index(case, row)
-                log.case(case, row)
-                shown.count(row.status)
+                log_line(log, case_line(case, row))
+                count(row.status)
         store.rebuild_index()
         store.write_description()
-        statuses: dict[Status, int] = {}
-        for _, row in store.rows():
-            statuses[row.status] = statuses.get(row.status, 0) + 1
-        return Tally(statuses, len(plan.missing), skipped + store.skipped)
+        statuses = Counter(row.status for _, row in store.rows())
+        return Tally(statuses, len(work.missing), skipped + store.skipped)
 
 
-def _begin(plan: Plan) -> None:
-    """What stands in the folder before the first case."""
-    store = plan.store
-    content = plan.study.file.read_bytes()
+def _begin(work: StudyWork) -> None:
+    """Write what the folder holds before the first case, and set files aside that cannot be used."""
+    store = work.store
+    content = work.study.file.read_bytes()
     with replacing(store.path / "study.toml") as partial:
         partial.write_bytes(content)
     store.write_description()
-    for path, _ in store.skipped:  # in the way of a case that is done now, but perhaps dear to someone
+    for path, _ in store.skipped:  # not deleted: someone may still need it
         with suppress(OSError):
             path.replace(path.with_suffix(".set-aside"))
     store.rebuild_index()
 
 
-def _task(plan: Plan, case: Case, write: bool) -> Task:
-    setup = setup_of(plan.study, case)
-    keep = plan.description.signals
+def _task(work: StudyWork, case: Case, write: bool) -> Task:
+    setup = setup_of(work.study, case)
     return {
         "hash": case.hash,
-        "scene": plan.description.scene,
+        "scene": work.description.scene,
         "gear": setup.model_dump(exclude={"fidelity"}),
         "fidelity": setup.fidelity.model_dump(),
-        "keep": {"signals": keep.signals, "samples": keep.samples},
-        "path": str(plan.store.path_of(case.hash).resolve()) if write else None,
+        "keep": asdict(work.description.signals),
+        "path": str(work.store.path_of(case.hash).resolve()) if write else None,
     }
 
 
-def _kept(plan: Plan, case: Case, done: Done, forms: FileForms) -> CaseRow:
-    """The case's row; its file is written by now, at the latest."""
-    import base64
-
+def _stored(work: StudyWork, case: Case, done: Done, forms: FileForms) -> CaseRow:
+    """The case's row; its file is written now, if the worker did not do it."""
     answer = done.answer
     if answer is None:
-        return _kept_failure(plan, case, done, forms)
+        return _stored_failure(work, case, done, forms)
     if "content" in answer:
-        plan.store.save(case.hash, base64.b64decode(answer["content"]))
+        work.store.save(case.hash, b64decode(answer["content"]))
     return CaseRow(
         hash=case.hash,
         status=Status(answer["status"]),
@@ -158,11 +160,11 @@ def _kept(plan: Plan, case: Case, done: Done, forms: FileForms) -> CaseRow:
     )
 
 
-def _kept_failure(plan: Plan, case: Case, done: Done, forms: FileForms) -> CaseRow:
-    """A case whose process came to an end over it, as a result with that status."""
-    setup = setup_of(plan.study, case)
+def _stored_failure(work: StudyWork, case: Case, done: Done, forms: FileForms) -> CaseRow:
+    """The row of a case whose process ended without an answer; its file is written now."""
+    setup = setup_of(work.study, case)
     result = result_of_ended_process(
-        done, plan.description.scene, setup.steering_gear, setup.fidelity, plan.study.time_limit
+        done, work.description.scene, setup.steering_gear, setup.fidelity, work.study.time_limit
     )
-    plan.store.save(case.hash, forms.content(result))
+    work.store.save(case.hash, forms.content(result))
     return CaseRow.of(case.hash, result)

@@ -9,20 +9,22 @@ Environmental Modelling & Software 22 (2007) 1509; Saltelli et al., Computer Phy
 (2010) 259.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.study.designs import MORRIS_LEVELS, points_per_sample, salib, unit_problem
 from rps_exudyn.study.table import CaseTable
 
 MORRIS, SALTELLI = "morris", "saltelli"
 DESIGNS = (MORRIS, SALTELLI)
 """Designs that were laid out for indices."""
 
-MORRIS_LEVELS = 4  # of the samples: SALib's default
 LEAST_GROUPS = 2  # trajectories or blocks, for the confidence intervals
-SEED = 0  # of the bootstrap: the same study tells the same intervals
+SEED = 0  # of the bootstrap: the same study gives the same intervals
 
 KINDS = {
     MORRIS: {
@@ -31,11 +33,19 @@ KINDS = {
         "spread of the effect": "sigma: large if the axis acts non-linearly, or together with others",
     },
     SALTELLI: {
-        "first order": "S1: share of the variance that the axis explains alone",
-        "total": "ST: share of the variance in which the axis takes part, with all its interactions",
+        "first order": "S1: fraction of the variance that the axis explains alone",
+        "total": "ST: fraction of the variance in which the axis takes part, with all its interactions",
     },
 }
-"""Design -> name of each index, and what it means."""
+"""Design -> name of each index, and its meaning."""
+
+SALIB_NAMES = {
+    "mean absolute effect": "mu_star",
+    "mean effect": "mu",
+    "spread of the effect": "sigma",
+    "first order": "S1",
+    "total": "ST",
+}
 
 
 @dataclass(frozen=True)
@@ -43,7 +53,7 @@ class Index:
     """One index with the half width of its 95 % confidence interval (nan if it has none)."""
 
     value: float
-    confidence: float = float("nan")
+    confidence: float
 
 
 @dataclass(frozen=True)
@@ -60,7 +70,7 @@ def indices(table: CaseTable, name: str) -> Indices:
     """The indices of the summary's number `name`.
 
     Raises:
-        InputError: the study's design tells no indices, too few cases are known, or SALib is not installed.
+        InputError: the study's design yields no indices, too few cases are known, or SALib is not installed.
     """
     design = table.description.design
     if design not in DESIGNS:
@@ -70,59 +80,30 @@ def indices(table: CaseTable, name: str) -> Indices:
     if name not in table.numbers:
         known = ", ".join(table.numbers) or "none yet"
         raise InputError(f"{name} is no number of this study; there are {known}.")
-    _check_installed()
-    return (_morris if design == MORRIS else _sobol)(table, name)
-
-
-def _check_installed() -> None:
-    try:
-        import SALib  # noqa: F401
-    except ImportError:
-        raise InputError(
-            "Sensitivity indices need SALib: install rps-exudyn with its extra [sensitivity]."
-        ) from None
-
-
-def _morris(table: CaseTable, name: str) -> Indices:
-    from SALib.analyze import morris
-
     inputs, numbers = _inputs(table), table.numbers[name]
-    kept, left_out = _whole_groups(numbers, len(table.axes) + 1, table)
-    lows, highs = inputs.min(axis=0), inputs.max(axis=0)
-    told = morris.analyze(
-        _problem(table),
-        ((inputs - lows) / np.where(highs > lows, highs - lows, 1))[kept],
-        numbers[kept],
-        num_levels=MORRIS_LEVELS,
-        seed=SEED,
-    )
+    size = points_per_sample(design, len(table.axes))
+    whole = _whole_groups(numbers, size, table)
+    known_inputs, known_numbers = inputs[np.repeat(whole, size)], numbers[np.repeat(whole, size)]
+    problem = unit_problem(table.axes)
+    if design == MORRIS:
+        lows, highs = inputs.min(axis=0), inputs.max(axis=0)
+        scaled = (known_inputs - lows) / np.where(highs > lows, highs - lows, 1)
+        analyze = salib("analyze.morris").analyze
+        found = analyze(problem, scaled, known_numbers, num_levels=MORRIS_LEVELS, seed=SEED)
+    else:
+        analyze = salib("analyze.sobol").analyze
+        found = analyze(problem, known_numbers, calc_second_order=False, seed=SEED)
     rows = {
-        axis: {
-            "mean absolute effect": Index(float(told["mu_star"][at]), float(told["mu_star_conf"][at])),
-            "mean effect": Index(float(told["mu"][at])),
-            "spread of the effect": Index(float(told["sigma"][at])),
-        }
+        axis: {kind: _index(found, SALIB_NAMES[kind], at) for kind in KINDS[design]}
         for at, axis in enumerate(table.axes)
     }
-    return Indices(MORRIS, rows, int(kept.sum()) // (len(table.axes) + 1), left_out)
+    return Indices(design, rows, int(whole.sum()), int((~whole).sum()))
 
 
-def _sobol(table: CaseTable, name: str) -> Indices:
-    from SALib.analyze import sobol
-
-    numbers, count = table.numbers[name], len(table.axes)
-    second_order = _has_second_order(_inputs(table))
-    size = 2 * count + 2 if second_order else count + 2
-    kept, left_out = _whole_groups(numbers, size, table)
-    told = sobol.analyze(_problem(table), numbers[kept], calc_second_order=second_order, seed=SEED)
-    rows = {
-        axis: {
-            "first order": Index(float(told["S1"][at]), float(told["S1_conf"][at])),
-            "total": Index(float(told["ST"][at]), float(told["ST_conf"][at])),
-        }
-        for at, axis in enumerate(table.axes)
-    }
-    return Indices(SALTELLI, rows, int(kept.sum()) // size, left_out)
+def _index(found: Mapping[str, Any], name: str, at: int) -> Index:
+    """The index of the axis number `at` from SALib's answer."""
+    confidence = found.get(f"{name}_conf")
+    return Index(float(found[name][at]), float("nan") if confidence is None else float(confidence[at]))
 
 
 def _inputs(table: CaseTable) -> np.ndarray:
@@ -134,14 +115,8 @@ def _inputs(table: CaseTable) -> np.ndarray:
     return np.stack(columns, axis=1)
 
 
-def _problem(table: CaseTable) -> dict[str, object]:
-    """As SALib wants it; its methods used here look only at the names."""
-    names = list(table.axes)
-    return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
-
-
-def _whole_groups(numbers: np.ndarray, size: int, table: CaseTable) -> tuple[np.ndarray, int]:
-    """Which cases stand in groups of `size` without an unknown number, shape (cases,); how many do not.
+def _whole_groups(numbers: np.ndarray, size: int, table: CaseTable) -> np.ndarray:
+    """Which groups of `size` cases have no unknown number, shape (groups,).
 
     Raises:
         InputError: too few.
@@ -157,16 +132,4 @@ def _whole_groups(numbers: np.ndarray, size: int, table: CaseTable) -> tuple[np.
             f"{table.path} has {whole.sum()} complete groups of {size} cases; indices need at least "
             f"{LEAST_GROUPS}."
         )
-    return np.repeat(whole, size), int((~whole).sum())
-
-
-def _has_second_order(inputs: np.ndarray) -> bool:
-    """Whether blocks have the 2 D + 2 cases of second-order indices, not D + 2.
-
-    A block is A, then A with each column from B, (then B with each column from A,) then B: the diagonal of
-    the second part is B's own.
-    """
-    count = inputs.shape[1]
-    last = 2 * count + 1
-    diagonal = inputs[1 : count + 1].diagonal()
-    return inputs.shape[0] > last and bool((diagonal == inputs[last]).all())
+    return np.asarray(whole)

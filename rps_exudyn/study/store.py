@@ -4,8 +4,8 @@
     DIR/study.json   the `Description`             DIR/index.csv      one row per finished case, a cache
     DIR/study.log    one line per finished case
 
-A case's file is there whole or not at all. Whatever else lies in cases/ is left alone; files that cannot be
-read are named in `Store.skipped` and count as not done.
+A case's file is complete or absent. Other files in cases/ are not touched; files of cases that cannot be read
+are listed in `Store.skipped` and count as not done.
 """
 
 import csv
@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
-from rps_exudyn.base.atomic import check_writable, replacing
+from rps_exudyn.base.atomic import append, check_writable, replacing
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
@@ -26,23 +26,23 @@ from rps_exudyn.results.result import Result, load
 from rps_exudyn.study.description import Case, Description
 
 FIXED_COLUMNS = ("hash", "status", "message", "cpu_s", "wall_s", "bytes", "modified_ns")
-BEGUN = {".lock", "cases", "study.toml"}  # all that a runner stopped at its very start may leave
+BEGUN = {".lock", "cases", "study.toml"}  # what a runner that was stopped at its start may leave
 
 
 @dataclass(frozen=True)
 class CaseRow:
-    """A finished case without its signals: how it ended, and its numbers (SI)."""
+    """A finished case without its signals: its outcome, and its numbers (SI)."""
 
     hash: str
     status: Status
     message: str
-    cpu_s: float
-    wall_s: float
+    cpu_s: float  # CPU time [s]
+    wall_s: float  # elapsed time [s]
     summary: Mapping[str, float]
 
     @classmethod
     def of(cls, case_hash: str, result: Result) -> "CaseRow":
-        """The light part of a result."""
+        """The row of a result."""
         message = " ".join(result.message.split())
         return cls(case_hash, result.status, message, result.cpu_s, result.wall_s, dict(result.summary))
 
@@ -54,14 +54,14 @@ class Store:
         self.path = path
         self.description = description
         self.skipped: list[tuple[Path, str]] = []
-        """Files in cases/ that cannot be used, each with a sentence; filled by `finished` and `rows`."""
+        """Files in cases/ that cannot be used, each with a sentence; filled by `rows` and `results`."""
 
     @classmethod
     def open(cls, path: str | Path) -> "Store":
         """The study in a folder.
 
         Raises:
-            InputError: no study there, a damaged one, or one of a newer format.
+            InputError: no study there, a damaged one, or one of another format version.
         """
         folder = Path(path)
         if not folder.is_dir():
@@ -70,7 +70,7 @@ class Store:
 
     @classmethod
     def of(cls, path: str | Path, description: Description) -> "Store":
-        """A folder for the study, new or the one it was begun in; nothing is written yet.
+        """A folder for the study, new or the one in which it was begun; nothing is written yet.
 
         Raises:
             InputError: it holds something else.
@@ -79,7 +79,11 @@ class Store:
         return cls(Path(path), description)
 
     def make_folders(self) -> None:
-        """Raises InputError if they cannot be made or written to."""
+        """Make the folder and its cases/.
+
+        Raises:
+            InputError: they cannot be made or written to.
+        """
         try:
             (self.path / "cases").mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -87,29 +91,28 @@ class Store:
         check_writable(self.path / "cases" / "any.h5")
 
     def write_description(self) -> None:
-        """study.json, whole."""
+        """Write study.json."""
         with replacing(self.path / "study.json") as partial:
             partial.write_text(self.description.to_json(), encoding="utf-8")
 
     # --- cases ---------------------------------------------------------------------------------
 
     def path_of(self, case_hash: str) -> Path:
-        """Where the case's file is, or will be."""
+        """The path of the case's file, whether it exists or not."""
         return self.path / "cases" / f"{case_hash}.h5"
 
     def result(self, case: Case) -> Result:
         """The case's whole result.
 
         Raises:
-            InputError: not done yet, damaged, or another case's.
+            InputError: the file is missing, damaged, or another case's.
         """
-        path = self.path_of(case.hash)
-        result = load(path)
-        self._check_content(path, case, result)
+        result = load(self.path_of(case.hash))
+        self._check_content(self.path_of(case.hash), case, result)
         return result
 
     def save(self, case_hash: str, content: bytes) -> None:
-        """The case's file from its bytes, whole or not at all.
+        """Write the case's file from its bytes.
 
         Raises:
             InputError: it cannot be written.
@@ -117,59 +120,43 @@ class Store:
         with replacing(self.path_of(case_hash)) as partial:
             partial.write_bytes(content)
 
-    def finished(self) -> set[str]:
-        """Hashes of the cases whose files are there and can be read; failed simulations are among them."""
-        return {case.hash for case, _ in self.rows()}
-
     def rows(self) -> Iterator[tuple[Case, CaseRow]]:
-        """Every finished case once, in the order of the design; files that cannot be used go to `skipped`.
+        """Every finished case once, in the order of the design, failed simulations too.
 
-        Rows come from the index if it knows the very file (its size and time), else from the file.
+        A row comes from the index if that has the file's size and time of change, else from the file.
         """
-        self.skipped = []
         index = self._read_index()
-        there = self._files()
-        for case_hash, case in self.description.hashes.items():
-            if case_hash not in there:
-                continue
-            row = index.get((case_hash, *there[case_hash])) or self._row_of_file(case)
-            if row:
-                yield case, row
+        for case, stamp in self._cases_with_files():
+            with self._skipping(case):
+                yield case, index.get((case.hash, *stamp)) or CaseRow.of(case.hash, self.result(case))
 
     def results(self) -> Iterator[tuple[Case, Result]]:
         """Every finished case with its signals, one at a time."""
-        self.skipped = []
-        there = self._files()
-        for case_hash, case in self.description.hashes.items():
-            if case_hash in there:
-                with self._skipping(case_hash):
-                    yield case, self.result(case)
-
-    def _row_of_file(self, case: Case) -> CaseRow | None:
-        with self._skipping(case.hash):
-            return CaseRow.of(case.hash, self.result(case))
-        return None
+        for case, _ in self._cases_with_files():
+            with self._skipping(case):
+                yield case, self.result(case)
 
     @contextmanager
-    def _skipping(self, case_hash: str) -> Iterator[None]:
+    def _skipping(self, case: Case) -> Iterator[None]:
         try:
             yield
         except InputError as error:
-            self.skipped.append((self.path_of(case_hash), " ".join(error.problems)))
+            self.skipped.append((self.path_of(case.hash), " ".join(error.problems)))
 
-    def _files(self) -> dict[str, tuple[int, int]]:
-        """Hash -> size and time of change of the files in cases/."""
+    def _cases_with_files(self) -> list[tuple[Case, tuple[int, int]]]:
+        """Cases in the order of the design, each with its file's size and time of change."""
+        self.skipped = []
         try:
             with os.scandir(self.path / "cases") as entries:
-                files = [
-                    item for item in entries if item.name.endswith(".h5") and not item.name.startswith(".")
-                ]
-                return {item.name[:-3]: _stamp(item.stat()) for item in files}
+                files = (item for item in entries if not item.name.startswith("."))  # not half written
+                stamps = {item.name: _stamp(item.stat()) for item in files}
         except FileNotFoundError:
-            return {}
+            return []
+        hashes = self.description.hashes
+        return [(hashes[key], stamps[f"{key}.h5"]) for key in hashes if f"{key}.h5" in stamps]
 
     def _check_content(self, path: Path, case: Case, result: Result) -> None:
-        """A file under a case's name must hold that case."""
+        """Check that a file under a case's name holds that case."""
         if result.scene != self.description.scene:
             raise InputError(f"{path} holds {result.scene}, not this study's {self.description.scene}.")
         expected = {**self.description.base, **self.description.settings(case)}
@@ -189,7 +176,7 @@ class Store:
         return [*FIXED_COLUMNS[:1], *axes, *FIXED_COLUMNS[1:], *SUMMARY]
 
     def rebuild_index(self) -> None:
-        """index.csv anew from cases/ (and from itself, where it knows the very file)."""
+        """Write index.csv anew from cases/, and from itself where its rows still hold."""
         rows = list(self.rows())
         with (
             replacing(self.path / "index.csv") as partial,
@@ -200,12 +187,8 @@ class Store:
                 file.write(self._line(case, row))
 
     def add_to_index(self, case: Case, row: CaseRow) -> None:
-        """One more row, in one write, so that several writers cannot mix their lines."""
-        descriptor = os.open(self.path / "index.csv", os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
-        try:
-            os.write(descriptor, self._line(case, row).encode())
-        finally:
-            os.close(descriptor)
+        """Append the row of a case."""
+        append(self.path / "index.csv", self._line(case, row))
 
     def _line(self, case: Case, row: CaseRow) -> str:
         size, modified = _stamp(self.path_of(row.hash).stat())
@@ -218,18 +201,19 @@ class Store:
         return text.getvalue()
 
     def _read_index(self) -> dict[tuple[str, int, int], CaseRow]:
-        """(hash, size, time) -> row; lines that are torn or of other columns are left out."""
+        """(hash, size, time of change) -> row; lines that are torn or of other columns are left out."""
         try:
             with (self.path / "index.csv").open(encoding="utf-8", newline="") as file:
-                return dict(_indexed(csv.reader(file), self._columns))
-        except (OSError, UnicodeDecodeError, csv.Error):
+                header, *lines = csv.reader(file)
+        except (OSError, ValueError, csv.Error):
             return {}
+        return dict(_indexed(lines, header)) if header == self._columns else {}
 
     # --- one runner at a time ------------------------------------------------------------------
 
     @contextmanager
     def locked(self) -> Iterator[None]:
-        """Hold the folder against other runners; the lock ends with the process, however that ends.
+        """Lock the folder for other runners; the lock ends with the process, however that ends.
 
         Raises:
             InputError: another runner is at work on the folder.
@@ -255,20 +239,19 @@ class Store:
             raise InputError(f"{self.path} cannot be written: {error.strerror or error}.") from None
 
     def _remove_partial_files(self) -> None:
-        """What a killed runner left half written."""
-        for folder in (self.path, self.path / "cases"):
-            for partial in (
-                *folder.glob(".*.h5"),
-                *folder.glob(".study.*.json"),
-                *folder.glob(".index.*.csv"),
-            ):
+        """Remove what a killed runner left half written."""
+        for name in ("cases/.*.h5", ".study.*.json", ".index.*.csv"):
+            for partial in self.path.glob(name):
                 with suppress(OSError):
                     partial.unlink()
 
 
 def _try_lock(descriptor: int) -> bool:
-    """Whether the lock was free. Where there are no locks (Windows, some network disks) it always is: then
-    two runners do work twice, but each file is still written whole."""
+    """Whether the lock was free.
+
+    Where there are no locks (Windows, some network disks) it always is: then two runners do work twice, but
+    each file is still written whole.
+    """
     try:
         import fcntl
     except ImportError:
@@ -285,22 +268,18 @@ def _try_lock(descriptor: int) -> bool:
 def _indexed(
     lines: Iterable[list[str]], columns: list[str]
 ) -> Iterator[tuple[tuple[str, int, int], CaseRow]]:
-    for number, cells in enumerate(lines):
-        if number == 0 and cells != columns:
-            return
-        if number == 0 or len(cells) != len(columns):
-            continue
-        told = dict(zip(columns, cells, strict=True))
+    for cells in lines:
         with suppress(ValueError):
+            cell = dict(zip(columns, cells, strict=True))
             row = CaseRow(
-                hash=told["hash"],
-                status=Status(told["status"]),
-                message=told["message"],
-                cpu_s=float(told["cpu_s"]),
-                wall_s=float(told["wall_s"]),
-                summary={name: float(told[name]) for name in SUMMARY if told[name]},
+                hash=cell["hash"],
+                status=Status(cell["status"]),
+                message=cell["message"],
+                cpu_s=float(cell["cpu_s"]),
+                wall_s=float(cell["wall_s"]),
+                summary={name: float(cell[name]) for name in SUMMARY if cell[name]},
             )
-            yield (row.hash, int(told["bytes"]), int(told["modified_ns"])), row
+            yield (row.hash, int(cell["bytes"]), int(cell["modified_ns"])), row
 
 
 def _stamp(stat: os.stat_result) -> tuple[int, int]:
@@ -308,7 +287,7 @@ def _stamp(stat: os.stat_result) -> tuple[int, int]:
 
 
 def _check_folder(folder: Path, description: Description) -> None:
-    """A folder that is new, empty, or this study's."""
+    """Check that the folder is new, empty, or this study's."""
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} cannot be a study's folder: it is a file.")
     if not folder.is_dir():

@@ -1,4 +1,4 @@
-"""Study files: what a TOML file may say, and every mistake in it told before anything runs.
+"""Study files: what the TOML file may contain, and every mistake in it reported before anything runs.
 
     title = "Free pinion torque over preload and friction"
     scene = "free-pinion-torque"
@@ -22,96 +22,91 @@
 docs/studies.md explains every key.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.units import short, shown, to_si
 from rps_exudyn.parameters.declaration import read_toml
 from rps_exudyn.parameters.fidelity import PRESETS, preset_table
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.case_file import Keep
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import SCENE_NAMES
-from rps_exudyn.study.axis_tables import check_twice, ends, read_axes
+from rps_exudyn.study.axis_tables import check_twice, read_axes
 from rps_exudyn.study.definition import FIDELITY, Study, choices
-from rps_exudyn.study.description import DESIGNS, GRID_DESIGN, Axis, Value
-from rps_exudyn.study.toml_keys import Keys, shown
+from rps_exudyn.study.description import DESIGNS, GRID_DESIGN
+from rps_exudyn.study.designs import ends
+from rps_exudyn.study.toml_keys import Keys
 
-KEYS = (
-    "title",
-    "scene",
-    "gear",
-    "fidelity",
-    "accuracy",
-    "design",
-    "samples",
-    "seed",
-    "time_limit",
-    "set",
-    "axis",
-    "keep",
-)
+MODEL_KEYS = ("scene", "gear", "fidelity", "accuracy", "set")
+DESIGN_KEYS = ("axis", "design", "samples", "seed")
+KEYS = ("title", *MODEL_KEYS, *DESIGN_KEYS, "time_limit", "keep")
 MOST_SAMPLES = 1_000_000
+MOST_PROBLEMS = 10  # of axes, reported at once
 
 
 def read_study(path: str | Path) -> Study:
     """The study in a TOML file.
 
     Raises:
-        InputError: all that is wrong with it: file, key, and what is allowed.
+        InputError: everything that is wrong with it: file, key, and what is allowed.
     """
     file = Path(path)
-    told = read_toml(file)
+    content = read_toml(file)
     reader = _StudyKeys(file)
-    study = reader.study(told)
+    study = reader.study(content)
+    if not reader.problems:
+        with reader.gathering():
+            study.base  # noqa: B018 - read to raise its errors
+    if not reader.problems:
+        reader.problems += _problems_of_axes(study)
     if reader.problems:
         raise InputError(reader.problems)
-    _check_axes_in_gear(study)
     return study
 
 
 class _StudyKeys(Keys):
-    """Those of a study file."""
+    """Reads the keys of a study file."""
 
-    def study(self, told: Mapping[str, Any]) -> Study:
-        for key in told.keys() - set(KEYS):
-            self.wrong(units.short(key), f"is no key of a study; there are {', '.join(KEYS)}.")
-        design = self.choice(told, "design", DESIGNS, GRID_DESIGN)
-        settings = self.flat(self.table(told, "set"), "set")
-        axes = read_axes(self, told.get("axis", []), design == GRID_DESIGN)
+    def study(self, content: Mapping[str, Any]) -> Study:
+        for key in content.keys() - set(KEYS):
+            self.wrong(short(key), f"is no key of a study; there are {', '.join(KEYS)}.")
+        design = self.choice(content, "design", DESIGNS, GRID_DESIGN)
+        settings = self.flat(self.table(content, "set"), "set")
+        axes = read_axes(self, content.get("axis", []), design == GRID_DESIGN)
         check_twice(self, axes, settings)
-        gear = self.gear(told)
-        model = self.cheapest if "accuracy" in told else self.fidelity
-        fidelity = model(told, gear, settings)
+        gear = self.gear(content)
+        model = self.cheapest if "accuracy" in content else self.fidelity
+        fidelity = model(content, gear, settings)
         return Study(
             file=self.file,
-            title=self.text(told, "title", self.file.stem),
-            scene=self.scene(told),
+            title=self.text(content, "title", self.file.stem),
+            scene=self.scene(content),
             tables={**gear, "fidelity": fidelity},
             settings=settings,
             axes=axes,
             design=design,
-            samples=self.samples(told, design),
-            seed=self.whole(told, "seed", 0, 0, 2**32 - 1),
-            time_limit=self.time_limit(told),
-            keep=self.keep(self.table(told, "keep")),
+            samples=self.samples(content, design),
+            seed=self.whole(content, "seed", 0, 0, 2**32 - 1),
+            time_limit=self.time_limit(content),
+            keep=self.keep(self.table(content, "keep")),
         )
 
-    def scene(self, told: Mapping[str, Any]) -> str:
-        return self.choice(told, "scene", SCENE_NAMES, SCENE_NAMES[0])
+    def scene(self, content: Mapping[str, Any]) -> str:
+        return self.choice(content, "scene", SCENE_NAMES, SCENE_NAMES[0])
 
     def fidelity(
-        self, told: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]
+        self, content: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]
     ) -> dict[str, Any]:
-        name = self.choice(told, "fidelity", tuple(PRESETS), "flank")
+        name = self.choice(content, "fidelity", tuple(PRESETS), "flank")
         return preset_table(name)
 
     def cheapest(
-        self, told: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]
+        self, content: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]
     ) -> dict[str, Any]:
         """The cheapest model, of all or of the preset named, that keeps the accuracy on the base gear."""
         from rps_exudyn.simulate.by_accuracy import choose, percent
@@ -119,23 +114,24 @@ class _StudyKeys(Keys):
         if own := choices(settings):
             self.wrong("accuracy", f"chooses the model itself; leave out fidelity.{', fidelity.'.join(own)}.")
             return {}
-        preset = self.choice(told, "fidelity", tuple(PRESETS), "flank") if "fidelity" in told else None
+        preset = self.choice(content, "fidelity", tuple(PRESETS), "flank") if "fidelity" in content else None
         with self.gathering():
             of_gear = {path: value for path, value in settings.items() if not path.startswith(FIDELITY)}
             base = SteeringGear.from_tables(gear, of_gear, where=str(self.file))
-            chosen = choose(self.scene(told), base, percent(self.text(told, "accuracy", "")), preset)
+            chosen = choose(self.scene(content), base, percent(self.text(content, "accuracy", "")), preset)
             return chosen.fidelity.model_dump()
         return {}
 
-    def gear(self, told: Mapping[str, Any]) -> dict[str, Any]:
+    def gear(self, content: Mapping[str, Any]) -> dict[str, Any]:
         """The gear file's tables; it must lie in the study file's folder or below."""
-        if "gear" not in told:
+        if "gear" not in content:
             return {}
-        given = Path(self.text(told, "gear", "."))
+        given = Path(self.text(content, "gear", "."))
         folder = self.file.resolve().parent
         if given.is_absolute() or not (folder / given).resolve().is_relative_to(folder):
             self.wrong(
-                "gear", f"is {shown(told['gear'])}; it must lie in the study file's folder or below it."
+                "gear",
+                f"is {shown(content['gear'])}; it must lie in the study file's folder or below it.",
             )
             return {}
         with self.gathering():
@@ -145,84 +141,51 @@ class _StudyKeys(Keys):
             return tables
         return {}
 
-    def samples(self, told: Mapping[str, Any], design: str) -> int:
+    def samples(self, content: Mapping[str, Any], design: str) -> int:
         if design == GRID_DESIGN:
-            if "samples" in told:
+            if "samples" in content:
                 self.wrong("samples", "has no meaning for a grid; its axes say how many cases there are.")
             return 0
-        if "samples" not in told:
+        if "samples" not in content:
             self.wrong("samples", f"is missing: how many points the {design} design draws.")
             return 0
-        return self.whole(told, "samples", 1, 1, MOST_SAMPLES)
+        return self.whole(content, "samples", 1, 1, MOST_SAMPLES)
 
-    def time_limit(self, told: Mapping[str, Any]) -> float:
+    def time_limit(self, content: Mapping[str, Any]) -> float:
+        given = content.get("time_limit", "600 s")
         try:
-            limit = units.to_si(told.get("time_limit", "600 s"), "s")
+            limit = to_si(given, "s")
         except ValueError as error:
             self.wrong("time_limit", f"{error}.")
             return 600.0
         if not 0 < limit < np.inf:
-            self.wrong("time_limit", f"is {shown(told['time_limit'])}; it must be more than 0 s and finite.")
+            self.wrong("time_limit", f"is {shown(given)}; it must be more than 0 s and finite.")
         return limit
 
-    def keep(self, told: Mapping[str, Any]) -> Keep:
-        for key in told.keys() - {"signals", "samples"}:
+    def keep(self, content: Mapping[str, Any]) -> Keep:
+        for key in content.keys() - {"signals", "samples"}:
             self.wrong(f"keep.{key}", "is no key of keep; there are signals, samples.")
-        samples = None
-        if "samples" in told:
-            samples = self.whole(told, "samples", 2, 2, 10**9)
-        signals = told.get("signals", "all")
+        samples = self.whole(content, "samples", 2, 2, 10**9) if "samples" in content else None
+        signals = content.get("signals", "all")
         if signals in ("all", "none"):
             return Keep(None if signals == "all" else (), samples)
         if not isinstance(signals, list) or any(name not in SIGNALS for name in signals):
-            unknown = (
-                [name for name in signals if name not in SIGNALS] if isinstance(signals, list) else signals
-            )
-            self.wrong(
-                "keep.signals",
-                f'has {shown(unknown)}; it must be "all", "none", or names of {", ".join(SIGNALS)}.',
-            )
+            if isinstance(signals, list):
+                signals = [name for name in signals if name not in SIGNALS]
+            allowed = f'"all", "none", or names of {", ".join(SIGNALS)}'
+            self.wrong("keep.signals", f"has {shown(signals)}; it must be {allowed}.")
             return Keep()
         return Keep(tuple(name for name in SIGNALS if name in ("time", "pinion_angle", *signals)), samples)
 
 
-def _check_axes_in_gear(study: Study) -> None:
-    """The base must be right, and each value of an axis must be allowed in it, alone.
-
-    Raises:
-        InputError: what is wrong, each sentence once.
-    """
-    _check_base(study)
+def _problems_of_axes(study: Study) -> list[str]:
+    """What is wrong with each value of an axis, or each end of its distribution, alone in the base."""
     problems: dict[str, None] = {}
     for axis in study.axes:
-        for settings in _alone(axis):
+        for value in ends(axis) if axis.values is None else axis.values:
             try:
-                study.setup(settings)
+                study.setup(axis.settings(value))
             except InputError as error:
-                told = (f"{study.file}: axis {axis.name}: {problem}" for problem in error.problems)
-                problems |= dict.fromkeys(told)
-    if problems:
-        shown = list(problems)[:10]
-        raise InputError(
-            shown + [f"{study.file}: {len(problems) - 10} more like these."] * (len(problems) > 10)
-        )
-
-
-def _check_base(study: Study) -> None:
-    try:
-        study.base  # noqa: B018 - read for what is wrong with it
-    except InputError as error:
-        name = str(study.file)
-        raise InputError(
-            problem if problem.startswith(name) else f"{name}: {problem}" for problem in error.problems
-        ) from None
-
-
-def _alone(axis: Axis) -> Iterator[dict[str, Value]]:
-    """Settings of an axis by itself: all of its values, or the ends of what is drawn."""
-    if axis.values is not None:
-        for value in axis.values:
-            yield axis.settings(value)
-    else:
-        for value in ends(axis):
-            yield axis.settings(value)
+                problems |= {f"{study.file}: axis {axis.name}: {problem}": None for problem in error.problems}
+    more = len(problems) - MOST_PROBLEMS
+    return [*problems][:MOST_PROBLEMS] + [f"{study.file}: {more} more like these."] * (more > 0)

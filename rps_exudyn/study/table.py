@@ -1,11 +1,10 @@
-"""All cases of a study as columns: what was varied, how each ended, and its numbers.
+"""All cases of a study as columns: values of the axes, outcomes, and numbers.
 
     table = CaseTable.of(Store.open("preload-study"))
     table.axes["preload"], table.numbers["torque_mean"]  # SI, one value per case
 
-Cases stand in the order of the design. A case that is not finished has the status `PENDING`. Numbers are
-those of cases that ended ok; all others are nan, because only ok results may be used. What a failed case
-left is in its own file.
+Cases are in the order of the design. A case that is not finished has the status `PENDING`. Numbers of cases
+that did not end ok are nan, because only ok results may be used; what a failed case left is in its own file.
 """
 
 from collections.abc import Iterator, Sequence
@@ -15,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rps_exudyn.base.units import pretty
 from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY, Quantity
@@ -22,7 +22,31 @@ from rps_exudyn.study.description import Axis, Case, Description, Value
 from rps_exudyn.study.store import CaseRow, Store
 
 PENDING = "pending"
-NEGLIGIBLE = 1e-5  # share of a number below which its differences are of no interest
+NEGLIGIBLE = 1e-5  # differences below this fraction of the largest number do not count
+
+OUTCOME = {
+    "hash": Quantity("", "", "name of the case's file in cases/, without .h5"),
+    "status": Quantity("", "", "how the case ended, or pending"),
+    "message": Quantity("", "", "why, if the status is not ok"),
+    "cpu_s": Quantity("s", "s", "CPU time of the simulation"),
+    "wall_s": Quantity("s", "s", "elapsed time of the simulation"),
+}
+"""The columns of every table beside its axes and numbers."""
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One column with its definition."""
+
+    group: str  # "axes", "outcome" or "summary"
+    name: str
+    values: np.ndarray  # SI, shape (cases,)
+    quantity: Quantity
+
+    @property
+    def header(self) -> str:
+        """Its name with its unit, for instance "torque_mean [N*m]"."""
+        return f"{self.name} [{self.quantity.unit}]" if self.quantity.unit else self.name
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,13 +60,14 @@ class CaseTable:
 
     @classmethod
     def of(cls, store: Store) -> "CaseTable":
-        """What is finished by now."""
+        """The cases of a study's folder, as far as they are finished by now."""
         finished = {case.hash: row for case, row in store.rows()}
         rows = [finished.get(case.hash) for case in store.description.cases]
         return cls(store.path, store.description, rows, tuple(store.skipped))
 
     @property
     def cases(self) -> tuple[Case, ...]:
+        """All cases, in the order of the design."""
         return self.description.cases
 
     @cached_property
@@ -57,8 +82,9 @@ class CaseTable:
 
     @cached_property
     def axes(self) -> dict[str, np.ndarray]:
-        """What was varied: SI values, or the words of a choice."""
-        return {axis.name: _column([case.values[axis.name] for case in self.cases]) for axis in self._axes}
+        """Axis name -> SI values, or the words of a choice."""
+        axes = self.description.axes
+        return {axis.name: _column([case.values[axis.name] for case in self.cases]) for axis in axes}
 
     @cached_property
     def numbers(self) -> dict[str, np.ndarray]:
@@ -69,16 +95,32 @@ class CaseTable:
         """`cpu_s` or `wall_s` of the finished cases [s], else nan."""
         return np.array([getattr(row, name) if row else np.nan for row in self.rows], dtype=float)
 
+    def columns(self) -> list[Column]:
+        """Axes, outcome and numbers, in the order of `Column.group`."""
+        outcome: dict[str, np.ndarray] = {
+            "hash": np.array([case.hash for case in self.cases], dtype=np.str_),
+            "status": self.status,
+            "message": np.array([row.message if row else "" for row in self.rows], dtype=np.str_),
+            "cpu_s": self.times("cpu_s"),
+            "wall_s": self.times("wall_s"),
+        }
+        axes = self.description.axes
+        return [
+            *(Column("axes", axis.name, self.axes[axis.name], axis_quantity(axis)) for axis in axes),
+            *(Column("outcome", name, outcome[name], quantity) for name, quantity in OUTCOME.items()),
+            *(Column("summary", name, values, SUMMARY[name]) for name, values in self.numbers.items()),
+        ]
+
     def failed(self) -> Iterator[tuple[Case, CaseRow]]:
-        """Cases that did not end ok, each once."""
+        """Cases that did not end ok with their rows, each once."""
         ended = {case.hash: (case, row) for case, row in zip(self.cases, self.rows, strict=True) if row}
         return (pair for pair in ended.values() if pair[1].status is not Status.OK)
 
     def varying(self) -> list[str]:
-        """Numbers that differ noticeably between the cases, in the order of `SUMMARY`.
+        """Names of the numbers that differ noticeably between the cases, in the order of `SUMMARY`.
 
-        Differences are measured by the largest number with the same unit: an order's amplitude that
-        is nothing but rounding does not differ.
+        Differences are compared with the largest number of the same unit: an order's amplitude that is only
+        rounding does not differ.
         """
         largest: dict[str, float] = {}
         for name, values in self.numbers.items():
@@ -90,17 +132,13 @@ class CaseTable:
             if np.nanmax(values) - np.nanmin(values) > NEGLIGIBLE * largest[SUMMARY[name].unit]
         ]
 
-    @property
-    def _axes(self) -> tuple[Axis, ...]:
-        return self.description.axes
-
     def _summary(self, name: str) -> np.ndarray:
         usable = [row.summary.get(name) if row and row.status is Status.OK else None for row in self.rows]
         return np.array([np.nan if value is None else value for value in usable], dtype=float)
 
 
 def axis_quantity(axis: Axis) -> Quantity:
-    """Unit, display unit and meaning of what an axis varies."""
+    """Unit, display unit and meaning of the parameters that an axis varies."""
     declared = Setup.declared_at(axis.paths[0])[0] if axis.paths else None
     unit = declared.unit.si if declared and declared.unit else ""
     display = axis.unit or (declared.unit.display if declared and declared.unit else "")
@@ -110,13 +148,11 @@ def axis_quantity(axis: Axis) -> Quantity:
 
 
 def show_value(axis: Axis, value: Value) -> str:
-    """The value for a reader: in the axis' unit, or the word that it is."""
-    return value if isinstance(value, str) else axis_quantity(axis).show(value)
-
-
-def is_numeric(values: np.ndarray) -> bool:
-    """Whether an axis has numbers, not words."""
-    return values.dtype.kind == "f"
+    """The value as text: in the axis' unit, or the word itself."""
+    if isinstance(value, str):
+        return value
+    quantity = axis_quantity(axis)
+    return f"{quantity.displayed(value):.6g} {pretty(quantity.display)}".strip()
 
 
 def _column(values: list[Value]) -> np.ndarray:

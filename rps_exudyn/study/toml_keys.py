@@ -1,23 +1,23 @@
 """Reading tables of a TOML file key by key.
 
     keys = Keys(file)
-    seed = keys.whole(told, "seed", 0, 0, 100)
+    seed = keys.whole(table, "seed", 0, 0, 100)
 
 A wrong value is replaced by its default to go on; `keys.problems` are the sentences about all of them.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.units import shown
 from rps_exudyn.parameters.setup import Setup
 
 
 class Keys:
-    """Reads values and gathers what is wrong with them."""
+    """Reads values of one TOML file and gathers what is wrong with them."""
 
     def __init__(self, file: Path) -> None:
         self.file = file
@@ -25,10 +25,12 @@ class Keys:
         self.declared = {item.path: item for item in Setup.declared()}
 
     def wrong(self, where: str, sentence: str) -> None:
+        """Add a problem: the file's name, `where` in it, and the rest of the sentence."""
         self.problems.append(f"{self.file}: {where} {sentence}")
 
     @contextmanager
     def gathering(self) -> Iterator[None]:
+        """Add the problems of an InputError that the block raises."""
         try:
             yield
         except InputError as error:
@@ -37,38 +39,41 @@ class Keys:
                 for problem in error.problems
             ]
 
-    def text(self, told: Mapping[str, Any], key: str, default: str) -> str:
-        value = told.get(key, default)
-        if isinstance(value, str):
+    def text(self, table: Mapping[str, Any], key: str, default: str) -> str:
+        """The text under a key."""
+        return self._value(table, key, default, lambda value: isinstance(value, str), "text")
+
+    def choice(self, table: Mapping[str, Any], key: str, allowed: tuple[str, ...], default: str) -> str:
+        """The word under a key, one of those allowed."""
+        return self._value(table, key, default, allowed.__contains__, f"one of {', '.join(allowed)}")
+
+    def whole(self, table: Mapping[str, Any], key: str, default: int, least: int, most: int) -> int:
+        """The whole number under a key, from `least` to `most`."""
+        return self._value(
+            table,
+            key,
+            default,
+            lambda value: type(value) is int and least <= value <= most,
+            f"a whole number from {least} to {most}",
+        )
+
+    def table(self, table: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+        """The table under a key; {} without it."""
+        return self._value(table, key, {}, lambda value: isinstance(value, Mapping), "a table")
+
+    def _value(
+        self, table: Mapping[str, Any], key: str, default: Any, fits: Callable[[Any], bool], allowed: str
+    ) -> Any:
+        value = table.get(key, default)
+        if fits(value):
             return value
-        self.wrong(key, f"is {shown(value)}; it must be text.")
+        self.wrong(key, f"is {shown(value)}; it must be {allowed}.")
         return default
 
-    def choice(self, told: Mapping[str, Any], key: str, allowed: tuple[str, ...], default: str) -> str:
-        value = told.get(key, default)
-        if value in allowed:
-            return str(value)
-        self.wrong(key, f"is {shown(value)}; it must be one of {', '.join(allowed)}.")
-        return default
-
-    def whole(self, told: Mapping[str, Any], key: str, default: int, least: int, most: int) -> int:
-        value = told.get(key, default)
-        if isinstance(value, int) and not isinstance(value, bool) and least <= value <= most:
-            return value
-        self.wrong(key, f"is {shown(value)}; it must be a whole number from {least} to {most}.")
-        return default
-
-    def table(self, told: Mapping[str, Any], key: str) -> Mapping[str, Any]:
-        value = told.get(key, {})
-        if isinstance(value, Mapping):
-            return value
-        self.wrong(key, f"is {shown(value)}; it must be a table.")
-        return {}
-
-    def flat(self, told: Mapping[str, Any], where: str, above: str = "") -> dict[str, Any]:
-        """Path -> value of nested tables, for known parameters; others are told."""
+    def flat(self, table: Mapping[str, Any], where: str, above: str = "") -> dict[str, Any]:
+        """Path -> value of nested tables, for known parameters; unknown ones are problems."""
         found: dict[str, Any] = {}
-        for key, value in told.items():
+        for key, value in table.items():
             path = f"{above}{key}"
             if isinstance(value, Mapping):
                 found |= self.flat(value, where, f"{path}.")
@@ -77,6 +82,7 @@ class Keys:
         return found
 
     def is_parameter(self, path: Any, where: str) -> bool:
+        """Whether the path is that of one parameter; if not, that is a problem."""
         if isinstance(path, str) and path in self.declared:
             return True
         if path in ("fidelity.name", "fidelity.based_on"):
@@ -89,10 +95,3 @@ class Keys:
         else:
             self.wrong(f"{where}:", f"{path} is a table; name one of its parameters.")
         return False
-
-
-def shown(value: Any) -> str:
-    try:
-        return units.short(repr(value))
-    except ValueError:  # a number of more digits than Python writes
-        return "a number too long to be shown"

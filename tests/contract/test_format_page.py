@@ -16,7 +16,7 @@ from rps_exudyn.results.result import FILETYPE, VERSION, Result
 from rps_exudyn.study import collected
 from rps_exudyn.study import description as study
 from rps_exudyn.study.store import Store
-from rps_exudyn.study.table import CaseTable
+from rps_exudyn.study.table import OUTCOME, CaseTable
 
 PAGE = (Path(__file__).parents[2] / "docs" / "hdf5-format.md").read_text(encoding="utf-8")
 
@@ -81,9 +81,7 @@ def test_page_lists_everything_in_a_collected_table(made_up_result: Result, tmp_
         for name, unit, meaning in rows("Contents of the table")
         if name.startswith("`/outcome/")
     }
-    assert outcome == {
-        (name, item.unit or "text", item.long_name) for name, item in collected.OUTCOME.items()
-    }
+    assert outcome == {(name, item.unit or "text", item.long_name) for name, item in OUTCOME.items()}
     meaning = {name: text for name, _, text in rows("Attributes of the table")}
     assert collected.FILETYPE in meaning["`filetype`"]
     assert f"now {collected.VERSION[0]}, {collected.VERSION[1]}" in meaning["`version`"]

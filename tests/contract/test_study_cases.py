@@ -10,9 +10,10 @@ from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.case_file import FileForms, Keep, kept
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result, failed, load
-from rps_exudyn.study.cases import case_hash, describe, points, setup_of
+from rps_exudyn.study.cases import case_hash, describe, setup_of
 from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Axis, Description
+from rps_exudyn.study.designs import points
 from rps_exudyn.study.study_file import read_study
 
 LINKED = """

@@ -24,7 +24,7 @@ def test_additive_effects_are_found_exactly() -> None:
     effect = grid_effect(AXES, "a", numbers)
     np.testing.assert_allclose(effect.mean, np.array([0, 2, 4]) - 1.5)
     assert effect.span == pytest.approx(4)
-    shares = [grid_effect(AXES, name, numbers).share for name in AXES]
+    shares = [grid_effect(AXES, name, numbers).fraction for name in AXES]
     variances = np.array([4 * 2 / 3, 5 / 4, 0])  # of 2 a and of b over their levels
     np.testing.assert_allclose(shares, variances / variances.sum(), atol=1e-15)
 
@@ -47,8 +47,8 @@ def test_sampled_effect_follows_the_number() -> None:
     x = np.random.default_rng(1).random(400)
     effect = sampled_effect(x, x**2)
     np.testing.assert_allclose(effect.mean, effect.levels**2, atol=0.004)  # a class spans 1/8
-    assert effect.share > 0.97
-    assert sampled_effect(x, np.random.default_rng(2).random(400)).share < 0.05
+    assert effect.fraction > 0.97
+    assert sampled_effect(x, np.random.default_rng(2).random(400)).fraction < 0.05
 
 
 def test_words_are_levels_too() -> None:
@@ -68,16 +68,15 @@ def table_of(design: str, inputs: np.ndarray, numbers: np.ndarray) -> CaseTable:
         CaseRow(case.hash, Status.OK if np.isfinite(y) else Status.CRASHED, "", 1.0, 1.0, {"torque_mean": y})
         for case, y in zip(cases, numbers.tolist(), strict=True)
     ]
-    told = dataclasses.replace(sampled([]), axes=axes, cases=cases, design=design)
-    return CaseTable(Path("study"), told, rows, ())
+    study = dataclasses.replace(sampled([]), axes=axes, cases=cases, design=design)
+    return CaseTable(Path("study"), study, rows, ())
 
 
-@pytest.mark.parametrize("second_order", [True, False])
-def test_sobol_indices_of_ishigamis_function(second_order: bool) -> None:
+def test_sobol_indices_of_ishigamis_function() -> None:
     """Ishigami & Homma (1990): a = 7, b = 0.1 give S1 = 0.314, 0.442, 0 and ST = 0.558, 0.442, 0.244."""
     sobol = pytest.importorskip("SALib.sample.sobol")
     problem = {"num_vars": 3, "names": list("abc"), "bounds": [[-np.pi, np.pi]] * 3}
-    x = sobol.sample(problem, 2048, calc_second_order=second_order, seed=1)
+    x = sobol.sample(problem, 2048, calc_second_order=False, seed=1)
     y = np.sin(x[:, 0]) + 7 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
     found = indices(table_of("saltelli", x, y), "torque_mean")
     first = [row["first order"].value for row in found.rows.values()]

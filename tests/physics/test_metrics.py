@@ -18,8 +18,8 @@ TURN = 2 * np.pi
 
 def there_and_back(steps: int = 721, turns: float = 2.0) -> np.ndarray:
     """Pinion angles [rad] to `turns` and back to zero."""
-    there = np.linspace(0, TURN * turns, steps)
-    return np.concatenate([there, there[-2::-1]])
+    forward = np.linspace(0, TURN * turns, steps)
+    return np.concatenate([forward, forward[-2::-1]])
 
 
 # --- orders ----------------------------------------------------------------------------------------
@@ -52,7 +52,7 @@ def test_tooth_order_needs_one_pitch_and_the_spectrum_one_turn() -> None:
     assert order_spectrum(angle, angle, 3) is None
 
 
-def test_spectrum_ends_where_the_recorded_points_can_tell_no_more() -> None:
+def test_spectrum_ends_with_the_highest_resolved_order() -> None:
     angle = np.linspace(0, TURN, 61)
     assert order_spectrum(angle, np.cos(angle), 100).orders[-1] == 10
 
@@ -133,7 +133,7 @@ def test_weight_that_must_be_pushed_down_is_self_locking() -> None:
 
 
 # --- rack ------------------------------------------------------------------------------------------
-def test_transmission_error_is_told_for_one_direction_and_free_of_lost_motion() -> None:
+def test_transmission_error_is_of_one_direction_and_free_of_lost_motion() -> None:
     angle, gain = there_and_back(), 0.0056
     behind = np.where(np.arange(angle.size) <= 720, -1e-5, 1e-5)
     signals = {

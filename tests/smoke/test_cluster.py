@@ -89,7 +89,7 @@ def test_lost_worker_is_replaced(command: Command, tmp_path: Path, address: str)
             assert study.wait(60) == 0
         finally:
             end(another)
-    assert len(Store.open(tmp_path / "s").finished()) == 20
+    assert len(list(Store.open(tmp_path / "s").rows())) == 20
 
 
 def first_worker(address: str) -> int:

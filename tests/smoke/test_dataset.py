@@ -28,6 +28,7 @@ def test_grid_has_its_axes_as_dimensions(made_up_result: Result, tmp_path: Path)
     for point in grid_points():
         assert study.torque_mean.sel(point).item() == pytest.approx(torque(point))
     assert study.preload.attrs["units"] == "N"
+    assert all({"units", "long_name"} <= set(variable.attrs) for variable in study.variables.values())
     assert study.torque_mean.attrs == {
         "units": "N*m",
         "long_name": "mean of pinion_torque over the pinion angle recorded",
@@ -35,8 +36,8 @@ def test_grid_has_its_axes_as_dimensions(made_up_result: Result, tmp_path: Path)
 
 
 def test_grid_does_not_depend_on_the_order_of_its_cases(made_up_result: Result, tmp_path: Path) -> None:
-    told = description(grid_points()[::-1])
-    study = rps.open_study(make_study(tmp_path / "s", made_up_result, told))
+    made = description(grid_points()[::-1])
+    study = rps.open_study(make_study(tmp_path / "s", made_up_result, made))
     for point in grid_points():
         assert study.torque_mean.sel(point).item() == pytest.approx(torque(point))
 
@@ -54,7 +55,7 @@ def test_signals_are_read_only_where_they_are_looked_at(made_up_result: Result, 
     wanted = study.hash.sel(preload=200, friction=0.2).item()
     for path in (folder / "cases").glob("*.h5"):
         if path.stem != wanted:
-            path.write_bytes(b"changed since: reading this would be told by nan")
+            path.write_bytes(b"changed since: reading this would give other numbers than nan")
     curve = study.pinion_torque.sel(preload=200, friction=0.2)
     np.testing.assert_allclose(curve, made_up_result["pinion_torque"] - 0.6 + 0.4)
     assert np.isnan(study.pinion_torque.sel(preload=100, friction=0.2)).all()
@@ -148,23 +149,23 @@ def test_records_as_long_as_they_may_be_are_not_measured(made_up_result: Result,
     keep = Keep(("time", "pinion_angle", "pinion_torque"), samples=made_up_result["time"].size)
     kept = {name: made_up_result[name] for name in keep.signals or ()}
     result = dataclasses.replace(made_up_result, signals=kept)
-    told = description(grid_points(), signals=keep)
-    folder = make_study(tmp_path / "s", result, told)
+    made = description(grid_points(), signals=keep)
+    folder = make_study(tmp_path / "s", result, made)
     Store.open(folder).rebuild_index()
     opened: list[str] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(h5py, "File", _told(h5py.File, opened))
+        patch.setattr(h5py, "File", _noting(h5py.File, opened))
         study = rps.open_study(folder)
     assert len(opened) == 1
     assert study.pinion_torque.shape == (3, 2, 121)
     np.testing.assert_allclose(study.pinion_torque[2, 1], result["pinion_torque"] - 0.6 + 0.8)
 
 
-def _told(opening: Callable[..., Any], paths: list[str]) -> Callable[..., Any]:
+def _noting(opening: Callable[..., Any], paths: list[str]) -> Callable[..., Any]:
     """The same function, which adds what it opens to `paths`."""
 
-    def told(path: object, *arguments: Any) -> Any:
+    def open_and_note(path: object, *arguments: Any) -> Any:
         paths.append(str(path))
         return opening(path, *arguments)
 
-    return told
+    return open_and_note

@@ -71,16 +71,16 @@ def test_half_finished_study(made_up_result: Result, tmp_path: Path, command: Co
     assert "rps-exudyn study made-up.toml" in page.sections["Provenance"]
 
 
-def test_best_and_worst_cases_are_told(made_up_result: Result, tmp_path: Path, command: Command) -> None:
+def test_best_and_worst_cases_are_listed(made_up_result: Result, tmp_path: Path, command: Command) -> None:
     make_study(tmp_path / "s", made_up_result)
     command(["report", "s", "--out", "r.html"])
-    told = Page(tmp_path / "r.html").sections["Best and worst cases"]
-    assert re.search(r"lowest \(best\)\s+0\.1 N m\s+100 N\s+0\.1 ", told)
-    assert re.search(r"highest \(worst\)\s+0\.8 N m\s+400 N\s+0\.2 ", told)
+    section = Page(tmp_path / "r.html").sections["Best and worst cases"]
+    assert re.search(r"lowest \(best\)\s+0\.1 N m\s+100 N\s+0\.1 ", section)
+    assert re.search(r"highest \(worst\)\s+0\.8 N m\s+400 N\s+0\.2 ", section)
 
 
 @pytest.mark.parametrize("kept", ["nothing", "one case"])
-def test_study_with_hardly_anything_in_it(
+def test_study_of_few_finished_cases(
     kept: str, made_up_result: Result, tmp_path: Path, command: Command
 ) -> None:
     make_study(tmp_path / "s", made_up_result, pending=range(kept == "one case", 6))
@@ -101,16 +101,19 @@ def test_words_as_an_axis(made_up_result: Result, tmp_path: Path, command: Comma
     law = dataclasses.replace(GRID[1], name="law", paths=("mesh.law",), values=("area", "line"))
     points = [{"law": word, "preload": 100.0, "friction": 0.1} for word in ("area", "line")]
     axes = (law, *(dataclasses.replace(axis, values=(0.1 if axis is GRID[1] else 100.0,)) for axis in GRID))
-    told = description(points, axes=axes)
-    make_study(tmp_path / "s", made_up_result, told)
+    study = description(points, axes=axes)
+    make_study(tmp_path / "s", made_up_result, study)
     assert command(["report", "s"]).status == 0
+    page = Page(tmp_path / "s" / "report.html")
+    assert re.search(r"law\s+mesh\.law\s+area, line", page.sections["What was run"])
+    assert re.search(r"area\s+100 N\s+0\.1\s+ok", page.sections["All cases"])
 
 
 def test_nothing_of_a_file_becomes_markup(made_up_result: Result, tmp_path: Path, command: Command) -> None:
     axes = tuple(dataclasses.replace(axis, name=f"{axis.name}{HOSTILE}$x_") for axis in GRID)
-    told = description(grid_points(axes), axes=axes, name=HOSTILE, title=HOSTILE)
-    told = dataclasses.replace(told, provenance={HOSTILE: HOSTILE, "command": HOSTILE})
-    folder = make_study(tmp_path / "s", made_up_result, told, failed={0: HOSTILE})
+    study = description(grid_points(axes), axes=axes, name=HOSTILE, title=HOSTILE)
+    study = dataclasses.replace(study, provenance={HOSTILE: HOSTILE, "command": HOSTILE})
+    folder = make_study(tmp_path / "s", made_up_result, study, failed={0: HOSTILE})
     (folder / "study.toml").write_text(f"# {HOSTILE}", encoding="utf-8")
     dataclasses.replace(
         made_up_result, status=Status.CRASHED, message=HOSTILE, solver={HOSTILE: HOSTILE}

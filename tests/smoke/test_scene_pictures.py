@@ -21,8 +21,8 @@ from rps_exudyn.scenes import SCENE_NAMES
 @pytest.fixture
 def there_and_back(made_up_result: Result) -> Result:
     """Two turns and back, with everything that a scene's picture may look for."""
-    there = np.linspace(-2 * np.pi, 2 * np.pi, 481)
-    angle = np.concatenate([there, there[-2::-1]])
+    forward = np.linspace(-2 * np.pi, 2 * np.pi, 481)
+    angle = np.concatenate([forward, forward[-2::-1]])
     rising = np.arange(angle.size) <= 480
     signals = {
         "time": np.arange(angle.size) / 100,
@@ -120,7 +120,7 @@ def test_losses_are_stacked_to_the_torque(there_and_back: Result) -> None:
         )
 
 
-def test_several_results_are_told_apart(there_and_back: Result) -> None:
+def test_several_results_are_distinguished(there_and_back: Result) -> None:
     (axes,) = torques_figure({"one": there_and_back, "two": there_and_back}, "Both").axes
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["one", "two"]
     assert len({line.get_color() for line in axes.lines}) == 2

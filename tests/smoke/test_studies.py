@@ -10,7 +10,7 @@ import pytest
 
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.processes import Done, Task
-from rps_exudyn.study.runner import Plan, run_study
+from rps_exudyn.study.runner import StudyWork, run_study
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.study_file import read_study
 from shell import Command
@@ -38,9 +38,9 @@ def test_all_studies_are_shipped() -> None:
 
 @pytest.mark.parametrize("file", STUDIES, ids=lambda file: file.stem)
 def test_study_runs_at_toy_size(file: Path, tmp_path: Path) -> None:
-    plan = Plan.of(read_study(file).toy(), tmp_path / file.stem)
-    tally = run_study(plan, in_this_process, workers_write=True)
-    assert tally.statuses[Status.OK] >= len(plan.missing) / 2
+    work = StudyWork.of(read_study(file).toy(), tmp_path / file.stem)
+    tally = run_study(work, in_this_process, workers_write=True)
+    assert tally.statuses[Status.OK] >= len(work.missing) / 2
     store = Store.open(tmp_path / file.stem)
     expected = {"load-test": "efficiency_forward", "rack-push": "push_force_mean"}.get(
         store.description.scene, "torque_mean"
@@ -65,11 +65,11 @@ def test_study_from_the_command_line_and_one_case_again(command: Command) -> Non
 
 def fresh(*arguments: str) -> str:
     """What a command prints in a process of its own."""
-    told = [sys.executable, "-m", "rps_exudyn", *arguments]
-    return subprocess.run(told, capture_output=True, text=True, check=True).stdout
+    command = [sys.executable, "-m", "rps_exudyn", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 
-def test_rerun_tells_what_differs(command: Command) -> None:
+def test_rerun_lists_what_differs(command: Command) -> None:
     import h5py
 
     assert command(["run", "--fidelity", "closed-form", "--out", "a.h5"]).status == 0

@@ -56,7 +56,7 @@ def test_with_choices_of_ones_own(command: Command) -> None:
     assert "leave out --bush, --set fidelity.step_angle" in said
 
 
-def test_chosen_and_told(command: Command) -> None:
+def test_choice_and_its_reason_are_printed(command: Command) -> None:
     answer = command(["run", "--accuracy", "1%", "--json"])
     assert answer.status == 0
     assert answer.json["fidelity"]["solver"] == "equilibrium"

@@ -8,7 +8,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.simulate.by_accuracy import choose
 
 
-def test_the_cheapest_model_is_taken_and_told() -> None:
+def test_the_cheapest_model_is_taken_with_its_reason() -> None:
     gear = rps.SteeringGear()
     result = rps.run("free-pinion-torque", gear, accuracy="1%")
     choice = choose("free-pinion-torque", gear, 1.0)

@@ -105,7 +105,7 @@ def test_fidelity_is_no_matter_of_the_gears_file(command: Command) -> None:
     assert "gear.toml: fidelity is no table of a gear" in answer.err
 
 
-def test_unknown_table_of_a_file_is_not_told_of_fidelity(command: Command) -> None:
+def test_unknown_table_of_a_file_is_not_pointed_to_fidelity(command: Command) -> None:
     """No file may have it; a setting may."""
     Path("gear.toml").write_text("[brake]\nforce = 3\n[fidelty]\nmesh = 3\n")
     answer = command(["run", "--gear", "gear.toml", "--set", "clutch.force=3"])

@@ -44,7 +44,7 @@ def test_columns_are_found_by_name_and_converted(text: str, torque: list[float],
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "sentence"),
     [
         ("", "has no column pinion_angle with its unit"),
         ("angle [deg], pinion_torque [N m]\n0,1\n", "has no column pinion_angle with its unit"),
@@ -57,25 +57,25 @@ def test_columns_are_found_by_name_and_converted(text: str, torque: list[float],
         (HEADER + "5,1\n5,2\n5,3\n", "holds one pinion angle only"),
     ],
 )
-def test_what_is_no_curve_is_refused_in_one_sentence(text: str, told: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=told) as refused:
+def test_what_is_no_curve_is_refused_in_one_sentence(text: str, sentence: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=sentence) as refused:
         read_measured_torque(written(tmp_path, text))
     assert len(refused.value.problems) == 1
     assert "\n" not in refused.value.problems[0]
 
 
-def test_files_that_cannot_be_read_are_told(tmp_path: Path) -> None:
+def test_files_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_bytes(b"\xff\xfe\x00\x01")
-    for path, told in (("a.csv", "no text in UTF-8"), ("b.csv", "No such file"), (".", "directory")):
-        with pytest.raises(InputError, match=told):
+    for path, sentence in (("a.csv", "no text in UTF-8"), ("b.csv", "No such file"), (".", "directory")):
+        with pytest.raises(InputError, match=sentence):
             read_measured_torque(tmp_path / path)
 
 
 def test_directions_are_compared_apart(tmp_path: Path) -> None:
     """The made-up curve has the simulated one's tooth order, and more mean and first order."""
-    there = np.linspace(-4, 4, 801)
-    angle = np.concatenate([there, there[-2::-1]])
-    rising = np.arange(angle.size) < there.size
+    outward = np.linspace(-4, 4, 801)
+    angle = np.concatenate([outward, outward[-2::-1]])
+    rising = np.arange(angle.size) < outward.size
     simulated = np.where(rising, 0.6, -0.5) + 0.01 * np.cos(6 * angle)
     rows = zip(np.degrees(angle), simulated + 0.03 + 0.02 * np.cos(angle), strict=True)
     text = HEADER + "".join(f"{a},{t}\n" for a, t in rows)
@@ -84,16 +84,16 @@ def test_directions_are_compared_apart(tmp_path: Path) -> None:
         measured, {"pinion_angle": angle, "pinion_torque": simulated}, teeth=6
     )
     assert (forward.direction, backward.direction) == (1, -1)
-    difference = 0.03 + 0.02 * np.cos(there)
-    rms = np.sqrt(np.trapezoid(difference**2, there) / 8)
+    difference = 0.03 + 0.02 * np.cos(outward)
+    rms = np.sqrt(np.trapezoid(difference**2, outward) / 8)
     assert forward.torque.rms == pytest.approx(rms, rel=1e-4)
     assert backward.torque.rms == pytest.approx(rms, rel=5e-3)
     assert forward.measured["torque_tooth_order"] == pytest.approx(0.01, rel=0.05)
     assert forward.simulated["torque_first_order"] == pytest.approx(0, abs=1e-4)
     assert forward.measured["torque_first_order"] == pytest.approx(0.02, rel=1e-3)
-    one_way = {"pinion_angle": there, "pinion_torque": simulated[: there.size]}
+    one_way = {"pinion_angle": outward, "pinion_torque": simulated[: outward.size]}
     assert [each.direction for each in compare_with_measured(measured, one_way, 6)] == [1]
-    beyond = {"pinion_angle": there + 10, "pinion_torque": one_way["pinion_torque"]}
+    beyond = {"pinion_angle": outward + 10, "pinion_torque": one_way["pinion_torque"]}
     assert compare_with_measured(measured, beyond, 6) == []
 
 

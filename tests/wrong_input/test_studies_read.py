@@ -1,6 +1,7 @@
 """What is no study, no table or no result is refused in a sentence; nothing is written."""
 
 import json
+import sys
 from pathlib import Path
 
 import h5py
@@ -28,22 +29,22 @@ def rewrite(study: Path, **changes: object) -> None:
 
 @pytest.mark.parametrize("subcommand", ["collect", "report"])
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "sentence"),
     [
-        ({"version": [2, 0]}, "has format version [2, 0], and this rps-exudyn reads 1.x"),
+        ({"version": [2, 0]}, "has format version 2.0, and this rps-exudyn reads 1.x"),
         ({"filetype": "another"}, "is not the description of a study of rps-exudyn"),
         ({"cases": [{"hash": "../../etc/passwd", "values": {}}]}, "is damaged"),
     ],
 )
 def test_foreign_newer_and_damaged_studies(
-    subcommand: str, changes: dict[str, object], told: str, study: Path, command: Command
+    subcommand: str, changes: dict[str, object], sentence: str, study: Path, command: Command
 ) -> None:
     rewrite(study, **changes)
     before = sorted(study.iterdir())
     answer = command([subcommand, "s"])
     assert answer.status == 2
     assert answer.err.count("\n") == 1
-    assert told in answer.err
+    assert sentence in answer.err
     assert sorted(study.iterdir()) == before
 
 
@@ -53,7 +54,7 @@ def test_folder_without_a_study(read: object, tmp_path: Path) -> None:
         read(tmp_path)  # type: ignore[operator]
 
 
-def test_report_tells_all_wrong_paths_at_once(study: Path, tmp_path: Path, command: Command) -> None:
+def test_report_names_all_wrong_paths(study: Path, tmp_path: Path, command: Command) -> None:
     (tmp_path / "foreign.h5").write_bytes(b"no HDF5")
     answer = command(["report", "s", "foreign.h5", "missing.h5", "--out", "r.html"])
     assert answer.status == 2
@@ -62,7 +63,7 @@ def test_report_tells_all_wrong_paths_at_once(study: Path, tmp_path: Path, comma
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "sentence"),
     [
         (["report"], "report needs at least one"),
         (["report", "s", "--out", "r.pdf"], "its name must end in .html"),
@@ -71,10 +72,10 @@ def test_report_tells_all_wrong_paths_at_once(study: Path, tmp_path: Path, comma
         (["collect", "missing"], "there is no such folder"),
     ],
 )
-def test_wrong_arguments(arguments: list[str], told: str, study: Path, command: Command) -> None:
+def test_wrong_arguments(arguments: list[str], sentence: str, study: Path, command: Command) -> None:
     answer = command(arguments)
     assert answer.status == 2
-    assert told in answer.err
+    assert sentence in answer.err
     assert answer.err.count("\n") == 1
 
 
@@ -102,7 +103,8 @@ def test_tables_are_checked_for_type_and_version(
 def test_sensitivity_without_salib_says_what_to_install(
     study: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, command: Command
 ) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "SALib", None)
+    for module in ("SALib", "SALib.analyze.morris"):
+        monkeypatch.setitem(sys.modules, module, None)
     rewrite(study, design="morris")
     assert command(["report", "s"]).status == 0
     assert "install rps-exudyn with its extra [sensitivity]" in (study / "report.html").read_text("utf-8")

@@ -1,4 +1,4 @@
-"""A user's mistake in a study file or its folder: told in sentences before anything runs."""
+"""A user's mistake in a study file or its folder: reported in sentences before anything runs."""
 
 import json
 from pathlib import Path
@@ -176,7 +176,7 @@ def test_folder_of_something_else(command: Command, tmp_path: Path) -> None:
     ("content", "sentence"),
     [
         ("{}", "is not the description of a study"),
-        ('{"filetype": "rps_exudyn-study", "version": [9, 0]}', "has format version [9, 0]"),
+        ('{"filetype": "rps_exudyn-study", "version": [9, 0]}', "has format version 9.0"),
         ('{"filetype": "rps_exudyn-study", "version": [1, 0]}', "is damaged"),
         ("{", "is damaged"),
     ],
@@ -199,8 +199,8 @@ def test_case_cannot_name_a_file_elsewhere(tmp_path: Path) -> None:
     from rps_exudyn.study.study_file import read_study
 
     description = describe(read_study(write_grid(tmp_path / "s.toml", 100)), {})
-    told = json.loads(description.to_json())
-    told["cases"][0]["hash"] = "../../elsewhere"
-    (tmp_path / "study.json").write_text(json.dumps(told))
-    with pytest.raises(InputError, match="no hash of a case"):
+    content = json.loads(description.to_json())
+    content["cases"][0]["hash"] = "../../elsewhere"
+    (tmp_path / "study.json").write_text(json.dumps(content))
+    with pytest.raises(InputError, match=r"is damaged: cases.0.hash"):
         Store.open(tmp_path)

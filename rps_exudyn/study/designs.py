@@ -1,0 +1,102 @@
+"""Designs of experiments: the points of a grid or of a sampled design, axis by axis.
+
+Sampled designs draw in the unit cube and map each coordinate by the inverse of its axis' distribution, so
+that the same seed gives the same points everywhere.
+"""
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.study.description import GRID_DESIGN, Axis, Value
+
+CUT = 3.0  # normal distributions end at this many standard deviations
+MORRIS_LEVELS = 4  # levels that an axis takes in a Morris design
+
+
+def points(axes: tuple[Axis, ...], design: str, samples: int, seed: int) -> Iterator[dict[str, Value]]:
+    """Axis name -> SI value of every case; a grid's last axis changes fastest.
+
+    Raises:
+        InputError: a sensitivity design without the package that draws it.
+    """
+    if design == GRID_DESIGN:
+        rows: Iterable[Iterable[Value]] = itertools.product(*(axis.values or () for axis in axes))
+    else:
+        unit = _unit_points(design, len(axes), samples, seed)
+        rows = ([drawn(axis, float(u)) for axis, u in zip(axes, row, strict=True)] for row in unit)
+    names = [axis.name for axis in axes]
+    return (dict(zip(names, row, strict=True)) for row in rows)
+
+
+def points_per_sample(design: str, axes: int) -> int:
+    """Number of points that a sampled design draws for each of its samples."""
+    return {"morris": axes + 1, "saltelli": axes + 2}.get(design, 1)
+
+
+def drawn(axis: Axis, u: float) -> Value:
+    """The quantile `u` (0 to 1) of a sampled axis' distribution."""
+    if axis.values is not None:
+        return axis.values[min(int(u * len(axis.values)), len(axis.values) - 1)]
+    first, second = axis.distribution["numbers"]
+    kind = axis.distribution["kind"]
+    if kind == "uniform":
+        return float(first + u * (second - first))
+    if kind == "loguniform":
+        return float(first * (second / first) ** u)
+    from scipy.special import ndtr, ndtri
+
+    within = ndtr(-CUT) + u * (ndtr(CUT) - ndtr(-CUT))
+    return float(first + second * np.clip(ndtri(within), -CUT, CUT))
+
+
+def ends(axis: Axis) -> tuple[float, float]:
+    """Least and greatest value that a sampled axis may draw."""
+    first, second = axis.distribution["numbers"]
+    if axis.distribution["kind"] == "normal":
+        return first - CUT * second, first + CUT * second
+    return first, second
+
+
+def salib(module: str) -> Any:
+    """A module of SALib, for instance "sample.morris".
+
+    Raises:
+        InputError: SALib is not installed.
+    """
+    try:
+        return import_module(f"SALib.{module}")
+    except ImportError:
+        raise InputError(
+            "Sensitivity designs and indices need SALib: install rps-exudyn with its extra [sensitivity]."
+        ) from None
+
+
+def unit_problem(names: Iterable[str]) -> dict[str, Any]:
+    """SALib's description of axes that go from 0 to 1."""
+    names = list(names)
+    return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+
+
+def _unit_points(design: str, axes: int, samples: int, seed: int) -> np.ndarray:
+    """Points of a sampled design in the unit cube, shape (points, axes)."""
+    from scipy.stats import qmc
+
+    rng, problem = np.random.default_rng(seed), unit_problem(map(str, range(axes)))
+    if design == "latin-hypercube":
+        points = qmc.LatinHypercube(axes, rng=rng).random(samples)
+    elif design == "sobol":
+        power = max(0, math.ceil(math.log2(samples)))  # the sequence is even over powers of two
+        points = qmc.Sobol(axes, rng=rng).random_base2(power)[:samples]
+    elif design == "random":
+        points = rng.random((samples, axes))
+    elif design == "morris":
+        points = salib("sample.morris").sample(problem, samples, num_levels=MORRIS_LEVELS, seed=seed)
+    else:
+        points = salib("sample.sobol").sample(problem, samples, calc_second_order=False, seed=seed)
+    return np.asarray(points)
