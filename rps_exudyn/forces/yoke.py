@@ -22,40 +22,115 @@ from rps_exudyn.forces.friction import coulomb
 from rps_exudyn.forces.rigid_motion import on_angles, spin_of, turn_of
 from rps_exudyn.parameters.gear import SteeringGear
 
-ARC_POINTS, LENGTH_POINTS = 6, 2  # Gauss points: a seat that touches everywhere is integrated to 1e-9
+ARC_POINTS, LENGTH_POINTS = 6, 2  # Gauss points of a seat that touches everywhere: to 1e-9
+PIECE_POINTS = 10  # of each piece of the arc where part of the seat touches: to 1e-5
 
 
 class SeatData(NamedTuple):
-    """A cylindrical seat fixed to the plunger, sampled by Gauss points."""
+    """A cylindrical seat fixed to the plunger, and its Gauss points where all of it touches."""
 
     bar_radius: float
     friction: float
     zone: float  # friction zone [m/s]
     rest_gap: float  # Y of the plunger's zero above that of the rack, so that both rest at the preload [m]
-    arc_y: np.ndarray  # outward normal of the bar at each point: along the yoke axis ...
-    arc_z: np.ndarray  # ... and across
-    station: np.ndarray  # its position along the rack [m]
-    stiffness: np.ndarray  # and its part of the seat's stiffness [N/m]
+    half_angle: float  # of the arc [rad]
+    edge_y: float  # its cosine ...
+    edge_z: float  # ... and sine
+    half_length: float  # along the rack [m]
+    density: float  # stiffness per angle and length [N/m per rad m]
+    arc: np.ndarray  # Gauss rule of a piece of the arc over -1 .. 1: points ...
+    arc_weight: np.ndarray  # ... and weights
+    length: np.ndarray  # the same along the rack
+    length_weight: np.ndarray
+    points: np.ndarray  # (n, 4) of the whole seat, rows as `seat_points` fills them
+
+
+# The bar's axis stands at gap + station * slope, both (y, z), against that of the seat.
+
+
+@kernel
+def touches_everywhere(gap, slope, data):  # type: ignore[no-untyped-def]
+    """Tell whether all of the seat touches: it does if its four corners do, for its arc is no half circle."""
+    for station in (-data.half_length, data.half_length):
+        y, z = gap[0] + station * slope[0], gap[1] + station * slope[1]
+        if y * data.edge_y - abs(z) * data.edge_z <= 0:
+            return False
+    return True
+
+
+@kernel
+def touching_stations(angle, gap, slope, half_length):  # type: ignore[no-untyped-def]
+    """Return the stations between which the seat touches at an angle of its arc; depth is linear there."""
+    middle = gap[0] * np.cos(angle) + gap[1] * np.sin(angle)
+    rise = slope[0] * np.cos(angle) + slope[1] * np.sin(angle)
+    low, high = -half_length, half_length
+    if abs(rise) * half_length <= abs(middle):
+        return (low, high) if middle > 0 else (0.0, 0.0)
+    zero = -middle / rise
+    return (zero, high) if rise > 0 else (low, zero)
+
+
+@kernel
+def arc_pieces(gap, slope, data):  # type: ignore[no-untyped-def]
+    """Return the angles between which the touching part changes smoothly, rising.
+
+    It changes its shape where an end face begins or ceases to touch, a right angle from where it is deepest.
+    """
+    pieces = np.empty(6)
+    pieces[0], count = -data.half_angle, 1
+    for station in (-data.half_length, data.half_length):
+        deepest = np.arctan2(gap[1] + station * slope[1], gap[0] + station * slope[0])
+        for turn in (-1.5 * np.pi, -0.5 * np.pi, 0.5 * np.pi, 1.5 * np.pi):
+            if abs(deepest + turn) < data.half_angle and count < 5:
+                pieces[count], count = deepest + turn, count + 1
+    pieces[count] = data.half_angle
+    return np.sort(pieces[: count + 1])
+
+
+@kernel
+def seat_points(gap, slope, data):  # type: ignore[no-untyped-def]
+    """Return Gauss points of the touching part, rows (normal y, normal z, station [m], stiffness [N/m])."""
+    if touches_everywhere(gap, slope, data):
+        return data.points
+    pieces = arc_pieces(gap, slope, data)
+    points, n = np.empty(((pieces.size - 1) * data.arc.size * data.length.size, 4)), 0
+    for piece in range(pieces.size - 1):
+        middle, half = (pieces[piece + 1] + pieces[piece]) / 2, (pieces[piece + 1] - pieces[piece]) / 2
+        for i in range(data.arc.size):
+            angle = middle + half * data.arc[i]
+            low, high = touching_stations(angle, gap, slope, data.half_length)
+            for j in range(data.length.size):
+                points[n, 0], points[n, 1] = np.cos(angle), np.sin(angle)
+                points[n, 2] = (high + low) / 2 + (high - low) / 2 * data.length[j]
+                area = half * data.arc_weight[i] * (high - low) / 2 * data.length_weight[j]
+                points[n, 3] = data.density * area
+                n += 1
+    return points
 
 
 @kernel
 def seat_force(q, v, data):  # type: ignore[no-untyped-def]
-    """Penalty contact of the seat with the back of the bar; q = rack (6), plunger (1)."""
+    """Penalty contact of the seat with the back of the bar; q = rack (6), plunger (1).
+
+    It is integrated over the part that touches, which a tilted or shifted bar leaves.
+    """
     out = np.zeros(7 + 3 + 2)
     turn = turn_of(q[3:6])
     omega = spin_of(turn, v[3:6])
     axis_x, axis_y, axis_z = turn.axis
     slope_y, slope_z = axis_y / axis_x, axis_z / axis_x
+    gap = (q[1] - q[0] * slope_y - q[6] + data.rest_gap, q[2] - q[0] * slope_z)
+    points = seat_points(gap, (slope_y, slope_z), data)
     moment_x = moment_y = moment_z = 0.0
-    for i in range(data.arc_y.size):
-        ny, nz = data.arc_y[i], data.arc_z[i]
+    for i in range(points.shape[0]):
+        ny, nz = points[i, 0], points[i, 1]
         # the point of the bar's axis that stands at this station of the housing
-        along = (data.station[i] - q[0]) / axis_x
+        along = (points[i, 2] - q[0]) / axis_x
         ay, az = along * axis_y, along * axis_z
         depth = (q[1] + ay - q[6] + data.rest_gap) * ny + (q[2] + az) * nz
         if depth <= 0:
             continue
-        load = data.stiffness[i] * depth
+        load = points[i, 3] * depth
         # across the tilted bar, so that sliding along it does no work against the load
         nx = -(slope_y * ny + slope_z * nz)
         lx, ly, lz = along * axis_x, ay + data.bar_radius * ny, az + data.bar_radius * nz
@@ -86,22 +161,33 @@ def seat_force(q, v, data):  # type: ignore[no-untyped-def]
 
 
 def seat(gear: SteeringGear, *, friction_zone: float, rest_gap: float) -> ForceElement:
-    """Contact of the plunger's cylindrical seat with the back of the rack."""
+    """Contact of the plunger's cylindrical seat with the back of the rack.
+
+    Its pressure per depth is such that the whole seat has `yoke.seat_stiffness` along the yoke axis.
+    """
     yoke = gear.yoke
     x, wx = gauss_legendre(ARC_POINTS)
+    piece, piece_weight = gauss_legendre(PIECE_POINTS)
     s, ws = gauss_legendre(LENGTH_POINTS)
     arc, arc_weight = yoke.seat_angle * x, yoke.seat_angle * wx
-    # pressure per depth such that the whole seat has `seat_stiffness` along the yoke axis
     fraction = arc_weight / np.sum(arc_weight * np.cos(arc) ** 2)
+    stiffness = yoke.seat_stiffness * np.outer(fraction, ws / 2).ravel()
+    normals = np.repeat(np.cos(arc), s.size), np.repeat(np.sin(arc), s.size)
     data = SeatData(
         bar_radius=gear.rack.bar_diameter / 2,
         friction=yoke.friction,
         zone=friction_zone,
         rest_gap=rest_gap,
-        arc_y=np.cos(np.repeat(arc, s.size)),
-        arc_z=np.sin(np.repeat(arc, s.size)),
-        station=np.tile(yoke.seat_length / 2 * s, arc.size),
-        stiffness=yoke.seat_stiffness * np.outer(fraction, ws / 2).ravel(),
+        half_angle=yoke.seat_angle,
+        edge_y=np.cos(yoke.seat_angle),
+        edge_z=np.sin(yoke.seat_angle),
+        half_length=yoke.seat_length / 2,
+        density=yoke.seat_stiffness / np.sum(arc_weight * np.cos(arc) ** 2) / yoke.seat_length,
+        arc=piece,
+        arc_weight=piece_weight,
+        length=s,
+        length_weight=ws,
+        points=np.column_stack([*normals, np.tile(yoke.seat_length / 2 * s, arc.size), stiffness]),
     )
     return ForceElement("seat", ("rack", "plunger"), seat_force, data, ("seat_normal_force", "seat_force"))
 

@@ -10,7 +10,7 @@ import pytest
 
 from rps_exudyn.forces.force_element import ELASTIC_ENERGY, FRICTION_POWER, ForceElement
 from rps_exudyn.forces.rigid_motion import spin_map
-from rps_exudyn.forces.yoke import seat_wedge_factor
+from rps_exudyn.forces.yoke import seat, seat_wedge_factor
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -146,3 +146,66 @@ def test_seat_rubs_by_its_wedge_factor(half_angle: str) -> None:
     assert load > 100
     kappa = seat_wedge_factor(gear.yoke.seat_angle)
     assert -out[0] / (gear.yoke.friction * load) == pytest.approx(kappa, rel=1e-6)
+
+
+# --- the seat's patch of contact ---------------------------------------------------------------------
+CELLS = 4000, 400  # of the seat along the arc and along the rack
+
+
+def summed_seat(gear: SteeringGear, q: np.ndarray, rest_gap: float) -> tuple[float, float, float, float]:
+    """Force along Y and Z and their moments about Z and Y at the seat's middle, of a rack without friction.
+
+    A sum over cells, with nothing of the package: the bar's axis stands at q[1:3] and is tilted by small
+    angles q[4] about Y and q[5] about Z; pressure is stiffness times depth where there is depth.
+    """
+    yoke = gear.yoke
+    angle = yoke.seat_angle * (2 * (np.arange(CELLS[0]) + 0.5) / CELLS[0] - 1)[:, None]
+    x = yoke.seat_length * ((np.arange(CELLS[1]) + 0.5) / CELLS[1] - 0.5)
+    y, z = q[1] + (x - q[0]) * q[5] - q[6] + rest_gap, q[2] - (x - q[0]) * q[4]
+    depth = np.maximum(y * np.cos(angle) + z * np.sin(angle), 0.0)
+    whole = yoke.seat_angle + np.sin(yoke.seat_angle) * np.cos(yoke.seat_angle)
+    cell = (2 * yoke.seat_angle / CELLS[0]) / CELLS[1] * yoke.seat_stiffness / whole
+    press = cell * depth
+    force_y, force_z = -np.sum(press * np.cos(angle), axis=0), -np.sum(press * np.sin(angle), axis=0)
+    return force_y.sum(), force_z.sum(), float(x @ force_y), float(x @ force_z)
+
+
+@pytest.mark.parametrize(
+    ("q", "gap"),
+    [
+        ([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 5e-6),
+        ([1e-3, 0.0, 0.0, 0.0, 0.0, 8e-4, 0.0], 5e-6),  # an end lifted
+        ([0.0, 0.0, 4e-6, 0.0, 0.0, 0.0, 0.0], 2e-6),  # a side lifted
+        ([-2e-3, 1e-6, -6e-6, 0.0, 3e-4, -5e-4, 1e-6], 3e-6),  # a corner touches
+        ([0.0, 0.0, 2e-6, 0.0, -6e-4, 2e-4, 0.0], 1e-6),
+        ([0.0, -1e-6, 5e-6, 0.0, 7e-4, 1e-5, 0.0], 0.0),
+    ],
+)
+@pytest.mark.parametrize("half_angle", ["12 deg", "50 deg", "84 deg"])
+def test_seat_is_integrated_over_the_part_that_touches(q: list[float], gap: float, half_angle: str) -> None:
+    """Law: force and moment are those of a sum over cells to 1e-4, whatever the patch."""
+    gear = GEAR.replace({"yoke.friction": 0.0, "yoke.seat_angle": half_angle})
+    element = seat(gear, friction_zone=1e-4, rest_gap=gap)
+    place = np.array(q)
+    forces = element.evaluate(place, np.zeros(7))
+    _, about_y, about_z = moment(forces[3:6], place[3:6])
+    about_y, about_z = about_y - place[0] * forces[2], about_z + place[0] * forces[1]
+    summed = np.array(summed_seat(gear, place, gap))
+    scale = np.hypot(*summed[:2])
+    arm = gear.yoke.seat_length / 2
+    assert forces[[1, 2]] == pytest.approx(summed[:2], abs=1e-4 * scale)
+    assert (-about_y, about_z) == pytest.approx((summed[3], summed[2]), abs=1e-4 * scale * arm)
+
+
+def test_seat_that_touches_at_its_end_has_a_smooth_tangent() -> None:
+    """Its force has no kink where corner after corner lifts: second differences vanish like squares of
+    steps."""
+    element = seat(GEAR, friction_zone=1e-4, rest_gap=3e-6)
+    rates = np.array([5e-3, 0, 0, 0, 0, 0, 0])
+
+    def largest_bend(n: int) -> float:
+        tilts = np.linspace(0, 2e-3, n + 1)
+        forces = [element.evaluate(np.array([0, 0, 1e-6, 0, 0, t, 0]), rates)[:6] for t in tilts]
+        return float(np.abs(np.diff(forces, 2, axis=0)).max())
+
+    assert largest_bend(3200) < 0.3 * largest_bend(1600)
