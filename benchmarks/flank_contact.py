@@ -1,21 +1,21 @@
 """What one evaluation of the flank contact costs, and how far it is from the converged integral.
 
-    python studies/bench_flank_contact.py
-
 Cost is CPU time of one thread, the least of several repeats over one tooth pitch, compilation apart.
 Errors are at a given place of the rack (no equilibrium, which would balance most of it out): of the torque
 RMS over a pitch in % of its mean, and of the whole wrench the largest in % of the sum of normal forces (times
 the base radius). Reference: 1280 generators with exact ends (2560 change the torque by less than 0.0001 %).
 """
 
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from time import process_time
 from typing import Any
 
 import numba
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.flank_contact import flank_contact
 from rps_exudyn.mesh_contact.flank_data import FlankData, pack
@@ -33,6 +33,8 @@ EVALUATORS: dict[str, tuple[Callable[..., Any], Callable[[SteeringGear], FlankDa
     "40 generators": (flank_contact, lambda gear: pack(gear, generators=40)),
     "160 generators": (flank_contact, lambda gear: pack(gear, generators=160)),
 }
+DATA = "evaluations.json"
+Row = tuple[str, float, float | None, float | None]
 CASES: dict[str, tuple[dict[str, object], tuple[float, float, float]]] = {
     "the paper's gear": ({}, (0, 0, 0)),
     "line law": ({"mesh.law": "line"}, (0, 0, 0)),
@@ -77,9 +79,9 @@ def microseconds(kernel: Callable[..., Any], arguments: list[tuple[Any, ...]], d
     sweep(1, *rest)
     times, repeats = [], 40
     for _ in range(7):
-        start = time.process_time()
+        start = process_time()
         sweep(repeats, *rest)
-        times.append(time.process_time() - start)
+        times.append(process_time() - start)
     return min(times) / (repeats * len(angles)) * 1e6
 
 
@@ -97,30 +99,53 @@ def errors(
     return 100 * float(torque), 100 * float(np.abs(off / scale).max())
 
 
-def main() -> None:
-    paper = SteeringGear()
-    aligned = states(paper, (0, 0, 0))
-    print(
-        "| evaluator, the paper's gear | us per evaluation | torque RMS % | wrench, largest % |\n"
-        "|---|---|---|---|"
-    )
-    for name, (kernel, packed) in EVALUATORS.items():
-        data = packed(paper)
-        torque, wrench = errors(kernel, paper, (0, 0, 0), data)
-        print(f"| {name} | {microseconds(kernel, aligned, data):.2g} | {torque:.2g} | {wrench:.2g} |")
-    print(
-        "\n| case, default strip | us per evaluation | torque RMS % | wrench, largest % |\n|---|---|---|---|"
-    )
-    for name, (settings, turn) in CASES.items():
-        gear = paper.replace(settings)
+def run(
+    folder: Path, evaluators: Sequence[str] = tuple(EVALUATORS), cases: Sequence[str] = tuple(CASES)
+) -> None:
+    """Measure evaluators on the paper's gear, and the default strip in harder cases."""
+    rows = {"evaluators": list(by_evaluator(evaluators)), "cases": list(by_case(cases))}
+    save_data(folder / DATA, rows)
+
+
+def by_evaluator(names: Sequence[str]) -> Iterator[Row]:
+    """Name, cost [us], errors of torque and wrench [%] on the paper's gear."""
+    gear, aligned = SteeringGear(), (0, 0, 0)
+    for name in names:
+        kernel, packed = EVALUATORS[name]
+        data = packed(gear)
+        yield name, microseconds(kernel, states(gear, aligned), data), *errors(kernel, gear, aligned, data)
+
+
+def by_case(names: Sequence[str]) -> Iterator[Row]:
+    """The same of the default strip; the generators know no other law to compare it with."""
+    for name in names:
+        settings, turn = CASES[name]
+        gear = SteeringGear().replace(settings)
         data = pack(gear)
         cost = microseconds(flank_contact, states(gear, turn), data)
-        if gear.mesh.law == "line":
-            print(f"| {name} | {cost:.2g} | - | - |")
-            continue
-        torque, wrench = errors(flank_contact, gear, turn, data)
-        print(f"| {name} | {cost:.2g} | {torque:.2g} | {wrench:.2g} |")
+        known = gear.mesh.law != "line"
+        yield name, cost, *(errors(flank_contact, gear, turn, data) if known else (None, None))
 
 
-if __name__ == "__main__":
-    main()
+def table(kind: str) -> Callable[[Path], str]:
+    """The table of evaluators or of cases."""
+    first = {"evaluators": "evaluator, the paper's gear", "cases": "case, default strip of 4 x 2"}[kind]
+
+    def content(folder: Path) -> str:
+        rows = [
+            (name, *("-" if each is None else f"{each:.2g}" for each in numbers))
+            for name, *numbers in load_data(folder / DATA)[kind]
+        ]
+        return markdown((first, "us per evaluation", "torque RMS %", "wrench, largest %"), rows)
+
+    return content
+
+
+TOPIC = Topic(
+    "one evaluation of the flank contact: cost, and error against the converged integral",
+    "2 min",
+    "flank_contact",
+    run,
+    {"evaluators": ("strip, 4 x 2 (default)",), "cases": ("tip relief 10 um",)},
+    {"flank_evaluators": table("evaluators"), "flank_cases": table("cases")},
+)

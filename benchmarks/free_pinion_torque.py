@@ -1,83 +1,148 @@
-"""The default gear by every fidelity: torque, ripple, losses and what they cost.
+"""The free pinion torque of the default gear by every fidelity: torque, ripple, losses, distance, cost.
 
-    python studies/compare_fidelities.py
-
-Prints the table of README.md, draws the full model against the flank contact and what the kinematic ratio
-misses. CPU time is the solver's in a second run, so without compilation and setting up; the full
-model takes minutes.
+Distances are over the turn from `full`, all parts in Exudyn with general contact and a bush of 25 segments.
+CPU time is the solver's in runs after a first short one, so without compilation and setting up.
 """
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
-from matplotlib.figure import Figure
+import numpy as np
 
+import rps_exudyn as rps
+from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.analysis.comparison import compare
 from rps_exudyn.charts import style
 from rps_exudyn.charts.comparison import draw_comparison
+from rps_exudyn.charts.scene import draw
 from rps_exudyn.charts.several import torques_figure
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import Result
-from rps_exudyn.simulate.run import run
 
-SCENE = "free-pinion-torque"
 FIDELITIES = {
-    "full": Fidelity.preset("full"),
-    "flank": Fidelity.preset("flank"),
-    "quasi-static": Fidelity.preset("quasi-static"),
-    "closed-form": Fidelity.preset("closed-form"),
-    "flank, mesh ratio": Fidelity.preset("flank").replace({"mesh": "ratio"}),
-    "flank, mesh ratio-with-loss": Fidelity.preset("flank").replace({"mesh": "ratio-with-loss"}),
+    "`full`": Fidelity.preset("full"),
+    "`flank` (default)": Fidelity.preset("flank"),
+    "`quasi-static`": Fidelity.preset("quasi-static"),
+    "`closed-form`": Fidelity.preset("closed-form"),
+    "`flank --mesh ratio`": Fidelity.preset("flank").replace({"mesh": "ratio"}),
+    "`flank --mesh ratio-with-loss`": Fidelity.preset("flank").replace({"mesh": "ratio-with-loss"}),
 }
-RATIO = ("full", "flank", "flank, mesh ratio-with-loss", "flank, mesh ratio")
-WITH_RATIO = "The kinematic ratio has the losses of the other parts, not of the teeth, and no ripple"
-TWO_PITCHES = 1 / 3  # [turns]
+FULL, FLANK = "`full`", "`flank` (default)"
+DRAWN = (FULL, FLANK, "`flank --mesh ratio-with-loss`", "`flank --mesh ratio`")
+HEADLINE = "The kinematic ratio has the losses of the other parts, not of the teeth, and no ripple"
 LOSSES = ("mesh", "seat", "bush", "bearing")
-FOLDER = Path(__file__).parents[1] / "results" / "free_pinion_torque"
+COARSE = FIDELITIES[FULL].replace({"profile_samples": 14, "axial_samples": 10, "bush": "condensed"})
+REPEATS = 5  # of models that take less than `SLOW` CPU seconds
+SLOW = 5.0
+PITCH = 1 / SteeringGear().pinion.teeth  # [turns]
+DATA = "fidelities.json"
 
 
-def main() -> None:
-    results = {name: second_run(fidelity) for name, fidelity in FIDELITIES.items()}
-    print("| fidelity | mean N m | peak to peak % | mesh | seat | bush | bearing | RMS from full % | CPU s |")
-    print("|---|---|---|---|---|---|---|---|---|")
-    for name, result in results.items():
-        print(row(name, result, results["full"]))
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    draw(FOLDER)
-
-
-def draw(folder: Path) -> None:
-    """Two tooth pitches: full model and flank contact with their difference, and with the kinematic ratio."""
-    curves = {name: run(SCENE, fidelity=FIDELITIES[name], turns=TWO_PITCHES) for name in RATIO}
-    pair = compare(curves["full"], curves["flank"])
+def run(folder: Path, turns: float = 1.0, full: Fidelity = FIDELITIES[FULL]) -> None:
+    """Measure so many turns by every fidelity, with this model as `full`, and draw two tooth pitches."""
+    results = {name: measured(fidelity, turns) for name, fidelity in (FIDELITIES | {FULL: full}).items()}
+    save_data(folder / DATA, {"turns": turns, "rows": [row(name, results) for name in results]})
+    draw(results[FULL], folder / "full.png")
+    curves = {name.strip("`"): shortened(results[name], 2 * PITCH) for name in DRAWN}
+    pair = compare(*list(curves.values())[:2])
     draw_comparison(pair, ("full", "flank"), folder / "full_and_flank.svg")
-    style.save(from_zero(torques_figure(curves, WITH_RATIO)), folder / "ratio_and_flank.svg")
+    figure = torques_figure(curves, HEADLINE)
+    figure.axes[0].set_ylim(0, None)  # what is missing is seen in proportion
+    style.save(figure, folder / "ratio_and_flank.svg")
 
 
-def from_zero(figure: Figure) -> Figure:
-    """The ordinate from zero on, so that what is missing is seen in proportion."""
-    figure.axes[0].set_ylim(0, None)
-    return figure
+def measured(fidelity: Fidelity, turns: float) -> Result:
+    """The run with the least CPU time of several, after a short one that compiles and loads all."""
+    rps.run("free-pinion-torque", fidelity=fidelity, turns=1 / 120)
+    runs: list[Result] = []
+    while not runs or (len(runs) < REPEATS and runs[0].counters["solver_cpu"] < SLOW):
+        runs.append(rps.run("free-pinion-torque", fidelity=fidelity, turns=turns))
+        if runs[-1].status != "ok":
+            raise SystemExit(f"{fidelity.name}: {runs[-1].message}")
+    return min(runs, key=lambda result: result.counters["solver_cpu"])
 
 
-def second_run(fidelity: Fidelity) -> Result:
-    """One turn, after a short run that had everything compiled and loaded."""
-    run(SCENE, fidelity=fidelity, turns=1 / 120)
-    return run(SCENE, fidelity=fidelity)
+def shortened(result: Result, turns: float) -> Result:
+    """The record's first turns."""
+    kept = result["pinion_angle"] <= 2 * np.pi * turns * (1 + 1e-9)
+    return replace(result, signals={name: values[kept] for name, values in result.signals.items()})
 
 
-def row(name: str, result: Result, full: Result) -> str:
-    mean = result.summary["torque_mean"]
-    torque = compare(full, result).signals["pinion_torque"]
-    cells = [
-        name,
-        f"{mean:.4f}",
-        f"{100 * result.summary['torque_peak_to_peak'] / mean:.2g}",
-        *(f"{result.summary[f'loss_share_{loss}']:.1%}" for loss in LOSSES),
-        f"{100 * torque.rms / torque.mean:.2g}",
-        f"{result.counters['solver_cpu']:.2g}",
+def row(name: str, results: dict[str, Result]) -> dict[str, Any]:
+    """Numbers of one fidelity [SI], relative to its own mean or work."""
+    result, summary = results[name], results[name].summary
+    torque = compare(results[FULL], result).signals["pinion_torque"]
+    gain = float(GearPair.of(SteeringGear()).gain)
+    return {
+        "fidelity": name,
+        "mean": summary["torque_mean"],
+        "peak_to_peak": summary["torque_peak_to_peak"] / summary["torque_mean"],
+        "losses": {loss: summary[f"loss_share_{loss}"] for loss in LOSSES},
+        "distance": torque.rms / torque.mean,
+        "cpu_s": result.counters["solver_cpu"],
+        "counters": {name: result.counters.get(name) for name in ("steps", "newton_iterations", "jacobians")},
+        "gain": summary["rack_gain"] / gain - 1 if "rack_gain" in summary else None,
+        "energy_residual": summary.get("energy_residual"),
+    }
+
+
+def rows_of(folder: Path, names: Sequence[str] = tuple(FIDELITIES)) -> list[dict[str, Any]]:
+    """Stored rows of these fidelities."""
+    return [each for each in load_data(folder / DATA)["rows"] if each["fidelity"] in names]
+
+
+def fidelities_table(folder: Path) -> str:
+    """Every fidelity, as README.md shows it."""
+    head = (
+        "fidelity",
+        "mean",
+        "peak to peak",
+        "loss in the mesh",
+        "RMS distance from `full`",
+        "CPU time per turn",
+    )
+    turns = load_data(folder / DATA)["turns"]
+    rows = [
+        (
+            each["fidelity"],
+            f"{each['mean']:.4f} N m",
+            f"{100 * each['peak_to_peak']:.2g} %",
+            f"{each['losses']['mesh']:.1%}".replace("%", " %"),
+            f"{100 * each['distance']:.2g} %" if each["distance"] else "-",
+            f"{each['cpu_s'] / turns:.2g} s",
+        )
+        for each in rows_of(folder)
     ]
-    return f"| {' | '.join(cells)} |"
+    return markdown(head, rows)
 
 
-if __name__ == "__main__":
-    main()
+def losses_table(folder: Path) -> str:
+    """Where the work goes, and what the solver did."""
+    head = ("fidelity", *LOSSES, "steps", "Newton iterations", "Jacobians", "energy residual")
+    rows = [
+        (
+            each["fidelity"],
+            *(f"{each['losses'][loss]:.1%}".replace("%", " %") for loss in LOSSES),
+            *("" if count is None else f"{count:g}" for count in each["counters"].values()),
+            "" if each["energy_residual"] is None else f"{100 * each['energy_residual']:.2g} %",
+        )
+        for each in rows_of(folder)
+    ]
+    return markdown(head, rows)
+
+
+TOPIC = Topic(
+    "one turn of the default gear by every fidelity: torque, losses, distance from the full model, cost",
+    "2 min",
+    "free_pinion_torque",
+    run,
+    {
+        "turns": 2 * PITCH,
+        "full": FIDELITIES[FULL].replace({"profile_samples": 7, "axial_samples": 5, "bush": "condensed"}),
+    },
+    {"fidelities": fidelities_table, "fidelity_losses": losses_table},
+)

@@ -1,70 +1,116 @@
-"""What exact geometry costs: deviation from the helicoid and CPU time of each mesh.
+"""What exact geometry costs: deviation from the helicoid and CPU time of each mesh of the pinion."""
 
-    python studies/bench_geometry.py          # prints the table of results/README.md, section Geometry
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from time import process_time
+from typing import Any
 
-Times are CPU seconds of one process, the least of several repeats.
-"""
-
-import time
-from collections.abc import Callable
-
-import numpy as np
-
+from benchmarks.topic import Topic, load_data, markdown, save_data
+from rps_exudyn.charts.geometry import draw_geometry
 from rps_exudyn.gears.deviation import flank_deviation
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pinion_mesh import flank_patch, pinion_mesh
-from rps_exudyn.gears.report import check_gear, geometry_report
+from rps_exudyn.gears.report import check_gear
 from rps_exudyn.gears.shaping import shaped_pinion
 from rps_exudyn.gears.solids import rack_solid
 from rps_exudyn.parameters.gear import SteeringGear
 
 GEAR = SteeringGear()
 PAIR = GearPair.of(GEAR)
+DATA = "meshes.json"
+
+
+def run(
+    folder: Path, cuts: tuple[int, ...] = (100, 200, 400), chords: tuple[float, ...] = (1e-6, 1e-7, 1e-8)
+) -> None:
+    """Measure pinions of so many cuts per turn and of these chord errors [m], and draw the gear."""
+    whole = {
+        "rack bar, chord error 1 um": least_time(lambda: rack_solid(GEAR)),
+        "check of a gear against all limits": least_time(lambda: check_gear(GEAR)),
+    }
+    meshes = [*shaped(cuts), *ruled(chords)]
+    save_data(folder / DATA, {"meshes": meshes, "cpu_s": whole})
+    draw_geometry(GEAR, folder / "paper_gear.png")
+
+
+def shaped(cuts: tuple[int, ...]) -> Iterator[dict[str, Any]]:
+    """Pinions as they are cut."""
+    for number in cuts:
+        vertices, faces = shaped_pinion(PAIR, number)
+        seconds = least_time(lambda n=number: shaped_pinion(PAIR, n), repeats=3)  # type: ignore[misc]
+        yield measured(f"shaped, {number} steps ({360 / number:g} deg)", seconds, len(faces), vertices, faces)
+
+
+def ruled(chords: tuple[float, ...]) -> Iterator[dict[str, Any]]:
+    """Meshes of the exact surface: the flanks alone, and the closed and checked solid."""
+    for chord in chords:
+        mesh, wanted = pinion_mesh(PAIR, chord), f"{1e6 * chord:g} um"
+        on_flanks = sum(len(patch.faces) for patch in mesh.flanks.values())
+        flanks = least_time(lambda e=chord: all_flanks(e))  # type: ignore[misc]
+        solid = least_time(lambda e=chord: pinion_mesh(PAIR, e))  # type: ignore[misc]
+        yield measured(f"ruled, flanks only, {wanted}", flanks, on_flanks, mesh.vertices, mesh.faces)
+        yield measured(
+            f"ruled, closed and checked, {wanted}", solid, len(mesh.faces), mesh.vertices, mesh.faces
+        )
+
+
+def all_flanks(chord: float) -> None:
+    """Mesh both flanks of every tooth."""
+    for tooth in range(PAIR.teeth):
+        for side in (-1, 1):
+            flank_patch(Flank(PAIR, tooth, side), chord)
+
+
+def measured(name: str, seconds: float, size: int, vertices: Any, faces: Any) -> dict[str, Any]:
+    """One mesh: its cost, its number of faces, its deviation from the helicoid [m]."""
+    deviation = flank_deviation(PAIR, vertices, faces)
+    largest = max(deviation.maximum, deviation.minimum, key=abs)
+    return {
+        "mesh": name,
+        "cpu_s": seconds,
+        "faces": size,
+        "largest": float(largest),
+        "rms": float(deviation.rms),
+    }
 
 
 def least_time(work: Callable[[], object], repeats: int = 5) -> float:
     """CPU seconds of the fastest repeat."""
     times = []
     for _ in range(repeats):
-        start = time.process_time()
+        start = process_time()
         work()
-        times.append(time.process_time() - start)
+        times.append(process_time() - start)
     return min(times)
 
 
-def all_flanks(chord_error: float) -> None:
-    for tooth in range(PAIR.teeth):
-        for side in (-1, 1):
-            flank_patch(Flank(PAIR, tooth, side), chord_error)
+def meshes_table(folder: Path) -> str:
+    """Every mesh."""
+    rows = [
+        (
+            row["mesh"],
+            f"{row['cpu_s']:.2g}",
+            row["faces"],
+            f"{1e6 * row['largest']:+.3g}",
+            f"{1e6 * row['rms']:.2g}",
+        )
+        for row in load_data(folder / DATA)["meshes"]
+    ]
+    return markdown(("mesh of the pinion", "CPU s", "faces", "largest deviation um", "RMS um"), rows)
 
 
-def row(name: str, seconds: float, faces: int, vertices: np.ndarray, mesh_faces: np.ndarray) -> str:
-    deviation = flank_deviation(PAIR, vertices, mesh_faces)
-    largest = max(deviation.maximum, deviation.minimum, key=abs)
-    return f"| {name} | {seconds:.3g} | {faces} | {largest * 1e6:+.3g} | {deviation.rms * 1e6:.2g} |"
+def costs_table(folder: Path) -> str:
+    """Other work on a gear."""
+    rows = [(name, f"{1e3 * seconds:.2g}") for name, seconds in load_data(folder / DATA)["cpu_s"].items()]
+    return markdown(("work", "CPU ms"), rows)
 
 
-def main() -> None:
-    print("| mesh of the pinion | CPU s | faces | largest deviation um | RMS um |")
-    print("|---|---|---|---|---|")
-    for steps in (100, 200, 400):
-        vertices, faces = shaped_pinion(PAIR, steps)
-        seconds = least_time(lambda steps=steps: shaped_pinion(PAIR, steps), repeats=3)  # type: ignore[misc]
-        print(row(f"shaped, {steps} steps ({360 / steps:g} deg)", seconds, len(faces), vertices, faces))
-    for chord_error in (1e-6, 1e-7, 1e-8):
-        mesh = pinion_mesh(PAIR, chord_error)
-        on_flanks = sum(len(patch.faces) for patch in mesh.flanks.values())
-        flanks = least_time(lambda e=chord_error: all_flanks(e))  # type: ignore[misc]
-        whole = least_time(lambda e=chord_error: pinion_mesh(PAIR, e))  # type: ignore[misc]
-        wanted = f"{chord_error * 1e6:g} um"
-        print(row(f"ruled, flanks only, {wanted}", flanks, on_flanks, mesh.vertices, mesh.faces))
-        print(row(f"ruled, closed and checked, {wanted}", whole, len(mesh.faces), mesh.vertices, mesh.faces))
-    print()
-    print(f"rack bar, chord error 1 um: {least_time(lambda: rack_solid(GEAR)):.3g} s")
-    print(f"check of a gear: {least_time(lambda: check_gear(GEAR)):.2g} s")
-    print(f"geometry report with all solids: {least_time(lambda: geometry_report(GEAR)):.3g} s")
-
-
-if __name__ == "__main__":
-    main()
+TOPIC = Topic(
+    "meshes of the pinion: deviation from the exact flank, faces, cost; picture of the gear",
+    "20 s",
+    "geometry",
+    run,
+    {"cuts": (50,), "chords": (1e-6,)},
+    {"pinion_meshes": meshes_table, "geometry_costs": costs_table},
+)

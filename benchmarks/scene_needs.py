@@ -1,26 +1,23 @@
 """What a scene needs: leave one thing out or simplify it, and see what that does to the metrics and the time.
 
-    python studies/need_analysis.py [SCENE ...]
-
-Writes results/scenes/need/SCENE.md, a table for each scene: a row for each change, in it how far each metric
-moves from the everyday model (preset flank) and the solver's CPU time. Bold is what moves a metric by
-more than the accuracy stated for it, so that the scene needs it. Some minutes.
+Each row is one change; it says how far each metric moves from the everyday model (preset flank), and the
+solver's CPU time. Bold is what moves a metric by more than the accuracy stated for it: the scene needs it.
 """
 
-import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import rps_exudyn as rps
+from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result
-from rps_exudyn.simulate.run import SCENES, run
 
-FOLDER = Path(__file__).parents[1] / "results" / "scenes" / "need"
+DATA = "needs.json"
 
 
 @dataclass(frozen=True)
@@ -52,10 +49,10 @@ CHANGES = {
 
 @dataclass(frozen=True)
 class Metric:
-    """A summary's number, and the change that matters: a share of itself, or absolute (SI)."""
+    """A summary's number, and the change that matters: a fraction of itself, or absolute (SI)."""
 
     name: str
-    share: float = 0.0
+    fraction: float = 0.0
     absolute: float = 0.0
 
     def moved(self, base: Result, other: Result) -> tuple[str, bool]:
@@ -63,7 +60,7 @@ class Metric:
         if self.name not in other.summary or self.name not in base.summary:
             return "-", self.name in base.summary
         value, change = base.summary[self.name], other.summary[self.name] - base.summary[self.name]
-        limit = self.absolute + self.share * abs(value)
+        limit = self.absolute + self.fraction * abs(value)
         if abs(change) < 1e-3 * limit:
             return "0", False
         text = SUMMARY[self.name].show(change) if self.absolute else f"{100 * change / abs(value):+.2g} %"
@@ -71,12 +68,12 @@ class Metric:
 
 
 TORQUE = [
-    Metric("torque_mean", share=0.01),
-    Metric("torque_peak_to_peak", share=0.1),
-    Metric("torque_tooth_order", share=0.1),
+    Metric("torque_mean", fraction=0.01),
+    Metric("torque_peak_to_peak", fraction=0.1),
+    Metric("torque_tooth_order", fraction=0.1),
 ]
 RACK = [Metric("rack_lift_range", absolute=0.5e-6), Metric("rack_roll_range", absolute=0.1e-3)]
-RUNOUT = {"pinion.runout": "40 um"}
+RUNOUT: dict[str, object] = {"pinion.runout": "40 um"}
 
 
 @dataclass(frozen=True)
@@ -91,85 +88,87 @@ class Need:
 NEEDS = {
     "free-pinion-torque": Need("free-pinion-torque", [*TORQUE, *RACK]),
     "free-pinion-torque, runout 40 um": Need(
-        "free-pinion-torque", [*TORQUE, Metric("torque_first_order", share=0.05), *RACK], RUNOUT
+        "free-pinion-torque", [*TORQUE, Metric("torque_first_order", fraction=0.05), *RACK], RUNOUT
     ),
     "free-pinion-torque, runout beyond the clearance": Need(
         "free-pinion-torque",
-        [*TORQUE, Metric("torque_first_order", share=0.05), *RACK],
+        [*TORQUE, Metric("torque_first_order", fraction=0.05), *RACK],
         RUNOUT | {"yoke.clearance": "30 um"},
     ),
     "load-test": Need(
         "load-test",
         [
-            Metric("torque_forward", share=0.01),
-            Metric("torque_reverse", share=0.01),
-            Metric("efficiency_forward", share=0.01),
-            Metric("efficiency_reverse", share=0.01),
+            Metric("torque_forward", fraction=0.01),
+            Metric("torque_reverse", fraction=0.01),
+            Metric("efficiency_forward", fraction=0.01),
+            Metric("efficiency_reverse", fraction=0.01),
             *RACK,
         ],
         {"test.load_mass": "40 kg"},
     ),
     "rack-push": Need(
         "rack-push",
-        [Metric("push_force_mean", share=0.01), Metric("push_force_peak_to_peak", share=0.1), *RACK],
+        [Metric("push_force_mean", fraction=0.01), Metric("push_force_peak_to_peak", fraction=0.1), *RACK],
     ),
     "reversal": Need(
         "reversal",
         [
-            Metric("torque_jump", share=0.01),
-            Metric("hysteresis_area", share=0.01),
+            Metric("torque_jump", fraction=0.01),
+            Metric("hysteresis_area", fraction=0.01),
             Metric("lost_motion", absolute=0.5e-6),
-            Metric("reversal_angle", share=0.1),
+            Metric("reversal_angle", fraction=0.1),
         ],
     ),
     "yoke-impact": Need(
         "yoke-impact",
         [
             Metric("impacts", absolute=0.5),
-            Metric("impact_peak_force", share=0.05),
-            Metric("impact_impulse", share=0.05),
-            Metric("impact_duration", share=0.1),
+            Metric("impact_peak_force", fraction=0.05),
+            Metric("impact_impulse", fraction=0.05),
+            Metric("impact_duration", fraction=0.1),
         ],
     ),
 }
 
 
-def main(wanted: list[str]) -> None:
-    FOLDER.mkdir(parents=True, exist_ok=True)
-    for scene in wanted or SCENES:
-        tables = [table(name, need) for name, need in NEEDS.items() if need.scene == scene]
-        (FOLDER / f"{scene}.md").write_text("\n".join(tables), encoding="utf-8")
+def run(folder: Path, cases: Sequence[str] = tuple(NEEDS), changes: Sequence[str] = tuple(CHANGES)) -> None:
+    """Measure these changes of these cases; what was measured of other cases stays."""
+    file = folder / DATA
+    needs = load_data(file)["needs"] if file.exists() else {}
+    for name in cases:
+        print(name, flush=True)
+        needs[name] = measured(NEEDS[name], changes)
+        save_data(file, {"needs": {each: needs[each] for each in NEEDS if each in needs}})
 
 
-def table(name: str, need: Need) -> str:
-    """One scene's table as Markdown."""
-    base = timed(lambda: outcome(need, Change()))
+def measured(need: Need, changes: Sequence[str]) -> dict[str, object]:
+    """One case: the accuracy stated for its metrics, and the rows of its table."""
+    base = second(lambda: outcome(need, Change()))
     assert isinstance(base, Result)
-    head = ["change", *(f"`{metric.name}`" for metric in need.metrics), "CPU s"]
     values = [SUMMARY[metric.name].show(base.summary[metric.name]) for metric in need.metrics]
     rows = [["everyday model", *values, cpu(base)]]
-    for title, change in CHANGES.items():
-        other = timed(lambda change=change: outcome(need, change))  # type: ignore[misc]
+    for title in changes:
+        other = second(lambda title=title: outcome(need, CHANGES[title]))  # type: ignore[misc]
         rows.append([title, *cells(need, base, other)])
-        print(" | ".join(rows[-1]), flush=True)
-    limits = ", ".join(f"`{m.name}` {_limit(m)}" for m in need.metrics)
-    lines = [head, ["---"] * len(head), *rows]
-    text = "\n".join(f"| {' | '.join(line)} |" for line in lines)
-    return f"### {name}\n\nStated accuracy: {limits}.\n\n{text}\n"
+    return {
+        "accuracy": ", ".join(f"`{metric.name}` {_limit(metric)}" for metric in need.metrics),
+        "head": ["change", *(f"`{metric.name}`" for metric in need.metrics), "CPU s"],
+        "rows": rows,
+    }
 
 
 def outcome(need: Need, change: Change) -> Result | str:
     """The run, or why the scene cannot do without what was changed."""
     try:
         gear = SteeringGear().replace(need.gear | change.gear)
-        result = run(need.scene, gear, fidelity=Fidelity.preset("flank").replace(change.fidelity))
+        result = rps.run(need.scene, gear, fidelity=Fidelity.preset("flank").replace(change.fidelity))
     except InputError as error:
         return str(error).split(";")[-1].strip()
     return result if result.status is Status.OK else f"{result.status}: {result.message}"
 
 
-def timed(measure: Callable[[], Result | str]) -> Result | str:
-    """A second run, after one that compiled and loaded what it needs."""
+def second(measure: Callable[[], Result | str]) -> Result | str:
+    """The second run, after one that compiled and loaded what it needs."""
     measure()
     return measure()
 
@@ -186,8 +185,23 @@ def cpu(result: Result) -> str:
 
 
 def _limit(metric: Metric) -> str:
-    return SUMMARY[metric.name].show(metric.absolute) if metric.absolute else f"{metric.share:.0%}"
+    return SUMMARY[metric.name].show(metric.absolute) if metric.absolute else f"{metric.fraction:.0%}"
 
 
-if __name__ == "__main__":
-    main(sys.argv[1:])
+def needs_table(folder: Path) -> str:
+    """All cases, one table below the other."""
+    needs = load_data(folder / DATA)["needs"]
+    return "\n\n".join(
+        f"### {name}\n\nStated accuracy: {need['accuracy']}.\n\n{markdown(need['head'], need['rows'])}"
+        for name, need in needs.items()
+    )
+
+
+TOPIC = Topic(
+    "what each scene needs of the model: one thing after another left out",
+    "10 min",
+    "scenes",
+    run,
+    {"cases": ("rack-push",), "changes": ("bush: rigid", "rack: no roll, yaw, pitch, sway")},
+    {"needs": needs_table},
+)

@@ -1,40 +1,36 @@
-"""The paper's Figures 16, 17 and 18 redrawn from the model, and what it did not show.
-
-    python studies/paper_figures.py [results/scenes]
+"""What every scene gives for the default gear: the paper's Figures 16, 17 and 18, and what it did not show.
 
 Free pinion torque lock to lock, load test, runout; contact pattern, losses, orders, hysteresis, rack push,
-yoke impact; the map of efficiency ratios that tells what a load test says. Prints the numbers of
-results/README.md.
-All runs are of the default gear by the default fidelity and take seconds.
+yoke impact; and how far solvers and closed form agree about laws that hold exactly or nearly.
 """
 
-import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.figure import Figure
 
 import rps_exudyn as rps
-from rps_exudyn.analysis.efficiency import LoadTest
+from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.charts import style
 from rps_exudyn.charts.contact_pattern import pattern_figure
 from rps_exudyn.charts.losses import losses_figure
 from rps_exudyn.charts.scene import draw
 from rps_exudyn.charts.several import torques_figure
 from rps_exudyn.charts.spectrum import spectrum_figure
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result
-from rps_exudyn.solvers.closed_form import load_test
+from rps_exudyn.solvers.closed_form import GRAVITY, closed_form, pushing_force, runout_harmonics
 
 GEAR = SteeringGear()
-RUNOUT = GEAR.replace({"pinion.runout": "40 um"})
-STOPPED = RUNOUT.replace({"yoke.clearance": "20 um"})
+RUNOUT = {"pinion.runout": "40 um"}
+STOPPED = RUNOUT | {"yoke.clearance": "20 um"}
 HEAVY = 33.0  # weight with which the default gear has the paper's ratio [kg]
-MASSES = np.linspace(2, 40, 39)  # [kg]
-SCALES = np.linspace(0.01, 1.4, 46)  # of what makes the free torque: preload, bush, bearings
-TABLES = {
+DATA = "scenes.json"
+PRESETS = ("flank", "quasi-static", "closed-form")
+SHOWN = {
     "free-pinion-torque": (
         "torque_mean_forward",
         "torque_mean_backward",
@@ -65,111 +61,154 @@ TABLES = {
         "impact_contact_share",
     ),
 }
+OF_RUNOUT = ("torque_mean", "torque_peak_to_peak", "torque_first_order", "torque_tooth_order")
+Settings = dict[str, Any]
 
 
-def main(folder: Path) -> None:
-    """Compute, draw, print."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for scene, names in TABLES.items():
-        result = done(scene, GEAR, path="lock-to-lock")
+def run(
+    folder: Path,
+    path: str = "lock-to-lock",
+    turns: float = 2,
+    laws: Sequence[str] | None = None,
+) -> None:
+    """Run every scene over this path and runouts over so many turns, draw them, and check these laws."""
+    rows = []
+    for scene, names in SHOWN.items():
+        result = done(scene, {"test.path": path})
         draw(result, folder / f"{scene.replace('-', '_')}.png")
-        tell(scene, result, names)
-    heavy = done("load-test", GEAR, load_mass=HEAVY)
-    tell(f"load-test, {HEAVY:g} kg", heavy, TABLES["load-test"])
-    two_turns = {
-        "runout 0": done("free-pinion-torque", GEAR, turns=2, start_angle=-2 * np.pi),
-        "40 µm": done("free-pinion-torque", RUNOUT, turns=2, start_angle=-2 * np.pi),
-        "40 µm, yoke clearance 20 µm": done("free-pinion-torque", STOPPED, turns=2, start_angle=-2 * np.pi),
+        rows.append(figures(scene, result, names))
+    heavy = done("load-test", {"test.load_mass": HEAVY})
+    rows.append(figures(f"load-test, {HEAVY:g} kg, one turn", heavy, SHOWN["load-test"]))
+    test = {"test.turns": turns, "test.start_angle": -np.pi * turns}
+    runouts = {
+        "runout 0": done("free-pinion-torque", test),
+        "40 µm": done("free-pinion-torque", test | RUNOUT),
+        "40 µm, yoke clearance 20 µm": done("free-pinion-torque", test | STOPPED),
     }
-    for name, result in two_turns.items():
-        tell(name, result, ("torque_mean", "torque_peak_to_peak", "torque_first_order", "torque_tooth_order"))
-    free = {name: two_turns[name] for name in ("runout 0", "40 µm")}
-    style.save(torques_figure(free, "Runout of the pinion: free pinion torque"), folder / "runout.png")
-    style.save(torques_figure(two_turns, "The same with a yoke that stops"), folder / "runout_stopped.png")
-    style.save(spectrum_figure(free), folder / "spectrum.png")
-    style.save(losses_figure(free["40 µm"]), folder / "losses.png")
-    style.save(pattern_figure(free["runout 0"]), folder / "contact_pattern.png")
-    style.save(efficiency_map(), folder / "efficiency_ratio.png")
+    rows += [figures(name, result, OF_RUNOUT) for name, result in runouts.items()]
+    draw_runouts(runouts, folder)
+    checked = [[name, *(LAWS[name](preset) for preset in PRESETS)] for name in laws or LAWS]
+    save_data(folder / DATA, {"scenes": rows, "laws": checked})
 
 
-def done(scene: str, gear: SteeringGear, **test: object) -> Result:
+def done(scene: str, settings: Settings, preset: str = "flank") -> Result:
     """The result, which must be ok."""
-    result = rps.run(scene, gear, **test)
+    result = rps.run(scene, GEAR.replace(settings), fidelity=preset)
     if result.status != "ok":
-        raise SystemExit(f"{scene}: {result.status}, {result.message}")
+        raise SystemExit(f"{scene} by {preset}, {settings}: {result.status}, {result.message}")
     return result
 
 
-def tell(title: str, result: Result, names: tuple[str, ...]) -> None:
-    """One line for each figure, and the remark of the run."""
-    print(f"{title}: {result.message or 'no remark'}; {result.counters['solver_cpu']:.2g} s in the solver")
-    for name in names:
-        print(f"    {name} {SUMMARY[name].show(result.summary[name])}")
+def figures(title: str, result: Result, names: Sequence[str]) -> dict[str, Any]:
+    """What is published of a run: figures of its summary [SI], message, cost, work balance."""
+    return {
+        "title": title,
+        "figures": {name: result.summary[name] for name in names},
+        "message": result.message,
+        "solver_cpu_s": result.counters["solver_cpu"],
+        "cpu_s": result.cpu_s,
+        "energy_residual": result.summary["energy_residual"],
+    }
 
 
-def efficiency_map() -> Figure:
-    """Ratio of reverse to forward efficiency by the closed form, over free torque and weight.
-
-    The free torque is changed by the yoke's preload and the drag of bush and bearings, all in proportion.
-    """
-    gears = [scaled(float(scale)) for scale in SCALES]
-    tests = [[load_test(gear, float(mass)) for gear in gears] for mass in MASSES]
-    free = np.array([test.free_torque for test in tests[0]])
-    ratio = np.array([[test.efficiency_ratio for test in row] for row in tests])
-    with mpl.rc_context({"font.size": 10}):
-        figure = Figure(figsize=(8, 4.6), layout="constrained")
-        axes = figure.subplots()
-    levels = [-10, 0, 0.3, 0.6, 0.8, 0.9, 0.95, 1.001]
-    shown = axes.contourf(free, MASSES, ratio, levels=levels, cmap="RdYlGn", norm=_even(levels), extend="min")
-    lines = axes.contour(free, MASSES, ratio, levels=[0, 0.9], colors="black", linewidths=[1, 1.8])
-    axes.clabel(lines, fmt={0: "self-locking below", 0.9: "0.9, the paper's"}, fontsize=9)
-    test = load_test(GEAR)
-    axes.plot(test.free_torque, GEAR.test.load_mass, "o", color="white")
-    axes.annotate(
-        f"default gear, {GEAR.test.load_mass:g} kg: {test.efficiency_ratio:.2f}",
-        (test.free_torque, GEAR.test.load_mass),
-        xytext=(6, -12),
-        textcoords="offset points",
-        fontsize=9,
-        color="white",
-    )
-    axes.set_xlabel("free pinion torque [N m]")
-    axes.set_ylabel("weight [kg]")
-    axes.set_xlim(free[0], free[-1])
-    figure.colorbar(shown, ax=axes, label="reverse over forward efficiency", ticks=levels[1:-1])
-    style.title(figure, "What a load test says depends on the weight: ratio of reverse to forward efficiency")
-    tell_limits(tests)
-    return figure
+def draw_runouts(runouts: dict[str, Result], folder: Path) -> None:
+    """Torques, orders, losses and contact pattern without and with runout, and with a yoke that stops."""
+    free = dict(list(runouts.items())[:2])
+    sound, eccentric = free.values()
+    drawn = {
+        "runout": torques_figure(free, "Runout of the pinion: free pinion torque"),
+        "runout_stopped": torques_figure(runouts, "The same with a yoke that stops"),
+        "spectrum": spectrum_figure(free),
+        "losses": losses_figure(eccentric),
+        "contact_pattern": pattern_figure(sound),
+    }
+    for name, figure in drawn.items():
+        style.save(figure, folder / f"{name}.png")
 
 
-def scaled(share: float) -> SteeringGear:
-    """The default gear with a share of all that makes its free torque."""
-    return GEAR.replace(
-        {
-            "yoke.preload": share * GEAR.yoke.preload,
-            "bush.drag": share * GEAR.bush.drag,
-            "bearing.friction_torque": share * GEAR.bearing.friction_torque,
-        }
-    )
+# --- laws --------------------------------------------------------------------------------------------
+def mean(preset: str, settings: Settings | None = None) -> float:
+    """Mean free pinion torque of one turn [N m]."""
+    return done("free-pinion-torque", settings or {}, preset).summary["torque_mean"]
 
 
-def tell_limits(tests: list[list[LoadTest]]) -> None:
-    """The largest free torque for which 10 kg give the paper's ratio, and the least weight for others."""
-    free = np.array([test.free_torque for test in tests[0]])
-    row = next(each for each, mass in zip(tests, MASSES, strict=True) if mass >= 10)
-    ratio = np.array([test.efficiency_ratio for test in row])
-    print(f"10 kg: ratio 0.9 at a free torque of {np.interp(-0.9, -ratio, free):.3f} N m")
-    for torque in (0.3, 0.5, 0.635):
-        at = [np.interp(torque, free, [test.efficiency_ratio for test in each]) for each in tests]
-        print(
-            f"free torque {torque} N m: ratio 0.9 from {np.interp(0.9, at, MASSES):.1f} kg, "
-            f"self-locking below {np.interp(0.0, at, MASSES):.1f} kg"
+def load_sum(preset: str, mass: float) -> float:
+    """Half sum of the torques off W s'; of the larger of W s' and T_0, since W s' is small at 10 kg."""
+    found = done("load-test", {"test.load_mass": mass}, preset).summary
+    half, ideal = (found["torque_forward"] + found["torque_reverse"]) / 2, GRAVITY * mass * _gain()
+    return (half - ideal) / max(ideal, found["free_torque"])
+
+
+def load_difference(preset: str, mass: float) -> float:
+    """Half difference of the torques off the free torque T_0."""
+    found = done("load-test", {"test.load_mass": mass}, preset).summary
+    return (found["torque_forward"] - found["torque_reverse"]) / 2 / found["free_torque"] - 1
+
+
+def first_order(preset: str) -> float:
+    """First order of a runout off the closed form's."""
+    found = done("free-pinion-torque", RUNOUT, preset).summary["torque_first_order"]
+    return found / float(np.hypot(*runout_harmonics(GEAR.replace(RUNOUT)))) - 1
+
+
+def bend(preset: str, path: str, values: Sequence[float]) -> float:
+    """Mean torque at the middle of three values off the straight line through the others."""
+    low, middle, high = (mean(preset, {path: value}) for value in values)
+    return middle / ((low + high) / 2) - 1
+
+
+def _gain() -> float:
+    return float(GearPair.of(GEAR).gain)
+
+
+LAWS: dict[str, Callable[[str], float]] = {
+    "mean torque, off the formula": lambda preset: mean(preset) / closed_form(GEAR).free_torque - 1,
+    "load test 10 kg: half sum of the torques, off W s', of the free torque": lambda p: load_sum(p, 10.0),
+    "load test 10 kg: half difference, off the free torque": lambda p: load_difference(p, 10.0),
+    "load test 40 kg: half sum, off W s'": lambda p: load_sum(p, 40.0),
+    "load test 40 kg: half difference, off the free torque": lambda p: load_difference(p, 40.0),
+    "rack push, off the formula": lambda preset: (
+        done("rack-push", {}, preset).summary["push_force_mean"] / pushing_force(GEAR, +1) - 1
+    ),
+    "first order of a runout of 40 um, off the formula": first_order,
+    "bend over the preload, 150 to 600 N": lambda p: bend(p, "yoke.preload", (150.0, 375.0, 600.0)),
+    "bend over the friction of the teeth, 0.05 to 0.2": lambda p: bend(
+        p, "mesh.friction", (0.05, 0.125, 0.2)
+    ),
+    "mean torque at 1 rpm, off that at 15 rpm": lambda p: mean(p, {"test.speed": "1 rpm"}) / mean(p) - 1,
+    "mean torque at 300 rpm, off that at 15 rpm": lambda p: mean(p, {"test.speed": "300 rpm"}) / mean(p) - 1,
+}
+
+
+# --- tables ------------------------------------------------------------------------------------------
+def scenes_table(folder: Path) -> str:
+    """Figures, cost and work balance of every run."""
+    rows = [
+        (
+            row["title"],
+            ", ".join(
+                f"{name.replace('_', ' ')} {SUMMARY[name].show(x)}" for name, x in row["figures"].items()
+            ),
+            *(f"{row[cost]:.2g}" for cost in ("solver_cpu_s", "cpu_s")),
+            f"{100 * row['energy_residual']:+.1g}",
         )
+        for row in load_data(folder / DATA)["scenes"]
+    ]
+    return markdown(("run", "figures", "CPU s of the solver", "in all", "energy residual %"), rows)
 
 
-def _even(levels: list[float]) -> mpl.colors.BoundaryNorm:
-    return mpl.colors.BoundaryNorm(levels, 256)
+def laws_table(folder: Path) -> str:
+    """Deviations by every solver [%]."""
+    laws = load_data(folder / DATA)["laws"]
+    rows = [(name, *(f"{100 * off:+.2g}" for off in deviations)) for name, *deviations in laws]
+    return markdown(("law", *PRESETS), rows)
 
 
-if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else "results/scenes"))
+TOPIC = Topic(
+    "every scene with the default gear: figures, pictures, laws, cost",
+    "3 min",
+    "scenes",
+    run,
+    {"path": "one-way", "turns": 0.5, "laws": ("mean torque, off the formula",)},
+    {"scenes": scenes_table, "laws": laws_table},
+)

@@ -1,10 +1,10 @@
-"""The runner of studies, measured: `python studies/bench_studies.py [thousand memory scaling kills storing]`.
+"""The runner of studies: time of many cases, memory, two processes against one, killed processes, storing.
 
-Prints the numbers of results/studies/README.md. Studies are run by the command line, in a temporary folder.
+Studies are run by the command line, in a temporary folder. What other processes do on the machine at the same
+time lengthens elapsed times; CPU times and ratios suffer less.
 """
 
 import contextlib
-import json
 import os
 import random
 import signal
@@ -12,15 +12,22 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
+import rps_exudyn as rps
+from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.case_file import FileForms, Keep, kept
-from rps_exudyn.simulate import run as simulate
+from rps_exudyn.results.result import Result
 from rps_exudyn.study.store import Store
 
+DATA = "runner.json"
 GRID = """
 scene = "free-pinion-torque"
 fidelity = "quasi-static"
@@ -49,65 +56,64 @@ linspace = ["200 N", "400 N", 40]
 signals = "none"
 """
 COMMAND = [sys.executable, "-m", "rps_exudyn", "study"]
+Measured = list[tuple[str, str]]
+"""What was measured, and the number with its unit."""
 
 
-def main(chosen: list[str]) -> None:
-    """The measurements of these names, or all."""
-    print(f"load of the machine's {os.cpu_count()} cores before: {os.getloadavg()[0]:.2f}")
-    for name in chosen or MEASUREMENTS:
-        with tempfile.TemporaryDirectory() as folder:
-            MEASUREMENTS[name](Path(folder))
+def run(folder: Path, sizes: Mapping[str, Mapping[str, Any]] = MappingProxyType({})) -> None:
+    """Make all measurements, or those named in `sizes` with these arguments."""
+    rows: Measured = [("load of the machine before", f"{os.getloadavg()[0]:.2f}")]
+    for name in sizes or MEASUREMENTS:
+        with tempfile.TemporaryDirectory() as studies:
+            rows += MEASUREMENTS[name](Path(studies), **sizes.get(name, {}))
+        print(*rows[-1], sep=": ", flush=True)
+    save_data(folder / DATA, {"rows": rows})
 
 
-def thousand(folder: Path) -> None:
-    """1000 quasi-static cases of one turn, summary and 61 samples of every signal stored."""
+def many_cases(folder: Path, sides: tuple[int, int, int] = (10, 10, 10)) -> Measured:
+    """Quasi-static cases of one turn, summary and 61 samples of every signal stored."""
+    rows = []
     for jobs in (2, 1):
-        file = written(
-            folder, f"thousand_{jobs}", GRID.format(set="", first=10, second=10, third=10, samples=61)
-        )
-        run = watched(file, folder / file.stem, jobs)
-        print(f"1000 cases, {jobs} jobs: {run['wall']:.1f} s, {run['cpu']:.1f} s of processors, "
-              f"parent {run['memory']:.0f} MB; {statuses(folder / file.stem)}")  # fmt: skip
+        file = written(folder, f"many_{jobs}", grid(sides, samples=61))
+        seen = watched(file, folder / file.stem, jobs)
+        number = f"{np.prod(sides)} quasi-static cases of one turn, {jobs} processes"
+        rows.append((number, f"{seen['wall']:.1f} s, {seen['cpu']:.1f} s of CPU time"))
+    return rows
 
 
-def memory(folder: Path) -> None:
+def memory(folder: Path, sides: tuple[tuple[int, int, int], ...] = ((10, 10, 10), (25, 20, 20))) -> Measured:
     """The parent's memory over the number of cases."""
-    for number, sides in {1000: (10, 10, 10), 10_000: (25, 20, 20)}.items():
-        first, second, third = sides
-        text = GRID.format(set="", first=first, second=second, third=third, samples=2)
-        file = written(folder, f"memory_{number}", text)
-        run = watched(file, folder / file.stem, 2)
-        print(f"{number} cases, 2 jobs: parent {run['memory']:.0f} MB, {run['wall']:.0f} s")
+    rows = []
+    for each in sides:
+        file = written(folder, f"memory_{np.prod(each)}", grid(each, samples=2))
+        seen = watched(file, folder / file.stem, 2)
+        rows.append((f"memory of the parent, {np.prod(each)} cases", f"{seen['memory']:.0f} MB"))
+    return rows
 
 
-def scaling(folder: Path) -> None:
+def scaling(folder: Path) -> Measured:
     """Two processes against one, and what the machine allows at this time."""
-    file = written(folder, "slow", SLOW)
-    ratios = []
+    file, rows = written(folder, "slow", SLOW), []
     for repeat in range(2):
-        walls = {jobs: watched(file, folder / f"slow_{repeat}_{jobs}", jobs)["wall"] for jobs in (1, 2)}
-        ideal = 2 * spinning(1) / spinning(2)
-        ratios.append(walls[1] / walls[2])
-        rows = [row.wall_s for _, row in Store.open(folder / f"slow_{repeat}_1").rows()]
-        print(f"40 cases of {np.mean(rows):.2f} s: {walls[1]:.1f} s by one, {walls[2]:.1f} s by two, ratio "
-              f"{ratios[-1]:.2f}; two empty loops against one: {ideal:.2f}")  # fmt: skip
-    print(f"median ratio {np.median(ratios):.2f}")
+        walls = [watched(file, folder / f"slow_{repeat}_{jobs}", jobs)["wall"] for jobs in (1, 2)]
+        found = f"{walls[0] / walls[1]:.2f} ({walls[0]:.1f} s and {walls[1]:.1f} s)"
+        rows.append(("two processes against one, 40 cases of a second", found))
+        rows.append(("two empty loops against one, at the same time", f"{2 * spinning(1) / spinning(2):.2f}"))
+    return rows
 
 
-def kills(folder: Path, number: int = 25) -> None:
+def kills(folder: Path, number: int = 25) -> Measured:
     """SIGKILL of the parent or of a worker at random moments, and the study's end compared with another's."""
-    base = '[set]\npinion.runout = "10 um"\nfidelity.step_angle = "0.03 deg"'
-    text = GRID.format(set=base, first=8, second=5, third=5, samples=181)
-    file = written(folder, "kills", text)
+    settings = '[set]\npinion.runout = "10 um"\nfidelity.step_angle = "0.03 deg"'
+    file = written(folder, "kills", grid((8, 5, 5), samples=181, settings=settings))
     watched(file, folder / "undisturbed", 2)
     chance = random.Random(1)
-    killed = {"parent": 0, "worker": 0}
+    killed: Counter[str] = Counter()
     process = started(file, folder / "disturbed", 2)
-    while sum(killed.values()) < number:
+    while killed.total() < number:
         time.sleep(chance.uniform(0.3, 3.0))
         if process.poll() is not None:
-            print(f"the study was done after {sum(killed.values())} kills")
-            break
+            break  # the study is done
         victim = chance.choice(("parent", "worker"))
         target = chance.choice(children(process.pid) or [0]) if victim == "worker" else process.pid
         if not target:  # none has been started yet
@@ -119,34 +125,38 @@ def kills(folder: Path, number: int = 25) -> None:
             process.wait()
             process = started(file, folder / "disturbed", 2)
     process.wait()
-    print(f"{killed} killed; then {statuses(folder / 'disturbed')}")
-    print(f"against the undisturbed study's {statuses(folder / 'undisturbed')}: "
-          f"{compared(folder / 'undisturbed', folder / 'disturbed')}")  # fmt: skip
+    told = f"200 cases after {killed['parent']} kills of the parent and {killed['worker']} of a worker"
+    return [(told, compared(folder / "undisturbed", folder / "disturbed"))]
 
 
-def storing(folder: Path) -> None:
-    """What a case costs beyond its simulation: its file's bytes, their way to the disk, log and index."""
-    gear, forms = SteeringGear(), FileForms()
-    results = [
-        simulate.run("free-pinion-torque", gear.replace({"yoke.preload": 300.0 + k}), fidelity="quasi-static")
-        for k in range(51)
-    ]
+def storing(folder: Path, cases: int = 50) -> Measured:
+    """What a case costs beyond its simulation: making its file's bytes and writing them."""
+    gear, forms, rows = SteeringGear(), FileForms(), []
+    gears = [gear.replace({"yoke.preload": 300.0 + k}) for k in range(cases + 1)]
+    results = [rps.run("free-pinion-torque", each, fidelity="quasi-static") for each in gears]
     for keep in (Keep(), Keep(samples=61), Keep(signals=())):
         thin = [kept(result, keep) for result in results]
-        forms.content(thin[0])
-        start = time.perf_counter()
-        for number, result in enumerate(thin[1:]):
-            (folder / f"{number}.h5").write_bytes(forms.content(result))
-        fast = (time.perf_counter() - start) / 50
-        start = time.perf_counter()
-        for result in thin[1:11]:
-            result.save(folder / "plain.h5")
-        plain = (time.perf_counter() - start) / 10
-        shape = f"{len(thin[0].signals)} signals of {len(thin[0].signals.get('time', ()))}"
-        print(f"one file, {shape}: {1e3 * fast:.2f} ms, by Result.save {1e3 * plain:.1f} ms")
+        forms.content(thin[0])  # the form that all others share
+        fast = mean_time(thin[1:], lambda result: (folder / "fast.h5").write_bytes(forms.content(result)))
+        plain = mean_time(thin[1:11], lambda result: result.save(folder / "plain.h5"))
+        shape = f"{len(thin[0].signals)} signals of {len(thin[0].signals.get('time', ()))} values"
+        rows.append((f"file of a case, {shape}; by `Result.save`", f"{fast:.1f} ms; {plain:.0f} ms"))
+    return rows
+
+
+def mean_time(results: list[Result], work: Any) -> float:
+    """Elapsed time for each of them [ms]."""
+    start = time.perf_counter()
+    for result in results:
+        work(result)
+    return 1e3 * (time.perf_counter() - start) / len(results)
 
 
 # --- studies -----------------------------------------------------------------------------------
+def grid(sides: tuple[int, int, int], samples: int, settings: str = "") -> str:
+    """A study over preload and both frictions."""
+    first, second, third = sides
+    return GRID.format(set=settings, first=first, second=second, third=third, samples=samples)
 
 
 def written(folder: Path, name: str, text: str) -> Path:
@@ -187,29 +197,23 @@ def children(pid: int) -> list[int]:
         return []
 
 
-def statuses(folder: Path) -> str:
-    found: dict[str, int] = {}
-    for _, row in Store.open(folder).rows():
-        found[row.status] = found.get(row.status, 0) + 1
-    return json.dumps(found)
-
-
 def compared(first: Path, second: Path) -> str:
-    """Every number of both studies."""
+    """Every number of two studies."""
     one, other = Store.open(first), Store.open(second)
     differing, signals = 0, 0
     ours = {case.hash: result for case, result in other.results()}
     for case, result in one.results():
         again = ours[case.hash]
-        same = result.status is again.status and dict(result.summary) == dict(again.summary)
-        same &= result.signals.keys() == again.signals.keys()
-        same &= all(np.array_equal(values, again.signals[name], equal_nan=True)
-                    for name, values in result.signals.items())  # fmt: skip
+        alike = result.status is again.status and dict(result.summary) == dict(again.summary)
+        alike &= result.signals.keys() == again.signals.keys()
+        alike &= all(
+            np.array_equal(values, again.signals[name], equal_nan=True)
+            for name, values in result.signals.items()
+        )
         signals += len(result.signals)
-        differing += not same
+        differing += not alike
     unreadable = len(one.skipped) + len(other.skipped)
-    told = f"{len(ours)} cases, {signals} signals compared bit for bit"
-    return f"{told}, {differing} differ, {unreadable} unreadable"
+    return f"{len(ours)} present, {unreadable} unreadable, {differing} differ ({signals} signals bit for bit)"
 
 
 def spinning(processes: int) -> float:
@@ -223,12 +227,24 @@ def spinning(processes: int) -> float:
 
 
 MEASUREMENTS = {
-    "thousand": thousand,
+    "many_cases": many_cases,
     "memory": memory,
     "scaling": scaling,
     "kills": kills,
     "storing": storing,
 }
 
-if __name__ == "__main__":
-    main(sys.argv[1:])
+
+def runner_table(folder: Path) -> str:
+    """All measurements."""
+    return markdown(("what", "found"), load_data(folder / DATA)["rows"])
+
+
+TOPIC = Topic(
+    "the runner of studies: 1000 cases, memory, processes, kills, storing",
+    "15 min",
+    "study_runner",
+    run,
+    {"sizes": {"many_cases": {"sides": (2, 1, 1)}, "storing": {"cases": 2}}},
+    {"study_runner": runner_table},
+)

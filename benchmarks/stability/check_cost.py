@@ -1,31 +1,31 @@
-"""What guards and judge cost: their share of a run's CPU time, results/stability/guard_cost.json.
+"""What the checks before and after a run cost: their fraction of a run's CPU time."""
 
-python studies/bench_guards.py [REPEATS]
-"""
-
-import json
-import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from time import process_time
 from typing import Any
-from unittest.mock import patch
 
+import rps_exudyn as rps
+from benchmarks.topic import Topic, load_data, markdown, save_data
+from rps_exudyn.checks.after_run import validated
+from rps_exudyn.checks.before_run import refused
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes import run_maneuver
-from rps_exudyn.simulate import run as simulate
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.simulate.checked_run import run_unchecked
 
-OUT = Path(__file__).parents[1] / "results" / "stability" / "guard_cost.json"
 PITCH = 1 / SteeringGear().pinion.teeth
-CASES = {
-    "flank dynamics, a turn": ("flank", {}, 1.0),
-    "equilibria, a tooth pitch": ("quasi-static", {}, PITCH),
-    "equilibria, a turn": ("quasi-static", {}, 1.0),
-    "equilibria, a turn with runout": ("quasi-static", {"pinion.runout": 40e-6}, 1.0),
-    "bush of 25 segments, a tooth pitch": ("chain", {}, PITCH),
-    "general contact, 2 deg": ("full", {}, 2 / 360),
+CASES: dict[str, tuple[Fidelity, dict[str, Any], float]] = {
+    "flank dynamics, a turn": (Fidelity.preset("flank"), {}, 1.0),
+    "equilibria, a tooth pitch": (Fidelity.preset("quasi-static"), {}, PITCH),
+    "equilibria, a turn": (Fidelity.preset("quasi-static"), {}, 1.0),
+    "equilibria, a turn with runout": (Fidelity.preset("quasi-static"), {"pinion.runout": 40e-6}, 1.0),
+    "bush of 25 segments, a tooth pitch": (Fidelity.preset("flank").replace({"bush": "chain"}), {}, PITCH),
+    "general contact, 2 deg": (Fidelity.preset("full"), {}, 2 / 360),
 }
+DATA = "check_cost.json"
+SLOW = 0.5  # CPU time of a run [s] above which two runs are enough
 
 
 class Clock:
@@ -37,49 +37,54 @@ class Clock:
     def around(self, work: Callable[..., Any]) -> Callable[..., Any]:
         """The same function, timed."""
 
-        def timed(*given: Any) -> Any:
+        def timed(*given: Any, **named: Any) -> Any:
             start = process_time()
             try:
-                return work(*given)
+                return work(*given, **named)
             finally:
                 self.seconds += process_time() - start
 
         return timed
 
 
-def fidelity_of(name: str) -> Fidelity:
-    return Fidelity.preset("flank").replace({"bush": "chain"}) if name == "chain" else Fidelity.preset(name)
+def run(folder: Path, cases: Sequence[str] = tuple(CASES), repeats: int = 20) -> None:
+    """Time these cases, each so many times."""
+    save_data(folder / DATA, {"cases": {name: cost(*CASES[name], repeats) for name in cases}})
 
 
-def cost(name: str, settings: dict[str, Any], turns: float, repeats: int) -> dict[str, float]:
-    """CPU time of a run, and what guards and judge take of it."""
+def cost(fidelity: Fidelity, settings: dict[str, Any], turns: float, repeats: int) -> dict[str, float]:
+    """CPU time of a run [ms], and what the checks take of it [%]."""
     gear = SteeringGear().replace(settings | {"test.turns": turns})
-    guards, judge = Clock(), Clock()
-    fidelity = fidelity_of(name)
-    simulate.run("free-pinion-torque", gear, fidelity=fidelity)  # compiled and loaded
-    with (
-        patch.object(simulate, "refused", guards.around(simulate.refused)),
-        patch.object(run_maneuver, "validated", judge.around(run_maneuver.validated)),
-    ):
-        start = process_time()
-        for _ in range(repeats):
-            simulate.run("free-pinion-torque", gear, fidelity=fidelity)
-        whole = process_time() - start
+    scene, before, after = "free-pinion-torque", Clock(), Clock()
+    first = rps.run(scene, gear, fidelity=fidelity)  # compiled and loaded
+    steady, timed = scene_named(scene).steady, RunOptions(check=after.around(validated))
+    repeats = repeats if first.cpu_s < SLOW else min(repeats, 2)
+    start = process_time()
+    for _ in range(repeats):
+        before.around(refused)(gear, fidelity, steady=steady)
+        run_unchecked(scene, gear, fidelity, timed)
+    whole = process_time() - start
     return {
         "run_ms": round(1e3 * whole / repeats, 3),
-        "guards_percent": round(100 * guards.seconds / whole, 3),
-        "judge_percent": round(100 * judge.seconds / whole, 3),
+        "before_percent": round(100 * before.seconds / whole, 3),
+        "after_percent": round(100 * after.seconds / whole, 3),
     }
 
 
-def main() -> None:
-    repeats = int(sys.argv[1]) if len(sys.argv) > 1 else 20
-    table = {}
-    for case, (name, settings, turns) in CASES.items():
-        table[case] = cost(name, settings, turns, 2 if name == "full" else repeats)
-        print(f"{case:36s} {table[case]}", flush=True)
-    OUT.write_text(json.dumps(table, indent=1) + "\n")
+def cost_table(folder: Path) -> str:
+    """Every case."""
+    rows = [
+        (name, f"{case['run_ms']:.3g}", f"{case['before_percent']:.2g}", f"{case['after_percent']:.2g}")
+        for name, case in load_data(folder / DATA)["cases"].items()
+    ]
+    return markdown(("run", "CPU ms", "checks before, %", "after, %"), rows)
 
 
-if __name__ == "__main__":
-    main()
+TOPIC = Topic(
+    "what the checks before and after a run cost",
+    "30 s",
+    "stability",
+    run,
+    {"cases": ("equilibria, a tooth pitch",), "repeats": 2},
+    {"check_cost": cost_table},
+)

@@ -1,41 +1,63 @@
-"""What the bad cases of tests/stability give without any check, and with all: results/stability/corpus.csv.
-
-python studies/stability_corpus.py
-"""
+"""What the bad cases of tests/bad_cases.json give without any check, and with all of them."""
 
 import csv
 import sys
 from collections import Counter
 from pathlib import Path
 
+import rps_exudyn as rps
+from benchmarks.topic import ROOT, Topic, markdown
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.simulate.run import run
-from rps_exudyn.verification.stability import Plan, error_of, reference, unchecked
+from rps_exudyn.verification.stability import ScenePlan, error_of, reference, unchecked
 
-HERE = Path(__file__).parents[1]
-sys.path.insert(0, str(HERE / "tests"))
 COLUMNS = ("case", "without_checks", "error_without", "outcome", "error", "message")
+DATA = "corpus.csv"
 
 
-def main() -> None:
+def run(folder: Path, most: int | None = None) -> None:
+    """Run the first `most` cases, or all."""
+    sys.path.insert(0, str(ROOT / "tests"))
     from bad_cases import bad_cases
 
     rows = []
-    for name, plan in bad_cases().items():
-        rows.append((name, *row_of(plan)))
+    for name, case in list(bad_cases().items())[:most]:
+        rows.append((name, *row_of(case.plan)))
         print(*rows[-1], sep=" | ", flush=True)
-    with (HERE / "results" / "stability" / "corpus.csv").open("w", newline="") as file:
+    with (folder / DATA).open("w", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
-    print(len(rows), Counter(row[3] for row in rows), file=sys.stderr)
 
 
-def row_of(plan: Plan) -> tuple[str, str, str, str, str]:
-    bare, result = unchecked(plan), run(plan.scene, plan.gear, fidelity=plan.fidelity)
+def row_of(plan: ScenePlan) -> tuple[str, str, str, str, str]:
+    """Outcome and error without and with checks, and the message."""
+    bare, result = unchecked(plan), rps.run(plan.scene, plan.gear, fidelity=plan.fidelity)
     true = reference(plan, plan.figure(bare))
     error = error_of(plan.figure(result), true) if result.status is Status.OK else float("nan")
     without = error_of(plan.figure(bare), true)
     return bare.status.value, f"{without:.3g}", result.status.value, f"{error:.3g}", result.message
 
 
-if __name__ == "__main__":
-    main()
+def corpus_table(folder: Path) -> str:
+    """Outcomes of all cases."""
+    with (folder / DATA).open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    outcomes = Counter(row["outcome"] for row in rows)
+    wrong = sum(row["outcome"] == "ok" and not abs(float(row["error"])) <= 0.02 for row in rows)
+    return markdown(
+        ("bad cases", "number"),
+        [
+            ("cases", len(rows)),
+            ("ok without checks", sum(row["without_checks"] == "ok" for row in rows)),
+            *((f"{name} with checks", number) for name, number in outcomes.most_common()),
+            ("**ok with checks and more than 2 % wrong**", f"**{wrong}**"),
+        ],
+    )
+
+
+TOPIC = Topic(
+    "known bad cases with and without checks",
+    "2 min",
+    "stability",
+    run,
+    {"most": 2},
+    {"corpus": corpus_table},
+)

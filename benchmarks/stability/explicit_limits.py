@@ -1,23 +1,21 @@
 """The largest step of explicit methods along single lines, bisected to 5 %, beside the predicted one.
 
-    python studies/stability_explicit.py       writes results/stability/explicit.json and explicit.png
-
 A small disturbance must not grow. Predicted from the system linearised where it stands, that of the gear by
 differences of its forces. In Exudyn's own solvers a ball on a plate and the bush's chain; on the gear itself
-Runge and Kutta's method of fourth order, the package's witness (`accuracy.explicit`): explicit solvers of
-Exudyn hold a driven gear still.
+classical Runge-Kutta (`verification.runge_kutta`): explicit solvers of Exudyn hold a driven gear still.
 """
 
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import partial
 from pathlib import Path
-from time import process_time
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
+from benchmarks.stability.chart import draw_limits
+from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.forces.bush import bush_chain, resting_segments
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.solids import bush_segment_solid
@@ -36,9 +34,8 @@ from rps_exudyn.verification.explicit_limit import (
 )
 from rps_exudyn.verification.runge_kutta import FreeMotion
 from rps_exudyn.verification.stability import bisected
-from rps_exudyn.verification.stability_charts import draw_limits
 
-OUT = Path(__file__).parents[1] / "results" / "stability"
+DATA = "explicit.json"
 GEAR = SteeringGear()
 RPM = np.pi / 30
 
@@ -67,9 +64,7 @@ def ball_pressed() -> Iterator[Limit]:
     """A ball of 10 g on a plate in GeneralContact, by velocity Verlet: 2 / omega."""
     for stiffness in (1e5, 1e6, 1e7, 1e8):
         predicted = 2 / np.sqrt(stiffness / BALL)
-        limit = bisected(
-            lambda h, k=stiffness: _bounded(_ball(k), h, 400, "VelocityVerlet"), *_about(predicted)
-        )
+        limit = bisected(partial(_ball_is_bounded, stiffness), *_about(predicted))
         yield Limit("Verlet, ball on a plate", f"{stiffness:g} N/m", limit, predicted)
 
 
@@ -97,7 +92,7 @@ def chain_alone() -> Iterator[Limit]:
     """The bush's chain alone, by velocity Verlet: 2 / omega_max."""
     for segments in (1, 2, 5, 10, 25):
         predicted = 2 / chain_frequency(segments)
-        limit = bisected(lambda h, n=segments: chain_is_bounded(n, h), *_about(predicted))
+        limit = bisected(partial(chain_is_bounded, segments), *_about(predicted))
         yield Limit("Verlet, bush as a chain", f"{segments} segments", limit, predicted)
 
 
@@ -127,7 +122,7 @@ def _ball(stiffness: float, friction: float = 0.0, slip: float = 0.0) -> Any:
     contact.SetSearchTreeBox(pMin=[-1, -1, -1], pMax=[3, 3, 1])
     contact.SetSearchTreeCellSize(numberOfCells=[4, 4, 4])
     corners = np.array([[-1.0, -1, 0], [3, -1, 0], [-1, 3, 0]])
-    contact.AddTrianglesRigidBodyBased(plate, 1e6 * stiffness, 0.0, 0, corners, [[0, 1, 2]])
+    contact.AddTrianglesRigidBodyBased(plate, 1e6 * stiffness, 0.0, 0, corners.tolist(), [[0, 1, 2]])
     rates = [slip, 0, 1e-9]
     node = mbs.AddNode(NodePoint(referenceCoordinates=[0.1, 0.1, 0.6e-3], initialVelocities=rates))
     body = mbs.AddObject(ObjectMassPoint(mass=BALL, nodeNumber=node))
@@ -153,7 +148,7 @@ def _chain(segments: int) -> Any:
 
 
 def chain_frequency(segments: int) -> float:
-    """omega_max of the chain as Exudyn linearises it [rad/s]."""
+    """Return omega_max of the chain as Exudyn linearises it [rad/s]."""
     from scipy.linalg import eigh
 
     mass, stiffness, _ = _chain(segments).ComputeLinearizedSystem()
@@ -165,8 +160,12 @@ def chain_is_bounded(segments: int, step: float) -> bool:
     return _bounded(_chain(segments), step, 2000, "VelocityVerlet")
 
 
+def _ball_is_bounded(stiffness: float, step: float) -> bool:
+    return _bounded(_ball(stiffness), step, 400, "VelocityVerlet")
+
+
 def _bounded(mbs: Any, step: float, steps: int, solver: str) -> bool:
-    """Whether what was disturbed a little stays small."""
+    """Whether a small disturbance stays small."""
     import exudyn as exu
 
     try:
@@ -189,7 +188,7 @@ def _march(mbs: Any, step: float, steps: int, solver: str) -> None:
     mbs.SolveDynamic(settings, solverType=getattr(exu.DynamicSolverType, solver))
 
 
-# --- Runge and Kutta on the gear --------------------------------------------------------------------
+# --- RK4 on the gear --------------------------------------------------------------------
 @dataclass(frozen=True)
 class Gears:
     """One parameter of a driven gear at several values."""
@@ -255,9 +254,9 @@ LINES = (
 )
 
 
-def on_the_gear() -> Iterator[Limit]:
-    """Every line by Runge and Kutta's method of fourth order."""
-    for line in LINES:
+def on_the_gear(lines: Sequence[Gears] = LINES) -> Iterator[Limit]:
+    """Limits of every line by RK4."""
+    for line in lines:
         for value in line.values:
             driven = DrivenGear.of(line.driven, line.path, value, line.choices)
             limit = bisected(driven.calms, *_about(driven.predicted))
@@ -267,7 +266,7 @@ def on_the_gear() -> Iterator[Limit]:
 
 @dataclass(frozen=True, eq=False)
 class DrivenGear:
-    """A gear driven from its centre at the test's speed, or held there, for Runge and Kutta's method."""
+    """A gear driven from its centre at the test's speed, or held there, for RK4."""
 
     gear: SteeringGear
     fidelity: Fidelity
@@ -277,7 +276,7 @@ class DrivenGear:
     def of(
         cls, driven: str, path: str, value: float, choices: Mapping[str, Any] = MappingProxyType({})
     ) -> "DrivenGear":
-        """With one parameter changed; `choices` are the fidelity's besides."""
+        """Change one parameter; `choices` are those of the fidelity besides."""
         choice = path.removeprefix("fidelity.")
         fidelity = Fidelity().replace(dict(choices) | ({choice: value} if choice != path else {}))
         gear = GEAR.replace({path: value} if choice == path else {})
@@ -285,13 +284,13 @@ class DrivenGear:
 
     @property
     def zone(self) -> float:
-        """Friction's [m/s]."""
+        """Friction zone [m/s]."""
         sliding = GearPair.of(self.gear).least_sliding * self.gear.test.speed
         return float(self.fidelity.zone_ratio * sliding)
 
     @property
     def predicted(self) -> float:
-        """Largest stable step of Runge and Kutta's method [s]."""
+        """Largest stable step of RK4 [s]."""
         return stable_step(state_matrix(self.motion), runge_kutta_4)
 
     def calms(self, step: float) -> bool:
@@ -306,23 +305,63 @@ def _drive(gear: SteeringGear, driven: str) -> Steady:
 
 
 def simple_limits(motion: FreeMotion) -> tuple[float, float]:
-    """Bounds of the method over omega_max and over c_max alone [s]: of an oscillator, of a damper."""
+    """Stable steps of RK4 for omega_max and for c_max alone [s]: an oscillator, a damper."""
     frequency, damping = largest_frequency(motion), largest_damping(motion)
     oscillator = np.array([[0.0, 1.0], [-(frequency**2), 0.0]])
     return stable_step(oscillator, runge_kutta_4), stable_step(np.array([[-damping]]), runge_kutta_4)
 
 
 # --- all --------------------------------------------------------------------------------------------
-def main() -> None:
-    start, limits = process_time(), []
-    for each in (ball_pressed, ball_held_by_friction, chain_alone, on_the_gear):
-        for limit in each():
-            limits.append(asdict(limit))
-            print(limit, f"{limit.measured / limit.predicted:.3f}", flush=True)
-    (OUT / "explicit.json").write_text(json.dumps(limits, indent=1))
-    draw_limits(limits, OUT / "explicit.png")
-    print(f"{process_time() - start:.0f} s of CPU time")
+PARTS: tuple[Callable[[], Iterator[Limit]], ...] = (
+    ball_pressed,
+    ball_held_by_friction,
+    chain_alone,
+    on_the_gear,
+)
 
 
-if __name__ == "__main__":
-    main()
+def run(folder: Path, parts: Sequence[Callable[[], Iterator[Limit]]] = PARTS) -> None:
+    """Bisect all limits of these parts."""
+    limits = []
+    for limit in (limit for part in parts for limit in part()):
+        limits.append(asdict(limit))
+        print(limit, f"{limit.measured / limit.predicted:.3f}", flush=True)
+    save_data(folder / DATA, {"limits": limits})
+    draw_limits(limits, folder / "explicit.png")
+
+
+def limits_table(folder: Path) -> str:
+    """Each line: its points, predicted steps, measured and simple ones compared with them."""
+    limits, rows = load_data(folder / DATA)["limits"], []
+    for line in dict.fromkeys(limit["line"] for limit in limits):
+        own = [limit for limit in limits if limit["line"] == line]
+        simple = [min(limit[n] for n in ("by_frequency", "by_damping") if limit[n]) / limit["measured"]
+                  for limit in own if limit["by_frequency"]]  # fmt: skip
+        rows.append(
+            (
+                line,
+                f"{own[0]['at']} to {own[-1]['at']}",
+                f"{_span([1e6 * limit['predicted'] for limit in own], '.3g')} µs",
+                _span([limit["measured"] / limit["predicted"] for limit in own], ".2f"),
+                _span(simple, ".2f") if simple else "the same",
+            )
+        )
+    return markdown(("line", "over", "predicted", "measured / predicted", "simple / measured"), rows)
+
+
+def _span(values: Sequence[float], form: str) -> str:
+    return f"{min(values):{form}} to {max(values):{form}}"
+
+
+def _toy() -> Iterator[Limit]:
+    return on_the_gear([Gears("rack driven, contact stiffness", "rack", "mesh.stiffness", (2e13,))])
+
+
+TOPIC = Topic(
+    "the largest stable step of explicit methods, bisected, beside the predicted one",
+    "7 min",
+    "stability",
+    run,
+    {"parts": (_toy,)},
+    {"explicit_limits": limits_table},
+)

@@ -1,21 +1,18 @@
 """The largest step of implicit dynamics and of equilibria whose mean is right, bisected to 5 %.
 
-    python studies/stability_implicit.py       writes results/stability/implicit.json
-
 Along lines of stiffness, speed, friction zone, teeth, inertia and segments, over a record of 5.4 tooth
-pitches: no step is then a fraction of the pitch. Beside each stands what the guard before a run allows,
-`guards.STEPS_PER_PITCH` steps per tooth pitch.
+pitches: no step is then a fraction of the pitch. Beside each stands what the check before a run allows,
+`STEPS_PER_PITCH` steps per tooth pitch.
 """
 
-import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from time import process_time
 from typing import Any
 
 import numpy as np
 
+from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.checks.before_run import STEPS_PER_PITCH
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -24,16 +21,16 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.verification.stability import (
     STILL,
     STRIP,
-    Plan,
+    ScenePlan,
     bisected,
+    cpu_time_limit,
     error_of,
-    processor_time,
     reference,
     run_and_check,
     unchecked,
 )
 
-OUT = Path(__file__).parents[1] / "results" / "stability"
+DATA = "implicit.json"
 GEAR = SteeringGear()
 FINEST, COARSEST, LADDER = 2.0, 40.0, 1.35  # [deg], [deg], from step to step
 PITCHES = 5.4  # of a record
@@ -55,13 +52,13 @@ class Sweep:
     choices: dict[str, Any] = field(default_factory=dict)
     along: dict[str, tuple[float, ...]] = field(default_factory=dict)  # parameters that move with it
 
-    def plans(self) -> Iterator[tuple[str, Plan]]:
-        """What is varied, and the plan, for each value."""
+    def plans(self) -> Iterator[tuple[str, ScenePlan]]:
+        """The value as text and the plan, for each value."""
         for k, value in enumerate(self.values):
             gear = GEAR.replace({self.path: value} | {path: values[k] for path, values in self.along.items()})
             gear = gear.replace({"test.turns": PITCHES / gear.pinion.teeth})
-            told = self.show.format(round(value / self.unit, 9))
-            yield told, Plan(self.scene, gear, Fidelity().replace(self.choices))
+            shown = self.show.format(round(value / self.unit, 9))
+            yield shown, ScenePlan(self.scene, gear, Fidelity().replace(self.choices))
 
 
 RPM = np.pi / 30
@@ -97,29 +94,32 @@ class CoarseStep:
     mean_5: float  # 5 %
     curve_1: float  # error of the curve, joined by straight lines, RMS in % of the mean
     curve_5: float
-    guard: float  # allowed before a run
+    guard: float  # allowed by the check before a run
     beyond: str  # what comes after the limit of 5 % of the mean
 
 
 @dataclass(frozen=True)
 class Trial:
-    """What a step gives."""
+    """Errors of a run with one step."""
 
-    mean: float  # error, infinite of a run that fails
-    curve: float
+    mean: float  # relative error, infinite of a run that fails
+    curve: float  # likewise
     words: str
 
 
-def coarse_steps() -> Iterator[CoarseStep]:
-    """Of every sweep."""
-    for sweep in SWEEPS:
+def run(folder: Path, sweeps: Sequence[Sweep] = SWEEPS) -> None:
+    """Bisect the limits of these sweeps."""
+    steps = []
+    for sweep in sweeps:
         for at, plan in sweep.plans():
-            yield _coarse_step(sweep.line, at, plan)
+            steps.append(asdict(_coarse_step(sweep.line, at, plan)))
+            print(steps[-1], flush=True)
+    save_data(folder / DATA, {"steps": steps})
 
 
-def _coarse_step(line: str, at: str, plan: Plan) -> CoarseStep:
+def _coarse_step(line: str, at: str, plan: ScenePlan) -> CoarseStep:
     finest = plan.with_step(FINEST)
-    still = unchecked(Plan(plan.scene, plan.gear, plan.fidelity.replace(STILL | STRIP)))
+    still = unchecked(ScenePlan(plan.scene, plan.gear, plan.fidelity.replace(STILL | STRIP)))
     true = reference(finest, finest.figure(unchecked(finest)))
     seen: dict[float, Trial] = {}
 
@@ -135,10 +135,10 @@ def _coarse_step(line: str, at: str, plan: Plan) -> CoarseStep:
     return CoarseStep(line, at, *limits, 360 / plan.gear.pinion.teeth / STEPS_PER_PITCH, beyond)
 
 
-def _trial(plan: Plan, true: float, still: Result) -> Trial:
+def _trial(plan: ScenePlan, true: float, still: Result) -> Trial:
     try:
-        with processor_time(TIME_LIMIT):
-            result, told = run_and_check(plan)
+        with cpu_time_limit(TIME_LIMIT):
+            result, flagged = run_and_check(plan)
     except TimeoutError as error:
         return Trial(np.inf, np.inf, str(error))
     if result.status is not Status.OK:
@@ -146,7 +146,7 @@ def _trial(plan: Plan, true: float, still: Result) -> Trial:
     error, signal = error_of(plan.figure(result), true), SIGNAL[plan.scene]
     joined = np.interp(still["pinion_angle"], result["pinion_angle"], result[signal])
     curve = float(np.sqrt(np.mean((joined - still[signal]) ** 2)) / abs(true))
-    return Trial(abs(error), curve, f"{error:+.1%} of the mean, {'told' if told else 'not told'}")
+    return Trial(abs(error), curve, f"{error:+.1%} of the mean, {'flagged' if flagged else 'not flagged'}")
 
 
 def _largest(holds: Callable[[float], bool]) -> float:
@@ -162,14 +162,31 @@ def _largest(holds: Callable[[float], bool]) -> float:
     return COARSEST
 
 
-def main() -> None:
-    start, steps = process_time(), []
-    for step in coarse_steps():
-        steps.append(asdict(step))
-        print(step, flush=True)
-        (OUT / "implicit.json").write_text(json.dumps(steps, indent=1))
-    print(f"{process_time() - start:.0f} s of CPU time")
+def limits_table(folder: Path) -> str:
+    """The worst point of each line: steps [deg], and steps per tooth pitch."""
+    steps = load_data(folder / DATA)["steps"]
+    names = ("mean_5", "mean_1", "curve_1")
+    rows = []
+    for line in dict.fromkeys(step["line"] for step in steps):
+        own = [step for step in steps if step["line"] == line]
+        worst = [min(own, key=lambda step, name=name: step[name] / step["guard"]) for name in names]  # type: ignore[misc]
+        rows.append((line, *(_limit(step, name) for step, name in zip(worst, names, strict=True))))
+    head = ("line", "mean within 5 %", "mean within 1 %", "curve within 1 % RMS, joined by lines")
+    return markdown(head, rows)
 
 
-if __name__ == "__main__":
-    main()
+def _limit(step: dict[str, Any], name: str) -> str:
+    if step[name] >= COARSEST:
+        return f"{step[name]:g} deg, the largest allowed"
+    ratio = step["guard"] / step[name]
+    return f"{step[name]:.3g} deg ({step['at']}), {STEPS_PER_PITCH * ratio:.1f} steps per pitch"
+
+
+TOPIC = Topic(
+    "the largest right step of implicit methods, bisected",
+    "2 min",
+    "stability",
+    run,
+    {"sweeps": (Sweep("equilibria, stiffness", "mesh.stiffness", (1e12,), choices=EQUILIBRIUM),)},
+    {"implicit_limits": limits_table},
+)

@@ -21,6 +21,7 @@ from unittest.mock import patch
 import numpy as np
 from stability_explicit import GEAR, SPHERES, DrivenGear, chain_frequency, chain_is_bounded, simple_limits
 
+from benchmarks.stability.chart import draw_maps
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.checks import before_run as guards
 from rps_exudyn.checks.before_run import DEEPEST, STEPS_PER_PITCH, predicted_depth
@@ -55,7 +56,6 @@ from rps_exudyn.verification.stability import (
     reference,
     run_and_check,
 )
-from rps_exudyn.verification.stability_charts import draw_maps
 
 STUDIES = Path(__file__).parent
 OUT = STUDIES.parent / "results" / "stability"

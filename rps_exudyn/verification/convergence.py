@@ -1,4 +1,4 @@
-"""Observed orders of convergence of what was measured, beside those that theory expects.
+"""Observed orders of convergence of measured points, beside those that theory expects.
 
     measurement.orders = fitted_orders(measurement)
 
@@ -17,7 +17,7 @@ from rps_exudyn.verification.work_precision import FAR_ABOVE, observed_order
 
 @dataclass(frozen=True)
 class Rule:
-    """One kind of refinement."""
+    """One kind of refinement: its points, what is made finer, which error falls with it."""
 
     study: str
     knob: str
@@ -30,7 +30,7 @@ class Rule:
 
 
 def fitted_orders(measurement: Measurement) -> list[Order]:
-    """Those of the rules whose points the measurement has."""
+    """Fitted orders of the rules whose points the measurement has."""
     return list(_fitted(measurement))
 
 
@@ -42,7 +42,7 @@ def _fitted(measurement: Measurement) -> Iterator[Order]:
         size = np.array([rule.size(point) for point in points])
         error = np.array([rule.of(point) for point in points])
         floor = measurement.reference.uncertainty
-        told = int((np.isfinite(error) & (error > FAR_ABOVE * floor)).sum())
+        above = int((np.isfinite(error) & (error > FAR_ABOVE * floor)).sum())
         order = observed_order(size, error, floor)
         yield Order(
             points[0].family,
@@ -50,7 +50,7 @@ def _fitted(measurement: Measurement) -> Iterator[Order]:
             rule.error,
             np.nan if order is None else order,
             rule.expected,
-            told,
+            above,
             rule.why,
         )
 
@@ -85,22 +85,21 @@ def _asymptotic(point: Point) -> bool:
 
 
 RULES = [
-    Rule(
-        study,
-        "step",
-        _step,
-        kind,
-        of,
-        expected,
-        why,
-        _asymptotic,
-    )
+    Rule(study, "step", _step, kind, of, expected, why, _asymptotic)
     for study in ("quasi_static", "flank")
     for kind, of, expected, why in (
         (LINES, lambda p: p.rms_linear, 2.0, "chords of a smooth curve"),
         (SPLINES, lambda p: p.rms, 4.0, "cubics of a curve without kinks; every kink costs some of it"),
     )
 ]
+OF_SPHERES = (
+    "distance of the spheres",
+    lambda p: 1 / p.fidelity.profile_samples,
+    "RMS about the bias",
+    _scatter,
+    2.0,
+)
+OF_FACETS = "RMS against the same spheres on the analytic flank", lambda p: p.rms
 RULES += [
     Rule(
         "generators",
@@ -113,48 +112,12 @@ RULES += [
     ),
     Rule(
         "spheres_at_rest",
-        "distance of the spheres",
-        lambda p: 1 / p.fidelity.profile_samples,
-        "RMS about the bias",
-        _scatter,
-        2.0,
+        *OF_SPHERES,
         "midpoint rule over a strip; beyond 54 along the profile 0.06 % stay, the spheres' radius",
         lambda p: p.fidelity.profile_samples <= 54,
     ),
-    Rule(
-        "general_contact",
-        "distance of the spheres",
-        lambda p: 1 / p.fidelity.profile_samples,
-        "RMS about the bias",
-        _scatter,
-        2.0,
-        "the same, in dynamics",
-    ),
-    Rule(
-        "shaping",
-        "angle of a cut",
-        _cuts,
-        "RMS against the same spheres on the analytic flank",
-        lambda p: p.rms,
-        2.0,
-        "scallops as high as the square of the cut",
-    ),
-    Rule(
-        "chord",
-        "chord error of the triangles",
-        _micrometres,
-        "RMS against the same spheres on the analytic flank",
-        lambda p: p.rms,
-        1.0,
-        "depth is linear in it",
-    ),
-    Rule(
-        "shaping",
-        "angle of a cut",
-        _cuts,
-        "material left over",
-        _micrometres,
-        2.0,
-        "the same",
-    ),
+    Rule("general_contact", *OF_SPHERES, "the same, in dynamics"),
+    Rule("shaping", "angle of a cut", _cuts, *OF_FACETS, 2.0, "scallops as high as the square of the cut"),
+    Rule("chord", "chord error of the triangles", _micrometres, *OF_FACETS, 1.0, "depth is linear in it"),
+    Rule("shaping", "angle of a cut", _cuts, "material left over", _micrometres, 2.0, "the same"),
 ]

@@ -17,7 +17,7 @@ from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.gear_kernel import tangent
 from rps_exudyn.verification.runge_kutta import FreeMotion, runge_kutta
 
-SEARCHED = np.geomspace(0.05, 5.0, 2000)  # h |lambda|; both methods' bounds lie between 2 and 3
+SEARCHED = np.geomspace(0.05, 5.0, 2000)  # h |lambda|; the bounds of both methods lie between 2 and 3
 KICK = 1e-3  # of a speed below which nothing changes its nature: that of the friction zone
 TENFOLD = 10.0
 STEPS = 400
@@ -26,30 +26,30 @@ Growth = Callable[[np.ndarray], np.ndarray]
 
 
 def explicit_euler(z: np.ndarray) -> np.ndarray:
-    """Growth factor per step over z = h lambda."""
+    """Growth factor of explicit Euler per step over z = h lambda."""
     return 1 + z
 
 
 def runge_kutta_4(z: np.ndarray) -> np.ndarray:
-    """The same: stable to 2.83 for pure oscillation, to 2.79 for pure damping."""
+    """Growth factor of RK4 per step: stable to 2.83 for pure oscillation, to 2.79 for pure damping."""
     return 1 + z * (1 + z / 2 * (1 + z / 3 * (1 + z / 4)))
 
 
 def state_matrix(motion: FreeMotion) -> np.ndarray:
-    """d/dt (displacements, rates) = A (displacements, rates) about where a motion starts, (2n, 2n)."""
+    """Return A (2n, 2n) of d/dt (displacements, rates) = A (displacements, rates) where a motion starts."""
     stiffness, damping = _by_inertia(motion)
     n = len(stiffness)
     return np.block([[np.zeros((n, n)), np.eye(n)], [stiffness, damping]])
 
 
 def largest_frequency(motion: FreeMotion) -> float:
-    """omega_max of masses and stiffnesses alone [rad/s]."""
+    """Return omega_max of masses and stiffnesses alone [rad/s]."""
     stiffness, _ = _by_inertia(motion)
     return float(np.sqrt(np.abs(np.linalg.eigvals(stiffness)).max()))
 
 
 def largest_damping(motion: FreeMotion) -> float:
-    """c_max of masses and dampers alone, friction's among them: mu N / (m_eff v) of Coulomb's law [1/s]."""
+    """Return c_max of masses and dampers alone [1/s], with friction's mu N / (m_eff v) by Coulomb's law."""
     _, damping = _by_inertia(motion)
     return float(np.abs(np.linalg.eigvals(damping)).max())
 
@@ -77,7 +77,7 @@ def stable_step(matrix: np.ndarray, growth: Growth) -> float:
 
 def disturbance_dies(motion: FreeMotion, step: float, speed: float, steps: int = STEPS) -> bool:
     """Whether a kick of a thousandth of `speed` [m/s] to all that moves grows less than tenfold in a run of
-    Runge and Kutta's method with that step [s]."""
+    classical Runge-Kutta with that step [s]."""
     kick = np.zeros(motion.rate.size)
     kick[motion.moving] = KICK * speed / CHARACTERISTIC_LENGTHS[motion.moving]
     with np.errstate(all="ignore"):

@@ -1,11 +1,11 @@
-"""The torque of a pinion of flat facets: as it is cut, or as it is meshed. Spheres on them, in equilibrium.
+"""The torque of a pinion of flat facets, as it is cut or as it is meshed, by spheres in equilibrium.
 
     run = faceted_run(gear, spheres(108, 36), shaped(100))
 
-A pinion shaped in so many cuts per turn is bounded by planes that touch the helicoid along generators from
+A pinion shaped in n cuts per turn is bounded by planes that touch the helicoid along generators from
 outside, a mesh by chords from inside. Spheres on the analytic flank are moved along its normal onto these
-facets; all else is the general contact's. Held against the same spheres on the analytic flank, what differs
-is the facets alone.
+facets; all else is the general contact's. Compared with the same spheres on the analytic flank, the
+difference is that of the facets alone.
 """
 
 from collections.abc import Callable
@@ -34,17 +34,17 @@ Surface = Callable[[GearPair], np.ndarray]
 """Facets of a pinion, (m, 3, 3) [m]."""
 
 NEAR = 0.1e-3  # a flank's triangles have their corners within this of it [m]
-AT_ONCE = 100  # samples looked at together
+CHUNK = 100  # samples projected together
 
 
 def spheres(profile: int, axial: int, step: str = "0.5 deg") -> Fidelity:
-    """Equilibria of the general contact's spheres."""
+    """Model of equilibria with the general contact's spheres."""
     settings = {"mesh": "general-contact", "profile_samples": profile, "axial_samples": axial}
     return Fidelity.preset("quasi-static").replace({**settings, "step_angle": step})
 
 
 def shaped(cuts: int) -> Surface:
-    """The pinion as it is cut, so many times per turn."""
+    """The pinion as it is cut, `cuts` times per turn."""
 
     def facets(pair: GearPair) -> np.ndarray:
         vertices, faces = shaped_pinion(pair, cuts)
@@ -83,7 +83,7 @@ def faceted_forces(gear: SteeringGear, fidelity: Fidelity, surface: Surface | No
 
 
 def _centres(gear: SteeringGear, fidelity: Fidelity, surface: Surface | None) -> np.ndarray:
-    """Of the spheres, (z, 2, n, 3), by tooth space: every one is the first, turned."""
+    """Centres of the spheres, (z, 2, n, 3), by tooth space: every one is the first, turned."""
     pair, grid = GearPair.of(gear), (fidelity.profile_samples, fidelity.axial_samples)
     flanks = [Flank(pair, *border) for border in borders(0)]
     inwards = [-SPHERE_RADIUS * sample_flank(flank, *grid).normals for flank in flanks]
@@ -95,18 +95,18 @@ def _centres(gear: SteeringGear, fidelity: Fidelity, surface: Surface | None) ->
 
 
 def _on_facets(flank: Flank, profile: int, axial: int, surface: Surface | None) -> np.ndarray:
-    """Samples of the flank moved onto the facets near it, (n, 3)."""
+    """Move samples of the flank onto the facets near it, (n, 3)."""
     samples = sample_flank(flank, profile, axial)
     if surface is None:
         return samples.points
     triangles = surface(flank.pair)
     triangles = triangles[(np.abs(flank.distance(triangles)) < NEAR).all(axis=1)]
-    starts = range(0, len(samples.points), AT_ONCE)
-    pieces = [FlankSamples(*(each[at : at + AT_ONCE] for each in samples)) for at in starts]
+    starts = range(0, len(samples.points), CHUNK)
+    pieces = [FlankSamples(*(each[at : at + CHUNK] for each in samples)) for at in starts]
     return np.concatenate([onto_mesh(piece, triangles).points for piece in pieces])
 
 
 def largest_deviation(gear: SteeringGear, surface: Surface) -> float:
-    """Of the facets from a flank where it meets the rack [m]."""
+    """Largest distance of the facets from a flank where it meets the rack [m]."""
     flank = Flank(GearPair.of(gear), *borders(0)[0])
     return float(np.abs(flank.distance(_on_facets(flank, 400, 3, surface))).max())

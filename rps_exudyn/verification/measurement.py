@@ -1,6 +1,6 @@
 """Work and precision of many models of one scene: what was planned, what was measured, and their file.
 
-Each point is kept the moment it is measured, failed ones too; what is planned and not there is missing.
+Each point is kept as soon as it is measured, failed ones too; a planned point without measurement is missing.
 """
 
 import json
@@ -18,7 +18,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.verification.runs import Truth, revolutions, run_scene
+from rps_exudyn.verification.runs import SceneReference, revolutions, run_scene
 from rps_exudyn.verification.work_precision import Curve, Reference
 
 FILETYPE = "rps_exudyn-work-precision"
@@ -34,13 +34,13 @@ FAMILIES = {
     "quasi-static": "the same contact in equilibrium",
     "generators": "equilibrium, contact integrated over generators",
     "spheres at rest": "equilibrium, contact of the spheres",
-    "shaped pinion": "spheres at rest on flanks as they are cut, against those on the analytic flank",
+    "shaped pinion": "spheres at rest on flanks as they are cut, compared with those on the analytic flank",
     "meshed pinion": "spheres at rest on triangles, likewise",
     "explicit": "flank contact, Exudyn's explicit solvers",
     "closed form": "formulas",
     "ratio": "kinematic ratio in Exudyn",
 }
-"""What is drawn and judged together -> what it is."""
+"""Models that are drawn and compared together -> what they are."""
 
 PRESET_FAMILIES = {
     "full": "general contact",
@@ -51,7 +51,7 @@ PRESET_FAMILIES = {
 
 
 def family_of(fidelity: Fidelity) -> str:
-    """One of `FAMILIES`."""
+    """The family of a model, one of `FAMILIES`."""
     if fidelity.solver == "closed-form":
         return "closed form"
     if fidelity.solver == "equilibrium":
@@ -66,7 +66,7 @@ def family_of(fidelity: Fidelity) -> str:
 
 @dataclass(frozen=True)
 class Point:
-    """One model of a scene, measured. Errors in % of the mean, lift in m; nan where there is none."""
+    """One measured model of a scene. Errors in % of the mean, lift in m; nan where there is none."""
 
     study: str  # file in which it was planned
     label: str
@@ -98,13 +98,13 @@ class Point:
 
     @property
     def error(self) -> float:
-        """RMS however one interpolates [%]."""
+        """Larger RMS of both interpolations [%]."""
         return max(self.rms, self.rms_linear)
 
 
 @dataclass(frozen=True)
 class Order:
-    """p of error ~ size^p over measured points; nan where too few of them stand above the floor."""
+    """Exponent p of error ~ size^p over measured points; nan where too few of them are above the floor."""
 
     family: str
     knob: str  # what is made smaller
@@ -128,15 +128,16 @@ class Measurement:
 
     @property
     def missing(self) -> list[tuple[str, str]]:
-        """Planned and not measured."""
-        there = {(point.study, point.label) for point in self.points}
-        return [name for name in self.planned if name not in there]
+        """Study and label of the points that were planned and not measured."""
+        measured = {(point.study, point.label) for point in self.points}
+        return [name for name in self.planned if name not in measured]
 
     def of_family(self, family: str) -> list[Point]:
+        """Measured points of a family."""
         return [point for point in self.points if point.family == family]
 
     def save(self, path: str | Path) -> None:
-        """Whole or not at all.
+        """Write the file, whole or not at all.
 
         Raises:
             InputError: the file cannot be written.
@@ -146,7 +147,7 @@ class Measurement:
 
 
 @dataclass(frozen=True)
-class Plan:
+class PlannedPoint:
     """A point to be measured."""
 
     study: str
@@ -157,16 +158,18 @@ class Plan:
     run: Callable[[], SceneRun]
 
     @classmethod
-    def of_scene(cls, study: str, label: str, scene: str, gear: SteeringGear, fidelity: Fidelity) -> "Plan":
-        """A run of the package."""
+    def of_scene(
+        cls, study: str, label: str, scene: str, gear: SteeringGear, fidelity: Fidelity
+    ) -> "PlannedPoint":
+        """Plan a run of the package."""
         turned = revolutions(scene, gear)
         return cls(
             study, label, family_of(fidelity), fidelity, turned, lambda: run_scene(scene, gear, fidelity)
         )
 
 
-def measure_point(plan: Plan, truth: Truth, repeats: int = REPEATS) -> Point:
-    """Run it until its least cost is known well enough, and hold it against the reference."""
+def measure_point(plan: PlannedPoint, reference: SceneReference, repeats: int = REPEATS) -> Point:
+    """Run it until its least cost is known well enough, and compare it with the reference."""
     runs: list[SceneRun] = []
     spent = 0.0
     while not runs or (len(runs) < repeats and spent < ENOUGH_TIME):
@@ -174,11 +177,11 @@ def measure_point(plan: Plan, truth: Truth, repeats: int = REPEATS) -> Point:
         spent += runs[-1].outcome.cpu_s
     best = min(runs, key=lambda run: run.outcome.cpu_s)
     turned = plan.revolutions
-    told: dict[str, float] = {name: count / turned for name, count in best.outcome.counters.items()}
+    numbers: dict[str, float] = {name: count / turned for name, count in best.outcome.counters.items()}
     if best.ok:
-        errors, lift = truth.errors_of(best.signals, plan.fidelity)
-        told |= {name: value for name, value in asdict(errors).items() if value is not None}
-        told |= {"lift": lift} if lift is not None else {}
+        errors, lift = reference.errors_of(best.signals, plan.fidelity)
+        numbers |= {name: value for name, value in asdict(errors).items() if value is not None}
+        numbers |= {"lift": lift} if lift is not None else {}
     return Point(
         study=plan.study,
         label=plan.label,
@@ -188,7 +191,7 @@ def measure_point(plan: Plan, truth: Truth, repeats: int = REPEATS) -> Point:
         message=best.outcome.message if not best.ok else "",
         cost=best.outcome.cpu_s / turned,
         repeats=len(runs),
-        **{name: told[name] for name in NUMBERS if name in told},
+        **{name: numbers[name] for name in NUMBERS if name in numbers},
     )
 
 
@@ -197,7 +200,7 @@ NUMBERS = [each.name for each in fields(Point) if each.name not in (*TEXTS, "cos
 
 
 def load_measurement(path: str | Path) -> Measurement:
-    """What `save` wrote.
+    """Read what `Measurement.save` wrote.
 
     Raises:
         InputError: no such file, or one of something else.

@@ -1,7 +1,7 @@
-"""Random gears of the kind the package is for: what a promise about accuracy is tried on.
+"""Random gears of the kind the package is for: the population that a promise about accuracy is made for.
 
-Passenger-car proportions around the paper's gear, both hands, with and without manufacturing errors. Whether
-a gear can be built and run is for others to judge: `gears.limits` here, the judge of a run later.
+Passenger-car proportions around the paper's gear, both hands, with and without manufacturing errors. A gear
+that `gears.limits` does not admit is drawn again; whether it runs is seen later.
 """
 
 from collections.abc import Iterator
@@ -61,7 +61,7 @@ def _admissible(rng: np.random.Generator) -> Iterator[SteeringGear]:
 
 
 def _random_gear(rng: np.random.Generator) -> SteeringGear:
-    """Pinion without undercut, its tip between form circle and point.
+    """Draw a pinion without undercut, its tip between form circle and point.
 
     Raises:
         InputError: the numbers drawn make no gear.
@@ -72,9 +72,9 @@ def _random_gear(rng: np.random.Generator) -> SteeringGear:
     drawn["rack.tooth_angle"] *= hand
     drawn |= {path: float(rng.uniform(*limits)) for path, limits in ERRORS.items() if rng.random() < 0.5}
     drawn["mesh.stiffness"] = float(np.exp(rng.uniform(*np.log(STIFFNESS))))
-    shift_margin, share = rng.uniform(0.02, 0.5), rng.uniform(0.5, 0.9)
+    shift_margin, fraction = rng.uniform(0.02, 0.5), rng.uniform(0.5, 0.9)
     base = SteeringGear().replace({**drawn, "pinion.teeth": int(rng.integers(*TEETH, endpoint=True))})
     shifted = base.replace({"pinion.profile_shift": undercut_limit(GearPair.of(base)) + shift_margin})
     pair = GearPair.of(shifted)
     form, pointed = form_point(pair).radius, pointed_radius(pair)
-    return shifted.replace({"pinion.tip_diameter": 2 * float(form + share * (pointed - form))})
+    return shifted.replace({"pinion.tip_diameter": 2 * float(form + fraction * (pointed - form))})

@@ -1,10 +1,10 @@
-"""What a scene's true curve is, and how well it is known: witnesses that must agree about it.
+"""A scene's reference curve and its uncertainty: independent methods that must agree about it.
 
-    truth = truth_of("reversal", gear)
-    truth.judged.uncertainty        the largest difference of two witnesses [% of the mean]
+    reference = reference_of("reversal", gear)
+    reference.headline.uncertainty        the largest difference of two methods [% of the mean]
 
-A witness computes the signals by its own method: contact and motion are each computed in two ways at least,
-and at resolutions finer than any error that is to be told.
+A method computes the signals in its own way: contact and motion are each computed in two ways at least, at
+resolutions finer than any error that is to be measured.
 """
 
 from collections.abc import Callable, Mapping
@@ -16,77 +16,77 @@ from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.verification.runge_kutta import explicit_motion
-from rps_exudyn.verification.runs import Truth, curve_of, run_scene
+from rps_exudyn.verification.runs import SceneReference, curve_of, run_scene
 from rps_exudyn.verification.slow_swing import slow_swing
 from rps_exudyn.verification.work_precision import agreed_reference
 
 STRIPS = {"strip_stations": 12, "strip_points": 6}  # finer than any error seen
 
-Witness = Callable[[str, SteeringGear], tuple[Signals, Fidelity]]
-"""(scene, gear) -> signals, and the fidelity whose steps they have. Raises ArithmeticError if it fails."""
+Method = Callable[[str, SteeringGear], tuple[Signals, Fidelity]]
+"""(scene, gear) -> signals, and the fidelity whose steps they have. It raises ArithmeticError if it fails."""
 
 
 # --- models ----------------------------------------------------------------------------------------
 def by_generators(generators: int, step: str) -> Fidelity:
-    """Equilibria, the contact integrated over generators."""
+    """Model of equilibria with the contact integrated over generators."""
     settings = {"mesh": "flank-generators", "generators": generators, "step_angle": step}
     return Fidelity.preset("quasi-static").replace(settings)
 
 
 def by_strips(step: str) -> Fidelity:
-    """Equilibria, the contact integrated over fine strips."""
+    """Model of equilibria with the contact integrated over fine strips."""
     return Fidelity.preset("quasi-static").replace({"step_angle": step, **STRIPS})
 
 
 def moving(step: str, tolerance: float) -> Fidelity:
-    """Exudyn, the contact integrated over fine strips."""
+    """Model in Exudyn with the contact integrated over fine strips."""
     return Fidelity.preset("flank").replace({"step_angle": step, "tolerance": tolerance, **STRIPS})
 
 
-# --- witnesses -------------------------------------------------------------------------------------
-def as_run(fidelity: Fidelity) -> Witness:
-    """A run of the package."""
+# --- methods -----------------------------------------------------------------------------------------
+def as_run(fidelity: Fidelity) -> Method:
+    """Method: a run of the package."""
 
-    def witness(scene: str, gear: SteeringGear) -> tuple[Signals, Fidelity]:
+    def method(scene: str, gear: SteeringGear) -> tuple[Signals, Fidelity]:
         return _sound(run_scene(scene, gear, fidelity)).signals, fidelity
 
-    return witness
+    return method
 
 
-def slowly(fidelity: Fidelity) -> Witness:
-    """A reversal as `slow_swing`."""
+def slowly(fidelity: Fidelity) -> Method:
+    """Method: a reversal in the limit of slow motion."""
 
-    def witness(scene: str, gear: SteeringGear) -> tuple[Signals, Fidelity]:
+    def method(scene: str, gear: SteeringGear) -> tuple[Signals, Fidelity]:
         return _sound(slow_swing(gear, fidelity)).signals, fidelity
 
-    return witness
+    return method
 
 
 SHAKEN = Fidelity.preset("flank").replace({**STRIPS, "tolerance": 1e-6})
 
 
-def explicitly(step: float) -> Witness:
-    """An impact by Runge and Kutta's method in steps of so many seconds."""
+def explicitly(step: float) -> Method:
+    """Method: an impact by classical Runge-Kutta (RK4) in steps of `step` [s]."""
 
-    def witness(scene: str, gear: SteeringGear) -> tuple[Signals, Fidelity]:
+    def method(scene: str, gear: SteeringGear) -> tuple[Signals, Fidelity]:
         maneuver = shaken(gear)
         steps = round(maneuver.steps * maneuver.time_step / step)
         return explicit_motion(
             gear, SHAKEN, maneuver.drive, step=step, steps=steps, pulse=maneuver.pulse
         ), SHAKEN
 
-    return witness
+    return method
 
 
-def finer(parts: int) -> Witness:
-    """An impact in Exudyn, each step of the scene in so many parts."""
+def finer(parts: int) -> Method:
+    """Method: an impact in Exudyn, each step of the scene in `parts` steps."""
 
-    def witness(scene: str, gear: SteeringGear) -> tuple[Signals, Fidelity]:
+    def method(scene: str, gear: SteeringGear) -> tuple[Signals, Fidelity]:
         maneuver = shaken(gear)
         cut = replace(maneuver, time_step=maneuver.time_step / parts, steps=maneuver.steps * parts)
         return _sound(run_maneuver(gear, SHAKEN, cut)).signals, SHAKEN
 
-    return witness
+    return method
 
 
 def _sound(run: SceneRun) -> SceneRun:
@@ -96,14 +96,14 @@ def _sound(run: SceneRun) -> SceneRun:
 
 
 # --- the references --------------------------------------------------------------------------------
-STEADY: dict[str, Witness] = {
+STEADY: dict[str, Method] = {
     "equilibria, 640 generators, 0.1 deg": as_run(by_generators(640, "0.1 deg")),
     "equilibria, 320 generators, 0.2 deg": as_run(by_generators(320, "0.2 deg")),
     "Exudyn, strips of 12 x 6, 0.25 deg": as_run(moving("0.25 deg", 1e-5)),
     "Exudyn, strips of 12 x 6, 0.5 deg": as_run(moving("0.5 deg", 1e-5)),
 }
 
-TURNING_BACK: dict[str, Witness] = {
+TURNING_BACK: dict[str, Method] = {
     "equilibria and inertia, 160 generators, 0.02 deg": slowly(by_generators(160, "0.02 deg")),
     "equilibria and inertia, strips of 12 x 6, 0.02 deg": slowly(by_strips("0.02 deg")),
     "Exudyn, strips of 12 x 6, 0.02 deg": as_run(moving("0.02 deg", 1e-4)),
@@ -111,27 +111,29 @@ TURNING_BACK: dict[str, Witness] = {
 }
 """The torque jumps within 0.06 degrees of the turning points."""
 
-IMPACTS: dict[str, Witness] = {
+IMPACTS: dict[str, Method] = {
     "Runge-Kutta, 2 us": explicitly(2e-6),
     "Exudyn, a sixteenth of the scene's step": finer(16),
     "Exudyn, an eighth of the scene's step": finer(8),
 }
 
-WITNESSES = {"reversal": TURNING_BACK, "yoke-impact": IMPACTS}
+METHODS = {"reversal": TURNING_BACK, "yoke-impact": IMPACTS}
 
 
-def truth_of(scene: str, gear: SteeringGear, witnesses: Mapping[str, Witness] | None = None) -> Truth:
-    """The reference on which the witnesses agree, by default those of the scene.
+def reference_of(
+    scene: str, gear: SteeringGear, methods: Mapping[str, Method] | None = None
+) -> SceneReference:
+    """The reference on which the methods agree, by default those of the scene.
 
     Raises:
         ArithmeticError: one of them failed; its message says which and how.
     """
-    judged, lifts = {}, []
-    for name, witness in (witnesses or WITNESSES.get(scene, STEADY)).items():
+    curves, lifts = {}, []
+    for name, method in (methods or METHODS.get(scene, STEADY)).items():
         try:
-            signals, fidelity = witness(scene, gear)
+            signals, fidelity = method(scene, gear)
         except ArithmeticError as error:
             raise ArithmeticError(f"{name}: {error}") from error
-        judged[name] = curve_of(scene, signals, gear, fidelity)
+        curves[name] = curve_of(scene, signals, gear, fidelity)
         lifts.append(curve_of(scene, signals, gear, fidelity, "rack_y"))
-    return Truth(scene, gear, agreed_reference(judged), lifts[0])
+    return SceneReference(scene, gear, agreed_reference(curves), lifts[0])

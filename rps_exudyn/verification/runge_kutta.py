@@ -1,8 +1,8 @@
-"""The gear's motion by Runge and Kutta's explicit method of fourth order: a witness independent of Exudyn's.
+"""The gear's motion by classical Runge-Kutta (RK4): a method independent of Exudyn's solvers.
 
 The forces are those of the model, the masses those of its Exudyn system; step, method and code are others.
-The step must be short against the fastest motion, that of the plunger between its contacts (3e-5 s), so a
-revolution takes hundreds of times the force evaluations of implicit steps: for references, not for work.
+The step must be short compared with the fastest motion, that of the plunger between its contacts (3e-5 s), so
+a revolution takes hundreds of times the force evaluations of implicit steps: for references, not for work.
 """
 
 from dataclasses import dataclass
@@ -26,9 +26,9 @@ from rps_exudyn.solvers.record import Record, signals_of
 
 @dataclass(frozen=True, eq=False)
 class FreeMotion:
-    """What moves by itself in a driven gear: where it starts, its masses and its forces.
+    """A driven gear for integration: where it starts, which coordinates move freely, masses and forces.
 
-    Coordinates and rates are the stack's, (8,); those that the rig prescribes follow their rate.
+    Coordinates and rates are those of all coordinate blocks, (8,); prescribed ones follow their rate.
     """
 
     elements: list[ForceElement]
@@ -46,7 +46,7 @@ class FreeMotion:
     def of(
         cls, gear: SteeringGear, fidelity: Fidelity, drive: Drive, pulse: Pulse | None = None
     ) -> "FreeMotion":
-        """Of a gear in its equilibrium; the bush must be condensed."""
+        """Take a gear in its equilibrium; the bush must be condensed."""
         model = build_model(gear, fidelity, drive, pulse=pulse)
         force, data = model.forces.dynamics
         q, v = model.start.coordinates[0].copy(), model.start.rates[0].copy()
@@ -60,13 +60,13 @@ class FreeMotion:
         return cls(elements, drive, q, v, moving, mass, force, data, bar, pulse)
 
     def inverse_mass(self, q: np.ndarray) -> np.ndarray:
-        """Over what moves; the rack's masses turn with it."""
+        """Inverse mass matrix of the moving coordinates, (m, m); the rack's masses turn with it."""
         turned, rack = self.mass.copy(), COORDINATE_BLOCKS["rack"]
         turned[rack, rack] = rigid_mass(q[rack][3:], self.bar)
         return np.asarray(np.linalg.inv(turned[np.ix_(self.moving, self.moving)]))
 
     def acceleration(self, t: float, q: np.ndarray, v: np.ndarray, inverse: np.ndarray) -> np.ndarray:
-        """Of every coordinate, (8,); 0 of those prescribed."""
+        """Accelerations of all coordinates, (8,); 0 for the prescribed ones."""
         forces, rack = np.array(self.force(q, v, self.data)), COORDINATE_BLOCKS["rack"]
         if self.pulse is not None and (shake := self.pulse.force(t)).any():
             dead = DeadForceData((shake[0], shake[1], shake[2]), self.pulse.place)
@@ -77,10 +77,10 @@ class FreeMotion:
         return a
 
     def recorded(self, times: np.ndarray, places: np.ndarray, rates: np.ndarray) -> Record:
-        """A motion with the drive's torque or force."""
+        """Record of a motion with the drive's torque or force."""
         states = zip(places, rates, strict=True)
         driven = np.array([self.force(*state, self.data)[self.drive.coordinate] for state in states])
-        no_energy = np.zeros(times.size)  # kinetic: not asked for
+        no_energy = np.zeros(times.size)  # kinetic energy is not needed
         overcome = -self.drive.sign * driven
         return Record(self.elements, times, places, rates, overcome, self.drive.body, no_energy)
 
@@ -95,9 +95,9 @@ def explicit_motion(
     keep: int = 1,
     pulse: Pulse | None = None,
 ) -> Signals:
-    """Signals of a steadily driven or held gear from its equilibrium; every `keep`-th step [s] is kept.
+    """Signals of a steadily driven or held gear from its equilibrium; every `keep`-th `step` [s] is kept.
 
-    The bush must be condensed. Nothing is judged here.
+    The bush must be condensed. The run is not checked.
     """
     motion = FreeMotion.of(gear, fidelity, drive, pulse)
     return signals_of(motion.recorded(*runge_kutta(motion, motion.rate, step, steps, keep)))
@@ -114,7 +114,7 @@ def rigid_mass(angles: np.ndarray, body: MassProperties) -> np.ndarray:
 
 
 def centrifugal(angles: np.ndarray, rates: np.ndarray, body: MassProperties) -> np.ndarray:
-    """What goes with the squares of the angles' rates in the equations of `rigid_mass`, (6,)."""
+    """Forces quadratic in the angles' rates in the equations of `rigid_mass`, (6,)."""
     turn, spin, short = rotation_matrix(angles), spin_map(angles), 1e-6
     arm, omega = turn @ body.centre_of_mass, spin @ rates
     bent = (spin_map(angles + short * rates) - spin) @ rates / short

@@ -1,7 +1,7 @@
 """A reversal as the limit of slow motion: equilibria, and the inertia of the motion that the rig prescribes.
 
-A witness besides Exudyn's dynamics. Equilibria alone leave 0.04 % of the default gear's torque out: rack and
-pinion are accelerated with the swing. Nothing else in a reversal moves fast enough to be felt.
+This is a method besides Exudyn's dynamics. Equilibria alone leave out 0.04 % of the default gear's torque:
+rack and pinion are accelerated with the swing. Nothing else in a reversal moves fast enough to be felt.
 """
 
 from dataclasses import replace
@@ -21,7 +21,7 @@ ON_GENERATOR = 16  # Gauss points along each: teeth that hardly move rub one way
 
 
 def slow_swing(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
-    """A reversal, the contact integrated as `fidelity` says, generators with `ON_GENERATOR` points.
+    """Run a reversal, the contact integrated as `fidelity` says, generators with `ON_GENERATOR` points.
 
     Raises:
         InputError: the steering leaves the rack's teeth.
@@ -40,6 +40,6 @@ def _well_integrated(gear: SteeringGear, fidelity: Fidelity) -> GearForces:
 
 
 def inertia(gear: SteeringGear) -> float:
-    """Of pinion and rack about the pinion's axis, the rack moving at the gear's gain [kg m^2]."""
+    """Inertia of pinion and rack about the pinion's axis, the rack moving at the gear's gain [kg m^2]."""
     rack = rack_solid(gear).mass_properties.mass
     return float(pinion_inertia(gear) + rack * GearPair.of(gear).gain ** 2)

@@ -1,8 +1,8 @@
-"""Whether a plan's number is right, against the same maneuver in small steps; and where it stops being.
+"""Whether a plan's number is right, compared with the same maneuver in small steps; and where it stops being.
 
-plan = Plan("free-pinion-torque", gear, fidelity)
-trial = unchecked(plan)                    as if nothing were checked but that the solver got to its end
-cell_of(trial, reference(plan, ...))   right, inaccurate, wrong, failed, not computed
+plan = ScenePlan("free-pinion-torque", gear, fidelity)
+result = unchecked(plan)                            # ok if the solver reached its end
+cell_of(plan, result, reference(plan, plan.figure(result)))   # right, inaccurate, wrong, failed
 limit = bisected(lambda h: cell(h) is Cell.RIGHT, 1e-4, 1e-2)
 """
 
@@ -27,14 +27,6 @@ from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.simulate.checked_run import run_unchecked
 
-FIGURE = {
-    "free-pinion-torque": "torque_mean",
-    "rack-push": "push_force_mean",
-    "load-test": "torque_forward",
-    "reversal": "hysteresis_area",
-}
-"""Scene -> the figure that must be right."""
-
 INACCURATE, WRONG = 0.01, 0.05  # error of the figure
 RESIDUAL_BOUND = 0.05  # of the work
 STILL = {"solver": "equilibrium", "step_angle": np.deg2rad(0.25), "bush": "condensed"}
@@ -50,7 +42,8 @@ REFERENCES = (
 )
 
 
-Choices = Mapping[str, Any]  # of a fidelity
+Choices = Mapping[str, Any]
+"""Choice of a fidelity -> value."""
 
 
 class Cell(StrEnum):
@@ -64,20 +57,20 @@ class Cell(StrEnum):
 
 
 @dataclass(frozen=True)
-class Plan:
+class ScenePlan:
     """A gear in a scene, and how it is modelled."""
 
     scene: str
     gear: SteeringGear
     fidelity: Fidelity
 
-    def with_step(self, degrees: float) -> "Plan":
-        """The same in steps of so many degrees of the pinion's angle."""
-        return Plan(self.scene, self.gear, self.fidelity.replace({"step_angle": np.deg2rad(degrees)}))
+    def with_step(self, degrees: float) -> "ScenePlan":
+        """The same plan in steps of this pinion angle [deg]."""
+        return ScenePlan(self.scene, self.gear, self.fidelity.replace({"step_angle": np.deg2rad(degrees)}))
 
     def figure(self, result: Result) -> float:
         """The number that must be right; nan if there is none."""
-        return float(result.summary.get(FIGURE[self.scene], float("nan")))
+        return float(result.summary.get(scene_named(self.scene).figure, float("nan")))
 
 
 @dataclass(frozen=True)
@@ -98,36 +91,35 @@ class StabilityMap:
     x: list[float]
     y: list[float]
     cells: list[list[str]]  # [y][x]
-    told: list[list[bool]]  # whether guards or judge would not let it pass
+    flagged: list[list[bool]]  # whether the checks before or after the run object
     lines: list[Line]
 
 
 AS_ASKED = StepLimits(per_period=1, of_part=1)  # no finer steps than the fidelity asks for
 
 
-def unchecked(plan: Plan) -> Result:
-    """Run in steps as asked without any check: ok is what the solver calls a success."""
+def unchecked(plan: ScenePlan) -> Result:
+    """Run in steps as asked, without any check: ok is what the solver calls a success."""
     return run_and_check(plan)[0]
 
 
-def run_and_check(plan: Plan) -> tuple[Result, bool]:
-    """Run the same, and tell whether a check before or after it would have refused it."""
+def run_and_check(plan: ScenePlan) -> tuple[Result, bool]:
+    """Run unchecked, and say whether a check before or after the run objects."""
     verdicts: list[Outcome] = []
 
-    def only_noted(outcome: Outcome, *seen: Any) -> Outcome:
+    def noted(outcome: Outcome, *seen: Any) -> Outcome:
         verdicts.append(validated(outcome, *seen))
         return outcome
 
-    options = RunOptions(check=only_noted, least_steps=AS_ASKED)
+    options = RunOptions(check=noted, least_steps=AS_ASKED)
     result = run_unchecked(plan.scene, plan.gear, plan.fidelity, options)
     against = any(verdict.status is not Status.OK for verdict in verdicts)
     return result, against or bool(refused(plan.gear, plan.fidelity, steady=scene_named(plan.scene).steady))
 
 
 @contextmanager
-def processor_time(seconds: float) -> Iterator[None]:
-    """Within the block Python raises after so much CPU time; a force law that Exudyn calls does too,
-    and the run then ends without convergence.
+def cpu_time_limit(seconds: float) -> Iterator[None]:
+    """Limit the CPU time of a block; a force law that Exudyn calls raises too, and the run then fails.
 
     Raises:
         TimeoutError: the time is over.
@@ -145,10 +137,10 @@ def processor_time(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGVTALRM, before)
 
 
-def reference(plan: Plan, value: float, methods: Sequence[Choices] = REFERENCES) -> float:
-    """The figure of the same maneuver from equilibria or dynamics in small steps, nan if none is sound.
+def reference(plan: ScenePlan, value: float, methods: Sequence[Choices] = REFERENCES) -> float:
+    """The figure of the same maneuver from equilibria or dynamics in small steps; nan if none is ok.
 
-    Both are right answers where inertia matters: of several the one nearest to `value` is returned.
+    Both are right where inertia matters: of several the one nearest to `value` is returned.
     """
     found: list[float] = []
     for changes in methods:
@@ -168,8 +160,8 @@ def error_of(value: float, true: float) -> float:
     return value / true - 1 if true else float("nan")
 
 
-def cell_of(plan: Plan, result: Result, true: float) -> Cell:
-    """What a map shows of a run that nobody checked."""
+def cell_of(plan: ScenePlan, result: Result, true: float) -> Cell:
+    """What a map shows of an unchecked run."""
     if result.status is not Status.OK:
         return Cell.FAILED
     error = abs(error_of(plan.figure(result), true))
@@ -180,9 +172,9 @@ def cell_of(plan: Plan, result: Result, true: float) -> Cell:
 
 
 def bisected(holds: Callable[[float], bool], good: float, bad: float, ratio: float = 1.05) -> float:
-    """The limit between a value that holds and one that does not, to 5 %, on a logarithmic scale.
+    """The limit between a value that holds and one that does not, within `ratio`, on a logarithmic scale.
 
-    Either may be the larger; nan if not `good` holds, `bad` if it holds too.
+    Either may be the larger. It is nan if `good` does not hold, and `bad` if that holds too.
     """
     if not holds(good):
         return float("nan")

@@ -1,7 +1,7 @@
-"""How exact is a curve, and what did it cost? References with uncertainty, errors, orders, Pareto fronts.
+"""Errors of a curve and its cost: references with uncertainty, errors, orders, Pareto fronts.
 
     reference = agreed_reference({"equilibria by generators": first, "slow dynamics by strips": second})
-    reference.uncertainty             # what the two methods do not agree about, RMS in % of the mean
+    reference.uncertainty             # the methods' largest difference, RMS in % of the mean
     curve_errors(record, reference)   # of another record of the same motion
 
 A `Curve` is what a scene records: values over time, in several pieces where maneuvers were joined. Errors are
@@ -19,7 +19,7 @@ from scipy.interpolate import CubicSpline
 from rps_exudyn.analysis.harmonics import order_amplitude
 
 EVEN_POINTS = 3601  # of a piece, at which curves are compared
-FAR_ABOVE = 5  # times the floor: errors that tell an order
+FAR_ABOVE = 5  # times the floor: errors from which an order is fitted
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class Curve:
 
     @property
     def pieces(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Time and values of each."""
+        """Time and values of each piece."""
         joints = np.flatnonzero(np.diff(self.time) <= 0) + 1
         return zip(np.split(self.time, joints), np.split(self.values, joints), strict=True)
 
@@ -57,26 +57,26 @@ class Reference:
 
 @dataclass(frozen=True)
 class Errors:
-    """Of a record against a reference, in % of the reference's mean size."""
+    """Errors of a record, in % of the reference's mean size."""
 
     rms: float
     rms_linear: float
     bias: float  # of the mean
     peak_to_peak: float
-    tooth_order: float | None = None  # of the amplitude; None if it cannot be told
+    tooth_order: float | None = None  # of the amplitude; None if it is unknown
     first_order: float | None = None
 
     @property
     def either_way(self) -> float:
-        """RMS however one interpolates."""
+        """Larger RMS of both interpolations."""
         return max(self.rms, self.rms_linear)
 
 
 def agreed_reference(methods: Mapping[str, Curve]) -> Reference:
-    """The first method's curve, with what all do not agree about.
+    """The first method's curve, with the differences of all methods.
 
     Raises:
-        ValueError: fewer than two methods: agreement with itself is none.
+        ValueError: fewer than two methods.
     """
     if len(methods) < 2:
         raise ValueError("a reference needs two methods")
@@ -88,15 +88,8 @@ def agreed_reference(methods: Mapping[str, Curve]) -> Reference:
     return Reference(curve, max(differences.values()), differences)
 
 
-def richardson(coarse: Curve, fine: Curve, ratio: float, order: float) -> Curve:
-    """Extrapolated from two resolutions, `ratio` apart, of a method of this order; on the finer's times."""
-    grids = [time for time, _ in fine.pieces]
-    step = (fine.values - coarse.over(grids)) / (ratio**order - 1)
-    return Curve(fine.time, fine.values + step)
-
-
 def size_of(curve: Curve) -> float:
-    """Mean magnitude over time: what errors are a share of."""
+    """Mean magnitude over time, to which errors are related."""
     area = sum(float(np.trapezoid(np.abs(values), time)) for time, values in curve.pieces)
     return area / sum(float(time[-1] - time[0]) for time, _ in curve.pieces)
 
@@ -104,7 +97,7 @@ def size_of(curve: Curve) -> float:
 def curve_errors(
     record: Curve, reference: Reference, turned: float | None = None, teeth: int | None = None
 ) -> Errors:
-    """Of a record; orders if the pinion turned steadily, by `turned` [rad] in the reference's one piece."""
+    """Errors of a record; of orders too if the pinion turned steadily, by `turned` [rad] in one piece."""
     own, true = _both(record, reference.curve)
     linear, _ = _both(record, reference.curve, smooth=False)
     size = size_of(reference.curve)
@@ -127,7 +120,7 @@ def curve_errors(
 
 
 def _both(record: Curve, reference: Curve, smooth: bool = True) -> tuple[np.ndarray, np.ndarray]:
-    """Both at even times that both cover, piece by piece."""
+    """Values of both at even times that both cover, piece by piece."""
     grids = []
     for (own, _), (true, _) in zip(record.pieces, reference.pieces, strict=True):
         grids.append(np.linspace(max(own[0], true[0]), min(own[-1], true[-1]), EVEN_POINTS))
@@ -140,7 +133,7 @@ def _rms(first: np.ndarray, second: np.ndarray, size: float) -> float:
 
 # --- many of them ----------------------------------------------------------------------------------
 def pareto_front(cost: np.ndarray, error: np.ndarray) -> np.ndarray:
-    """Which points no other beats in both, shape (n,) bool; points that are not finite never."""
+    """Mask (n,) of the points that no other beats in both; points that are not finite never count."""
     cost, error = np.asarray(cost, dtype=float), np.asarray(error, dtype=float)
     finite = np.isfinite(cost) & np.isfinite(error)
     beaten = np.array(
@@ -154,13 +147,13 @@ def pareto_front(cost: np.ndarray, error: np.ndarray) -> np.ndarray:
 
 
 def observed_order(size: np.ndarray, error: np.ndarray, floor: float) -> float | None:
-    """p of error ~ size^p over the points well above the floor; None with fewer than three."""
+    """Exponent p of error ~ size^p over the points well above the floor; None with fewer than three."""
     size, error = np.asarray(size, dtype=float), np.asarray(error, dtype=float)
-    told = np.isfinite(error) & (error > FAR_ABOVE * floor) & (size > 0)
-    return power_law(size[told], error[told])[0] if told.sum() >= 3 else None
+    above = np.isfinite(error) & (error > FAR_ABOVE * floor) & (size > 0)
+    return power_law(size[above], error[above])[0] if above.sum() >= 3 else None
 
 
 def power_law(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
-    """p and c of y ~ c x^p, by least squares in the logarithms."""
+    """Return p and c of y ~ c x^p, by least squares in the logarithms."""
     slope, constant = np.polyfit(np.log(x), np.log(y), 1)
     return float(slope), float(np.exp(constant))

@@ -8,15 +8,15 @@ import pytest
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.by_accuracy import choose, scene_table
 from rps_exudyn.verification.measurement import FAMILIES, PRESET_FAMILIES, load_measurement
-from rps_exudyn.verification.runs import JUDGED
-from rps_exudyn.verification.work_precision_chart import is_default
+from rps_exudyn.verification.runs import HEADLINE_SIGNAL
+from benchmarks.accuracy_speed.chart import is_default
 
 PUBLISHED = Path(__file__).parents[2] / "results" / "accuracy_speed"
 GEAR = SteeringGear()
 STEADY = ("free-pinion-torque", "load-test", "rack-push")
 
 
-@pytest.mark.parametrize("scene", JUDGED)
+@pytest.mark.parametrize("scene", HEADLINE_SIGNAL)
 def test_references_are_known_as_well_as_asked(scene: str) -> None:
     published = load_measurement(PUBLISHED / f"{scene}.h5")
     assert published.reference.uncertainty <= (0.01 if scene == "free-pinion-torque" else 0.05)
@@ -45,7 +45,7 @@ def test_every_family_was_measured() -> None:
 def test_the_report_is_small_and_whole() -> None:
     page = (PUBLISHED / "report.html").read_text(encoding="utf-8")
     assert len(page.encode()) < 300_000
-    assert page.count("<svg") == len(JUDGED) + 2
+    assert page.count("<svg") == len(HEADLINE_SIGNAL) + 2
     assert "unfinished" not in page
 
 

@@ -1,15 +1,23 @@
-"""What a page says about speed against accuracy: scene by scene, then what limits accuracy besides."""
+"""The HTML page about speed and accuracy: scene by scene, then what limits accuracy besides numerics."""
 
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from benchmarks.accuracy_speed.chart import (
+    law_band_figure,
+    scaling_figure,
+    unfinished,
+    work_precision_figure,
+)
+from benchmarks.accuracy_speed.tables import LAW_HEAD, LIMITS, SCALING_HEAD, law_rows, scaling_rows
+from benchmarks.topic import load_data
 from rps_exudyn.base.atomic import replacing
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.report.blocks import (
     Article,
     Block,
@@ -25,17 +33,9 @@ from rps_exudyn.report.blocks import (
 from rps_exudyn.report.common import provenance_facts
 from rps_exudyn.report.html import page
 from rps_exudyn.report.pictures import picture
-from rps_exudyn.verification.law_and_scaling import Limits, load_limits
+from rps_exudyn.scenes import SCENE_NAMES, scene_named
 from rps_exudyn.verification.measurement import FAMILIES, Measurement, Order, Point, load_measurement
-from rps_exudyn.verification.runs import JUDGED
 from rps_exudyn.verification.work_precision import pareto_front
-from rps_exudyn.verification.work_precision_chart import (
-    OF_SCENE,
-    law_band_figure,
-    scaling_figure,
-    told_missing,
-    work_precision_figure,
-)
 
 COLUMNS = (
     "family",
@@ -50,19 +50,18 @@ COLUMNS = (
     "Jacobians",
     "force evaluations",
 )
-COMMANDS = """python studies/accuracy_speed.py --out mine       # all points, charts, files and this page
-python studies/accuracy_speed.py --again          # measured anew
-python studies/accuracy_limits.py --out mine      # contact law, cost against size
-python studies/accuracy_choice.py                 # the table behind --accuracy"""
+COMMANDS = """python benchmarks/make.py accuracy_speed      # all points, charts, files and this page
+python benchmarks/make.py law_and_scaling     # contact law, cost against size
+python benchmarks/make.py promise_table       # the table behind --accuracy"""
 
 
-def write_accuracy_report(folder: Path, out: Path) -> None:
-    """The page about all that `studies/accuracy_*.py` left in a folder; what is not there is told.
+def write_accuracy_page(folder: Path, out: Path) -> None:
+    """Write the page about all measurements in a folder; it names what is missing.
 
     Raises:
         InputError: a file of the folder is damaged, or `out` cannot be written.
     """
-    articles = [_scene_article(scene, folder) for scene in JUDGED] + [_limits_article(folder)]
+    articles = [_scene_article(scene, folder) for scene in SCENE_NAMES] + [_limits_article(folder)]
     with replacing(out) as partial:
         partial.write_text(page("Speed against accuracy", articles), encoding="utf-8")
 
@@ -70,18 +69,20 @@ def write_accuracy_report(folder: Path, out: Path) -> None:
 def _scene_article(scene: str, folder: Path) -> Article:
     file = folder / f"{scene}.h5"
     if not file.exists():
-        missing = f"Nothing was measured: python studies/accuracy_speed.py --scene {scene}"
-        return Article(OF_SCENE[scene], "not measured", [Section("Measured points", [Warning(missing)])])
+        missing = "Nothing was measured: python benchmarks/make.py accuracy_speed"
+        return Article(
+            scene_named(scene).title, "not measured", [Section("Measured points", [Warning(missing)])]
+        )
     return scene_article(load_measurement(file))
 
 
 def scene_article(measurement: Measurement) -> Article:
-    """All of one scene, finished or not."""
+    """Article about one scene, finished or not."""
     points = measurement.points
     failed = [point for point in points if not point.ok]
     floor = measurement.reference.uncertainty
     return Article(
-        title=OF_SCENE[measurement.scene],
+        title=scene_named(measurement.scene).title,
         lead=f"{len(points)} of {len(measurement.planned)} points measured, {len(failed)} of them failed; "
         f"the reference is known to {floor:.2g} %",
         sections=[
@@ -96,24 +97,24 @@ def scene_article(measurement: Measurement) -> Article:
 
 
 def _chart(measurement: Measurement) -> Iterable[Block]:
-    if missing := told_missing(measurement):
+    if missing := unfinished(measurement):
         yield Warning(f"The study is {missing}.")
     figure = work_precision_figure(measurement)
     yield Pictures([_lean_picture(figure, "Each family's Pareto front is its line; grey: below the floor.")])
-    there = {point.family for point in measurement.points}
+    measured = {point.family for point in measurement.points}
     yield Fold(
         "What the families are",
-        [Grid(("family", "what it is"), [(n, text) for n, text in FAMILIES.items() if n in there])],
+        [Grid(("family", "what it is"), [(n, text) for n, text in FAMILIES.items() if n in measured])],
     )
 
 
 def _fronts(measurement: Measurement) -> Iterable[Block]:
     sound = [point for point in measurement.points if point.ok and np.isfinite(point.error)]
     if not sound:
-        yield Text("No point came out.")
+        yield Text("No point ended well.")
         return
     floor = measurement.reference.uncertainty
-    per = "run" if measurement.scene == "yoke-impact" else "revolution"
+    per = scene_named(measurement.scene).unit_of_cost
     caption = f"Pareto front of all families; time and counters per {per}"
     yield Grid(COLUMNS, [_row(point) for point in front_of(sound, floor)], caption)
     by_family = [_short_row(p) for family in FAMILIES for p in front_of(_of(family, sound), floor)]
@@ -132,7 +133,7 @@ def _of(family: str, points: Sequence[Point]) -> list[Point]:
 
 
 def front_of(points: Sequence[Point], floor: float) -> list[Point]:
-    """Those that no other beats in both cost and error, cheapest first; below the floor all are alike."""
+    """Points that no other beats in both cost and error, cheapest first; below the floor all are alike."""
     error = np.maximum([point.error for point in points], floor)
     best = pareto_front(np.array([point.cost for point in points]), error)
     return sorted((p for p, one in zip(points, best, strict=True) if one), key=lambda point: point.cost)
@@ -201,8 +202,7 @@ def _reference(measurement: Measurement) -> Iterable[Block]:
 
 
 def _lean_picture(figure: Figure, caption: str) -> Picture:
-    """Without the headline, which the page has; in the page's font, without minor ticks and room between the
-    marks, which together are a half of it."""
+    """Half as large: without the headline, which the page has, without fonts, minor ticks, spaces."""
     figure.suptitle("")
     for axes in figure.axes:
         axes.minorticks_off()
@@ -214,13 +214,13 @@ def _lean_picture(figure: Figure, caption: str) -> Picture:
 
 # --- what limits accuracy besides ------------------------------------------------------------------
 def _limits_article(folder: Path) -> Article:
-    try:
-        limits = load_limits(folder)
-    except InputError:
-        missing = Warning("Nothing was measured: python studies/accuracy_limits.py")
-        return Article("Besides numerics", "not measured", [Section("Contact law", [missing])])
+    title = "Besides numerics"
+    if not (folder / LIMITS).exists():
+        missing = Warning("Nothing was measured: python benchmarks/make.py law_and_scaling")
+        return Article(title, "not measured", [Section("Contact law", [missing])])
+    limits = load_data(folder / LIMITS)
     return Article(
-        "Besides numerics",
+        title,
         "what the contact law leaves open, and how cost grows with size",
         [
             Section("Contact law", list(_laws(limits))),
@@ -229,29 +229,16 @@ def _limits_article(folder: Path) -> Article:
     )
 
 
-def _laws(limits: Limits) -> Iterable[Block]:
-    figure = law_band_figure(limits.angle, limits.torques, limits.default)
+def _laws(limits: Any) -> Iterable[Block]:
+    torques = {name: np.array(values) for name, values in limits["torques"].items()}
+    figure = law_band_figure(np.array(limits["angle"]), torques, limits["default"])
     yield Pictures([_lean_picture(figure, "Free pinion torque over a tooth pitch by every law of contact.")])
-    default = limits.torques[limits.default].mean()
-    laws = [
-        (
-            name,
-            f"{1e3 * torque.mean():.1f}",
-            f"{100 * (torque.mean() / default - 1):+.2f}",
-            f"{1e3 * np.ptp(torque):.1f}",
-        )
-        for name, torque in limits.torques.items()
-    ]
-    yield Grid(("law", "mean N mm", "against the default %", "peak to peak N mm"), laws)
-    zones = [(f"{zone:g}", f"{off:+.4f}") for zone, off in limits.zones]
+    yield Grid(LAW_HEAD, law_rows(limits))
+    zones = [(f"{zone:g}", f"{off:+.4f}") for zone, off in limits["zones"]]
     yield Grid(("friction zone over the smallest sliding speed", "mean against the default %"), zones)
 
 
-def _scaling(limits: Limits) -> Iterable[Block]:
-    figure = scaling_figure(limits.scaling)
-    yield Pictures([_lean_picture(figure, "CPU time over the size of the problem.")])
-    rows = [
-        (name, f"{size[0]:g} to {size[-1]:g}", f"{cost[0]:.3g} to {cost[-1]:.3g}", f"{power:.2f}")
-        for (name, (size, cost)), power in zip(limits.scaling.items(), limits.exponents, strict=True)
-    ]
-    yield Grid(("size", "range", "CPU s", "exponent"), rows)
+def _scaling(limits: Any) -> Iterable[Block]:
+    series = {name: (np.array(size), np.array(cost)) for name, (size, cost) in limits["scaling"].items()}
+    yield Pictures([_lean_picture(scaling_figure(series), "CPU time over the size of the problem.")])
+    yield Grid(SCALING_HEAD, scaling_rows(limits))

@@ -1,13 +1,14 @@
 """Work against precision: what each model of a scene costs, and how far its curve is from the reference.
 
-A point at the floor or below it says nothing more: there the reference's own methods disagree. An unfinished
-study is drawn with what there is, and says what is missing.
+Points at the floor or below it are alike: there the reference's own methods disagree. An unfinished
+measurement is drawn with its points, and says what is missing.
 """
 
 from collections import Counter
 from collections.abc import Mapping
 from itertools import cycle
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,6 +17,7 @@ from matplotlib.figure import Figure
 from rps_exudyn.charts import style
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
 from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.scenes import scene_named
 from rps_exudyn.verification.measurement import FAMILIES, PRESET_FAMILIES, Measurement, Point
 from rps_exudyn.verification.work_precision import pareto_front, power_law
 
@@ -35,13 +37,6 @@ STYLES = {
 """Colour and marker of each family, the same in all figures."""
 
 WANTED = (1.0, 0.1)  # [%]
-OF_SCENE = {
-    "free-pinion-torque": "Free pinion torque",
-    "load-test": "Load test",
-    "rack-push": "Rack push: force",
-    "reversal": "Reversal",
-    "yoke-impact": "Yoke impact: yokenut's force",
-}
 
 
 def draw_work_precision(measurement: Measurement, path: str | Path) -> None:
@@ -67,16 +62,16 @@ def work_precision_figure(measurement: Measurement) -> Figure:
     for wanted in WANTED:
         axes.axvline(wanted, **style.REFERENCE_LINE)
     axes.set_xlabel("error, RMS over the motion [% of the mean]")
-    per = "run" if measurement.scene == "yoke-impact" else "revolution"
+    per = scene_named(measurement.scene).unit_of_cost
     axes.set_ylabel(f"CPU time of the solver [s per {per}]")
     _legend_beside(axes)
-    headline = f"{OF_SCENE[measurement.scene]}: cost of a model against its error"
-    style.title(figure, headline, told_missing(measurement))
+    headline = f"{scene_named(measurement.scene).title}: cost of a model against its error"
+    style.title(figure, headline, unfinished(measurement))
     return figure
 
 
-def told_missing(measurement: Measurement) -> str:
-    """One sentence about what was planned and is not there; empty if all is."""
+def unfinished(measurement: Measurement) -> str:
+    """One sentence about planned points that were not measured; empty if all were."""
     missing = Counter(study for study, _ in measurement.missing)
     if not missing:
         return ""
@@ -97,7 +92,7 @@ def _legend_beside(axes: Axes) -> None:
 
 
 def _draw_family(axes: Axes, family: str, points: list[Point], floor: float) -> None:
-    """All points faint, the Pareto front strong and joined."""
+    """Draw all points faint, the Pareto front strong and joined."""
     if not points:
         return
     colour, marker = STYLES[family]
@@ -111,7 +106,7 @@ def _draw_family(axes: Axes, family: str, points: list[Point], floor: float) -> 
 
 
 def _mark_defaults(axes: Axes, points: list[Point], floor: float) -> None:
-    """A ring around each preset as it is."""
+    """Draw a ring around each unmodified preset."""
     label = "default of a preset"
     for preset in PRESETS:
         for point in points:
@@ -123,27 +118,20 @@ def _mark_defaults(axes: Axes, points: list[Point], floor: float) -> None:
 
 
 def is_default(point: Point, preset: str) -> bool:
-    """Whether it is this preset with nothing changed."""
+    """Whether a point is this unmodified preset."""
     unchanged = Fidelity.preset(preset)
     named = {"name": unchanged.name}
     return point.family == PRESET_FAMILIES[preset] and point.fidelity.model_copy(update=named) == unchanged
 
 
 def _draw_failures(axes: Axes, points: list[Point]) -> None:
-    """At the right edge, at what they cost until they failed."""
+    """Draw failed points at the right edge, at their cost until they failed."""
     label = "failed"
     for point in points:
         if point.cost > 0:
             colour, _ = STYLES[point.family]
-            axes.plot(
-                1.0,
-                point.cost,
-                "x",
-                color=colour,
-                transform=axes.get_yaxis_transform(),
-                clip_on=False,
-                label=label,
-            )
+            edge: Any = {"transform": axes.get_yaxis_transform(), "clip_on": False}
+            axes.plot(1.0, point.cost, "x", color=colour, label=label, **edge)
             label = "_"
 
 
@@ -170,7 +158,7 @@ def draw_scaling(measured: Mapping[str, tuple[np.ndarray, np.ndarray]], path: st
 
 
 def scaling_figure(measured: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Figure:
-    """Both axes in decades."""
+    """Cost over size, both axes in decades."""
     figure, (axes,) = style.panels([4.6], 9.0)
     _in_decades(axes)
     for colour, (name, (size, cost)) in zip(cycle(style.SEVERAL), measured.items(), strict=False):
@@ -199,12 +187,12 @@ def draw_law_band(
 
 
 def law_band_figure(angle: np.ndarray, torques: Mapping[str, np.ndarray], default: str) -> Figure:
-    """The band between the extremes, grey."""
+    """Torques by every law, and the grey band between the extremes."""
     figure, (axes,) = style.panels([4.2], 9.0)
     degrees = SIGNALS["pinion_angle"].displayed(angle)
     quantity = SIGNALS["pinion_torque"]
-    all_of_them = np.array(list(torques.values()))
-    low, high = all_of_them.min(axis=0), all_of_them.max(axis=0)
+    every = np.array(list(torques.values()))
+    low, high = every.min(axis=0), every.max(axis=0)
     grey = style.COLOURS["reference"]
     axes.fill_between(degrees, low, high, color=grey, alpha=0.2, linewidth=0, label="all of these laws")
     for colour, (name, torque) in zip(cycle(style.SEVERAL), torques.items(), strict=False):
@@ -212,9 +200,8 @@ def law_band_figure(angle: np.ndarray, torques: Mapping[str, np.ndarray], defaul
         axes.plot(
             degrees, torque, color="black" if bold else colour, linewidth=2.2 if bold else 1.2, label=name
         )
-    sure = torques[default]
-    for share in (0.99, 1.01):
-        axes.plot(degrees, share * sure, **style.REFERENCE_LINE, label="1 % off" if share < 1 else "_")
+    for factor, label in ((0.99, "1 % off"), (1.01, "_")):
+        axes.plot(degrees, factor * torques[default], **style.REFERENCE_LINE, label=label)
     axes.set_ylabel(quantity.axis_label("pinion torque"))
     style.angle_axis(axes)
     _legend_beside(axes)

@@ -9,11 +9,11 @@ import pytest
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.verification.measurement import Measurement, Point, load_measurement
 from rps_exudyn.verification.work_precision import Curve, Reference
-from rps_exudyn.verification.work_precision_chart import (
+from benchmarks.accuracy_speed.chart import (
     draw_law_band,
     draw_scaling,
     draw_work_precision,
-    told_missing,
+    unfinished,
     work_precision_figure,
 )
 
@@ -35,7 +35,7 @@ def stopped() -> Measurement:
 
 def test_a_stopped_study_is_drawn_and_says_what_is_missing(stopped: Measurement, tmp_path: Path) -> None:
     sentence = "unfinished: 2 of 5 points are missing (1 of quasi_static, 1 of flank)"
-    assert told_missing(stopped) == sentence
+    assert unfinished(stopped) == sentence
     axes = work_precision_figure(stopped).axes[0]
     assert axes.get_title(loc="left") == sentence
     labels = axes.get_legend_handles_labels()[1]
@@ -47,7 +47,7 @@ def test_a_stopped_study_is_drawn_and_says_what_is_missing(stopped: Measurement,
 def test_an_empty_study_is_drawn(stopped: Measurement, tmp_path: Path) -> None:
     stopped.points.clear()
     draw_work_precision(stopped, tmp_path / "chart.png")
-    assert "5 of 5 points are missing" in told_missing(stopped)
+    assert "5 of 5 points are missing" in unfinished(stopped)
 
 
 def test_what_was_measured_is_kept(stopped: Measurement, tmp_path: Path) -> None:

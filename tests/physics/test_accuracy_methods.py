@@ -10,7 +10,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.verification.faceted import faceted_run, largest_deviation, meshed, shaped, spheres
 from rps_exudyn.verification.flywheel import explicit_run
-from rps_exudyn.verification.references import as_run, by_generators, by_strips, moving, slowly, truth_of
+from rps_exudyn.verification.references import as_run, by_generators, by_strips, moving, slowly, reference_of
 
 GEAR = SteeringGear()
 PITCH = GEAR.replace({"test.turns": 1 / 6})
@@ -19,7 +19,7 @@ PITCH = GEAR.replace({"test.turns": 1 / 6})
 def test_reversal_by_generators_by_strips_and_in_motion() -> None:
     """Without the inertia, or with 4 points on a generator, they differ three times as much."""
     gear, step = GEAR.replace({"test.amplitude": "15 deg"}), "0.05 deg"
-    truth = truth_of(
+    truth = reference_of(
         "reversal",
         gear,
         {
@@ -29,7 +29,7 @@ def test_reversal_by_generators_by_strips_and_in_motion() -> None:
             "massless": as_run(by_strips(step)),
         },
     )
-    differences = truth.judged.differences
+    differences = truth.headline.differences
     assert differences["generators - strips"] < 0.01
     assert differences["strips - moving"] < 0.03
     assert differences["moving - massless"] > 2 * differences["strips - moving"]

@@ -8,7 +8,7 @@ import pytest
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.verification.accuracy_page import front_of, write_accuracy_report
+from benchmarks.accuracy_speed.page import front_of, write_accuracy_report
 from rps_exudyn.verification.convergence import fitted_orders
 from rps_exudyn.verification.law_and_scaling import Limits, load_limits
 from rps_exudyn.verification.measurement import Measurement, Point, load_measurement

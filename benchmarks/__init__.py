@@ -1,0 +1,1 @@
+"""Benchmarks: the scripts behind every table, picture and data file in `results/`. Start with `make.py`."""

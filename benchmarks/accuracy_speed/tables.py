@@ -1,0 +1,216 @@
+"""Tables about speed and accuracy, from the files of measured points: models, fronts, references, orders."""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.topic import markdown
+from rps_exudyn.scenes import SCENE_NAMES
+from rps_exudyn.verification.measurement import Measurement, Point, load_measurement
+from rps_exudyn.verification.work_precision import power_law
+
+TORQUE = "free-pinion-torque"
+LIMITS = "limits.json"
+WANTED = (1.0, 0.3, 0.1, 0.02, 0.01)
+"""Errors for which the cheapest model is shown [%]."""
+
+CHOICES = ("quasi-static", "flank", "general contact", "explicit")
+DEFAULT_STRIPS = "strips 4"
+MODELS = {
+    "general_contact": ("spheres",),
+    "bush": ("segments 25, step_angle 1 °",),
+    "flank": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("0.3", "1", "3", "6")),
+    "quasi_static": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "2.5", "5", "15")),
+    "closed_form": ("",),
+    "ratio": ("",),
+}
+"""Study -> beginnings of the labels that stand for the package's models."""
+
+COUNTERS = ("steps", "newton_iterations", "jacobians")
+
+
+def measured(folder: Path) -> Iterator[Measurement]:
+    """Every scene's measurement, as far as there is one."""
+    for scene in SCENE_NAMES:
+        file = folder / f"{scene}.h5"
+        if file.exists():
+            yield load_measurement(file)
+
+
+def of_torque(folder: Path, *studies: str) -> list[Point]:
+    """Points of the free pinion torque that these studies planned."""
+    points = load_measurement(folder / f"{TORQUE}.h5").points
+    return [point for point in points if point.study in studies]
+
+
+def models_table(folder: Path) -> str:
+    """What each kind of model costs per revolution, and how far its torque is from the reference."""
+    head = (
+        "family",
+        "settings",
+        "CPU s",
+        "error %",
+        "of the mean %",
+        "steps",
+        "Newton iterations",
+        "Jacobians",
+    )
+    points = of_torque(folder, *MODELS)
+    shown = [
+        p
+        for study, labels in MODELS.items()
+        for p in points
+        if p.study == study and p.label.startswith(labels)
+    ]
+    return markdown(head, [_model(point) for point in shown])
+
+
+def _model(point: Point) -> tuple[str, ...]:
+    if not point.ok:
+        return (point.family, point.label, f"{point.cost:.2g}", point.status, *[""] * 4)
+    errors = f"{point.error:.2g}", f"{point.bias:+.2g}"
+    return (
+        point.family,
+        point.label,
+        f"{point.cost:.2g}",
+        *errors,
+        *(number(getattr(point, n)) for n in COUNTERS),
+    )
+
+
+def number(value: float) -> str:
+    """A counter, nothing where there is none."""
+    return f"{value:.4g}" if np.isfinite(value) else ""
+
+
+def cheapest(points: Iterable[Point], family: str, error: float) -> Point | None:
+    """The cheapest point of a family that keeps an error [%]."""
+    keeps = [point for point in points if point.ok and point.family == family and point.error <= error]
+    return min(keeps, key=lambda point: point.cost, default=None)
+
+
+def cheapest_table(folder: Path) -> str:
+    """The cheapest model of each family that keeps an error."""
+    points = load_measurement(folder / f"{TORQUE}.h5").points
+    rows = [
+        (f"{wanted:g} %", family, best.label, f"{best.error:.2g} %", _time(best.cost))
+        for wanted in WANTED
+        for family in CHOICES
+        if (best := cheapest(points, family, wanted)) is not None
+    ]
+    return markdown(("you want", "family", "settings", "error", "CPU time per revolution"), rows)
+
+
+def _time(seconds: float) -> str:
+    return f"{1e3 * seconds:.2g} ms" if seconds < 1 else f"{seconds:.2g} s"
+
+
+def scenes_table(folder: Path) -> str:
+    """How well each scene's reference is known, and what 1 % and 0.1 % cost."""
+    rows = []
+    for each in measured(folder):
+        cells = []
+        for error in (1.0, 0.1):
+            found = [cheapest(each.points, family, error) for family in ("quasi-static", "flank")]
+            cells.append(" / ".join("-" if best is None else _time(best.cost) for best in found))
+        rows.append((each.scene, f"{each.reference.uncertainty:.2g} %", *cells))
+    return markdown(("scene", "reference known to", "1 % by quasi-static / flank", "0.1 %"), rows)
+
+
+def references_table(folder: Path) -> str:
+    """Largest differences of the methods behind each reference."""
+    rows = [
+        (each.scene, pair, f"{difference:.2g} %")
+        for each in measured(folder)
+        for pair, difference in [max(each.reference.differences.items(), key=lambda item: item[1])]
+    ]
+    return markdown(("scene", "methods that differ most", "RMS, of the mean"), rows)
+
+
+def orders_table(folder: Path) -> str:
+    """Fitted orders of convergence of the free pinion torque."""
+    rows = [
+        (each.family, each.knob, each.error, f"{each.observed:.2g}", f"{each.expected:g}", each.points)
+        for each in load_measurement(folder / f"{TORQUE}.h5").orders
+    ]
+    return markdown(("family", "made finer", "error", "observed", "expected", "points"), rows)
+
+
+def explicit_table(folder: Path) -> str:
+    """Exudyn's explicit solvers: the largest step that ran, the smallest that failed."""
+    points, rows = of_torque(folder, "explicit"), []
+    for solver in dict.fromkeys(point.label.split(",")[0] for point in points):
+        own = [point for point in points if point.label.startswith(solver)]
+        best = max((p for p in own if p.ok), key=_first_number, default=None)
+        failed = min((_first_number(p) for p in own if not p.ok), default=np.nan)
+        if best is not None:
+            row = f"{_first_number(best):g} us", f"{failed:g} us", f"{best.error:.2g} %", _time(best.cost)
+            rows.append((solver, *row))
+    return markdown(("solver", "largest step that ran", "fails at", "error", "CPU time per revolution"), rows)
+
+
+def _first_number(point: Point) -> float:
+    return float(re.findall(r"[\d.]+(?= um| us)", point.label)[0])
+
+
+def facets_table(folder: Path) -> str:
+    """What flat facets of the pinion do to the torque."""
+    rows = [
+        (point.family, point.label, f"{point.error:.2g} %", f"{point.bias:+.2g} %")
+        for point in of_torque(folder, "shaping", "chord")
+    ]
+    return markdown(("family", "facets, material left over", "torque, RMS", "mean"), rows)
+
+
+def bush_table(folder: Path) -> str:
+    """What segments of the bush cost."""
+    points = [
+        p for p in of_torque(folder, "bush", "flank") if p.study == "bush" or p.label in MODELS["flank"]
+    ]
+    rows: Sequence[tuple[str, ...]] = [
+        (point.family, point.label, f"{point.error:.2g} %", _time(point.cost)) for point in points if point.ok
+    ]
+    return markdown(("family", "settings", "error", "CPU time per revolution"), rows)
+
+
+# --- contact law and size ----------------------------------------------------------------------------
+def law_rows(content: Any) -> list[tuple[str, ...]]:
+    """Law, mean [N mm], off the default's [%], peak to peak [N mm]."""
+    torques = {name: np.array(values) for name, values in content["torques"].items()}
+    default = torques[content["default"]].mean()
+    return [
+        (name, f"{1e3 * t.mean():.1f}", f"{100 * (t.mean() / default - 1):+.2f}", f"{1e3 * np.ptp(t):.1f}")
+        for name, t in torques.items()
+    ]
+
+
+def scaling_rows(content: Any) -> list[tuple[str, ...]]:
+    """What grows, range of its size, of its cost [s], fitted exponent."""
+    return [
+        (
+            name,
+            f"{size[0]:g} to {size[-1]:g}",
+            f"{cost[0]:.2g} to {cost[-1]:.2g}",
+            f"{power_law(np.array(size), np.array(cost))[0]:.2f}",
+        )
+        for name, (size, cost) in content["scaling"].items()
+    ]
+
+
+LAW_HEAD = ("law", "mean N mm", "against the default %", "peak to peak N mm")
+SCALING_HEAD = ("size", "range", "CPU s", "exponent")
+
+
+TABLES = {
+    "models": models_table,
+    "cheapest": cheapest_table,
+    "accuracy_scenes": scenes_table,
+    "references": references_table,
+    "orders": orders_table,
+    "explicit_solvers": explicit_table,
+    "facets": facets_table,
+    "bush_segments": bush_table,
+}

@@ -1,0 +1,107 @@
+"""What a load test says depends on the weight: the ratio of efficiencies over weight and free torque."""
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from benchmarks.topic import Topic, load_data, markdown, save_data
+from rps_exudyn.analysis.efficiency import LoadTest
+from rps_exudyn.charts import style
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.closed_form import load_test
+
+GEAR = SteeringGear()
+MASSES = np.linspace(2, 40, 39)  # [kg]
+SCALES = np.linspace(0.01, 1.4, 46)  # of what makes the free torque: preload, bush, bearings
+FREE_TORQUES = (0.3, 0.5, 0.635)  # [N m] at which the map is read
+DATA = "weights.json"
+
+
+def run(folder: Path, masses: np.ndarray = MASSES) -> None:
+    """Draw the map over these weights [kg], and read it at three free torques."""
+    tests = efficiency_tests(masses)
+    style.save(efficiency_map(tests, masses), folder / "efficiency_ratio.png")
+    save_data(folder / DATA, {"weights": needed_weights(tests, masses)})
+
+
+def efficiency_tests(masses: np.ndarray) -> list[list[LoadTest]]:
+    """Load tests by the closed form, [weight][free torque].
+
+    The free torque is changed by the yoke's preload and the drag of bush and bearings, all in proportion.
+    """
+    gears = [scaled(float(scale)) for scale in SCALES]
+    return [[load_test(gear, float(mass)) for gear in gears] for mass in masses]
+
+
+def scaled(fraction: float) -> SteeringGear:
+    """The default gear with a fraction of all that makes its free torque."""
+    return GEAR.replace(
+        {
+            "yoke.preload": fraction * GEAR.yoke.preload,
+            "bush.drag": fraction * GEAR.bush.drag,
+            "bearing.friction_torque": fraction * GEAR.bearing.friction_torque,
+        }
+    )
+
+
+def efficiency_map(tests: list[list[LoadTest]], masses: np.ndarray) -> Figure:
+    """Ratio of reverse to forward efficiency over free torque and weight."""
+    free = np.array([test.free_torque for test in tests[0]])
+    ratio = np.array([[test.efficiency_ratio for test in row] for row in tests])
+    with mpl.rc_context({"font.size": 10}):
+        figure = Figure(figsize=(8, 4.6), layout="constrained")
+        axes = figure.subplots()
+    levels = [-10, 0, 0.3, 0.6, 0.8, 0.9, 0.95, 1.001]
+    even = mpl.colors.BoundaryNorm(levels, 256)
+    shown = axes.contourf(free, masses, ratio, levels=levels, cmap="RdYlGn", norm=even, extend="min")
+    lines = axes.contour(free, masses, ratio, levels=[0, 0.9], colors="black", linewidths=[1, 1.8])
+    axes.clabel(lines, fmt={0: "self-locking below", 0.9: "0.9, the paper's"}, fontsize=9)
+    test = load_test(GEAR)
+    default = test.free_torque, GEAR.test.load_mass
+    axes.plot(*default, "o", color="white")
+    label = f"default gear, {GEAR.test.load_mass:g} kg: {test.efficiency_ratio:.2f}"
+    beside: dict[str, Any] = {
+        "xytext": (6, -12),
+        "textcoords": "offset points",
+        "fontsize": 9,
+        "color": "white",
+    }
+    axes.annotate(label, default, **beside)
+    axes.set_xlabel("free pinion torque [N m]")
+    axes.set_ylabel("weight [kg]")
+    axes.set_xlim(free[0], free[-1])
+    figure.colorbar(shown, ax=axes, label="reverse over forward efficiency", ticks=levels[1:-1])
+    style.title(figure, "What a load test says depends on the weight: ratio of reverse to forward efficiency")
+    return figure
+
+
+def needed_weights(tests: list[list[LoadTest]], masses: np.ndarray) -> list[dict[str, float]]:
+    """Weights [kg] for the paper's ratio of 0.9 and of self-locking, by free torque [N m]."""
+    free = np.array([test.free_torque for test in tests[0]])
+    ratios = np.array([[test.efficiency_ratio for test in row] for row in tests])
+    found = []
+    for torque in FREE_TORQUES:
+        at = [np.interp(torque, free, row) for row in ratios]
+        weights = (float(np.interp(ratio, at, masses)) for ratio in (0.9, 0.0))
+        found.append(dict(zip(("free_torque", "ratio_0.9", "locks_below"), (torque, *weights), strict=True)))
+    return found
+
+
+def weights_table(folder: Path) -> str:
+    """Weights for the paper's ratio of efficiencies."""
+    names = ("free_torque", "ratio_0.9", "locks_below")
+    rows = [[f"{row[name]:.3g}" for name in names] for row in load_data(folder / DATA)["weights"]]
+    return markdown(("free torque N m", "ratio 0.9 at kg", "self-locking below kg"), rows)
+
+
+TOPIC = Topic(
+    "load test: ratio of efficiencies over weight and free torque, by the closed form",
+    "10 s",
+    "scenes",
+    run,
+    {"masses": MASSES[::8]},
+    {"weights": weights_table},
+)

@@ -1,0 +1,40 @@
+"""All benchmark topics: name -> topic. A new benchmark is one module and one line here."""
+
+from benchmarks import (
+    efficiency_map,
+    flank_contact,
+    free_pinion_torque,
+    geometry,
+    scene_needs,
+    scenes,
+    study_runner,
+)
+from benchmarks.accuracy_speed import law_and_scaling, measured_points, promise_table
+from benchmarks.stability import (
+    check_cost,
+    corpus,
+    explicit_limits,
+    implicit_limits,
+    maps,
+    random_plans,
+)
+from benchmarks.topic import Topic
+
+TOPICS: dict[str, Topic] = {
+    "geometry": geometry.TOPIC,
+    "flank_contact": flank_contact.TOPIC,
+    "free_pinion_torque": free_pinion_torque.TOPIC,
+    "scenes": scenes.TOPIC,
+    "efficiency_map": efficiency_map.TOPIC,
+    "scene_needs": scene_needs.TOPIC,
+    "accuracy_speed": measured_points.TOPIC,
+    "law_and_scaling": law_and_scaling.TOPIC,
+    "promise_table": promise_table.TOPIC,
+    "stability_maps": maps.TOPIC,
+    "explicit_limits": explicit_limits.TOPIC,
+    "implicit_limits": implicit_limits.TOPIC,
+    "random_plans": random_plans.TOPIC,
+    "corpus": corpus.TOPIC,
+    "check_cost": check_cost.TOPIC,
+    "study_runner": study_runner.TOPIC,
+}
