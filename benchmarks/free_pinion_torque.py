@@ -36,15 +36,16 @@ DRAWN = (FULL, FLANK, "`flank --mesh ratio-with-loss`", "`flank --mesh ratio`")
 HEADLINE = "The kinematic ratio has the losses of the other parts, not of the teeth, and no ripple"
 LOSSES = ("mesh", "seat", "bush", "bearing")
 COARSE = FIDELITIES[FULL].replace({"profile_samples": 14, "axial_samples": 10, "bush": "condensed"})
-REPEATS = 5  # of models that take less than `SLOW` CPU seconds
-SLOW = 5.0
+SLOW = 5.0  # CPU time of a run [s] that is not repeated
 PITCH = 1 / SteeringGear().pinion.teeth  # [turns]
 DATA = "fidelities.json"
 
 
-def run(folder: Path, turns: float = 1.0, full: Fidelity = FIDELITIES[FULL]) -> None:
+def run(folder: Path, turns: float = 1.0, full: Fidelity = FIDELITIES[FULL], repeats: int = 5) -> None:
     """Measure so many turns by every fidelity, with this model as `full`, and draw two tooth pitches."""
-    results = {name: measured(fidelity, turns) for name, fidelity in (FIDELITIES | {FULL: full}).items()}
+    results = {
+        name: measured(fidelity, turns, repeats) for name, fidelity in (FIDELITIES | {FULL: full}).items()
+    }
     save_data(folder / DATA, {"turns": turns, "rows": [row(name, results) for name in results]})
     draw(results[FULL], folder / "full.png")
     curves = {name.strip("`"): shortened(results[name], 2 * PITCH) for name in DRAWN}
@@ -55,11 +56,11 @@ def run(folder: Path, turns: float = 1.0, full: Fidelity = FIDELITIES[FULL]) -> 
     style.save(figure, folder / "ratio_and_flank.svg")
 
 
-def measured(fidelity: Fidelity, turns: float) -> Result:
+def measured(fidelity: Fidelity, turns: float, repeats: int) -> Result:
     """The run with the least CPU time of several, after a short one that compiles and loads all."""
     rps.run("free-pinion-torque", fidelity=fidelity, turns=1 / 120)
     runs: list[Result] = []
-    while not runs or (len(runs) < REPEATS and runs[0].counters["solver_cpu"] < SLOW):
+    while not runs or (len(runs) < repeats and runs[0].counters["solver_cpu"] < SLOW):
         runs.append(rps.run("free-pinion-torque", fidelity=fidelity, turns=turns))
         if runs[-1].status != "ok":
             raise SystemExit(f"{fidelity.name}: {runs[-1].message}")
@@ -140,9 +141,6 @@ TOPIC = Topic(
     "2 min",
     "free_pinion_torque",
     run,
-    {
-        "turns": 2 * PITCH,
-        "full": FIDELITIES[FULL].replace({"profile_samples": 7, "axial_samples": 5, "bush": "condensed"}),
-    },
+    {"turns": PITCH / 2, "full": COARSE, "repeats": 1},
     {"fidelities": fidelities_table, "fidelity_losses": losses_table},
 )

@@ -12,7 +12,8 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-sys.path[0] = str(ROOT)  # this script runs in a checkout, as the package `benchmarks`
+if not __package__:  # run as a script: its checkout holds the package `benchmarks`
+    sys.path[0] = str(ROOT)
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -245,6 +245,6 @@ TOPIC = Topic(
     "15 min",
     "study_runner",
     run,
-    {"sizes": {"many_cases": {"sides": (2, 1, 1)}, "storing": {"cases": 2}}},
+    {"sizes": {"many_cases": {"sides": (2, 2, 2)}, "storing": {"cases": 2}}},
     {"study_runner": runner_table},
 )

@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rps_exudyn.charts import style
-from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
+from rps_exudyn.parameters.fidelity import PRESETS
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.verification.measurement import FAMILIES, PRESET_FAMILIES, Measurement, Point
@@ -119,9 +119,7 @@ def _mark_defaults(axes: Axes, points: list[Point], floor: float) -> None:
 
 def is_default(point: Point, preset: str) -> bool:
     """Whether a point is this unmodified preset."""
-    unchanged = Fidelity.preset(preset)
-    named = {"name": unchanged.name}
-    return point.family == PRESET_FAMILIES[preset] and point.fidelity.model_copy(update=named) == unchanged
+    return point.family == PRESET_FAMILIES[preset] and point.fidelity.name == preset
 
 
 def _draw_failures(axes: Axes, points: list[Point]) -> None:

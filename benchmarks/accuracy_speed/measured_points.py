@@ -74,18 +74,23 @@ def run(
     scenes: Mapping[str, Sequence[str]] = MappingProxyType(FILES),
     thinned: Callable[[Study], Study] = lambda study: study,
     methods: Mapping[str, Method] | None = None,
+    repeats: Mapping[str, int] = MappingProxyType(REPEATS),
 ) -> None:
     """Measure the points of these plans, scene by scene, and write their files, charts and the page.
 
-    `thinned` takes points out of a plan; `methods` of the reference are by default those of the scene.
+    `thinned` takes points out of a plan; `methods` of the reference are by default those of the scene;
+    `repeats` of a point are 3 for other scenes.
     """
     for scene, plans in scenes.items():
         planned = list(points_of(scene, plans, thinned))
-        measure_scene(planned, reference_of(scene, SteeringGear(), methods), folder)
+        reference = reference_of(scene, SteeringGear(), methods)
+        measure_scene(planned, reference, folder, repeats.get(scene, 3))
     write_accuracy_page(folder, folder / "report.html")
 
 
-def measure_scene(planned: Sequence[PlannedPoint], reference: SceneReference, folder: Path) -> None:
+def measure_scene(
+    planned: Sequence[PlannedPoint], reference: SceneReference, folder: Path, repeats: int
+) -> None:
     """Measure what is missing, and write the scene's file and chart."""
     scene = reference.scene
     file = folder / f"{scene}.h5"
@@ -97,7 +102,7 @@ def measure_scene(planned: Sequence[PlannedPoint], reference: SceneReference, fo
         if (plan.study, plan.label) not in missing:
             continue
         warm_up(scene, plan)
-        point = measure_point(plan, reference_for(plan, reference), REPEATS.get(scene, 3))
+        point = measure_point(plan, reference_for(plan, reference), repeats)
         cost, error = f"{1e3 * point.cost:10.3f} ms", f"{point.rms:9.4f} %"
         print(f"{point.status:15s} {cost} {error}  {plan.study}: {plan.label}", flush=True)
         measurement.points.append(point)
@@ -197,6 +202,7 @@ TOPIC = Topic(
         "scenes": {"free-pinion-torque": ["closed_form", "quasi_static", "generators"]},
         "thinned": Study.toy,
         "methods": COARSE,
+        "repeats": {"free-pinion-torque": 1},
     },
     TABLES,
 )

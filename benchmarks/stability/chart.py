@@ -25,7 +25,7 @@ WIDTH, ROW, HEAD = 8.5, 0.28, 1.0  # inches
 
 
 def draw_maps(maps: Sequence[Mapping[str, Any]], path: Path) -> None:
-    """One map below the other, as studies/stability_maps.py writes them."""
+    """Draw one map below the other; each has the fields of `StabilityMap`."""
     heights = [HEAD + ROW * len(each["y"]) for each in maps]
     with mpl.rc_context({"font.size": 9.5}):
         figure = Figure(figsize=(WIDTH, sum(heights)), layout="constrained")
@@ -36,7 +36,7 @@ def draw_maps(maps: Sequence[Mapping[str, Any]], path: Path) -> None:
 
 
 def _draw_map(axes: Axes, content: Mapping[str, Any]) -> None:
-    """Cells over two axes of single values; theory's lines go from column to column."""
+    """Draw cells over two axes of single values; predicted lines go from column to column."""
     x, y, cells = content["x"], content["y"], content["cells"]
     for row, line in enumerate(cells):
         for column, cell in enumerate(line):
@@ -44,8 +44,8 @@ def _draw_map(axes: Axes, content: Mapping[str, Any]) -> None:
     handles: list[Any] = [Patch(color=colour, label=cell.value) for cell, colour in CELL_COLOURS.items()]
     present = {cell for line in cells for cell in line}
     handles = [handle for handle in handles if handle.get_label() in present]
-    told = [(column, row) for row, line in enumerate(content["told"]) for column, t in enumerate(line) if t]
-    if told:
+    flagged = np.argwhere(content["flagged"])[:, ::-1]  # column and row
+    if flagged.size:
         label = "refused or called invalid"
         dots: Any = {
             "linestyle": "",
@@ -54,7 +54,7 @@ def _draw_map(axes: Axes, content: Mapping[str, Any]) -> None:
             "color": "white",
             "markeredgecolor": "black",
         }
-        handles += axes.plot(*np.transpose(told), **dots, label=label)
+        handles += axes.plot(*np.transpose(flagged), **dots, label=label)
     for line, dashes in zip(content["lines"], LINES, strict=False):
         across = np.arange(-0.5, len(x), 1.0)  # to both sides of every column
         places = [_place(limit, y) for limit in line["y"]]
@@ -78,7 +78,7 @@ def _square(column: int, row: int, colour: str) -> Any:
 
 
 def _place(limit: float, values: Sequence[float]) -> float:
-    """Where a value stands between evenly drawn ones, on a logarithmic scale; at the border if beyond."""
+    """Place of a value between evenly drawn ones, on a logarithmic scale; at the border if beyond."""
     if not np.isfinite(limit):
         return float("nan")
     order = np.argsort(values)
@@ -89,7 +89,7 @@ def _place(limit: float, values: Sequence[float]) -> float:
 
 
 def draw_limits(limits: Sequence[Mapping[str, Any]], path: Path) -> None:
-    """Bisected limits of the step over the predicted ones, line by line."""
+    """Draw bisected limits of the step over the predicted ones, line by line."""
     figure, (axes,) = style.panels([1.0 + 0.2 * len(limits)], width=8.5)
     ratios = [limit["measured"] / limit["predicted"] for limit in limits]
     axes.axvspan(0.9, 1.1, color="#e8f1e0", zorder=0)

@@ -5,7 +5,7 @@ pitches: no step is then a fraction of the pitch. Beside each stands what the ch
 `STEPS_PER_PITCH` steps per tooth pitch.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import scene_named
 from rps_exudyn.verification.stability import (
     STILL,
     STRIP,
@@ -35,7 +36,6 @@ GEAR = SteeringGear()
 FINEST, COARSEST, LADDER = 2.0, 40.0, 1.35  # [deg], [deg], from step to step
 PITCHES = 5.4  # of a record
 BOUNDS = (0.01, 0.05)
-SIGNAL = {"free-pinion-torque": "pinion_torque", "rack-push": "rack_force"}
 TIME_LIMIT = 10.0  # CPU time of a run [s]
 
 
@@ -50,7 +50,7 @@ class Sweep:
     unit: float = 1.0
     scene: str = "free-pinion-torque"
     choices: dict[str, Any] = field(default_factory=dict)
-    along: dict[str, tuple[float, ...]] = field(default_factory=dict)  # parameters that move with it
+    along: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # parameters that move with it
 
     def plans(self) -> Iterator[tuple[str, ScenePlan]]:
         """The value as text and the plan, for each value."""
@@ -64,10 +64,8 @@ class Sweep:
 RPM = np.pi / 30
 SPEEDS = tuple(n * RPM for n in (0.5, 3, 15, 60, 300))
 TEETH = {
-    "along": {
-        "pinion.tip_diameter": (16.2e-3, 18.2e-3, 22.2e-3, 26.2e-3),
-        "pinion.shaft_diameter": (9e-3, 11e-3, 11e-3, 11e-3),
-    }
+    "pinion.tip_diameter": (16.2e-3, 18.2e-3, 22.2e-3, 26.2e-3),
+    "pinion.shaft_diameter": (9e-3, 11e-3, 11e-3, 11e-3),
 }
 PUSH = "rack-push"
 EQUILIBRIUM = {"solver": "equilibrium"}
@@ -77,7 +75,7 @@ SWEEPS = (
     Sweep("test speed", "test.speed", SPEEDS, "{:g} rpm", RPM),
     Sweep("friction zone of 0.01", "test.speed", SPEEDS[::2], "{:g} rpm", RPM, choices={"zone_ratio": 0.01}),
     Sweep("friction zone of 1", "test.speed", SPEEDS[::2], "{:g} rpm", RPM, choices={"zone_ratio": 1.0}),
-    Sweep("teeth", "pinion.teeth", (5, 6, 8, 10), **TEETH),
+    Sweep("teeth", "pinion.teeth", (5, 6, 8, 10), along=TEETH),
     Sweep("pinion's density, rack driven", "pinion.density", (785.0, 785e3), "{:g} kg/m³", scene=PUSH),
     Sweep("segments of the bush", "bush.segments", (1, 5, 25), choices={"bush": "chain"}),
     Sweep("equilibria, stiffness", "mesh.stiffness", STIFFNESSES, "{:g} N/m³", choices=EQUILIBRIUM),
@@ -128,11 +126,17 @@ def _coarse_step(line: str, at: str, plan: ScenePlan) -> CoarseStep:
             seen[step] = _trial(plan.with_step(step), true, still)
         return seen[step]
 
-    limits = [_largest(lambda h, b=bound: trial(h).mean <= b) for bound in BOUNDS]
-    limits += [_largest(lambda h, b=bound: trial(h).curve <= b) for bound in BOUNDS]
+    means = (
+        _largest(lambda step: trial(step).mean <= BOUNDS[0]),
+        _largest(lambda step: trial(step).mean <= BOUNDS[1]),
+    )
+    curves = (
+        _largest(lambda step: trial(step).curve <= BOUNDS[0]),
+        _largest(lambda step: trial(step).curve <= BOUNDS[1]),
+    )
     wrong = min((step for step, found in seen.items() if not found.mean <= BOUNDS[1]), default=None)
     beyond = seen[wrong].words if wrong else "none up to the largest step allowed"
-    return CoarseStep(line, at, *limits, 360 / plan.gear.pinion.teeth / STEPS_PER_PITCH, beyond)
+    return CoarseStep(line, at, *means, *curves, 360 / plan.gear.pinion.teeth / STEPS_PER_PITCH, beyond)
 
 
 def _trial(plan: ScenePlan, true: float, still: Result) -> Trial:
@@ -143,10 +147,10 @@ def _trial(plan: ScenePlan, true: float, still: Result) -> Trial:
         return Trial(np.inf, np.inf, str(error))
     if result.status is not Status.OK:
         return Trial(np.inf, np.inf, result.status.value)
-    error, signal = error_of(plan.figure(result), true), SIGNAL[plan.scene]
+    off, signal = error_of(plan.figure(result), true), scene_named(plan.scene).signal
     joined = np.interp(still["pinion_angle"], result["pinion_angle"], result[signal])
     curve = float(np.sqrt(np.mean((joined - still[signal]) ** 2)) / abs(true))
-    return Trial(abs(error), curve, f"{error:+.1%} of the mean, {'flagged' if flagged else 'not flagged'}")
+    return Trial(abs(off), curve, f"{off:+.1%} of the mean, {'flagged' if flagged else 'not flagged'}")
 
 
 def _largest(holds: Callable[[float], bool]) -> float:

@@ -1,39 +1,39 @@
-"""Stability maps: where each method stops being right, and what theory predicts. results/stability/.
+"""Stability maps: where each method stops being right, and what theory predicts.
 
-    python studies/stability_maps.py                  all maps
-    python studies/stability_maps.py step_speed       one of them
-
-The plans are those of studies/stability_*.toml, which `rps-exudyn study` runs too; here each is run without
-guards and judge, and compared with the same maneuver in small steps. Beside them stand explicit
-methods: classical Runge-Kutta on the gear, Exudyn's velocity Verlet on the bush's chain.
+The plans are those of `plans/*.toml`, which `rps-exudyn study` runs too; here each is run without checks, and
+compared with the same maneuver in small steps. Beside them stand explicit methods: classical Runge-Kutta on
+the gear (`verification.runge_kutta`), Exudyn's velocity Verlet on the bush's chain.
 """
 
-import json
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from time import process_time
 from types import MappingProxyType
 from typing import Any
-from unittest.mock import patch
 
 import numpy as np
-from stability_explicit import GEAR, SPHERES, DrivenGear, chain_frequency, chain_is_bounded, simple_limits
 
 from benchmarks.stability.chart import draw_maps
+from benchmarks.stability.explicit_limits import (
+    SPHERES,
+    DrivenGear,
+    chain_frequency,
+    chain_is_bounded,
+    simple_limits,
+)
+from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.checks import before_run as guards
 from rps_exudyn.checks.before_run import DEEPEST, STEPS_PER_PITCH, predicted_depth
 from rps_exudyn.forces.bush import bush_chain
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact import spheres as general_contact
+from rps_exudyn.mesh_contact.spheres import SPHERE_RADIUS
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.provenance import provenance
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.study.cases import setup_of
+from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Axis, Case
 from rps_exudyn.study.study_file import read_study
 from rps_exudyn.study.table import axis_quantity
@@ -48,17 +48,16 @@ from rps_exudyn.verification.stability import (
     Cell,
     Choices,
     Line,
-    Plan,
+    ScenePlan,
     StabilityMap,
     cell_of,
+    cpu_time_limit,
     error_of,
-    processor_time,
     reference,
     run_and_check,
 )
 
-STUDIES = Path(__file__).parent
-OUT = STUDIES.parent / "results" / "stability"
+PLANS = Path(__file__).parent / "plans"
 TIME_LIMIT = 30.0  # CPU time of a cell, and of its reference [s]
 
 Predict = Callable[[SteeringGear, Fidelity], float]
@@ -66,63 +65,68 @@ Predict = Callable[[SteeringGear, Fidelity], float]
 
 # --- studies ----------------------------------------------------------------------------------------
 def maps_of(
-    file: str, lines: dict[str, Predict], methods: Sequence[Choices] = REFERENCES
+    file: str,
+    lines: Mapping[str, Predict] = MappingProxyType({}),
+    methods: Sequence[Choices] = REFERENCES,
+    thinned: Callable[[Study], Study] = lambda study: study,
 ) -> list[StabilityMap]:
     """The maps of a study over two axes; of a third, its first, one map for each value.
 
     `lines` are predicted values of y, in its display unit, for the cell's gear and fidelity.
     """
-    study = read_study(STUDIES / f"stability_{file}.toml")
+    study = thinned(read_study(PLANS / f"{file}.toml"))
     *kinds, x, y = study.axes
     maps = []
     for kind in kinds[0].values or () if kinds else [None]:
         fixed = {kinds[0].name: kind} if kinds else {}
 
-        def plan_of(a: Any, b: Any, fixed: dict[str, Any] = fixed) -> Plan:
+        def plan_of(a: Any, b: Any, fixed: dict[str, Any] = fixed) -> ScenePlan:
             setup = setup_of(study, Case("", fixed | {x.name: a, y.name: b}))
-            return Plan(study.scene, setup.steering_gear, setup.fidelity)
+            return ScenePlan(study.scene, setup.steering_gear, setup.fidelity)
 
-        cells = [[cell_and_told(plan_of(a, b), methods) for a in _rising(x)] for b in _rising(y)]
+        cells = [[cell_and_flag(plan_of(a, b), methods) for a in _rising(x)] for b in _rising(y)]
         plans = [plan_of(a, _rising(y)[0]) for a in _rising(x)]
         maps.append(
             StabilityMap(
                 _title(plans, x),
-                *(_label(axis) for axis in (x, y)),
-                *(_displayed(axis) for axis in (x, y)),
+                _label(x),
+                _label(y),
+                _displayed(x),
+                _displayed(y),
                 [[str(cell) for cell, _ in row] for row in cells],
-                [[told for _, told in row] for row in cells],
+                [[flag for _, flag in row] for row in cells],
                 [Line(label, [at(p.gear, p.fidelity) for p in plans]) for label, at in lines.items()],
             )
         )
     return maps
 
 
-def _title(plans: Sequence[Plan], x: Axis) -> str:
+def _title(plans: Sequence[ScenePlan], x: Axis) -> str:
     """Solver, contact and, if it is the same everywhere, speed."""
     fidelity, speed = plans[0].fidelity, plans[0].gear.test.speed * 30 / np.pi
     at = "" if "test.speed" in x.paths else f", {speed:.3g} rpm"
     return f"{fidelity.solver}, {fidelity.mesh}{', chain' if fidelity.bush == 'chain' else ''}{at}"
 
 
-def cell_and_told(plan: Plan, methods: Sequence[Choices]) -> tuple[Cell, bool]:
-    """What a plan gives when nobody checks it, and whether guards or judge would object."""
+def cell_and_flag(plan: ScenePlan, methods: Sequence[Choices]) -> tuple[Cell, bool]:
+    """What a plan gives unchecked, and whether the checks before or after a run object."""
     try:
-        with processor_time(TIME_LIMIT):
-            result, told = run_and_check(plan)
+        with cpu_time_limit(TIME_LIMIT):
+            result, flagged = run_and_check(plan)
     except InputError:  # for instance a preload that the teeth do not carry
         return Cell.FAILED, True
     except TimeoutError:
         return Cell.FAILED, False
     try:
-        with processor_time(TIME_LIMIT):
+        with cpu_time_limit(TIME_LIMIT):
             true = reference(plan, plan.figure(result), methods)
     except TimeoutError:
         true = float("nan")
-    return cell_of(plan, result, true), told
+    return cell_of(plan, result, true), flagged
 
 
 def _axis(path: str) -> Axis:
-    """Of one parameter, in its usual unit."""
+    """Axis of one parameter in its usual unit."""
     return Axis(path, (path,), "", None, "grid")
 
 
@@ -131,7 +135,7 @@ def _label(axis: Axis) -> str:
 
 
 def _rising(axis: Axis) -> list[Any]:
-    """Its values; a study file may begin with those that are cheap and safe to try."""
+    """Sorted values of an axis; a study file may begin with those that are cheap and safe."""
     return sorted(axis.values or ())
 
 
@@ -140,14 +144,14 @@ def _displayed(axis: Axis) -> list[float]:
 
 
 def two_steps_per_pitch(gear: SteeringGear, fidelity: Fidelity) -> float:
-    """What the guard allows [deg]."""
+    """Step that the check before a run allows [deg]."""
     return 360 / gear.pinion.teeth / STEPS_PER_PITCH
 
 
-GUARD: dict[str, Predict] = {"two steps per tooth pitch": two_steps_per_pitch}
+PITCH_LIMIT: dict[str, Predict] = {"two steps per tooth pitch": two_steps_per_pitch}
 
 
-# --- Runge and Kutta on the gear --------------------------------------------------------------------
+# --- RK4 on the gear --------------------------------------------------------------------
 def explicit_map(
     title: str,
     driven: str,
@@ -163,8 +167,8 @@ def explicit_map(
     """
     unit = 1 / axis_quantity(_axis(path)).displayed(1.0)
     gears = [DrivenGear.of(driven, path, value * unit, choices) for value in x]
-    judge = _calm_cell if driven == "nothing" else _driven_cell
-    cells = [[str(judge(gear, 1e-6 * h)) for gear in gears] for h in steps]
+    cell = _calm_cell if driven == "nothing" else _driven_cell
+    cells = [[str(cell(gear, 1e-6 * h)) for gear in gears] for h in steps]
     limits = 1e6 * np.array([(gear.predicted, *simple_limits(gear.motion)) for gear in gears])
     names = "linearised gear", "2.83 / omega_max", "2.79 / c_max"
     lines = [Line(name, list(column)) for name, column in zip(names, limits.T, strict=True)]
@@ -212,19 +216,17 @@ def chain_map(segments: Sequence[float], steps: Sequence[float]) -> StabilityMap
 
 
 # --- spheres ----------------------------------------------------------------------------------------
-RADII, PRELOADS = [0.01, 0.02, 0.05, 0.1, 0.2], [100.0, 200.0, 500.0, 1000.0, 2000.0]  # [mm], [N]
-PRESSED = {"mesh.stiffness": 1e13, "yoke.clearance": 1e-3}
 COMPILED_DEPTH = 2  # radii at which the compiled spheres pass, where Exudyn's pass at one
 
 
 def depth_limit(gear: SteeringGear, fidelity: Fidelity) -> float:
     """Preload at which the deepest sphere is as deep as its radius [N]."""
     one = predicted_depth(gear.replace({"yoke.preload": 1.0}))
-    return float((general_contact.SPHERE_RADIUS / (DEEPEST * one)) ** 1.5)
+    return float((SPHERE_RADIUS / (DEEPEST * one)) ** 1.5)
 
 
 def compiled_depth_limit(gear: SteeringGear, fidelity: Fidelity) -> float:
-    """The same for a depth of two radii [N]."""
+    """Preload at which it is two radii deep [N]."""
     return COMPILED_DEPTH**1.5 * depth_limit(gear, fidelity)
 
 
@@ -234,43 +236,14 @@ DEPTHS: dict[str, Predict] = {
 }
 
 
-def radius_preload(title: str, turns: float, choices: Choices) -> StabilityMap:
-    """The spheres' radius, which no parameter of the gear is, over the preload."""
-    cells: list[list[tuple[Cell, bool]]] = [[] for _ in PRELOADS]
-    limits: dict[str, list[float]] = {label: [] for label in DEPTHS}
-    for radius in 1e-3 * np.array(RADII):
-        with (
-            patch.object(general_contact, "SPHERE_RADIUS", float(radius)),
-            patch.object(guards, "SPHERE_RADIUS", float(radius)),
-        ):
-            for row, preload in zip(cells, PRELOADS, strict=True):
-                gear = GEAR.replace(PRESSED | {"yoke.preload": preload, "test.turns": turns})
-                fidelity = Fidelity().replace({"mesh": "general-contact"} | dict(choices))
-                row.append(cell_and_told(Plan("free-pinion-torque", gear, fidelity), REFERENCES))
-            for label, at in DEPTHS.items():
-                limits[label].append(at(gear, fidelity))
-    return StabilityMap(
-        title,
-        "radius of the spheres [mm]",
-        "yoke.preload [N]",
-        RADII,
-        PRELOADS,
-        [[str(cell) for cell, _ in row] for row in cells],
-        [[told for _, told in row] for row in cells],
-        [Line(label, values) for label, values in limits.items()],
-    )
-
-
 # --- all --------------------------------------------------------------------------------------------
 def round_off(gear: SteeringGear, fidelity: Fidelity) -> float:
-    """What the chain's stiffest spring makes of the round-off of the segments' places, over the preload."""
+    """Round-off of the segments' places times the chain's largest stiffness, over the preload."""
     stiffest = max(connection.stiffness[0] for connection in bush_chain(gear).connections)
     return float(stiffest * np.finfo(float).eps * gear.bush.distance / gear.yoke.preload)
 
 
 SAME_SPHERES = (STILL, STILL | SLOW)
-STILL_SPHERES = {"solver": "equilibrium", "step_angle": np.deg2rad(3)}
-MOVING_SPHERES = {"step_angle": np.deg2rad(1)}
 US = [5.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 80.0]
 STIFFNESSES = [1e12, 5e12, 2e13, 1e14, 5e14]
 SPEEDS = [0.5, 3.0, 15.0, 60.0, 300.0]
@@ -281,56 +254,77 @@ DENSITIES = [785.0, 2500.0, 7850.0, 78500.0, 785000.0]
 
 MAPS: dict[str, Callable[[], list[StabilityMap]]] = {
     "step_stiffness": lambda: [
-        *maps_of("step_stiffness", GUARD),
+        *maps_of("step_stiffness", PITCH_LIMIT),
         explicit_map("Runge-Kutta, rack driven at 15 rpm", "rack", "mesh.stiffness", STIFFNESSES, US),
     ],
     "step_speed": lambda: [
-        *maps_of("step_speed", GUARD),
+        *maps_of("step_speed", PITCH_LIMIT),
         explicit_map("Runge-Kutta, pinion driven", "pinion", "test.speed", SPEEDS, US),
     ],
     "step_zone": lambda: [
-        *maps_of("step_zone", GUARD),
+        *maps_of("step_zone", PITCH_LIMIT),
         explicit_map("Runge-Kutta, pinion driven at 15 rpm", "pinion", "fidelity.zone_ratio", ZONES, US),
         explicit_map("Runge-Kutta, pinion held: stick", "nothing", "fidelity.zone_ratio", ZONES, STUCK_US),
     ],
     "step_inertia": lambda: [
-        *maps_of("step_inertia", GUARD),
+        *maps_of("step_inertia", PITCH_LIMIT),
         explicit_map("Runge-Kutta, rack driven at 15 rpm", "rack", "pinion.density", DENSITIES, US),
     ],
     "step_segments": lambda: [
-        *maps_of("step_segments", GUARD),
+        *maps_of("step_segments", PITCH_LIMIT),
         chain_map([1, 2, 5, 10, 25], [0.5, 0.8, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0]),
     ],
     "step_stiffness_spheres": lambda: [
-        *maps_of("step_stiffness_spheres", GUARD, SAME_SPHERES),
+        *maps_of("step_stiffness_spheres", PITCH_LIMIT, SAME_SPHERES),
         explicit_map("Runge-Kutta, same spheres", "rack", "mesh.stiffness", STIFFNESSES[1:], US, SPHERES),
     ],
     "tolerance_segments": lambda: maps_of("tolerance_segments", {"round-off of the springs": round_off}),
-    "preload_stiffness": lambda: maps_of("preload_stiffness", DEPTHS),
-    "radius_preload": lambda: [
-        radius_preload("equilibrium, compiled spheres, 1e13 N/m³", 1 / 6, STILL_SPHERES),
-        radius_preload("generalized-alpha, Exudyn's spheres, 1e13 N/m³", 1 / 60, MOVING_SPHERES),
+    "preload_stiffness": lambda: [
+        *maps_of("preload_stiffness", DEPTHS), *maps_of("preload_stiffness_exudyn", DEPTHS)
     ],
 }  # fmt: skip
 
 
-def main() -> None:
-    for name in sys.argv[1:] or MAPS:
+def toy_map() -> list[StabilityMap]:
+    """Two values of each axis, and one explicit cell."""
+    driven = maps_of("step_inertia", PITCH_LIMIT, (STILL,), Study.toy)
+    return [*driven, explicit_map("toy", "rack", "mesh.stiffness", [2e13], [40.0])]
+
+
+def run(folder: Path, maps: Mapping[str, Callable[[], list[StabilityMap]]] = MappingProxyType(MAPS)) -> None:
+    """Compute these maps, each with its file and its picture."""
+    for name, make in maps.items():
         start = process_time()
-        maps = [asdict(found) for found in MAPS[name]()]
+        found = [asdict(each) for each in make()]
         seconds = round(process_time() - start, 1)
-        content = {"name": name, "cpu_s": seconds, "origin": provenance(), "maps": maps}
-        (OUT / f"{name}.json").write_text(json.dumps(content, indent=1))
-        draw_maps(maps, OUT / f"{name}.png")
+        save_data(folder / f"{name}.json", {"name": name, "cpu_s": seconds, "maps": found})
+        draw_maps(found, folder / f"{name}.png")
         print(name, f"{seconds:g} s", flush=True)
-        for found in maps:
-            print(
-                " ",
-                found["title"],
-                *(" ".join(cell[:5] for cell in row) for row in found["cells"]),
-                sep="\n    ",
+
+
+def cells_table(folder: Path) -> str:
+    """Cells of every map, and how many wrong ones of offered solvers pass the checks."""
+    rows = []
+    for file in sorted(folder.glob("*_*.json")):
+        content = load_data(file)
+        for each in content.get("maps", ()):
+            cells = [cell for row in each["cells"] for cell in row]
+            flags = [flag for row in each["flagged"] for flag in row]
+            unseen = (
+                sum(c == Cell.WRONG and not flag for c, flag in zip(cells, flags, strict=True))
+                if flags
+                else "-"
             )
+            counts = (cells.count(kind) for kind in list(Cell)[:4])
+            rows.append((content["name"], each["title"], *counts, unseen if flags else "not checked"))
+    return markdown(("map", "method", *list(Cell)[:4], "wrong and not flagged"), rows)
 
 
-if __name__ == "__main__":
-    main()
+TOPIC = Topic(
+    "maps over step, tolerance, stiffness, preload: right, wrong, failed, and predicted limits",
+    "15 min",
+    "stability",
+    run,
+    {"maps": {"toy_map": toy_map}},
+    {"stability_maps": cells_table},
+)

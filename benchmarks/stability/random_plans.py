@@ -1,45 +1,44 @@
-"""Random admissible plans against a reference: how many are right, refused, failed, or silently wrong.
+"""Random admissible plans compared with a reference: how many are right, refused, failed, or silently wrong.
 
-    python studies/stability_plans.py 1000 --out results/stability/random_plans.csv
-
-A plan is a random gear, speed, step, solver and stiffness over at most one tooth pitch. It is run as the user
-gave it, without the guards that stand before a run, and those are asked besides: so one run tells both what
-they let pass and what they refuse for nothing. Each plan has its own seed, is on a hard time limit, and is
-repeated alone by `python studies/stability_plans.py 1 --first NUMBER`.
+A plan is a random gear, speed, step, solver and stiffness over at most one tooth pitch. It is run as drawn,
+without the checks before a run, and those are asked besides: one run shows both what they let pass and what
+they refuse although it is right. Each plan has its own seed and a hard time limit.
 """
 
 import csv
 import json
 import multiprocessing
 import multiprocessing.connection
-import sys
-from argparse import ArgumentParser
 from collections import Counter
-from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
+from benchmarks.topic import Topic, markdown
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.checks.before_run import refused
 from rps_exudyn.gears.report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
-from rps_exudyn.verification.stability import REFERENCES, Plan, error_of, reference, unchecked
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.simulate.checked_run import run_unchecked
+from rps_exudyn.verification.stability import REFERENCES, ScenePlan, error_of, reference, unchecked
 
 SEED = 20261121
 TIME_LIMIT = 20.0  # [s] of one plan
 WRONG = 0.02  # error of the mean that must not be called ok
 SCENES = ("free-pinion-torque", "rack-push", "load-test")
 LEAST_CONTACT_RATIO = 1.2  # total; a designer's gear has more
+DATA = "random_plans.csv"
 COLUMNS = ("number", "verdict", "status", "error", "refused", "message", "seconds", "plan")
 
 
-def plan_of(number: int) -> tuple[Plan, str]:
-    """The random plan of that number, and what was drawn for it; a gear that cannot exist is drawn again."""
+def plan_of(number: int) -> tuple[ScenePlan, str]:
+    """The random plan of that number, and its drawn values; a gear that cannot exist is drawn again."""
     rng = np.random.default_rng([SEED, number])
     while True:
         settings, choices, scene = _drawn(rng)
@@ -49,59 +48,36 @@ def plan_of(number: int) -> tuple[Plan, str]:
                 continue
         except InputError:
             continue
-        return Plan(scene, gear, fidelity), json.dumps({"scene": scene} | settings | choices, default=float)
+        return ScenePlan(scene, gear, fidelity), json.dumps(
+            {"scene": scene} | settings | choices, default=float
+        )
+
+
+def _log(rng: np.random.Generator, low: float, high: float) -> float:
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def _seldom(rng: np.random.Generator, probability: float, value: float) -> float:
+    return float(value) if rng.random() < probability else 0.0
 
 
 def _drawn(rng: np.random.Generator) -> tuple[dict[str, Any], dict[str, Any], str]:
-    def log(low: float, high: float) -> float:
-        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
-    def seldom(share: float, value: float) -> float:
-        return float(value) if rng.random() < share else 0.0
-
+    """Settings of the gear, choices of the fidelity, scene. The order of the draws is part of the seed."""
     teeth, module = int(rng.integers(5, 11)), 1e-3 * rng.uniform(1.5, 2.3)
     helix, shift = np.deg2rad(rng.uniform(0, 35)), rng.uniform(0.5, 1.1)
     tip = module * teeth / np.cos(helix) + 2 * module * (shift + rng.uniform(0.6, 1.0))
     solver = str(rng.choice(["equilibrium", "generalized-alpha"], p=[0.4, 0.6]))
     general = solver != "equilibrium" and rng.random() < 0.06
     scene = str(rng.choice(SCENES, p=[0.8, 0.12, 0.08]))
-    settings = {
-        "basic_rack.addendum": rng.uniform(0.8, 1.0),
+    pinion = {
         "pinion.teeth": teeth,
         "pinion.normal_module": module,
-        "pinion.pressure_angle": np.deg2rad(rng.uniform(17, 25)),
         "pinion.helix_angle": helix,
         "pinion.profile_shift": shift,
         "pinion.tip_diameter": tip,
-        "pinion.face_width": rng.uniform(8e-3, 20e-3),
-        "pinion.runout": seldom(0.3, rng.uniform(0, 60e-6)),
-        "pinion.tip_relief": seldom(0.2, rng.uniform(0, 20e-6)),
-        "pinion.crowning": seldom(0.2, rng.uniform(0, 10e-6)),
-        "rack.tooth_angle": np.deg2rad(rng.uniform(-5, 15)),
-        "installation.angle_error": seldom(0.25, np.deg2rad(rng.uniform(-1, 1))),
-        "installation.axis_offset": seldom(0.2, rng.uniform(-1e-4, 1e-4)),
-        "yoke.preload": log(30, 900),
-        "yoke.friction": rng.uniform(0.02, 0.25),
-        "yoke.clearance": rng.uniform(0, 1e-4),
-        "yoke.seat_stiffness": log(1e7, 1e9),
-        "mesh.friction": rng.uniform(0.02, 0.25),
-        "mesh.stiffness": log(1e12, 5e14),
-        "mesh.damping": seldom(0.3, log(1e-6, 3e-3)),
-        "bush.drag": rng.uniform(5, 60),
-        "bush.segments": int(np.round(log(1, 40))),
-        "bush.youngs_modulus": log(3e7, 1e10),
-        "test.speed": log(0.5, 300) * np.pi / 30,
-        "test.turns": float(rng.choice([1.0, 0.5, 0.2])) / teeth,
-        "test.direction": int(rng.choice([-1, 1])),
-        "test.load_mass": log(1, 60),
     }
-    choices: dict[str, Any] = {
-        "solver": solver,
-        "step_angle": np.deg2rad(log(0.1, 20)),
-        "zone_ratio": log(0.01, 1) if rng.random() < 0.3 else 0.1,
-        "yoke": "body",
-        "rack": str(rng.choice(["free", "guided"], p=[0.9, 0.1])),
-    }
+    settings = pinion | _drawn_settings(rng, teeth)
+    choices = _drawn_choices(rng, solver)
     if general:
         choices |= {"mesh": "general-contact"}
         settings["test.turns"] = 0.1 / teeth
@@ -111,65 +87,100 @@ def _drawn(rng: np.random.Generator) -> tuple[dict[str, Any], dict[str, Any], st
     if solver != "equilibrium" and choices["rack"] == "free" and choices.get("mesh", "flank") == "flank":
         choices["bush"] = str(rng.choice(["condensed", "chain", "rigid"], p=[0.7, 0.2, 0.1]))
     if solver != "equilibrium" and rng.random() < 0.3:
-        choices["tolerance"] = log(1e-7, 1e-2)
+        choices["tolerance"] = _log(rng, 1e-7, 1e-2)
     return settings, choices, scene
+
+
+def _drawn_settings(rng: np.random.Generator, teeth: int) -> dict[str, Any]:
+    return {
+        "basic_rack.addendum": rng.uniform(0.8, 1.0),
+        "pinion.pressure_angle": np.deg2rad(rng.uniform(17, 25)),
+        "pinion.face_width": rng.uniform(8e-3, 20e-3),
+        "pinion.runout": _seldom(rng, 0.3, rng.uniform(0, 60e-6)),
+        "pinion.tip_relief": _seldom(rng, 0.2, rng.uniform(0, 20e-6)),
+        "pinion.crowning": _seldom(rng, 0.2, rng.uniform(0, 10e-6)),
+        "rack.tooth_angle": np.deg2rad(rng.uniform(-5, 15)),
+        "installation.angle_error": _seldom(rng, 0.25, np.deg2rad(rng.uniform(-1, 1))),
+        "installation.axis_offset": _seldom(rng, 0.2, rng.uniform(-1e-4, 1e-4)),
+        "yoke.preload": _log(rng, 30, 900),
+        "yoke.friction": rng.uniform(0.02, 0.25),
+        "yoke.clearance": rng.uniform(0, 1e-4),
+        "yoke.seat_stiffness": _log(rng, 1e7, 1e9),
+        "mesh.friction": rng.uniform(0.02, 0.25),
+        "mesh.stiffness": _log(rng, 1e12, 5e14),
+        "mesh.damping": _seldom(rng, 0.3, _log(rng, 1e-6, 3e-3)),
+        "bush.drag": rng.uniform(5, 60),
+        "bush.segments": int(np.round(_log(rng, 1, 40))),
+        "bush.youngs_modulus": _log(rng, 3e7, 1e10),
+        "test.speed": _log(rng, 0.5, 300) * np.pi / 30,
+        "test.turns": float(rng.choice([1.0, 0.5, 0.2])) / teeth,
+        "test.direction": int(rng.choice([-1, 1])),
+        "test.load_mass": _log(rng, 1, 60),
+    }
+
+
+def _drawn_choices(rng: np.random.Generator, solver: str) -> dict[str, Any]:
+    return {
+        "solver": solver,
+        "step_angle": np.deg2rad(_log(rng, 0.1, 20)),
+        "zone_ratio": _log(rng, 0.01, 1) if rng.random() < 0.3 else 0.1,
+        "yoke": "body",
+        "rack": str(rng.choice(["free", "guided"], p=[0.9, 0.1])),
+    }
 
 
 # --- one plan, in the child -------------------------------------------------------------------------
 def outcome_of(number: int) -> dict[str, Any]:
-    """What becomes of a plan, and of its reference."""
-    from rps_exudyn.simulate.run import unguarded
-
+    """Outcome of a plan, and its error."""
     (plan, text), start = plan_of(number), perf_counter()
-    refused = _refusal(plan)
+    refusal = "; ".join(refused(plan.gear, plan.fidelity, steady=scene_named(plan.scene).steady))
+    found: dict[str, Any] = {"refused": refusal, "plan": text}
     try:
-        result = unguarded(plan.scene, plan.gear, plan.fidelity)
+        result = run_unchecked(plan.scene, plan.gear, plan.fidelity)
     except InputError as error:
-        return {"status": "input-error", "message": str(error), "plan": text, "refused": refused}
-    seconds = perf_counter() - start
-    told = {"status": result.status.value, "message": result.message, "refused": refused, "plan": text}
-    return told | {"seconds": seconds} | _error(plan, result)
+        return found | {"status": "input-error", "message": str(error)}
+    found |= {"status": result.status.value, "message": result.message, "seconds": perf_counter() - start}
+    return found | _error(plan, result)
 
 
-def _error(plan: Plan, result: Result) -> dict[str, Any]:
-    """Of its figure; a run that is not ok is held against equilibria alone.
+def _error(plan: ScenePlan, result: Result) -> dict[str, Any]:
+    """Error of its figure; a run that is not ok is compared with equilibria alone.
 
-    Where no reference is sound itself, teeth deeper than their law for instance, one that nobody judged is
-    better than none, and the verdict says so.
+    Where no reference is ok itself, teeth deeper than their law for instance, an unchecked one is better than
+    none, and the verdict says so.
     """
     value, sound = plan.figure(result), result.status is Status.OK
     if not result.summary:
         return {"error": float("nan")}
     error = error_of(value, reference(plan, value, REFERENCES if sound else REFERENCES[:2]))
     if sound and error != error:
-        finer = Plan(plan.scene, plan.gear, plan.fidelity.replace(REFERENCES[2]))
+        finer = ScenePlan(plan.scene, plan.gear, plan.fidelity.replace(REFERENCES[2]))
         return {"error": error_of(value, plan.figure(unchecked(finer))), "reference": "not sound"}
     return {"error": error}
 
 
-def _refusal(plan: Plan) -> str:
-    from rps_exudyn.checks.before_run import refused
-
-    return "; ".join(refused(plan.scene, plan.gear, plan.fidelity))
-
-
 def warm_up() -> None:
     """Load or compile every kernel, which is on no plan's clock."""
-    from rps_exudyn.simulate.run import unguarded
-
+    gear = SteeringGear().replace({"test.turns": 0.01})
+    models: list[dict[str, Any]] = [
+        {"solver": solver, "mesh": mesh}
+        for solver in ("equilibrium", "generalized-alpha")
+        for mesh in ("flank", "flank-generators")
+    ]
+    models += [{"bush": "chain"}, {"mesh": "general-contact", "profile_samples": 8}]
     for scene in SCENES:
-        gear = SteeringGear().replace({"test.turns": 0.01})
-        for solver in ("equilibrium", "generalized-alpha"):
-            for mesh in ("flank", "flank-generators"):
-                unguarded(scene, gear, Fidelity().replace({"solver": solver, "mesh": mesh}))
-        unguarded(scene, gear, Fidelity().replace({"bush": "chain"}))
-        unguarded(scene, gear, Fidelity().replace({"mesh": "general-contact", "profile_samples": 8}))
+        for choices in models:
+            run_unchecked(scene, gear, Fidelity().replace(choices))
 
 
 def child(pipe: multiprocessing.connection.Connection) -> None:
+    """Do plans by their numbers, as the parent sends them."""
     warm_up()
     while True:
-        number = pipe.recv()
+        try:
+            number = pipe.recv()
+        except EOFError:  # the parent has ended
+            return
         pipe.send("begun")
         try:
             pipe.send(outcome_of(number))
@@ -181,18 +192,18 @@ def child(pipe: multiprocessing.connection.Connection) -> None:
 class Child:
     """A process that does plans, killed and started again when one is out of time."""
 
-    def __init__(self, work: Callable[[Any], None] = child) -> None:
-        self._work = work
+    def __init__(self) -> None:
         self._start()
 
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")
         self.pipe, other = context.Pipe()
-        self.process = context.Process(target=self._work, args=(other,), daemon=True)
+        self.process = context.Process(target=child, args=(other,), daemon=True)
         self.process.start()
         other.close()
 
     def do(self, number: int, limit: float) -> dict[str, Any]:
+        """Outcome of a plan, or that it took longer than the limit [s] or ended its process."""
         self.pipe.send(number)
         try:
             self.pipe.recv()
@@ -207,16 +218,8 @@ class Child:
         return {"status": status, "message": message}
 
 
-def stands(row: dict[str, Any]) -> bool:
-    """Whether no change of checks or least steps concerns a row: right in eight steps or more, or failed."""
-    drawn = json.loads(row["plan"])
-    steps = np.ceil(2 * np.pi * drawn["test.turns"] / drawn["step_angle"])
-    told = ("no-convergence", "diverged", "timeout", "contact-lost")
-    return (row["verdict"] == "right" and steps >= 8) or row["verdict"] in told
-
-
 def verdict(row: dict[str, Any]) -> str:
-    """right, refused rightly or for nothing, failed, wrong and told, or silently wrong."""
+    """Whether a plan was right, refused rightly or not, failed, or was silently wrong."""
     if row["status"] == "input-error":
         return "wrong input"
     error = row.get("error", float("nan"))
@@ -231,32 +234,20 @@ def verdict(row: dict[str, Any]) -> str:
     return f"{row['status']}, was right" if row["status"] == "invalid" and right else row["status"]
 
 
-def main() -> None:
-    parser = ArgumentParser(description=__doc__)
-    parser.add_argument("plans", type=int)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--out", type=Path)
-    parser.add_argument("--again", type=Path, help="a table whose plans that are not simply right are redone")
-    asked = parser.parse_args()
-    known = {int(row["number"]): row for row in csv.DictReader(asked.again.open())} if asked.again else {}
+def run(folder: Path, plans: int = 1000, first: int = 0) -> None:
+    """Run these plans, one after the other in a process of their own."""
     worker, rows = Child(), []
-    for number in range(asked.first, asked.first + asked.plans):
-        if known and number not in known:
-            continue
-        if known and stands(known[number]):
-            rows.append(known[number])
-            continue
-        row = worker.do(number, TIME_LIMIT + 10)  # with the reference
-        row = {"number": number, "plan": plan_of(number)[1], "error": float("nan"), "refused": ""} | row
+    for number in range(first, first + plans):
+        defaults = {"number": number, "plan": plan_of(number)[1], "error": float("nan"), "refused": ""}
+        row: dict[str, Any] = defaults | worker.do(number, TIME_LIMIT + 10)  # with the reference
         rows.append(row | {"verdict": verdict(row)})
-        if rows[-1]["verdict"].isupper() or asked.plans == 1:
+        if verdict(row).isupper():
             print({name: rows[-1].get(name) for name in COLUMNS}, flush=True)
-        if asked.out:
-            write(rows, asked.out)
-    print(json.dumps(Counter(row["verdict"] for row in rows), indent=1), file=sys.stderr)
+        write(rows, folder / DATA)
 
 
 def write(rows: list[dict[str, Any]], path: Path) -> None:
+    """Write all plans as a table."""
     with path.open("w", newline="") as file:
         table = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator="\n")
         table.writeheader()
@@ -266,5 +257,21 @@ def write(rows: list[dict[str, Any]], path: Path) -> None:
         )
 
 
-if __name__ == "__main__":
-    main()
+def verdicts_table(folder: Path) -> str:
+    """Verdicts of all plans."""
+    with (folder / DATA).open(newline="") as file:
+        verdicts = Counter(row["verdict"] for row in csv.DictReader(file))
+    rows = [("all", verdicts.total()), *verdicts.most_common()]
+    return markdown(
+        ("random plans", "number"), [*rows, ("**silently wrong**", f"**{verdicts['SILENTLY WRONG']}**")]
+    )
+
+
+TOPIC = Topic(
+    "1000 random plans compared with references: right, refused, failed, silently wrong",
+    "1 h",
+    "stability",
+    run,
+    {"plans": 1},
+    {"random_plans": verdicts_table},
+)

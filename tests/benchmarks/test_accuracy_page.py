@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rps_exudyn.base.errors import InputError
+from benchmarks.accuracy_speed.page import front_of, write_accuracy_page
+from benchmarks.accuracy_speed.tables import LIMITS, scaling_rows
+from benchmarks.topic import save_data
 from rps_exudyn.parameters.fidelity import Fidelity
-from benchmarks.accuracy_speed.page import front_of, write_accuracy_report
 from rps_exudyn.verification.convergence import fitted_orders
-from rps_exudyn.verification.law_and_scaling import Limits, load_limits
 from rps_exudyn.verification.measurement import Measurement, Point, load_measurement
 from rps_exudyn.verification.work_precision import Curve, Reference
 
@@ -42,15 +42,15 @@ def stopped() -> Measurement:
     return Measurement("free-pinion-torque", reference, points, planned, {"date": "today"})
 
 
-def test_a_stopped_study_is_told_and_the_rest_shown(stopped: Measurement, tmp_path: Path) -> None:
+def test_a_stopped_measurement_is_shown_and_says_so(stopped: Measurement, tmp_path: Path) -> None:
     stopped.orders = fitted_orders(stopped)
     stopped.save(tmp_path / "free-pinion-torque.h5")
-    write_accuracy_report(tmp_path, tmp_path / "report.html")
+    write_accuracy_page(tmp_path, tmp_path / "report.html")
     page = (tmp_path / "report.html").read_text()
     assert "unfinished: 1 of 5 points are missing (1 of quasi_static)" in page
     assert "&lt;no equilibrium&gt;" in page
-    assert "python studies/accuracy_speed.py --scene reversal" in page
-    assert "Nothing was measured: python studies/accuracy_limits.py" in page
+    assert "Nothing was measured: python benchmarks/make.py accuracy_speed" in page
+    assert "Nothing was measured: python benchmarks/make.py law_and_scaling" in page
     assert "one - another" in page
     assert "mathdefault" not in page
     assert page.count("<svg") == 1
@@ -65,7 +65,7 @@ def test_orders_are_fitted_and_kept(stopped: Measurement, tmp_path: Path) -> Non
     assert load_measurement(tmp_path / "a.h5").orders == stopped.orders
 
 
-def test_too_few_points_tell_no_order(stopped: Measurement) -> None:
+def test_too_few_points_give_no_order(stopped: Measurement) -> None:
     del stopped.points[0]
     assert [np.isnan(each.observed) for each in fitted_orders(stopped)] == [True, True]
     stopped.scene = "reversal"
@@ -79,14 +79,15 @@ def test_front_is_sorted_by_cost(stopped: Measurement) -> None:
     assert len(front_of(sound, 10.0)) == 1  # below the floor nothing is more exact
 
 
-def test_limits_are_kept(tmp_path: Path) -> None:
-    angle = np.linspace(0, 1, 5)
-    size = np.array([1.0, 2, 4])
-    limits = Limits(angle, {"law": 1 + angle}, "law", [(0.1, 0.0)], {"turns": (size, 0.1 * size**2)})
-    limits.save(tmp_path)
-    assert load_limits(tmp_path).exponents == [pytest.approx(2.0)]
-    write_accuracy_report(tmp_path, tmp_path / "report.html")
+def test_contact_laws_and_scaling_are_drawn(tmp_path: Path) -> None:
+    content = {
+        "angle": [0.0, 0.5, 1.0],
+        "torques": {"law": [1.0, 1.5, 2.0]},
+        "default": "law",
+        "zones": [[0.1, 0.0]],
+        "scaling": {"turns": [[1, 2, 4], [0.1, 0.4, 1.6]]},
+    }
+    save_data(tmp_path / LIMITS, content)
+    assert scaling_rows(content) == [("turns", "1 to 4", "0.1 to 1.6", "2.00")]
+    write_accuracy_page(tmp_path, tmp_path / "report.html")
     assert (tmp_path / "report.html").read_text().count("<svg") == 2
-    (tmp_path / "limits.json").write_text("{}")
-    with pytest.raises(InputError, match=r"limits\.json is no file of"):
-        load_limits(tmp_path)

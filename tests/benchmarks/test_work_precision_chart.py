@@ -6,9 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.verification.measurement import Measurement, Point, load_measurement
-from rps_exudyn.verification.work_precision import Curve, Reference
 from benchmarks.accuracy_speed.chart import (
     draw_law_band,
     draw_scaling,
@@ -16,6 +13,9 @@ from benchmarks.accuracy_speed.chart import (
     unfinished,
     work_precision_figure,
 )
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.verification.measurement import Measurement, Point, load_measurement
+from rps_exudyn.verification.work_precision import Curve, Reference
 
 
 def point(label: str, cost: float, rms: float, status: str = "ok") -> Point:

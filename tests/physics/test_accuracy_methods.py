@@ -1,4 +1,4 @@
-"""Witnesses of the accuracy study: methods of little in common that must agree, and facets that must not."""
+"""Methods that have little in common must agree; facets of the pinion must not."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.verification.faceted import faceted_run, largest_deviation, meshed, shaped, spheres
 from rps_exudyn.verification.flywheel import explicit_run
-from rps_exudyn.verification.references import as_run, by_generators, by_strips, moving, slowly, reference_of
+from rps_exudyn.verification.references import as_run, by_generators, by_strips, moving, reference_of, slowly
 
 GEAR = SteeringGear()
 PITCH = GEAR.replace({"test.turns": 1 / 6})
@@ -19,7 +19,7 @@ PITCH = GEAR.replace({"test.turns": 1 / 6})
 def test_reversal_by_generators_by_strips_and_in_motion() -> None:
     """Without the inertia, or with 4 points on a generator, they differ three times as much."""
     gear, step = GEAR.replace({"test.amplitude": "15 deg"}), "0.05 deg"
-    truth = reference_of(
+    reference = reference_of(
         "reversal",
         gear,
         {
@@ -29,7 +29,7 @@ def test_reversal_by_generators_by_strips_and_in_motion() -> None:
             "massless": as_run(by_strips(step)),
         },
     )
-    differences = truth.headline.differences
+    differences = reference.headline.differences
     assert differences["generators - strips"] < 0.01
     assert differences["strips - moving"] < 0.03
     assert differences["moving - massless"] > 2 * differences["strips - moving"]
@@ -41,8 +41,8 @@ def test_exudyns_explicit_solvers_turn_the_gear_alike(solver: str) -> None:
     known = as_run(by_strips("0.5 deg"))("free-pinion-torque", gear)[0]
     run = explicit_run(gear, Fidelity.preset("flank"), solver, 30e-6)
     assert run.ok, run.outcome.message
-    there = np.interp(known["pinion_angle"], run.signals["pinion_angle"], run.signals["pinion_torque"])
-    assert there == pytest.approx(known["pinion_torque"], rel=5e-4)
+    torque = np.interp(known["pinion_angle"], run.signals["pinion_angle"], run.signals["pinion_torque"])
+    assert torque == pytest.approx(known["pinion_torque"], rel=5e-4)
     turned = run.signals["pinion_angle"][-1] - run.signals["pinion_angle"][0]
     assert turned / run.signals["time"][-1] == pytest.approx(gear.test.speed, rel=1e-6)
 

@@ -19,7 +19,7 @@ REFERENCE = Fidelity.preset("quasi-static").replace({"step_angle": "0.25 deg", *
 
 
 @pytest.fixture(scope="module")
-def validated() -> list[tuple[SteeringGear, Reference]]:
+def measured() -> list[tuple[SteeringGear, Reference]]:
     """The first twenty random gears that run within the promise's scope, and their converged torque."""
     found = []
     for gear in random_gears(SEED, 2 * GEARS):
@@ -34,10 +34,10 @@ def validated() -> list[tuple[SteeringGear, Reference]]:
 
 @pytest.mark.parametrize("wanted", [1.0, 0.1])
 def test_at_least_nineteen_of_twenty_gears_are_as_exact_as_promised(
-    judged: list[tuple[SteeringGear, Reference]], wanted: float
+    measured: list[tuple[SteeringGear, Reference]], wanted: float
 ) -> None:
     errors = []
-    for gear, reference in judged:
+    for gear, reference in measured:
         fidelity = choose(SCENE, gear, wanted).fidelity
         run = run_scene(SCENE, gear, fidelity)
         curve = curve_of(SCENE, run.signals, gear, fidelity)
@@ -47,15 +47,15 @@ def test_at_least_nineteen_of_twenty_gears_are_as_exact_as_promised(
 
 
 def test_a_reversals_promise_holds_as_well() -> None:
-    """Held against equilibria with the inertia of the swing."""
+    """Compared with equilibria with the inertia of the swing."""
     wanted, errors = 1.5, []
     for gear in random_gears(SEED, 8):
-        truth = slow_swing(gear, by_strips("0.05 deg"))
-        if not truth.ok or beyond_promise(gear, truth.signals):
+        slow = slow_swing(gear, by_strips("0.05 deg"))
+        if not slow.ok or beyond_promise(gear, slow.signals):
             continue
         fidelity = choose("reversal", gear, wanted).fidelity
         run = run_scene("reversal", gear, fidelity)
-        reference = Reference(curve_of("reversal", truth.signals, gear, by_strips("0.05 deg")), 0.0, {})
+        reference = Reference(curve_of("reversal", slow.signals, gear, by_strips("0.05 deg")), 0.0, {})
         curve = curve_of("reversal", run.signals, gear, fidelity) if run.ok else None
         errors.append(curve_errors(curve, reference).either_way if curve else np.inf)
     assert len(errors) >= 4

@@ -11,7 +11,6 @@ from rps_exudyn.verification.work_precision import (
     observed_order,
     pareto_front,
     power_law,
-    richardson,
 )
 
 TURN = 2 * np.pi
@@ -49,15 +48,15 @@ def test_straight_lines_between_few_points_cost_what_theory_says() -> None:
     assert found.either_way == found.rms_linear > found.rms
 
 
-def test_part_of_the_motion_is_held_against_that_part() -> None:
+def test_part_of_the_motion_is_compared_with_that_part() -> None:
     pitch = Curve(*(values[:121] for values in (torque(720).time, torque(720).values)))
     assert curve_errors(pitch, FINE).rms < 1e-3
 
 
-def test_joined_trips_are_compared_piece_by_piece() -> None:
+def test_joined_maneuvers_are_compared_piece_by_piece() -> None:
     def joined(steps: int) -> Curve:
-        there = torque(steps)
-        return Curve(np.tile(there.time, 2), np.concatenate([there.values, -there.values]))
+        forth = torque(steps)
+        return Curve(np.tile(forth.time, 2), np.concatenate([forth.values, -forth.values]))
 
     reference = agreed_reference({"fine": joined(3600), "other": joined(1800)})
     assert reference.uncertainty < 1e-6
@@ -72,14 +71,6 @@ def test_a_reference_is_as_good_as_the_agreement_of_its_methods() -> None:
     assert reference.differences["a - b"] == pytest.approx(0.1, rel=1e-2)
     with pytest.raises(ValueError, match="two methods"):
         agreed_reference({"alone": torque(720)})
-
-
-def test_richardson_takes_a_second_order_error_away() -> None:
-    def method(step: float) -> Curve:
-        return torque(720, mean=2.0 + step**2)
-
-    found = richardson(method(0.2), method(0.1), ratio=2, order=2)
-    assert found.values.mean() == pytest.approx(torque(720).values.mean(), abs=1e-12)
 
 
 def test_order_is_fitted_above_the_floor_only() -> None:

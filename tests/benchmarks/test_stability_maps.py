@@ -1,0 +1,29 @@
+"""Cells of stability maps, computed live: what is wrong without checks is flagged by them."""
+
+import pytest
+
+from bad_cases import bad_cases
+from benchmarks.stability.maps import cell_and_flag
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.verification.stability import STILL, STRIP, Cell, ScenePlan
+
+REFERENCE = (STILL | STRIP,)
+CASES = bad_cases()
+
+
+def test_a_sound_plan_is_right_and_not_flagged() -> None:
+    plan = ScenePlan("free-pinion-torque", SteeringGear().replace({"test.turns": 1 / 6}), Fidelity())
+    assert cell_and_flag(plan, REFERENCE) == (Cell.RIGHT, False)
+
+
+@pytest.mark.parametrize("name", ["4 x 4 spheres on stiff teeth", "two samples of 60 um runout per turn"])
+def test_a_wrong_plan_is_flagged(name: str) -> None:
+    cell, flagged = cell_and_flag(CASES[name].plan, REFERENCE)
+    assert cell in (Cell.WRONG, Cell.INACCURATE)
+    assert flagged
+
+
+def test_a_plan_that_fails_says_so() -> None:
+    cell, _ = cell_and_flag(CASES["random 1-85"].plan, REFERENCE)
+    assert cell is Cell.FAILED
