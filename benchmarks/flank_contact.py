@@ -15,7 +15,7 @@ import numba
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from benchmarks.topic import Topic, load_data, markdown, save_data
+from benchmarks.topic import Topic, digits, load_data, markdown, save_data
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.flank_contact import flank_contact
 from rps_exudyn.mesh_contact.flank_data import FlankData, pack
@@ -133,7 +133,7 @@ def table(kind: str) -> Callable[[Path], str]:
 
     def content(folder: Path) -> str:
         rows = [
-            (name, *("-" if each is None else f"{each:.2g}" for each in numbers))
+            (name, *("-" if each is None else digits(each) for each in numbers))
             for name, *numbers in load_data(folder / DATA)[kind]
         ]
         return markdown((first, "us per evaluation", "torque RMS %", "wrench, largest %"), rows)

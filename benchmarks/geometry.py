@@ -5,7 +5,7 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
-from benchmarks.topic import Topic, load_data, markdown, save_data
+from benchmarks.topic import Topic, digits, load_data, markdown, save_data
 from rps_exudyn.charts.geometry import draw_geometry
 from rps_exudyn.gears.deviation import flank_deviation
 from rps_exudyn.gears.gear_pair import GearPair
@@ -102,7 +102,7 @@ def meshes_table(folder: Path) -> str:
 
 def costs_table(folder: Path) -> str:
     """Other work on a gear."""
-    rows = [(name, f"{1e3 * seconds:.2g}") for name, seconds in load_data(folder / DATA)["cpu_s"].items()]
+    rows = [(name, digits(1e3 * seconds)) for name, seconds in load_data(folder / DATA)["cpu_s"].items()]
     return markdown(("work", "CPU ms"), rows)
 
 

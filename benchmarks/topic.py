@@ -34,6 +34,11 @@ def markdown(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines)
 
 
+def digits(value: float, count: int = 2) -> str:
+    """A number to so many significant digits, without exponent: 152 -> "150"."""
+    return f"{float(f'{value:.{count}g}'):.12g}"
+
+
 def save_data(path: Path, content: Mapping[str, Any]) -> None:
     """Write a JSON data file with the provenance of this run.
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.topic import markdown
+from benchmarks.topic import digits, markdown
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.verification.measurement import Measurement, Point, load_measurement
 from rps_exudyn.verification.work_precision import power_law
@@ -70,7 +70,7 @@ def models_table(folder: Path) -> str:
 
 def _model(point: Point) -> tuple[str, ...]:
     if not point.ok:
-        return (point.family, point.label, f"{point.cost:.2g}", point.status, *[""] * 4)
+        return (point.family, point.label, digits(point.cost), point.status, *[""] * 4)
     errors = f"{point.error:.2g}", f"{point.bias:+.2g}"
     return (
         point.family,
@@ -83,7 +83,7 @@ def _model(point: Point) -> tuple[str, ...]:
 
 def number(value: float) -> str:
     """A counter, nothing where there is none."""
-    return f"{value:.4g}" if np.isfinite(value) else ""
+    return f"{value:.0f}" if np.isfinite(value) else ""
 
 
 def cheapest(points: Iterable[Point], family: str, error: float) -> Point | None:
@@ -105,7 +105,7 @@ def cheapest_table(folder: Path) -> str:
 
 
 def _time(seconds: float) -> str:
-    return f"{1e3 * seconds:.2g} ms" if seconds < 1 else f"{seconds:.2g} s"
+    return f"{digits(1e3 * seconds)} ms" if seconds < 1 else f"{digits(seconds)} s"
 
 
 def scenes_table(folder: Path) -> str:
