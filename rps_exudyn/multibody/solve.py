@@ -50,7 +50,7 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
     start = process_time()
     message, cause = "", None
     try:
-        with _silent():
+        with silent():
             finished = bool(
                 mbs.SolveDynamic(_settings(plan), solverType=exu.DynamicSolverType.GeneralizedAlpha)
             )
@@ -90,7 +90,7 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
 
 
 @contextmanager
-def _silent() -> Iterator[None]:
+def silent() -> Iterator[None]:
     """Keep Exudyn off the console: the outcome says what a failure means."""
     import exudyn as exu
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from rps_exudyn.checks.after_run import validated
 from rps_exudyn.multibody.model import build_model
-from rps_exudyn.multibody.solve import LARGEST_STATE, _silent
+from rps_exudyn.multibody.solve import LARGEST_STATE, silent
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -25,14 +25,14 @@ from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.record import Record, signals_of
 
 STAGES = {"ExplicitEuler": 1, "VelocityVerlet": 1, "ExplicitMidpoint": 2, "RK44": 4}
-"""Solver of Exudyn -> evaluations of the forces in a step."""
+"""Solver of Exudyn -> force evaluations in a step."""
 
 FLYWHEEL = 1e6  # [kg m^2]
 KEPT = np.deg2rad(0.2)  # pinion angle between two records
 
 
 def explicit_run(gear: SteeringGear, fidelity: Fidelity, solver: str, step: float) -> SceneRun:
-    """One way from the test's start, in steps of `step` [s]; a run that blew up says so."""
+    """Run one way from the test's start, in steps of `step` [s]; a run that blew up says so."""
     maneuver = maneuvers_of_test(gear, "pinion", fidelity.step_angle)[0]
     model = build_model(gear, fidelity, maneuver.drive, settling=maneuver.settling_time)
     _drive_by_flywheel(model)
@@ -76,7 +76,7 @@ def _drive_by_flywheel(model: SteeringModel) -> None:
 
 
 def _integrate(model: SteeringModel, solver: str, end: float, steps: int) -> str:
-    """Why it failed, if Exudyn says so."""
+    """Integrate, and return why it failed if Exudyn says so."""
     import exudyn as exu
 
     settings = exu.SimulationSettings()
@@ -86,7 +86,7 @@ def _integrate(model: SteeringModel, solver: str, end: float, steps: int) -> str
     settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = end, steps
     settings.timeIntegration.verboseMode = 0
     try:
-        with _silent():
+        with silent():
             model.mbs.SolveDynamic(settings, solverType=getattr(exu.DynamicSolverType, solver))
     except exu.ExudynError as error:
         return str(error).splitlines()[0]
@@ -94,7 +94,7 @@ def _integrate(model: SteeringModel, solver: str, end: float, steps: int) -> str
 
 
 class _Kept:
-    """Every so many steps of the motion."""
+    """Keeps every n-th step; `Recorder` would read the drive's constraint, which holds nothing here."""
 
     def __init__(self, model: SteeringModel, every: int) -> None:
         self.model, self.every, self.step = model, every, 0
@@ -121,5 +121,5 @@ class _Kept:
         force, data = model.forces.dynamics
         column = model.drive.coordinate
         torque = [-model.drive.sign * force(q, v, data)[column] for q, v in zip(places, rates, strict=True)]
-        time, still = np.array(self.time), np.zeros(len(self.time))
-        return Record(model.forces.elements, time, places, rates, np.array(torque), "pinion", still)
+        time, no_energy = np.array(self.time), np.zeros(len(self.time))
+        return Record(model.forces.elements, time, places, rates, np.array(torque), "pinion", no_energy)

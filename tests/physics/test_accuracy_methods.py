@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.mesh_contact.spheres import SIDES, flank_triangle
+from rps_exudyn.mesh_contact.spheres import SIDES
+from rps_exudyn.multibody.general_contact import flank_triangle
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status

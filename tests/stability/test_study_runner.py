@@ -136,7 +136,7 @@ def test_ctrl_c_stops_at_once_and_keeps_what_is_done(tmp_path: Path, monkeypatch
 def test_killed_at_random_moments_it_ends_as_if_undisturbed(
     command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """SIGKILL of runner and workers in turn; studies/bench_studies.py does it with real simulations."""
+    """SIGKILL of runner and workers in turn; benchmarks/study_runner.py does it with real simulations."""
     preloads = [*range(100, 140), *range(911, 931)]
     whole = write_grid(tmp_path / "whole.toml", *preloads)
     command(["study", str(whole), "--jobs", "2"])
