@@ -7,7 +7,6 @@ measurement is drawn with its points, and says what is missing.
 from collections import Counter
 from collections.abc import Mapping
 from itertools import cycle
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,15 +36,6 @@ STYLES = {
 """Colour and marker of each family, the same in all figures."""
 
 WANTED = (1.0, 0.1)  # [%]
-
-
-def draw_work_precision(measurement: Measurement, path: str | Path) -> None:
-    """Draw it and write the picture.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
-    style.save(work_precision_figure(measurement), path)
 
 
 def work_precision_figure(measurement: Measurement) -> Figure:
@@ -146,17 +136,8 @@ def _draw_floor(axes: Axes, floor: float) -> None:
 
 
 # --- cost against size -----------------------------------------------------------------------------
-def draw_scaling(measured: Mapping[str, tuple[np.ndarray, np.ndarray]], path: str | Path) -> None:
-    """Cost over size of each problem, sizes and CPU seconds (n,), with the exponent fitted to them.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
-    style.save(scaling_figure(measured), path)
-
-
 def scaling_figure(measured: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Figure:
-    """Cost over size, both axes in decades."""
+    """Cost over size of each problem, sizes and CPU seconds (n,), with the exponent fitted to them."""
     figure, (axes,) = style.panels([4.6], 9.0)
     _in_decades(axes)
     for colour, (name, (size, cost)) in zip(cycle(style.SEVERAL), measured.items(), strict=False):
@@ -171,21 +152,11 @@ def scaling_figure(measured: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Fig
 
 
 # --- the contact law's own uncertainty -------------------------------------------------------------
-def draw_law_band(
-    angle: np.ndarray, torques: Mapping[str, np.ndarray], default: str, path: str | Path
-) -> None:
-    """Torque over the angle [rad] by each law, shape (n,), and the band between the extremes.
+def law_band_figure(angle: np.ndarray, torques: Mapping[str, np.ndarray], default: str) -> Figure:
+    """Torque over the angle [rad] by each law, (n,), and the grey band between the extremes.
 
     `default` is the name of the law around which 1 % is drawn: what a numerical error of 1 % would be.
-
-    Raises:
-        InputError: the file cannot be written.
     """
-    style.save(law_band_figure(angle, torques, default), path)
-
-
-def law_band_figure(angle: np.ndarray, torques: Mapping[str, np.ndarray], default: str) -> Figure:
-    """Torques by every law, and the grey band between the extremes."""
     figure, (axes,) = style.panels([4.2], 9.0)
     degrees = SIGNALS["pinion_angle"].displayed(angle)
     quantity = SIGNALS["pinion_torque"]

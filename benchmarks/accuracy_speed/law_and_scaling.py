@@ -10,10 +10,10 @@ from time import process_time
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from benchmarks.accuracy_speed.chart import draw_law_band, draw_scaling
-from benchmarks.accuracy_speed.page import write_accuracy_page
+from benchmarks.accuracy_speed.chart import law_band_figure, scaling_figure
 from benchmarks.accuracy_speed.tables import LAW_HEAD, LIMITS, SCALING_HEAD, law_rows, scaling_rows
 from benchmarks.topic import Topic, load_data, markdown, save_data
+from rps_exudyn.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.verification.measurement import Measurement, load_measurement
@@ -58,8 +58,8 @@ def run(
         **of_turns(turns),
         **of_cases(cases),
     }
-    draw_law_band(angle, torques, DEFAULT, folder / "contact_law.png")
-    draw_scaling(series, folder / "scaling.png")
+    style.save(law_band_figure(angle, torques, DEFAULT), folder / "contact_law.png")
+    style.save(scaling_figure(series), folder / "scaling.png")
     content = {
         "angle": np.round(angle, 6).tolist(),
         "torques": {name: np.round(values, 7).tolist() for name, values in torques.items()},
@@ -68,7 +68,6 @@ def run(
         "scaling": {name: [size.tolist(), cost.tolist()] for name, (size, cost) in series.items()},
     }
     save_data(folder / LIMITS, content)
-    write_accuracy_page(folder, folder / "report.html")
 
 
 def torque(angle: np.ndarray, gear: dict[str, object], model: dict[str, object]) -> np.ndarray:

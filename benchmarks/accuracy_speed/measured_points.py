@@ -12,11 +12,11 @@ from functools import cache, partial
 from pathlib import Path
 from types import MappingProxyType
 
-from benchmarks.accuracy_speed.chart import draw_work_precision
-from benchmarks.accuracy_speed.page import write_accuracy_page
+from benchmarks.accuracy_speed.chart import work_precision_figure
 from benchmarks.accuracy_speed.tables import TABLES
 from benchmarks.topic import Topic
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
@@ -76,7 +76,7 @@ def run(
     methods: Mapping[str, Method] | None = None,
     repeats: Mapping[str, int] = MappingProxyType(REPEATS),
 ) -> None:
-    """Measure the points of these plans, scene by scene, and write their files, charts and the page.
+    """Measure the points of these plans, scene by scene, and write their files and charts.
 
     `thinned` takes points out of a plan; `methods` of the reference are by default those of the scene;
     `repeats` of a point are 3 for other scenes.
@@ -85,7 +85,6 @@ def run(
         planned = list(points_of(scene, plans, thinned))
         reference = reference_of(scene, SteeringGear(), methods)
         measure_scene(planned, reference, folder, repeats.get(scene, 3))
-    write_accuracy_page(folder, folder / "report.html")
 
 
 def measure_scene(
@@ -109,7 +108,7 @@ def measure_scene(
         measurement.save(file)
     measurement.orders = fitted_orders(measurement)
     measurement.save(file)
-    draw_work_precision(measurement, file.with_suffix(".png"))
+    style.save(work_precision_figure(measurement), file.with_suffix(".png"))
 
 
 def stored(file: Path) -> list[Point]:

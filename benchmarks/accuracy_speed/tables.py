@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.topic import digits, markdown
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.verification.measurement import Measurement, Point, load_measurement
-from rps_exudyn.verification.work_precision import power_law
+from rps_exudyn.verification.work_precision import pareto_front, power_law
 
 TORQUE = "free-pinion-torque"
 LIMITS = "limits.json"
@@ -120,6 +120,42 @@ def scenes_table(folder: Path) -> str:
     return markdown(("scene", "reference known to", "1 % by quasi-static / flank", "0.1 %"), rows)
 
 
+def fronts_table(folder: Path) -> str:
+    """The Pareto front of all families of each scene."""
+    rows = [
+        (
+            each.scene,
+            point.family,
+            point.label,
+            f"{point.error:.2g} %",
+            f"{point.bias:+.2g} %",
+            _time(point.cost),
+        )
+        for each in measured(folder)
+        for point in front_of(each)
+    ]
+    return markdown(("scene", "family", "settings", "error", "of the mean", "CPU time"), rows)
+
+
+def front_of(measurement: Measurement) -> list[Point]:
+    """Points that no other beats in both cost and error, cheapest first; below the floor all are alike."""
+    points = [point for point in measurement.points if point.ok and np.isfinite(point.error)]
+    error = np.maximum([point.error for point in points], measurement.reference.uncertainty)
+    best = pareto_front(np.array([point.cost for point in points]), error)
+    return sorted((p for p, one in zip(points, best, strict=True) if one), key=lambda point: point.cost)
+
+
+def failures_table(folder: Path) -> str:
+    """Points that failed: how many of each kind, and the first of them."""
+    kinds: dict[tuple[str, ...], list[Point]] = {}
+    for each in measured(folder):
+        for point in each.points:
+            if not point.ok:
+                kinds.setdefault((each.scene, point.family, point.status), []).append(point)
+    rows = [(*kind, len(found), found[0].label, found[0].message) for kind, found in kinds.items()]
+    return markdown(("scene", "family", "outcome", "points", "first of them", "message"), rows)
+
+
 def references_table(folder: Path) -> str:
     """Largest differences of the methods behind each reference."""
     rows = [
@@ -208,6 +244,8 @@ TABLES = {
     "models": models_table,
     "cheapest": cheapest_table,
     "accuracy_scenes": scenes_table,
+    "fronts": fronts_table,
+    "failures": failures_table,
     "references": references_table,
     "orders": orders_table,
     "explicit_solvers": explicit_table,

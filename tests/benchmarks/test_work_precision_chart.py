@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from benchmarks.accuracy_speed.chart import (
-    draw_law_band,
-    draw_scaling,
-    draw_work_precision,
+    law_band_figure,
+    scaling_figure,
     unfinished,
     work_precision_figure,
 )
+from rps_exudyn.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.verification.measurement import Measurement, Point, load_measurement
 from rps_exudyn.verification.work_precision import Curve, Reference
@@ -40,13 +40,13 @@ def test_a_stopped_study_is_drawn_and_says_what_is_missing(stopped: Measurement,
     assert axes.get_title(loc="left") == sentence
     labels = axes.get_legend_handles_labels()[1]
     assert {"quasi-static", "failed", "default of a preset"} <= set(labels)
-    draw_work_precision(stopped, tmp_path / "chart.png")
+    style.save(work_precision_figure(stopped), tmp_path / "chart.png")
     assert (tmp_path / "chart.png").stat().st_size > 10_000
 
 
 def test_an_empty_study_is_drawn(stopped: Measurement, tmp_path: Path) -> None:
     stopped.points.clear()
-    draw_work_precision(stopped, tmp_path / "chart.png")
+    style.save(work_precision_figure(stopped), tmp_path / "chart.png")
     assert "5 of 5 points are missing" in unfinished(stopped)
 
 
@@ -60,7 +60,7 @@ def test_what_was_measured_is_kept(stopped: Measurement, tmp_path: Path) -> None
 
 def test_scaling_and_band(tmp_path: Path) -> None:
     size = np.array([1.0, 2, 4])
-    draw_scaling({"turns": (size, 0.1 * size)}, tmp_path / "scaling.png")
+    style.save(scaling_figure({"turns": (size, 0.1 * size)}), tmp_path / "scaling.png")
     angle = np.linspace(0, 1, 30)
-    draw_law_band(angle, {"a": 1 + angle, "b": 1.1 + angle}, "a", tmp_path / "law.png")
+    style.save(law_band_figure(angle, {"a": 1 + angle, "b": 1.1 + angle}, "a"), tmp_path / "law.png")
     assert all((tmp_path / name).stat().st_size > 10_000 for name in ("scaling.png", "law.png"))

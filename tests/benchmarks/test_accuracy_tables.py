@@ -1,14 +1,13 @@
-"""The report of the accuracy study: of a whole one, of a stopped one, of an empty folder."""
+"""Tables about accuracy and orders of convergence, from a whole measurement and from a stopped one."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from benchmarks.accuracy_speed.page import front_of, write_accuracy_page
-from benchmarks.accuracy_speed.tables import LIMITS, scaling_rows
-from benchmarks.topic import save_data
+from benchmarks.accuracy_speed.tables import TABLES, front_of, scaling_rows
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.verification.convergence import fitted_orders
 from rps_exudyn.verification.measurement import Measurement, Point, load_measurement
@@ -42,18 +41,12 @@ def stopped() -> Measurement:
     return Measurement("free-pinion-torque", reference, points, planned, {"date": "today"})
 
 
-def test_a_stopped_measurement_is_shown_and_says_so(stopped: Measurement, tmp_path: Path) -> None:
+def test_a_stopped_measurement_is_shown(stopped: Measurement, tmp_path: Path) -> None:
     stopped.orders = fitted_orders(stopped)
     stopped.save(tmp_path / "free-pinion-torque.h5")
-    write_accuracy_page(tmp_path, tmp_path / "report.html")
-    page = (tmp_path / "report.html").read_text()
-    assert "unfinished: 1 of 5 points are missing (1 of quasi_static)" in page
-    assert "&lt;no equilibrium&gt;" in page
-    assert "Nothing was measured: python benchmarks/make.py accuracy_speed" in page
-    assert "Nothing was measured: python benchmarks/make.py law_and_scaling" in page
-    assert "one - another" in page
-    assert "mathdefault" not in page
-    assert page.count("<svg") == 1
+    assert "| no-convergence | 1 | step 5 | <no equilibrium> |" in TABLES["failures"](tmp_path)
+    assert "one - another" in TABLES["references"](tmp_path)
+    assert "joined by lines | 2 | 2 | 3 |" in TABLES["orders"](tmp_path)
 
 
 def test_orders_are_fitted_and_kept(stopped: Measurement, tmp_path: Path) -> None:
@@ -73,21 +66,12 @@ def test_too_few_points_give_no_order(stopped: Measurement) -> None:
 
 
 def test_front_is_sorted_by_cost(stopped: Measurement) -> None:
-    beaten = point(3, 1.0, 1.0)
-    sound = [each for each in [*stopped.points, beaten] if each.ok]
-    assert [each.label for each in front_of(sound, 1e-5)] == ["step 4", "step 2", "step 1"]
-    assert len(front_of(sound, 10.0)) == 1  # below the floor nothing is more exact
+    stopped.points.append(point(3, 1.0, 1.0))
+    assert [each.label for each in front_of(stopped)] == ["step 4", "step 2", "step 1"]
+    coarse = replace(stopped.reference, uncertainty=10.0)
+    assert len(front_of(replace(stopped, reference=coarse))) == 1  # below the floor nothing is more exact
 
 
-def test_contact_laws_and_scaling_are_drawn(tmp_path: Path) -> None:
-    content = {
-        "angle": [0.0, 0.5, 1.0],
-        "torques": {"law": [1.0, 1.5, 2.0]},
-        "default": "law",
-        "zones": [[0.1, 0.0]],
-        "scaling": {"turns": [[1, 2, 4], [0.1, 0.4, 1.6]]},
-    }
-    save_data(tmp_path / LIMITS, content)
+def test_cost_grows_with_a_fitted_exponent() -> None:
+    content = {"scaling": {"turns": [[1, 2, 4], [0.1, 0.4, 1.6]]}}
     assert scaling_rows(content) == [("turns", "1 to 4", "0.1 to 1.6", "2.00")]
-    write_accuracy_page(tmp_path, tmp_path / "report.html")
-    assert (tmp_path / "report.html").read_text().count("<svg") == 2
