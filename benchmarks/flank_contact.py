@@ -146,6 +146,6 @@ TOPIC = Topic(
     "2 min",
     "flank_contact",
     run,
-    {"evaluators": ("strip, 4 x 2 (default)",), "cases": ("tip relief 10 um",)},
+    {"evaluators": ("strip, 4 x 2 (default)",), "cases": ()},
     {"flank_evaluators": table("evaluators"), "flank_cases": table("cases")},
 )

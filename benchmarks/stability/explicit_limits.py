@@ -353,15 +353,11 @@ def _span(values: Sequence[float], form: str) -> str:
     return f"{min(values):{form}} to {max(values):{form}}"
 
 
-def _toy() -> Iterator[Limit]:
-    return on_the_gear([Gears("rack driven, contact stiffness", "rack", "mesh.stiffness", (2e13,))])
-
-
 TOPIC = Topic(
     "the largest stable step of explicit methods, bisected, beside the predicted one",
     "7 min",
     "stability",
     run,
-    {"parts": (_toy,)},
+    {"parts": (ball_pressed,)},
     {"explicit_limits": limits_table},
 )

@@ -10,6 +10,7 @@ import json
 import multiprocessing
 import multiprocessing.connection
 from collections import Counter
+from functools import cache
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -159,8 +160,9 @@ def _error(plan: ScenePlan, result: Result) -> dict[str, Any]:
     return {"error": error}
 
 
-def warm_up() -> None:
-    """Load or compile every kernel, which is on no plan's clock."""
+@cache
+def warm_up(scene: str) -> None:
+    """Load or compile every kernel of a scene once, which is on no plan's clock."""
     gear = SteeringGear().replace({"test.turns": 0.01})
     models: list[dict[str, Any]] = [
         {"solver": solver, "mesh": mesh}
@@ -168,19 +170,18 @@ def warm_up() -> None:
         for mesh in ("flank", "flank-generators")
     ]
     models += [{"bush": "chain"}, {"mesh": "general-contact", "profile_samples": 8}]
-    for scene in SCENES:
-        for choices in models:
-            run_unchecked(scene, gear, Fidelity().replace(choices))
+    for choices in models:
+        run_unchecked(scene, gear, Fidelity().replace(choices))
 
 
 def child(pipe: multiprocessing.connection.Connection) -> None:
     """Do plans by their numbers, as the parent sends them."""
-    warm_up()
     while True:
         try:
             number = pipe.recv()
         except EOFError:  # the parent has ended
             return
+        warm_up(plan_of(number)[0].scene)
         pipe.send("begun")
         try:
             pipe.send(outcome_of(number))
