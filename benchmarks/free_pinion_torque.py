@@ -42,7 +42,7 @@ DATA = "fidelities.json"
 
 
 def run(folder: Path, turns: float = 1.0, full: Fidelity = FIDELITIES[FULL], repeats: int = 5) -> None:
-    """Measure so many turns by every fidelity, with this model as `full`, and draw two tooth pitches."""
+    """Measure `turns` by every fidelity, with this model as `full`, and draw two tooth pitches."""
     results = {
         name: measured(fidelity, turns, repeats) for name, fidelity in (FIDELITIES | {FULL: full}).items()
     }

@@ -24,7 +24,7 @@ DATA = "meshes.json"
 def run(
     folder: Path, cuts: tuple[int, ...] = (100, 200, 400), chords: tuple[float, ...] = (1e-6, 1e-7, 1e-8)
 ) -> None:
-    """Measure pinions of so many cuts per turn and of these chord errors [m], and draw the gear."""
+    """Measure pinions of these cuts per turn and of these chord errors [m], and draw the gear."""
     whole = {
         "rack bar, chord error 1 um": least_time(lambda: rack_solid(GEAR)),
         "check of a gear against all limits": least_time(lambda: check_gear(GEAR)),

@@ -17,6 +17,7 @@ if not __package__:  # run as a script: its checkout holds the package `benchmar
 
 
 def main(arguments: list[str] | None = None) -> None:
+    """Do what the command line asks for."""
     from benchmarks.pages import write_pages
     from benchmarks.topic import RESULTS
     from benchmarks.topics import TOPICS

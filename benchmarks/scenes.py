@@ -72,7 +72,7 @@ def run(
     scenes: Sequence[str] = tuple(SHOWN),
     laws: Sequence[str] | None = None,
 ) -> None:
-    """Run these scenes over this path and runouts over so many turns, draw them, and check these laws."""
+    """Run these scenes over this path and runouts over `turns`, draw them, and check these laws."""
     rows = []
     for scene in scenes:
         result = done(scene, {"test.path": path})

@@ -125,8 +125,8 @@ def kills(folder: Path, number: int = 25) -> Measured:
             process.wait()
             process = started(file, folder / "disturbed", 2)
     process.wait()
-    told = f"200 cases after {killed['parent']} kills of the parent and {killed['worker']} of a worker"
-    return [(told, compared(folder / "undisturbed", folder / "disturbed"))]
+    what = f"200 cases after {killed['parent']} kills of the parent and {killed['worker']} of a worker"
+    return [(what, compared(folder / "undisturbed", folder / "disturbed"))]
 
 
 def storing(folder: Path, cases: int = 50) -> Measured:
@@ -136,7 +136,7 @@ def storing(folder: Path, cases: int = 50) -> Measured:
     results = [rps.run("free-pinion-torque", each, fidelity="quasi-static") for each in gears]
     for keep in (Keep(), Keep(samples=61), Keep(signals=())):
         thin = [kept(result, keep) for result in results]
-        forms.content(thin[0])  # the form that all others share
+        forms.content(thin[0])  # the form that all the others have in common
         fast = mean_time(thin[1:], lambda result: (folder / "fast.h5").write_bytes(forms.content(result)))
         plain = mean_time(thin[1:11], lambda result: result.save(folder / "plain.h5"))
         shape = f"{len(thin[0].signals)} signals of {len(thin[0].signals.get('time', ()))} values"
@@ -160,12 +160,14 @@ def grid(sides: tuple[int, int, int], samples: int, settings: str = "") -> str:
 
 
 def written(folder: Path, name: str, text: str) -> Path:
+    """Write a study file."""
     file = folder / f"{name}.toml"
     file.write_text(text)
     return file
 
 
 def started(file: Path, out: Path, jobs: int) -> "subprocess.Popen[bytes]":
+    """Start a study in a process of its own."""
     command = [*COMMAND, str(file), "--out", str(out), "--jobs", str(jobs), "--yes"]
     return subprocess.Popen(command, stdout=subprocess.DEVNULL)
 
@@ -183,6 +185,7 @@ def watched(file: Path, out: Path, jobs: int) -> dict[str, float]:
 
 
 def peak_memory(pid: int) -> float:
+    """Greatest memory of a process until now [MB]."""
     try:
         lines = Path(f"/proc/{pid}/status").read_text().splitlines()
     except OSError:
@@ -191,6 +194,7 @@ def peak_memory(pid: int) -> float:
 
 
 def children(pid: int) -> list[int]:
+    """Process numbers of its children."""
     try:
         return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
     except OSError:

@@ -35,7 +35,7 @@ def markdown(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
 
 
 def digits(value: float, count: int = 2) -> str:
-    """A number to so many significant digits, without exponent: 152 -> "150"."""
+    """A number to `count` significant digits, without exponent: 152 -> "150"."""
     return f"{float(f'{value:.{count}g}'):.12g}"
 
 

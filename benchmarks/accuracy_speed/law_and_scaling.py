@@ -44,7 +44,7 @@ def run(
     cases: Sequence[int] = (1, 3, 10, 30),
     step: str = "1 deg",
 ) -> None:
-    """Compute the torque by every law at so many angles of a tooth pitch, and measure cost over size."""
+    """Compute the torque by every law at `angles` angles of a tooth pitch, and measure cost over size."""
     angle = np.linspace(0, 2 * np.pi * PITCH, angles)
     torques = {name: torque(angle, settings, {"step_angle": step}) for name, settings in LAWS.items()}
     mean = torques[DEFAULT].mean()

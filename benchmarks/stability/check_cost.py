@@ -48,7 +48,7 @@ class Clock:
 
 
 def run(folder: Path, cases: Sequence[str] = tuple(CASES), repeats: int = 20) -> None:
-    """Time these cases, each so many times."""
+    """Time these cases, each `repeats` times."""
     save_data(folder / DATA, {"cases": {name: cost(*CASES[name], repeats) for name in cases}})
 
 

@@ -92,7 +92,7 @@ class CoarseStep:
     mean_5: float  # 5 %
     curve_1: float  # error of the curve, joined by straight lines, RMS in % of the mean
     curve_5: float
-    guard: float  # allowed by the check before a run
+    allowed: float  # by the check before a run
     beyond: str  # what comes after the limit of 5 % of the mean
 
 
@@ -173,7 +173,7 @@ def limits_table(folder: Path) -> str:
     rows = []
     for line in dict.fromkeys(step["line"] for step in steps):
         own = [step for step in steps if step["line"] == line]
-        worst = [min(own, key=lambda step, name=name: step[name] / step["guard"]) for name in names]  # type: ignore[misc]
+        worst = [min(own, key=lambda step, name=name: step[name] / step["allowed"]) for name in names]  # type: ignore[misc]
         rows.append((line, *(_limit(step, name) for step, name in zip(worst, names, strict=True))))
     head = ("line", "mean within 5 %", "mean within 1 %", "curve within 1 % RMS, joined by lines")
     return markdown(head, rows)
@@ -182,7 +182,7 @@ def limits_table(folder: Path) -> str:
 def _limit(step: dict[str, Any], name: str) -> str:
     if step[name] >= COARSEST:
         return f"{step[name]:g} deg, the largest allowed"
-    ratio = step["guard"] / step[name]
+    ratio = step["allowed"] / step[name]
     return f"{step[name]:.3g} deg ({step['at']}), {STEPS_PER_PITCH * ratio:.1f} steps per pitch"
 
 

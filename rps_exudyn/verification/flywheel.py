@@ -104,6 +104,7 @@ class _Kept:
         model.mbs.SetPostStepUserFunction(self.keep)
 
     def keep(self, mbs: Any, t: float) -> bool:
+        """Called after every step."""
         if self.step % self.every == 0:
             system = mbs.systemData
             self.time.append(t)
@@ -113,6 +114,7 @@ class _Kept:
         return True
 
     def record(self) -> Record:
+        """Return the motion with the torque of the gear on the pinion."""
         model = self.model
         columns = model.columns([name for name in COORDINATE_BLOCKS if name in model.nodes])
         places, rates = (

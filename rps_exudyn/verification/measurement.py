@@ -90,10 +90,12 @@ class Point:
 
     @property
     def fidelity(self) -> Fidelity:
+        """The measured model."""
         return Fidelity.model_validate(json.loads(self.settings))
 
     @property
     def ok(self) -> bool:
+        """Whether the run ended well."""
         return self.status == Status.OK
 
     @property
