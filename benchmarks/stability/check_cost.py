@@ -6,7 +6,7 @@ from time import process_time
 from typing import Any
 
 import rps_exudyn as rps
-from benchmarks.topic import Topic, load_data, markdown, save_data
+from benchmarks.topic import Topic, digits, load_data, markdown, save_data
 from rps_exudyn.checks.after_run import validated
 from rps_exudyn.checks.before_run import refused
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -74,7 +74,7 @@ def cost(fidelity: Fidelity, settings: dict[str, Any], turns: float, repeats: in
 def cost_table(folder: Path) -> str:
     """Every case."""
     rows = [
-        (name, f"{case['run_ms']:.3g}", f"{case['before_percent']:.2g}", f"{case['after_percent']:.2g}")
+        (name, digits(case["run_ms"], 3), f"{case['before_percent']:.2g}", f"{case['after_percent']:.2g}")
         for name, case in load_data(folder / DATA)["cases"].items()
     ]
     return markdown(("run", "CPU ms", "checks before, %", "after, %"), rows)
