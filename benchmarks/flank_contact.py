@@ -24,15 +24,17 @@ from rps_exudyn.parameters.gear import SteeringGear
 ANGLES = np.linspace(0, np.pi / 3, 25)[:-1]
 PRESS = 12e-6  # by which the rack is pressed into the mesh [m]
 
-EVALUATORS: dict[str, tuple[Callable[..., Any], Callable[[SteeringGear], FlankData]]] = {
-    "strip, 2 stations x 2": (flank_contact, lambda gear: pack(gear, along=2)),
-    "strip, 3 x 2": (flank_contact, lambda gear: pack(gear, along=3)),
-    "strip, 4 x 2 (default)": (flank_contact, pack),
-    "strip, 6 x 3": (flank_contact, lambda gear: pack(gear, along=6, across=3)),
-    "20 generators": (flank_contact, lambda gear: pack(gear, generators=20)),
-    "40 generators": (flank_contact, lambda gear: pack(gear, generators=40)),
-    "160 generators": (flank_contact, lambda gear: pack(gear, generators=160)),
+EVALUATORS: dict[str, dict[str, int]] = {
+    "strip, 2 stations x 2": {"along": 2},
+    "strip, 3 x 2": {"along": 3},
+    "strip, 4 x 2 (default)": {},
+    "strip, 6 x 3": {"along": 6, "across": 3},
+    "20 generators": {"generators": 20},
+    "40 generators": {"generators": 40},
+    "160 generators": {"generators": 160},
 }
+"""Name -> arguments of `pack`."""
+
 DATA = "evaluations.json"
 Row = tuple[str, float, float | None, float | None]
 CASES: dict[str, tuple[dict[str, object], tuple[float, float, float]]] = {
@@ -64,7 +66,7 @@ def states(gear: SteeringGear, turn: tuple[float, float, float]) -> list[tuple[A
     return [(-angle, -1.0, place + angle * x, rotation, v, np.zeros(3)) for angle in ANGLES]
 
 
-def microseconds(kernel: Callable[..., Any], arguments: list[tuple[Any, ...]], data: FlankData) -> float:
+def microseconds(arguments: list[tuple[Any, ...]], data: FlankData) -> float:
     """CPU time of one evaluation."""
     angles = np.array([args[0] for args in arguments])
     places = np.array([args[2] for args in arguments])
@@ -73,7 +75,7 @@ def microseconds(kernel: Callable[..., Any], arguments: list[tuple[Any, ...]], d
     def sweep(repeats, rotation, velocity, spin):  # type: ignore[no-untyped-def]
         for _ in range(repeats):
             for i in range(len(angles)):
-                kernel(angles[i], -1.0, places[i], rotation, velocity, spin, data)
+                flank_contact(angles[i], -1.0, places[i], rotation, velocity, spin, data)
 
     rest = arguments[0][3:]
     sweep(1, *rest)
@@ -85,13 +87,11 @@ def microseconds(kernel: Callable[..., Any], arguments: list[tuple[Any, ...]], d
     return min(times) / (repeats * len(angles)) * 1e6
 
 
-def errors(
-    kernel: Callable[..., Any], gear: SteeringGear, turn: tuple[float, float, float], data: FlankData
-) -> tuple[float, float]:
+def errors(gear: SteeringGear, turn: tuple[float, float, float], data: FlankData) -> tuple[float, float]:
     """Torque RMS and largest of the wrench, both in %."""
     reference = pack(gear, generators=1280)
     exact = np.array([flank_contact(*args, reference) for args in states(gear, turn)])
-    found = np.array([kernel(*args, data) for args in states(gear, turn)])
+    found = np.array([flank_contact(*args, data) for args in states(gear, turn)])
     off = found[:, :7] - exact[:, :7]
     normal, radius = exact[:, 7:9].sum(axis=1).mean(), GearPair.of(gear).base_radius
     torque = np.sqrt(np.mean(off[:, 0] ** 2)) / abs(exact[:, 0].mean())
@@ -111,20 +111,19 @@ def by_evaluator(names: Sequence[str]) -> Iterator[Row]:
     """Name, cost [us], errors of torque and wrench [%] on the paper's gear."""
     gear, aligned = SteeringGear(), (0, 0, 0)
     for name in names:
-        kernel, packed = EVALUATORS[name]
-        data = packed(gear)
-        yield name, microseconds(kernel, states(gear, aligned), data), *errors(kernel, gear, aligned, data)
+        data = pack(gear, **EVALUATORS[name])
+        yield name, microseconds(states(gear, aligned), data), *errors(gear, aligned, data)
 
 
 def by_case(names: Sequence[str]) -> Iterator[Row]:
-    """The same of the default strip; the generators know no other law to compare it with."""
+    """The same of the default strip; generators do not know the line law to compare it with."""
     for name in names:
         settings, turn = CASES[name]
         gear = SteeringGear().replace(settings)
         data = pack(gear)
-        cost = microseconds(flank_contact, states(gear, turn), data)
+        cost = microseconds(states(gear, turn), data)
         known = gear.mesh.law != "line"
-        yield name, cost, *(errors(flank_contact, gear, turn, data) if known else (None, None))
+        yield name, cost, *(errors(gear, turn, data) if known else (None, None))
 
 
 def table(kind: str) -> Callable[[Path], str]:

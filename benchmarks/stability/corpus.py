@@ -17,7 +17,7 @@ DATA = "corpus.csv"
 def run(folder: Path, most: int | None = None) -> None:
     """Run the first `most` cases, or all."""
     sys.path.insert(0, str(ROOT / "tests"))
-    from bad_cases import bad_cases  # type: ignore[import-not-found]
+    from bad_cases import bad_cases
 
     rows = []
     for name, case in list(bad_cases().items())[:most]:
