@@ -46,7 +46,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "smoke/test_report_in_browser.py",
     "smoke/test_studies.py",
     "smoke/test_study_to_report.py",
-    "wrong_input/test_accuracy.py::test_chosen_and_told",
+    "wrong_input/test_accuracy.py::test_choice_and_its_reason_are_printed",
     "wrong_input/test_accuracy_from_python.py",
 )
 PROCESSES = 2

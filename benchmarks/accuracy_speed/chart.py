@@ -13,11 +13,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from benchmarks.accuracy_speed.measurement import FAMILIES, PRESET_FAMILIES, Measurement, Point
 from rps_exudyn.charts import style
 from rps_exudyn.parameters.fidelity import PRESETS
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.verification.measurement import FAMILIES, PRESET_FAMILIES, Measurement, Point
 from rps_exudyn.verification.work_precision import pareto_front, power_law
 
 STYLES = {

@@ -13,6 +13,14 @@ from pathlib import Path
 from types import MappingProxyType
 
 from benchmarks.accuracy_speed.chart import work_precision_figure
+from benchmarks.accuracy_speed.convergence import fitted_orders
+from benchmarks.accuracy_speed.measurement import (
+    Measurement,
+    PlannedPoint,
+    Point,
+    load_measurement,
+    measure_point,
+)
 from benchmarks.accuracy_speed.tables import TABLES
 from benchmarks.topic import Topic
 from rps_exudyn.base.errors import InputError
@@ -25,16 +33,8 @@ from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Axis, Value
 from rps_exudyn.study.study_file import read_study
 from rps_exudyn.study.table import axis_quantity
-from rps_exudyn.verification.convergence import fitted_orders
 from rps_exudyn.verification.faceted import Surface, faceted_run, largest_deviation, meshed, shaped, spheres
 from rps_exudyn.verification.flywheel import explicit_run
-from rps_exudyn.verification.measurement import (
-    Measurement,
-    PlannedPoint,
-    Point,
-    load_measurement,
-    measure_point,
-)
 from rps_exudyn.verification.references import Method, as_run, by_generators, by_strips, reference_of
 from rps_exudyn.verification.runs import SceneReference, curve_of, run_scene
 from rps_exudyn.verification.work_precision import Reference

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.accuracy_speed.convergence import STEADY as STEADY_SCENES
 from benchmarks.topic import Topic, markdown
 from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
@@ -23,7 +24,6 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.scenes.maneuver import whole_periods
 from rps_exudyn.simulate.by_accuracy import TABLE, Setting
-from rps_exudyn.verification.convergence import STEADY as STEADY_SCENES
 from rps_exudyn.verification.population import random_gears
 from rps_exudyn.verification.references import (
     Method,

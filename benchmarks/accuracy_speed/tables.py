@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
 from benchmarks.topic import digits, markdown
 from rps_exudyn.scenes import SCENE_NAMES
-from rps_exudyn.verification.measurement import Measurement, Point, load_measurement
 from rps_exudyn.verification.work_precision import pareto_front, power_law
 
 TORQUE = "free-pinion-torque"

@@ -1,10 +1,8 @@
-"""Independent methods, references, orders of convergence, and where methods fail. For benchmarks and tests.
+"""Independent methods, references, and where methods fail. For benchmarks and tests.
 
 references         methods of a scene that must agree, and the reference they give
 runs               measured runs of a scene, their headline signal and its errors
-measurement        measured points of a scene, with their cost, and their file
 work_precision     errors of curves, Pareto fronts, fitted orders
-convergence        expected and observed orders of convergence
 population         random gears that promises are made for
 runge_kutta        the gear by classical Runge-Kutta          } methods
 slow_swing         a reversal in the limit of slow motion     } besides

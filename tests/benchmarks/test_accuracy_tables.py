@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.accuracy_speed.convergence import fitted_orders
+from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
 from benchmarks.accuracy_speed.tables import TABLES, front_of, scaling_rows
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.verification.convergence import fitted_orders
-from rps_exudyn.verification.measurement import Measurement, Point, load_measurement
 from rps_exudyn.verification.work_precision import Curve, Reference
 
 

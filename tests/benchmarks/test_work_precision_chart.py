@@ -12,9 +12,9 @@ from benchmarks.accuracy_speed.chart import (
     unfinished,
     work_precision_figure,
 )
+from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
 from rps_exudyn.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.verification.measurement import Measurement, Point, load_measurement
 from rps_exudyn.verification.work_precision import Curve, Reference
 
 

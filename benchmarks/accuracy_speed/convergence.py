@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rps_exudyn.verification.measurement import Measurement, Order, Point
+from benchmarks.accuracy_speed.measurement import Measurement, Order, Point
 from rps_exudyn.verification.work_precision import FAR_ABOVE, observed_order
 
 
