@@ -30,7 +30,7 @@ QUICK = (
     "physics/test_closed_form.py",
     "physics/test_effects.py",
     "physics/test_metrics.py",
-    "stability/test_judge.py",
+    "stability/test_after_run.py",
 )
 COMPILING = "smoke/test_real_runs.py"  # every preset
 SLOW = (  # files, or single tests, in the folders above that are not quick

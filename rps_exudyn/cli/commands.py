@@ -86,6 +86,7 @@ def run(
     """
     from rps_exudyn.analysis.measured import read_measured_torque
     from rps_exudyn.charts.style import PICTURES
+    from rps_exudyn.results.outcome import Interrupted
     from rps_exudyn.simulate.isolated_run import seconds
     from rps_exudyn.simulate.run import simulate
 
@@ -95,15 +96,15 @@ def run(
     out = check_writable(out or Path(f"{scene}.h5"), RESULT_FILES)
     plot = check_writable(plot or out.with_suffix(".png"), PICTURES)
     curve = read_measured_torque(measured) if measured else None
-    with redirect_stdout(sys.stderr):  # what libraries say; standard output is for the result
-        result = simulate(
-            scene,
-            chosen.steering_gear,
-            chosen.fidelity if accuracy is None else preset,
-            accuracy=accuracy,
-            robust=robust,
-            time_limit=limit,
-        )
+    model = chosen.fidelity if accuracy is None else preset
+    try:
+        with redirect_stdout(sys.stderr):  # what libraries say; standard output is for the result
+            result = simulate(
+                scene, chosen.steering_gear, model, accuracy=accuracy, robust=robust, time_limit=limit
+            )
+    except Interrupted as interrupt:
+        kept, *_ = _keep(interrupt.recorded, out, plot, curve)
+        raise KeyboardInterrupt(f"interrupted; what was recorded until then is kept in {kept}.") from None
     if "accuracy" in result.findings:
         _say(result.findings["accuracy"])
     _print_result(result, json, files=_keep(result, out, plot, curve), measured=curve)

@@ -48,6 +48,11 @@ class Recorder:
             self.mesh.append(self.model.contacts.force()[self.model.columns(["pinion", "rack"])])
         return True
 
+    @property
+    def reached(self) -> float:
+        """Time of the last step kept [s]."""
+        return self.time[-1] if self.time else 0.0
+
     def record(self) -> Record:
         """Return what was kept, in the order of time."""
         model = self.model

@@ -43,7 +43,8 @@ class SolverPlan:
 def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
     """Integrate an assembled system by generalised alpha with modified Newton.
 
-    Never raises for a failed run: the outcome says what happened, and how far it got.
+    Never raises for a failed run: the outcome says what happened, and how far it got. Ctrl-C and the end of
+    the process, which Exudyn takes for failures of a force, pass through.
     """
     import exudyn as exu
 
@@ -56,6 +57,8 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
             )
     except exu.ExudynError as error:
         finished, cause = False, error.__cause__  # what a force in Python raised, or None
+        if isinstance(cause, KeyboardInterrupt | SystemExit):
+            raise cause from None
     cpu = process_time() - start
 
     solver = mbs.sys.get("dynamicSolver")

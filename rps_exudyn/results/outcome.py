@@ -52,3 +52,15 @@ class Outcome:
     counters: dict[str, int] = field(default_factory=dict)
     settings: dict[str, Any] = field(default_factory=dict)  # of the solver
     findings: dict[str, Any] = field(default_factory=dict)  # what it found out about itself
+
+
+class Interrupted(KeyboardInterrupt):
+    """Raised where Ctrl-C ends a run: carries what was recorded until then.
+
+    Attributes:
+        recorded: the part of the run, a `SceneRun` where the maneuver is made, a `Result` above that.
+    """
+
+    def __init__(self, recorded: Any) -> None:
+        super().__init__("interrupted")
+        self.recorded = recorded

@@ -13,6 +13,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Interrupted
 from rps_exudyn.scenes.figures import figures_of_motion
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.remarks import remarks
@@ -38,7 +39,10 @@ def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     loaded = run_maneuvers(gear, fidelity, weighted, options)
     if not loaded.ok:
         return _blamed(loaded, weight, gear)
-    unloaded = run_maneuver(gear, fidelity, maneuvers[0], options)
+    try:
+        unloaded = run_maneuver(gear, fidelity, maneuvers[0], options)
+    except Interrupted as interrupt:
+        raise Interrupted(replace(loaded, outcome=interrupt.recorded.outcome)) from None
     if not unloaded.ok:
         message = f"without the weight: {unloaded.outcome.message}"
         return replace(loaded, outcome=replace(unloaded.outcome, message=message))

@@ -16,7 +16,7 @@ from rps_exudyn.checks.after_run import rolling_fraction
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Outcome, Status
+from rps_exudyn.results.outcome import Interrupted, Outcome, Status
 from rps_exudyn.scenes.by_formula import by_formula
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_options import DEFAULT, RunOptions
@@ -54,7 +54,10 @@ def run_maneuvers(
     """Make one after the other until one fails, and join them to one record."""
     runs: list[SceneRun] = []
     for maneuver in maneuvers:
-        runs.append(run_maneuver(gear, fidelity, maneuver, options))
+        try:
+            runs.append(run_maneuver(gear, fidelity, maneuver, options))
+        except Interrupted as interrupt:
+            raise Interrupted(joined([*runs, interrupt.recorded])) from None
         if not runs[-1].ok:
             break
     return joined(runs)
@@ -78,7 +81,14 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
     steps = maneuver.lead + maneuver.steps
     tolerance = fidelity.tolerance * max(gear.yoke.preload, LEAST_FORCE)
     plan = SolverPlan(end_time=steps * maneuver.time_step, steps=steps, absolute_tolerance=tolerance)
-    outcome = solve(model.mbs, plan)
+    try:
+        outcome = solve(model.mbs, plan)
+    except KeyboardInterrupt:
+        outcome = Outcome(Status.TIMEOUT, f"interrupted at {recorder.reached:.4g} s of {plan.end_time:.4g} s")
+        start, zone = model.start, model.forces.friction_zone
+        raise Interrupted(
+            _finished(gear, maneuver, outcome, recorder.record(), start, zone, options)
+        ) from None
     record = recorder.record()
     model.release()
     return _finished(gear, maneuver, outcome, record, model.start, model.forces.friction_zone, options)

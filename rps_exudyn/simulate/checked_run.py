@@ -7,10 +7,11 @@ from rps_exudyn.checks.before_run import refused
 from rps_exudyn.gears.report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Interrupted, Status
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.run_options import DEFAULT, RunOptions
+from rps_exudyn.scenes.scene_run import SceneRun
 
 
 def run_checked(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
@@ -34,22 +35,29 @@ def run_unchecked(
 
     Raises:
         InputError: a gear that cannot exist, or a test that it does not allow.
+        Interrupted: Ctrl-C; it carries what was recorded.
     """
     wall, cpu = perf_counter(), process_time()
     report = geometry_report(gear)
-    done = scene_named(scene).run(gear, fidelity, options)
-    return Result(
-        scene=scene,
-        gear=gear,
-        fidelity=fidelity.model_dump(),
-        solver=done.outcome.settings,
-        findings=done.outcome.findings,
-        status=done.outcome.status,
-        message=done.outcome.message,
-        signals=done.signals,
-        summary=done.summary,
-        counters={**done.outcome.counters, "solver_cpu": done.outcome.cpu_s},
-        geometry=report.numbers,
-        cpu_s=process_time() - cpu,
-        wall_s=perf_counter() - wall,
-    )
+
+    def result_of(done: SceneRun) -> Result:
+        return Result(
+            scene=scene,
+            gear=gear,
+            fidelity=fidelity.model_dump(),
+            solver=done.outcome.settings,
+            findings=done.outcome.findings,
+            status=done.outcome.status,
+            message=done.outcome.message,
+            signals=done.signals,
+            summary=done.summary,
+            counters={**done.outcome.counters, "solver_cpu": done.outcome.cpu_s},
+            geometry=report.numbers,
+            cpu_s=process_time() - cpu,
+            wall_s=perf_counter() - wall,
+        )
+
+    try:
+        return result_of(scene_named(scene).run(gear, fidelity, options))
+    except Interrupted as interrupt:
+        raise Interrupted(result_of(interrupt.recorded)) from None

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import Force, MarkerNodePosition
 
+import rps_exudyn as rps
 from rps_exudyn.multibody import model as model_of_gear
+from rps_exudyn.multibody.recorder import Recorder
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import load
@@ -50,3 +52,35 @@ def test_run_that_fails_midway_keeps_its_signals(command: Command, fidelity: str
     assert Path("a.png").exists()
     assert "broken load" in answer.err
     assert "Traceback" not in answer.err
+
+
+@pytest.fixture
+def ctrl_c(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C at the tenth step, as Python sees it: in whatever function Exudyn calls next."""
+    keep = Recorder._keep
+
+    def keep_until_interrupted(recorder: Recorder, mbs: object, t: float) -> bool:
+        if len(recorder.time) == 10:
+            raise KeyboardInterrupt
+        return keep(recorder, mbs, t)
+
+    monkeypatch.setattr(Recorder, "_keep", keep_until_interrupted)
+
+
+@pytest.mark.usefixtures("ctrl_c")
+@pytest.mark.parametrize("scene", ["free-pinion-torque", "load-test"])
+def test_ctrl_c_ends_a_run_and_keeps_what_was_recorded(command: Command, scene: str) -> None:
+    answer = command(["run", scene, *SETTINGS, "--out", "a.h5"])
+    assert answer.status == 130
+    assert answer.err == "rps-exudyn: interrupted; what was recorded until then is kept in a.h5.\n"
+    result = load("a.h5")
+    assert result.status is Status.TIMEOUT
+    assert "interrupted at" in result.message
+    assert 2 <= result["time"].size <= 10
+
+
+@pytest.mark.usefixtures("ctrl_c")
+def test_ctrl_c_passes_through_python() -> None:
+    with pytest.raises(KeyboardInterrupt) as interrupt:
+        rps.run("free-pinion-torque", turns=TURNS)
+    assert interrupt.value.recorded.signals["time"].size >= 2  # type: ignore[attr-defined]

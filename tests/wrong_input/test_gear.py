@@ -55,7 +55,7 @@ def test_one_wrong_parameter_gives_one_sentence(path: str, value: object, senten
     assert caught.value.problems == [f"{path} {sentence}"]
 
 
-def test_table_without_nested_ones_is_judged_alike() -> None:
+def test_table_without_nested_ones_is_validated_alike() -> None:
     """The mesh alone, as a table of its own."""
     with pytest.raises(InputError) as caught:
         SteeringGear().mesh.replace({"friction": 2, "glue": 1})

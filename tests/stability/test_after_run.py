@@ -6,7 +6,7 @@ Each test takes a sound record and spoils one thing in it, as the failure would.
 import numpy as np
 import pytest
 
-from rps_exudyn.checks import after_run as judge
+from rps_exudyn.checks import after_run
 from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
@@ -31,37 +31,37 @@ def signals() -> dict[str, np.ndarray]:
 
 
 def test_sound_signals_pass(signals: dict[str, np.ndarray]) -> None:
-    assert not list(judge.finite(signals))
-    assert not list(judge.rack_in_mesh(signals, 0.0, 1e-3))
-    assert not list(judge.teeth_loaded(signals))
-    assert not list(judge.law_valid(MESH, signals))
-    assert not list(judge.contact_agreed(1e-9))
-    assert not list(judge.work_balanced(signals, 2e-3))
+    assert not list(after_run.finite(signals))
+    assert not list(after_run.rack_in_mesh(signals, 0.0, 1e-3))
+    assert not list(after_run.teeth_loaded(signals))
+    assert not list(after_run.law_valid(MESH, signals))
+    assert not list(after_run.contact_agreed(1e-9))
+    assert not list(after_run.work_balanced(signals, 2e-3))
 
 
 def test_not_a_number(signals: dict[str, np.ndarray]) -> None:
     signals["pinion_torque"][7] = np.nan
-    ((status, message),) = judge.finite(signals)
+    ((status, message),) = after_run.finite(signals)
     assert status is Status.DIVERGED
     assert "pinion_torque" in message
 
 
 def test_rack_out_of_mesh(signals: dict[str, np.ndarray]) -> None:
     signals["rack_y"][20:] = 9e-3
-    ((status, message),) = judge.rack_in_mesh(signals, 0.0, 0.9e-3)
+    ((status, message),) = after_run.rack_in_mesh(signals, 0.0, 0.9e-3)
     assert status is Status.CONTACT_LOST
     assert f"{np.degrees(signals['pinion_angle'][20]):.4g} deg" in message
 
 
 def test_teeth_without_load(signals: dict[str, np.ndarray]) -> None:
     signals["mesh_normal_force"][30] = 0.0
-    ((status, _),) = judge.teeth_loaded(signals)
+    ((status, _),) = after_run.teeth_loaded(signals)
     assert status is Status.CONTACT_LOST
 
 
 def test_teeth_deeper_than_their_law_allows(signals: dict[str, np.ndarray]) -> None:
     signals["mesh_penetration"][3] = 1.1 * DEEPEST
-    ((status, message),) = judge.law_valid(MESH, signals)
+    ((status, message),) = after_run.law_valid(MESH, signals)
     assert status is Status.INVALID
     assert "µm" in message
 
@@ -69,41 +69,41 @@ def test_teeth_deeper_than_their_law_allows(signals: dict[str, np.ndarray]) -> N
 @pytest.mark.parametrize("residual", [0.003, -0.003, float("nan")])
 def test_work_that_does_not_add_up(signals: dict[str, np.ndarray], residual: float) -> None:
     signals["work_mesh_friction"] *= 1 - residual
-    ((status, _),) = judge.work_balanced(signals, 2e-3)
+    ((status, _),) = after_run.work_balanced(signals, 2e-3)
     assert status is Status.INVALID
 
 
 def test_a_gear_without_friction_may_miss_a_large_share_of_nothing(signals: dict[str, np.ndarray]) -> None:
     signals["work_drive"], signals["work_mesh_friction"] = 1e-3 * signals["work_drive"], np.zeros(50)
-    assert not list(judge.work_balanced(signals, 2e-3))
+    assert not list(after_run.work_balanced(signals, 2e-3))
 
 
 def test_work_that_goes_over_the_edges(signals: dict[str, np.ndarray]) -> None:
     signals["work_mesh_edges"] = 0.02 * signals["work_drive"]
-    ((status, message),) = judge.edges_spared(signals, 1.5e-2)
+    ((status, message),) = after_run.edges_spared(signals, 1.5e-2)
     assert status is Status.INVALID
     assert "2.00%" in message
-    assert not list(judge.edges_spared(signals, 2.5e-2))
+    assert not list(after_run.edges_spared(signals, 2.5e-2))
 
 
 @pytest.mark.parametrize("disagreement", [0.5, float("nan")])
 def test_two_evaluations_that_differ(disagreement: float) -> None:
-    ((status, _),) = judge.contact_agreed(disagreement)
+    ((status, _),) = after_run.contact_agreed(disagreement)
     assert status is Status.INVALID
 
 
-@pytest.mark.parametrize(("ripple", "told"), [(0.5, True), (0.01, False)])
+@pytest.mark.parametrize(("ripple", "reported"), [(0.5, True), (0.01, False)])
 def test_rolling_that_equilibria_follow_too_coarsely(
-    signals: dict[str, np.ndarray], ripple: float, told: bool
+    signals: dict[str, np.ndarray], ripple: float, reported: bool
 ) -> None:
     """Rolling to and fro within few steps matters where the torque varies with it."""
     angle = signals["pinion_angle"]
     signals["rack_displacement"] = 8e-3 * angle
     signals["rack_roll"] = 0.05 * np.sin(20 * angle)
     signals["pinion_torque"] = 0.6 * (1 + ripple * np.sin(20 * angle))
-    assert bool(list(judge.rolling_followed(signals, SteeringGear()))) is told
+    assert bool(list(after_run.rolling_followed(signals, SteeringGear()))) is reported
 
 
 def test_rack_that_hardly_rolls_is_followed(signals: dict[str, np.ndarray]) -> None:
     signals["rack_displacement"], signals["rack_roll"] = 8e-3 * signals["pinion_angle"], np.zeros(50)
-    assert not list(judge.rolling_followed(signals, SteeringGear()))
+    assert not list(after_run.rolling_followed(signals, SteeringGear()))
