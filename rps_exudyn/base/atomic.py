@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from itertools import count
 from pathlib import Path
 
 from rps_exudyn.base.errors import InputError
@@ -55,6 +56,23 @@ def check_writable(path: str | Path, suffixes: Sequence[str] = ()) -> Path:
         with suppress(OSError):  # of a name too long, reported above
             probe.unlink(missing_ok=True)
     return Path(path)
+
+
+def number_existing(path: Path) -> Path | None:
+    """Rename an existing file to the first free of NAME.1, NAME.2, ... and return that name; None without
+    one.
+
+    Raises:
+        InputError: it cannot be renamed.
+    """
+    if not path.exists():
+        return None
+    numbered = (path.with_suffix(f".{number}{path.suffix}") for number in count(1))
+    older = next(name for name in numbered if not name.exists())
+    try:
+        return path.rename(older)
+    except OSError as error:
+        raise InputError(f"{path} cannot be kept as {older}: {error.strerror or error}.") from error
 
 
 def append(path: Path, text: str) -> None:

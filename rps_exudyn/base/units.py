@@ -86,9 +86,9 @@ def shown(value: object) -> str:
         return "a number too long to be shown"
 
 
-def mm(length: float) -> str:
-    """A length [m] in millimetres, for instance "1.83 mm"."""
-    return show(length, "m", "mm")
+def mm(length: float, digits: int = 6) -> str:
+    """Return a length [m] in millimetres, for instance "1.83 mm"."""
+    return f"{length * 1e3:.{digits}g} mm"
 
 
 def words(name: str) -> str:

@@ -71,7 +71,7 @@ def run(
 ) -> int:
     """Simulate one scene: print a summary, write an HDF5 file and a picture.
 
-    A failed run never replaces an existing file: it is written beside it as NAME.failed.
+    Existing files stay: a failed run is written beside them as NAME.failed, another one keeps them as NAME.1.
 
     Args:
         accuracy: error of the torque that is allowed, for instance 1%: takes the cheapest model that keeps
@@ -202,8 +202,8 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
     from rps_exudyn.results.result import load
     from rps_exudyn.simulate.run import simulate
 
-    if out:
-        check_writable(out, RESULT_FILES)
+    if out and check_writable(out, RESULT_FILES).resolve() == file.resolve():
+        raise InputError(f"--out {out} is the result that is simulated again; name another file.")
     old = load(file)
     with redirect_stdout(sys.stderr):
         new = simulate(old.scene, old.gear, Fidelity.from_tables(old.fidelity, where=str(file)))
@@ -315,12 +315,19 @@ def report(*paths: Path, out: Path | None = None) -> int:
 
 
 def _keep(result: "Result", out: Path, plot: Path, measured: "MeasuredTorque | None") -> list[Path]:
-    """Write both files and return their paths; a failed run does not replace existing ones."""
+    """Write both files and return their paths.
+
+    A failed run is written beside existing files as NAME.failed, any other one keeps them as NAME.1, NAME.2,
+    ...
+    """
+    from rps_exudyn.base.atomic import number_existing
     from rps_exudyn.charts.scene import draw
     from rps_exudyn.results.outcome import Status
 
     if result.status is not Status.OK and (out.exists() or plot.exists()):
         out, plot = (path.with_suffix(f".failed{path.suffix}") for path in (out, plot))
+    elif older := [str(kept) for path in (out, plot) if (kept := number_existing(path))]:
+        _say(f"older files are kept: {', '.join(older)}.")
     result.save(out)
     if not result.signals:
         return [out]

@@ -10,12 +10,15 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 
 import numpy as np
 
-from rps_exudyn.base.units import factor, mm
+from rps_exudyn.base import units
+from rps_exudyn.base.units import factor
 from rps_exudyn.gears import basic_rack, clearance
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.parameters.gear import SteeringGear
+
+mm = partial(units.mm, digits=4)  # computed lengths, of which a reader needs no more
 
 LEAST_CREST = 0.05  # narrowest crest, in modules; below it a tooth counts as pointed
 # ISO 53 rounds rho_fP: its flank ends 0.00003 m_n before the rack's tips do

@@ -103,6 +103,14 @@ def test_failed_run_does_not_replace_existing_files(
     assert sorted(os.listdir()) == ["a.failed.h5", "a.failed.png", "a.h5"]
 
 
+def test_second_run_keeps_the_files_of_the_first(command: Command, simulated: Result) -> None:
+    assert command(["run", "--out", "a.h5"]).err == ""
+    assert "older files are kept: a.1.h5, a.1.png" in command(["run", "--out", "a.h5"]).err
+    assert "a.2.h5" in command(["run", "--out", "a.h5"]).err
+    assert sorted(os.listdir()) == ["a.1.h5", "a.1.png", "a.2.h5", "a.2.png", "a.h5", "a.png"]
+    assert load("a.1.h5").summary == simulated.summary
+
+
 def test_show_prints_what_run_printed(command: Command, simulated: Result) -> None:
     printed_by_run = command(["run", "--out", "a.h5"]).out
     shown = command(["show", "a.h5"])
