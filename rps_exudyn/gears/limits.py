@@ -7,6 +7,7 @@ mesh, the parts around it. `report.check_gear` puts the sentences before the use
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
+from functools import partial
 
 import numpy as np
 
