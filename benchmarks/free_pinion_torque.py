@@ -122,7 +122,7 @@ def fidelities_table(folder: Path) -> str:
 
 
 def losses_table(folder: Path) -> str:
-    """Where the work goes, and what the solver did."""
+    """Return where the work goes, and what the solver did."""
     head = ("fidelity", *LOSSES, "steps", "Newton iterations", "Jacobians", "energy residual")
     rows = [
         (

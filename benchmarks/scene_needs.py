@@ -174,7 +174,7 @@ def second(measure: Callable[[], Result | str]) -> Result | str:
 
 
 def cells(need: Need, base: Result, other: Result | str) -> list[str]:
-    """How far each metric moved, bold where it matters, and the cost; or why there is no result."""
+    """Return how far each metric moved, bold where it matters, and the cost; or why there is no result."""
     if isinstance(other, str):
         return [f"*{other}*", *[""] * len(need.metrics)]
     moved = [metric.moved(base, other) for metric in need.metrics]

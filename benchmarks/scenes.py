@@ -101,7 +101,7 @@ def done(scene: str, settings: Settings, preset: str = "flank") -> Result:
 
 
 def figures(title: str, result: Result, names: Sequence[str]) -> dict[str, Any]:
-    """What is published of a run: figures of its summary [SI], message, cost, work balance."""
+    """Return what is published of a run: figures of its summary [SI], message, cost, work balance."""
     return {
         "title": title,
         "figures": {name: result.summary[name] for name in names},

@@ -130,7 +130,7 @@ def kills(folder: Path, number: int = 25) -> Measured:
 
 
 def storing(folder: Path, cases: int = 50) -> Measured:
-    """What a case costs beyond its simulation: making its file's bytes and writing them."""
+    """Return what a case costs beyond its simulation: making its file's bytes and writing them."""
     gear, forms, rows = SteeringGear(), FileForms(), []
     gears = [gear.replace({"yoke.preload": 300.0 + k}) for k in range(cases + 1)]
     results = [rps.run("free-pinion-torque", each, fidelity="quasi-static") for each in gears]

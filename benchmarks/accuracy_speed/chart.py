@@ -108,7 +108,7 @@ def _mark_defaults(axes: Axes, points: list[Point], floor: float) -> None:
 
 
 def is_default(point: Point, preset: str) -> bool:
-    """Whether a point is this unmodified preset."""
+    """Tell whether a point is this unmodified preset."""
     return point.family == PRESET_FAMILIES[preset] and point.fidelity.name == preset
 
 

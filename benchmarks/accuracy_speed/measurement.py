@@ -95,7 +95,7 @@ class Point:
 
     @property
     def ok(self) -> bool:
-        """Whether the run ended well."""
+        """Tell whether the run ended well."""
         return self.status == Status.OK
 
     @property

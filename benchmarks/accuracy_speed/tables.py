@@ -47,7 +47,7 @@ def of_torque(folder: Path, *studies: str) -> list[Point]:
 
 
 def models_table(folder: Path) -> str:
-    """What each kind of model costs per revolution, and how far its torque is from the reference."""
+    """Return what each kind of model costs per revolution, and how far its torque is from the reference."""
     head = (
         "family",
         "settings",
@@ -113,7 +113,7 @@ def _time(seconds: float) -> str:
 
 
 def scenes_table(folder: Path) -> str:
-    """How well each scene's reference is known, and what 1 % and 0.1 % cost."""
+    """Return how well each scene's reference is known, and what 1 % and 0.1 % cost."""
     rows = []
     for each in measured(folder):
         cells = []
@@ -197,7 +197,7 @@ def _first_number(point: Point) -> float:
 
 
 def facets_table(folder: Path) -> str:
-    """What flat facets of the pinion do to the torque."""
+    """Return what flat facets of the pinion do to the torque."""
     rows = [
         (point.family, point.label, f"{point.error:.2g} %", f"{point.bias:+.2g} %")
         for point in of_torque(folder, "shaping", "chord")
@@ -206,7 +206,7 @@ def facets_table(folder: Path) -> str:
 
 
 def bush_table(folder: Path) -> str:
-    """What segments of the bush cost."""
+    """Return what segments of the bush cost."""
     points = [
         p for p in of_torque(folder, "bush", "flank") if p.study == "bush" or p.label in MODELS["flank"]
     ]
@@ -228,7 +228,7 @@ def law_rows(content: Any) -> list[tuple[str, ...]]:
 
 
 def scaling_rows(content: Any) -> list[tuple[str, ...]]:
-    """What grows, range of its size, of its cost [s], fitted exponent."""
+    """Return what grows, range of its size, of its cost [s], fitted exponent."""
     return [
         (
             name,

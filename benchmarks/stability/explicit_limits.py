@@ -156,7 +156,7 @@ def chain_frequency(segments: int) -> float:
 
 
 def chain_is_bounded(segments: int, step: float) -> bool:
-    """Whether a chain that was bent a little stays so for 2000 steps of velocity Verlet."""
+    """Tell whether a chain that was bent a little stays so for 2000 steps of velocity Verlet."""
     return _bounded(_chain(segments), step, 2000, "VelocityVerlet")
 
 
@@ -165,7 +165,7 @@ def _ball_is_bounded(stiffness: float, step: float) -> bool:
 
 
 def _bounded(mbs: Any, step: float, steps: int, solver: str) -> bool:
-    """Whether a small disturbance stays small."""
+    """Tell whether a small disturbance stays small."""
     import exudyn as exu
 
     try:
@@ -294,7 +294,7 @@ class DrivenGear:
         return stable_step(state_matrix(self.motion), runge_kutta_4)
 
     def calms(self, step: float) -> bool:
-        """Whether a disturbance dies at that step [s]."""
+        """Tell whether a disturbance dies at that step [s]."""
         return disturbance_dies(self.motion, step, self.zone)
 
 

@@ -109,7 +109,7 @@ def _title(plans: Sequence[ScenePlan], x: Axis) -> str:
 
 
 def cell_and_flag(plan: ScenePlan, methods: Sequence[Choices]) -> tuple[Cell, bool]:
-    """What a plan gives unchecked, and whether the checks before or after a run object."""
+    """Return what a plan gives unchecked, and whether the checks before or after a run object."""
     try:
         with cpu_time_limit(TIME_LIMIT):
             result, flagged = run_and_check(plan)

@@ -220,7 +220,7 @@ class Child:
 
 
 def verdict(row: dict[str, Any]) -> str:
-    """Whether a plan was right, refused rightly or not, failed, or was silently wrong."""
+    """Tell whether a plan was right, refused rightly or not, failed, or was silently wrong."""
     if row["status"] == "input-error":
         return "wrong input"
     error = row.get("error", float("nan"))

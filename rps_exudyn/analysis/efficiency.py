@@ -53,7 +53,7 @@ class LoadTest:
 
     @property
     def self_locking(self) -> bool:
-        """Whether the weight cannot drive the gear: it must be pushed down."""
+        """Tell whether the weight cannot drive the gear: it must be pushed down."""
         return self.torque_reverse < 0
 
 

@@ -52,7 +52,7 @@ def loop_area(signals: Signals) -> float | None:
 
 
 def _same_place(angle: np.ndarray, ends: list[int]) -> tuple[int, float] | None:
-    """Where the last cycle begins: index, and fraction of the step after it.
+    """Return where the last cycle begins: index, and fraction of the step after it.
 
     Two reversals before the end the pinion turned the same way; a record of one pass there and one back
     is a cycle if it ends where it began.

@@ -209,7 +209,8 @@ def spheres_enough(record: Record, on_an_edge: bool) -> Failure:
 
 
 def _on_an_edge(gear: SteeringGear, signals: dict[str, np.ndarray]) -> bool:
-    """Whether the teeth may bear on an edge, one row of spheres: shafts askew, or the yoke at its nut."""
+    """Tell whether the teeth may bear on an edge, one row of spheres: shafts askew, or the yoke at its
+    nut."""
     stopped = (signals.get("yokenut_force", np.zeros(1)) > 0).any()
     return bool(gear.installation.angle_error) or bool(stopped)
 

@@ -66,7 +66,7 @@ class Connection:
 
     @property
     def locked(self) -> bool:
-        """Whether the neighbours are one rigid body."""
+        """Tell whether the neighbours are one rigid body."""
         return bool(np.isinf(self.stiffness).all())
 
 
@@ -99,7 +99,7 @@ class Chain:
 
     @property
     def end_station(self) -> float:
-        """Where the connection to the end face sits: halfway from the last centre."""
+        """Return where the connection to the end face sits: halfway from the last centre."""
         return (self.centres[-1] + self.length) / 2
 
     def compliance_at(self, station: float) -> np.ndarray:

@@ -218,7 +218,7 @@ class GearPair:
 
     @cached_property
     def _friction_levers(self) -> np.ndarray:
-        """At points of the path of contact [m]."""
+        """Friction levers at points of the path of contact [m]."""
         return self.friction_lever(np.linspace(*self.active_path, 201))
 
 

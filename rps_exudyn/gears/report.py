@@ -94,7 +94,7 @@ class GeometryReport:
 
     @property
     def numbers(self) -> dict[str, float]:
-        """Those of `quantities.GEOMETRY`."""
+        """Numbers of the report by the names of `quantities.GEOMETRY`."""
         return {name: getattr(self, name) for name in GEOMETRY}
 
     def as_dict(self) -> dict[str, Any]:

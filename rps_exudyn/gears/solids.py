@@ -103,7 +103,7 @@ def _drilled(density: float, bar: RoundBar, holes: tuple[RoundBar, ...], chord_e
 
 @_kept
 def _weighing(mass: float, bar: RoundBar, holes: tuple[RoundBar, ...], chord_error: float) -> Solid:
-    """The same of a given mass [kg]."""
+    """Solid of a given mass [kg]."""
     unit = _drilled(1.0, bar, holes, chord_error)
     return replace(unit, density=mass / unit.mass_properties.volume)
 

@@ -134,7 +134,7 @@ def crest(strip, z):  # type: ignore[no-untyped-def]
 
 @inlined
 def is_wide(strip, from_, to):  # type: ignore[no-untyped-def]
-    """Whether the strip grows so wide, near the form circle, that the expansions do not hold.
+    """Tell whether the strip grows so wide, near the form circle, that the expansions do not hold.
 
     The half width over the tangent length is largest where the latter is least, at an end.
     """
@@ -160,7 +160,7 @@ def within_band(line, band, data):  # type: ignore[no-untyped-def]
 
 @inlined
 def touching(strip, from_, to):  # type: ignore[no-untyped-def]
-    """Where between two Z the crest is pressed: (low, high, low ends by itself, high does so).
+    """Return where between two Z the crest is pressed: (low, high, low ends by itself, high does so).
 
     The crest's depth is linear in Z without modifications of the flank, else very nearly quadratic.
     """
@@ -202,7 +202,8 @@ def width(strip, z):  # type: ignore[no-untyped-def]
 # --- across the strip ------------------------------------------------------------------------------
 @inlined
 def edges(c_0, c_1, c_2, c_3):  # type: ignore[no-untyped-def]
-    """Where c_0 + c_1 xi + c_2 xi^2 + c_3 xi^3 > 0, about its crest: (low, high), low > high if nowhere."""
+    """Return where c_0 + c_1 xi + c_2 xi^2 + c_3 xi^3 > 0, about its crest: (low, high), low > high if
+    nowhere."""
     per_c_2 = 1 / c_2
     middle = -c_1 * per_c_2 / 2
     square = middle * middle - c_0 * per_c_2

@@ -116,7 +116,7 @@ def watch_limits(strip, ends, half, low_ends, high_ends, cuts, breaks):  # type:
 
 @inlined
 def _reaches(strip, row, ends, half):  # type: ignore[no-untyped-def]
-    """Whether a limit comes into the strip, as far as its values and slopes at the ends show."""
+    """Tell whether a limit comes into the strip, as far as its values and slopes at the ends show."""
     at_low, slope_low, _, _ = slanted(strip, row, ends.low, ends.lean)
     lean_high = ends.lean + ends.turn * (ends.high - ends.low)
     at_high, slope_high, _, _ = slanted(strip, row, ends.high, lean_high)
@@ -166,7 +166,8 @@ def _sort_breaks(cuts, watched, low, high, breaks):  # type: ignore[no-untyped-d
 
 @inlined
 def crossing(strip, row, z):  # type: ignore[no-untyped-def]
-    """Of a limit that is zero on the line at Z: its slope along the line, and g, k of Z + g xi + k xi^2."""
+    """Return, for a limit that is zero on the line at Z, its slope along the line, and g, k of Z + g xi + k
+    xi^2."""
     rise, mixed = strip[row, 1] + 2 * z * strip[row, 2], strip[row, 4] + 2 * z * strip[row, 5]
     _, per_xi, per_xi_2 = across(strip, row, z)
     g = -per_xi / rise

@@ -194,19 +194,19 @@ class Declared:
 
     @property
     def meaning(self) -> str:
-        """What the parameter is."""
+        """Meaning of the parameter."""
         return self.field.description or ""
 
     @property
     def source(self) -> Source:
-        """Where its default comes from."""
+        """Source of its default."""
         extra = self.field.json_schema_extra
         assert isinstance(extra, dict)
         return extra["source"]  # type: ignore[return-value]
 
     @property
     def allowed(self) -> str:
-        """What the value may be, in the display unit: "more than 0 mm and at most 20 mm"."""
+        """Values allowed, in the display unit: "more than 0 mm and at most 20 mm"."""
         if self.field.annotation is str:
             return "text"
         if choices := get_args(self.field.annotation):
@@ -313,7 +313,7 @@ def _paths(places: Iterable[tuple[int | str, ...]]) -> list[str]:
 def _problems_of(
     table: type[Table], item: Any, given: Mapping[str, Any], settings: Iterable[str]
 ) -> list[Problem]:
-    """What one of validation's errors means."""
+    """Return what one of validation's errors means."""
     conflict = item.get("ctx", {}).get("error")
     if isinstance(conflict, ConflictError):
         return conflict.problems
@@ -356,7 +356,7 @@ def _value_in(given: Mapping[str, Any], loc: tuple[int | str, ...]) -> Any:
 
 
 def _nearest(table: type[Table], path: str, left_out: tuple[str, ...] = ()) -> str:
-    """What may have been meant, if not one of the tables left out."""
+    """Return what may have been meant, if not one of the tables left out."""
     offered = [item.path for item in table.declared() if item.path.partition(".")[0] not in left_out]
     close = difflib.get_close_matches(path, offered, n=3, cutoff=0.6)
     if close:

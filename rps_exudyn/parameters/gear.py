@@ -114,7 +114,7 @@ class Rack(Table):
 
 
 class Installation(Table):
-    """How the gear is mounted, and how the pinion stands to the rack beyond the design."""
+    """Mounting of the gear, and how the pinion stands to the rack beyond the design."""
 
     angle_error: Angle = parameter(
         0.0,
@@ -203,7 +203,7 @@ class Mesh(Table):
 
 
 class Test(Table):
-    """What the rig does."""
+    """Motion and load of the rig."""
 
     __test__ = False  # not a test class of pytest
 

@@ -214,7 +214,8 @@ def _all_effects(table: CaseTable, name: str) -> list[tuple[Axis, MainEffect]]:
 
 
 def _effect_row(axis: Axis, effect: MainEffect, name: str) -> list[str]:
-    """From the first level to the last; words, which have no order, from the lowest mean to the highest."""
+    """Row from the first level to the last; words, which have no order, from the lowest mean to the
+    highest."""
     known = np.flatnonzero(np.isfinite(effect.mean))
     if known.size < 2:
         return [axis.name, "", "", "", "", ""]

@@ -99,7 +99,7 @@ def _numbers(result: Result) -> Iterator[tuple[str, str, Any]]:
 
 
 def _shape(result: Result) -> tuple[Any, ...]:
-    """What must agree for two files to differ in numbers and attributes only."""
+    """Return what must agree for two files to differ in numbers and attributes only."""
     counters = tuple((name, np.asarray(value).dtype.kind) for name, value in result.counters.items())
     others = (tuple(result.summary), tuple(result.geometry), tuple(result.signals))
     return len(result.signals.get("time", ())), counters, *others

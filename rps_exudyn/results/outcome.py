@@ -43,7 +43,7 @@ _REMEDIES = {
 
 @dataclass
 class Outcome:
-    """How a run ended, what it cost (CPU time in seconds, counts by name) and what the solver reports."""
+    """End of a run, its cost (CPU time in seconds, counts by name) and what the solver reports."""
 
     status: Status
     message: str = ""

@@ -239,7 +239,7 @@ def _attach_time(signals: h5py.Group) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """What JSON does not know: arrays become lists, everything else its text."""
+    """Return what JSON does not know: arrays become lists, everything else its text."""
     return value.tolist() if isinstance(value, np.ndarray | np.generic) else str(value)
 
 
@@ -289,7 +289,7 @@ def _text(file: h5py.File, name: str) -> str:
 
 
 def _tables(file: h5py.File, name: str) -> dict[str, Any]:
-    """What an attribute holds as JSON."""
+    """Return what an attribute holds as JSON."""
     tables = json.loads(_text(file, name))
     if not isinstance(tables, dict):
         raise ValueError(f"{name} is no set of tables")

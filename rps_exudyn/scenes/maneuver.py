@@ -57,17 +57,17 @@ class Maneuver:
 
     @property
     def time(self) -> np.ndarray:
-        """From the start of the run-in to the end of the record [s]."""
+        """Instants from the start of the run-in to the end of the record [s]."""
         return self.time_step * np.arange(self.lead + self.steps + 1)
 
     @property
     def record_start(self) -> float:
-        """When the record starts [s]."""
+        """Instant at which the record starts [s]."""
         return self.lead * self.time_step * (1 + 1e-9)
 
     @property
     def is_steady(self) -> bool:
-        """Whether everything slides at a constant speed."""
+        """True if everything slides at a constant speed."""
         return isinstance(self.drive, Steady) and self.drive.speed != 0
 
     def under(self, load: float) -> "Maneuver":

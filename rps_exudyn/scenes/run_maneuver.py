@@ -112,8 +112,8 @@ def by_equilibrium(
 
 
 def _settled(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:
-    """Without the equilibria that lead to the start, if a record of a tooth pitch or more shows that they are
-    not needed: the rack hardly rolls over it."""
+    """Leave out the equilibria that lead to the start if a record of a tooth pitch or more shows that they
+    are not needed: the rack hardly rolls over it."""
     if maneuver.turned(gear) >= 2 * np.pi / gear.pinion.teeth * (1 - 1e-9):
         run = _along_equilibria(gear, fidelity, maneuver.without_settling(), options)
         if run.ok and rolling_fraction(run.signals, gear) <= ROLLING:

@@ -10,7 +10,7 @@ from rps_exudyn.scenes.maneuver import StepLimits
 
 @dataclass(frozen=True)
 class RunOptions:
-    """What every run has and a study of stability replaces.
+    """Options that every run has and a study of stability replaces.
 
     Attributes:
         check: gives a finished run its outcome, with the arguments of `checks.after_run.validated`.

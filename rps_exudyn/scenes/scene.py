@@ -44,7 +44,8 @@ class Scene:
 
     @property
     def unit_of_cost(self) -> str:
-        """What the CPU time of a run is counted by: "revolution", or "run" where the pinion is held."""
+        """Return what the CPU time of a run is counted by: "revolution", or "run" where the pinion is
+        held."""
         return "revolution" if self.revolutions else "run"
 
 

@@ -22,7 +22,7 @@ class SceneRun:
 
     @property
     def ok(self) -> bool:
-        """Whether it ended well."""
+        """Tell whether it ended well."""
         return self.outcome.status is Status.OK
 
     def noting(self, *remarks: str) -> "SceneRun":

@@ -29,7 +29,7 @@ class CaseRunner:
 
     @property
     def has_compiled(self) -> bool:
-        """Whether kernels may have been compiled in this process, not loaded.
+        """Tell whether kernels may have been compiled in this process, not loaded.
 
         They round differently then, by some 1e-9 of the torque: a process that has compiled must not go on,
         or the same case would give other numbers the next time.

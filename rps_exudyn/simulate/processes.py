@@ -171,7 +171,7 @@ class Processes:
         worker.warm_up(warm_up)
 
     def _listen(self, worker: _Worker) -> None:
-        """In a thread of its own: lines of one process, and None when it has ended."""
+        """Queue the lines of one process, and None when it has ended; runs in a thread of its own."""
         assert worker.process.stdout
         with worker.process.stdout as lines, contextlib.suppress(ValueError, OSError):
             for line in lines:
@@ -179,7 +179,7 @@ class Processes:
         self._events.put((worker, None))
 
     def _next_event(self) -> Iterator[Done]:
-        """What happens next: an answer, the end of a process, or the end of a case's time."""
+        """Return what happens next: an answer, the end of a process, or the end of a case's time."""
         try:
             worker, line = self._events.get(timeout=self._until_deadline())
         except queue.Empty:

@@ -66,9 +66,11 @@ class Steady(Drive):
     speed: float
 
     def place(self, time: np.ndarray | float) -> np.ndarray:
+        """Return start + speed t."""
         return self.start + self.speed * np.asarray(time)
 
     def rate(self, time: np.ndarray | float) -> np.ndarray:
+        """Return the speed, constant."""
         return np.full_like(np.asarray(time, dtype=float), self.speed)
 
 
@@ -86,8 +88,10 @@ class Swing(Drive):
         return 2 * np.pi * self.amplitude / abs(self.speed)
 
     def place(self, time: np.ndarray | float) -> np.ndarray:
+        """Return middle +- amplitude sin(omega t)."""
         phase = abs(self.speed) / self.amplitude * np.asarray(time)
         return self.middle + np.sign(self.speed) * self.amplitude * np.sin(phase)
 
     def rate(self, time: np.ndarray | float) -> np.ndarray:
+        """Return speed cos(omega t)."""
         return self.speed * np.cos(abs(self.speed) / self.amplitude * np.asarray(time))

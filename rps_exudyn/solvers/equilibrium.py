@@ -57,12 +57,12 @@ class EquilibriumPath:
 
     @property
     def converged(self) -> bool:
-        """Whether there is an equilibrium at all instants."""
+        """Tell whether there is an equilibrium at all instants."""
         return self.lost_at is None
 
     @property
     def counters(self) -> dict[str, int]:
-        """What it cost, by the names of `quantities`."""
+        """Return what it cost, by the names of `quantities`."""
         return {
             "steps": len(self.time),
             "newton_iterations": self.iterations,

@@ -247,7 +247,7 @@ class Store:
 
 
 def _try_lock(descriptor: int) -> bool:
-    """Whether the lock was free.
+    """Tell whether the lock was free.
 
     Where there are no locks (Windows, some network disks) it always is: then two runners do work twice, but
     each file is still written whole.

@@ -179,7 +179,7 @@ class _StudyKeys(Keys):
 
 
 def _problems_of_axes(study: Study) -> list[str]:
-    """What is wrong with each value of an axis, or each end of its distribution, alone in the base."""
+    """Return what is wrong with each value of an axis, or each end of its distribution, alone in the base."""
     problems: dict[str, None] = {}
     for axis in study.axes:
         for value in ends(axis) if axis.values is None else axis.values:

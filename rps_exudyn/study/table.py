@@ -45,7 +45,7 @@ class Column:
 
     @property
     def header(self) -> str:
-        """Its name with its unit, for instance "torque_mean [N*m]"."""
+        """Name of the column with its unit, for instance "torque_mean [N*m]"."""
         return f"{self.name} [{self.quantity.unit}]" if self.quantity.unit else self.name
 
 
@@ -77,7 +77,7 @@ class CaseTable:
 
     @cached_property
     def ok(self) -> np.ndarray:
-        """Whether the case's numbers may be used."""
+        """Tell whether the case's numbers may be used."""
         return self.status == Status.OK.value
 
     @cached_property

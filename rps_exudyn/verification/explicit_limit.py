@@ -76,8 +76,8 @@ def stable_step(matrix: np.ndarray, growth: Growth) -> float:
 
 
 def disturbance_dies(motion: FreeMotion, step: float, speed: float, steps: int = STEPS) -> bool:
-    """Whether a kick of a thousandth of `speed` [m/s] to all that moves grows less than tenfold in a run of
-    classical Runge-Kutta with that step [s]."""
+    """Tell whether a kick of a thousandth of `speed` [m/s] to all that moves grows less than tenfold in a
+    run of classical Runge-Kutta with that step [s]."""
     kick = np.zeros(motion.rate.size)
     kick[motion.moving] = KICK * speed / CHARACTERISTIC_LENGTHS[motion.moving]
     with np.errstate(all="ignore"):

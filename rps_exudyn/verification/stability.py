@@ -161,7 +161,7 @@ def error_of(value: float, true: float) -> float:
 
 
 def cell_of(plan: ScenePlan, result: Result, true: float) -> Cell:
-    """What a map shows of an unchecked run."""
+    """Return what a map shows of an unchecked run."""
     if result.status is not Status.OK:
         return Cell.FAILED
     error = abs(error_of(plan.figure(result), true))
