@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.accuracy_speed.measurement import Measurement, Order, Point
+from rps_exudyn.scenes import scene_named
 from rps_exudyn.verification.work_precision import FAR_ABOVE, observed_order
 
 
@@ -35,7 +36,7 @@ def fitted_orders(measurement: Measurement) -> list[Order]:
 
 
 def _fitted(measurement: Measurement) -> Iterator[Order]:
-    for rule in RULES if measurement.scene in STEADY else ():
+    for rule in RULES if scene_named(measurement.scene).steady else ():
         points = [p for p in measurement.points if p.ok and p.study == rule.study and rule.belongs(p)]
         if not points:
             continue
@@ -74,7 +75,6 @@ def _micrometres(point: Point) -> float:
     return float(found[1]) if found else np.nan
 
 
-STEADY = ("free-pinion-torque", "load-test", "rack-push")  # elsewhere the curve jumps: no order to expect
 FINEST, COARSEST = 0.5, 5.0  # steps over which an order is fitted [deg]
 LINES, SPLINES = "RMS joined by lines", "RMS joined by splines"
 

@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.accuracy_speed.convergence import STEADY as STEADY_SCENES
 from benchmarks.topic import Topic, markdown
 from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
+from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.maneuver import whole_periods
 from rps_exudyn.simulate.by_accuracy import TABLE, Setting
 from rps_exudyn.verification.population import random_gears
@@ -147,7 +147,7 @@ def error_and_cost(
         return None
     errors, _ = reference.errors_of(runs[0].signals, fidelity)
     # of alike teeth one pitch is followed, be it for a pitch or for a whole turn
-    steady = reference.scene in STEADY_SCENES
+    steady = scene_named(reference.scene).steady
     stands_for_turn = (
         steady and preset == "quasi-static" and whole_periods(gear, 2 * np.pi) == gear.pinion.teeth
     )

@@ -68,10 +68,9 @@ def pack(
     across: int = ACROSS,
     generators: int = 0,
 ) -> FlankData:
-    """The data for the flank contact kernels.
+    """Return the data for the flank contact kernels; the gear's `mesh.law` chooses the contact law.
 
     Args:
-        gear: the steering gear; its `mesh.law` chooses the contact law.
         zone: sliding speed below which friction falls linearly to zero [m/s]; default `sliding_zone`.
         along: Gauss points along each segment of a contact line, or along each generator.
         across: Gauss points across the contact strip.
@@ -82,9 +81,7 @@ def pack(
     """
     pair, form, mesh = GearPair.of(gear), FlankForm.of(gear), gear.mesh
     coast, drive = Flank(pair, 0, +1), Flank(pair, 0, -1)
-    q_form, q_tip, half_face = coast.form_tangent_length, coast.tip_tangent_length, pair.face_width / 2
-    if q_form >= q_tip:
-        raise ValueError("the tip circle lies inside the form circle: the pinion has no flank")
+    (q_form, q_tip), half_face = _tangent_lengths(coast), pair.face_width / 2
     normal = pair.rack_flank_normal(+1)
     return FlankData(
         teeth=pair.teeth,
@@ -123,6 +120,13 @@ def pack(
         across=jacobi_rules(across, 1.0),
         generators=generators,
     )
+
+
+def _tangent_lengths(flank: Flank) -> tuple[float, float]:
+    """Lengths of the tangents from the base circle to form and tip circle [m]."""
+    if flank.form_tangent_length >= flank.tip_tangent_length:
+        raise ValueError("the tip circle lies inside the form circle: the pinion has no flank")
+    return flank.form_tangent_length, flank.tip_tangent_length
 
 
 def sliding_zone(gear: SteeringGear, fraction: float = 0.01) -> float:
