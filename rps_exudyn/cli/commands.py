@@ -4,10 +4,13 @@ Exit status: 0 done; 1 the simulation failed (its file says how); 2 wrong input,
 on standard error. What a command needs is imported by the command, so that `--help` and `describe` are quick.
 """
 
+import errno
+import os
 import sys
 from collections.abc import Iterable, Sequence
 from contextlib import redirect_stdout
 from importlib.metadata import version
+from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -33,13 +36,28 @@ app = App(
     suppress_keyboard_interrupt=False,  # `main` reports which files remain
 )
 
+Scene = Annotated[str, Parameter(help=f"what the test rig does: {', '.join(SCENE_NAMES)}.")]
 Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")  # of a terminal that knows no Greek letters
+    os.environ["MPLBACKEND"] = "agg"  # pictures are files; a user's own choice may not exist here
     try:
-        return app(arguments, exit_on_error=False, print_error=False, result_action="return_value") or DONE
+        _check_folder()
+        status = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
+        sys.stdout.flush()
+        return status or DONE
+    except BrokenPipeError:  # whoever reads the output has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
+    except OSError as error:
+        if error.errno != errno.ENOSPC:
+            raise
+        return _refuse([f"the output cannot be written: {error.strerror}."])
     except InputError as error:
         return _refuse(error.problems)
     except CycloptsError as error:
@@ -55,9 +73,7 @@ PAPER_SETUP = SetupOptions()
 
 @app.command
 def run(
-    scene: Annotated[str, Parameter(help=f"what the test rig does: {', '.join(SCENE_NAMES)}.")] = SCENE_NAMES[
-        0
-    ],
+    scene: Scene = SCENE_NAMES[0],
     /,
     *,
     setup: SetupOptions = PAPER_SETUP,
@@ -309,6 +325,13 @@ def report(*paths: Path, out: Path | None = None) -> int:
     write_report(paths, out)
     print(f"written: {out}")
     return DONE
+
+
+def _check_folder() -> None:
+    try:
+        Path.cwd()
+    except FileNotFoundError:
+        raise InputError("the current folder does not exist any more; change to another one.") from None
 
 
 # --- output ------------------------------------------------------------------------------------

@@ -29,6 +29,7 @@ from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
 
 DEG = math.pi / 180  # for limits of angles
+SMALLEST, LARGEST = 1e-30, 1e20  # of all numbers, in SI: powers of others are beyond what a computer knows
 
 Source = Literal["paper", "inferred", "estimate"]
 
@@ -42,7 +43,16 @@ class Unit:
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Text with a unit becomes SI before the field's limits are checked."""
-        return no_info_before_validator_function(lambda value: units.to_si(value, self.si), handler(source))
+        return no_info_before_validator_function(self._in_si, handler(source))
+
+    def _in_si(self, value: object) -> float:
+        number = units.to_si(value, self.si)
+        if math.isfinite(number) and number and not SMALLEST <= abs(number) <= LARGEST:
+            raise ValueError(
+                f"is {number:g} {self.si}".rstrip()
+                + f"; its size must be 0, or between {SMALLEST:g} and {LARGEST:g}"
+            )
+        return number
 
 
 Count = Annotated[int, Field(strict=True)]

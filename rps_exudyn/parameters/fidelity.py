@@ -50,7 +50,7 @@ class Fidelity(Table):
         "1 deg",
         "largest pinion rotation per time step or equilibrium; a record has at least four",
         "estimate",
-        gt=0,
+        ge=np.deg2rad(0.001),  # the rack's travel takes a million of them
         le=np.deg2rad(40),
     )
     torque_tolerance: Number = parameter(

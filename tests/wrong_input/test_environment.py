@@ -1,0 +1,76 @@
+"""A closed pipe, a full disk, a poor terminal, a lost folder, numbers beyond all sizes: no traceback."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.setup import Setup
+from shell import Command
+
+NUMBERS = [item.path for item in Setup.declared() if item.field.annotation is float]
+
+
+def in_shell(line: str, folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    """A line of a shell in which `$X` is the command."""
+    command = f"{sys.executable} -m rps_exudyn"
+    values = {**os.environ, "X": command, **environment}
+    return subprocess.run(
+        line, shell=True, cwd=folder, env=values, capture_output=True, text=True, check=False
+    )
+
+
+def test_reader_that_has_seen_enough(tmp_path: Path) -> None:
+    done = in_shell("$X describe --json | head -1", tmp_path)
+    assert (done.stdout, done.stderr) == ("{\n", "")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
+@pytest.mark.parametrize("arguments", ["describe", "describe --json"])
+def test_output_on_a_full_disk(tmp_path: Path, arguments: str) -> None:
+    done = in_shell(f"$X {arguments} > /dev/full", tmp_path)
+    assert done.returncode == 2
+    assert done.stderr == "rps-exudyn: the output cannot be written: No space left on device.\n"
+
+
+def test_terminal_without_greek_letters(tmp_path: Path) -> None:
+    done = in_shell("$X run --fidelity closed-form", tmp_path, PYTHONIOENCODING="ascii")
+    assert done.returncode == 0
+    assert "torque_mean" in done.stdout
+
+
+def test_drawing_backend_that_does_not_exist(tmp_path: Path) -> None:
+    assert in_shell("$X run --fidelity closed-form", tmp_path, MPLBACKEND="nonsense").returncode == 0
+    assert (tmp_path / "free-pinion-torque.png").exists()
+
+
+def test_folder_that_is_gone(tmp_path: Path) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    done = in_shell(f"rmdir {gone}; $X describe", gone)
+    assert done.returncode == 2
+    assert done.stderr.startswith("rps-exudyn: the current folder does not exist any more")
+
+
+@pytest.mark.parametrize("path", NUMBERS)
+@pytest.mark.parametrize("value", [1e308, -1e308, 1e-308])
+def test_number_beyond_all_sizes(path: str, value: float) -> None:
+    """Its powers are no numbers a computer knows; it is refused before anything is computed with it."""
+    with pytest.raises(InputError, match=path):
+        Setup().replace({path: value})
+
+
+def test_step_so_small_that_no_memory_holds_its_record(command: Command) -> None:
+    answer = command(["run", "--set", "fidelity.step_angle=1e-9 deg"])
+    assert answer.status == 2
+    assert "must be at least 0.001 deg" in answer.err
+
+
+def test_rerun_does_not_replace_the_result_that_it_repeats(command: Command) -> None:
+    assert command(["run", "--fidelity", "closed-form", "--out", "a.h5"]).status == 0
+    answer = command(["rerun", "a.h5", "--out", "a.h5"])
+    assert answer.status == 2
+    assert "name another file" in answer.err
