@@ -34,3 +34,27 @@ def differing_numbers(old: Result, new: Result) -> dict[str, tuple[Any, Any]]:
             if name not in VARYING and old.provenance[name] != new.provenance[name]
         }
     return found
+
+
+def largest_difference(old: Result, new: Result) -> tuple[str, float]:
+    """Return the signal or number that differs most, and its difference over its largest size; ("", 0.0) if
+    none.
+
+    Signals of different length are not compared.
+    """
+    pairs = {
+        name: (values, new.signals[name])
+        for name, values in old.signals.items()
+        if name in new.signals and len(values) == len(new.signals[name])
+    }
+    pairs |= {
+        name: (np.array([value]), np.array([new.summary[name]]))
+        for name, value in old.summary.items()
+        if name in new.summary
+    }
+    differences = {
+        name: float(np.nanmax(np.abs(first - second), initial=0.0) / np.nanmax(np.abs(first), initial=1e-300))
+        for name, (first, second) in pairs.items()
+    }
+    name = max(differences, key=differences.__getitem__, default="")
+    return (name, differences[name]) if differences.get(name) else ("", 0.0)

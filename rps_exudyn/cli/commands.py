@@ -212,7 +212,7 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
         out: HDF5 file of the new result; without it none is written.
         json: print the new summary and the numbers that differ as JSON.
     """
-    from rps_exudyn.analysis.rerun import differing_numbers
+    from rps_exudyn.analysis.rerun import differing_numbers, largest_difference
     from rps_exudyn.cli import printed
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.results.result import load
@@ -225,13 +225,13 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
         new = simulate(old.scene, old.gear, Fidelity.from_tables(old.fidelity, where=str(file)))
     if out:
         new.save(out)
-    differing = differing_numbers(old, new)
+    differing, largest = differing_numbers(old, new), largest_difference(old, new)
     files = [out] if out else []
     if json:
-        printed.print_json(printed.result_as_dict(new, files) | {"differing": differing})
+        printed.print_json(printed.result_as_dict(new, files) | {"differing": differing, "largest": largest})
     else:
         printed.print_result(new, files)
-        printed.print_differing(differing, str(file))
+        printed.print_differing(differing, largest, str(file))
     return _verdict(new)
 
 

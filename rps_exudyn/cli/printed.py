@@ -135,14 +135,17 @@ def measured_as_dict(compared: "list[AgainstMeasured] | None") -> dict[str, Any]
     }
 
 
-def print_differing(differing: Mapping[str, tuple[Any, Any]], name: str) -> None:
-    """Print the numbers of a repeated simulation that differ from the file `name`."""
+def print_differing(differing: Mapping[str, tuple[Any, Any]], largest: tuple[str, float], name: str) -> None:
+    """Print the numbers of a repeated simulation that differ from the file `name`, and the `largest`
+    difference."""
     console = _console()
     if not differing:
         console.print(f"Every number is that of {name}, bit for bit.", soft_wrap=True)
         return
     rows = [(what, *map(str, pair)) for what, pair in differing.items()]
     console.print(_grid(("differs", name, "now"), rows))
+    quantity, size = largest
+    console.print(f"The largest relative difference is {size:.2g}{f', of {quantity}' if quantity else ''}.")
 
 
 def print_geometry(report: "GeometryReport", files: Iterable[Path] = ()) -> None:

@@ -1,6 +1,7 @@
 """A cache of compiled kernels is never stale: its folder's name holds all that they are made of."""
 
 import ast
+import os
 import shutil
 import subprocess
 import sys
@@ -84,6 +85,28 @@ def test_second_process_compiles_nothing() -> None:
     for _ in range(2):
         done = subprocess.run([sys.executable, "-c", COUNT], check=True, capture_output=True, text=True)
     assert done.stdout.split() == ["0", "1", "0", "1"]
+
+
+def test_process_that_compiles_computes_the_numbers_of_those_that_load(tmp_path: Path) -> None:
+    """Bit for bit: no multiply-add is fused in one and not in the other."""
+    empty = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    empty["XDG_CACHE_HOME"] = str(tmp_path)
+    command = [sys.executable, "-c", RUN]
+    compiled, loaded = (
+        subprocess.run(command, check=True, capture_output=True, text=True, env=empty).stdout
+        for _ in range(2)
+    )
+    assert compiled == loaded
+
+
+RUN = """
+import rps_exudyn as rps
+
+result = rps.run("free-pinion-torque", fidelity="quasi-static", turns=0.1)
+for name in ("pinion_torque", "rack_roll", "seat_force"):
+    print(result[name].tobytes().hex())
+print(result.counters["newton_iterations"], result.counters["force_evaluations"])
+"""
 
 
 COUNT = """
