@@ -186,7 +186,13 @@ class Running:
         monkeypatch.setenv("STAND_IN_SECONDS", str(seconds))
         command = [sys.executable, "-m", "rps_exudyn", "study", str(file), "--jobs", "2"]
         self.process = subprocess.Popen(
-            command, cwd=file.parent, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+            command,
+            cwd=file.parent,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            # a shell that runs the tests in the background makes them, and all they start, ignore Ctrl-C
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
         )
 
     def __enter__(self) -> "subprocess.Popen[str]":
