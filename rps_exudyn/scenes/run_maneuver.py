@@ -30,7 +30,7 @@ from rps_exudyn.solvers.record import Record, record_of_path, repeated, signals_
 
 LEAST_FORCE = 10.0  # of which a tolerance is a fraction [N]
 ROLLING = 2e-4  # of the rack's travel, over a tooth pitch or more: the torque is settled to 0.15 % then
-CLOSED = 1e-3  # of the drive's force: how well a period must end where it began to stand for all
+CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
 
 
 def run_maneuver(
@@ -98,14 +98,18 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
 def by_equilibrium(
     gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions
 ) -> SceneRun:
-    """Go from equilibrium to equilibrium; a curve that repeats is followed over one period only."""
+    """Go from equilibrium to equilibrium; a curve that repeats is followed over one period only.
+
+    It repeats if all periods together drift by little: under its weight a rack tilts more the farther it is
+    out.
+    """
     if maneuver.pulse is not None:
         raise InputError("fidelity.solver is equilibrium, which knows no pulses: choose generalized-alpha.")
     run = _settled(gear, fidelity, maneuver.one_period(), options)
     if maneuver.periods == 1 or not run.ok:
         return run
     force = run.signals[maneuver.drive.signal]
-    if abs(force[-1] - force[0]) > CLOSED * np.abs(force).max():
+    if maneuver.periods * abs(force[-1] - force[0]) > CLOSED * np.abs(force).max():
         return _settled(gear, fidelity, maneuver, options)
     findings = {**run.outcome.findings, "periods_alike": maneuver.periods}
     return SceneRun(replace(run.outcome, findings=findings), repeated(run.signals, maneuver.periods))

@@ -28,6 +28,7 @@ MAX_HALVINGS = 8
 MAX_RESCUES = 100
 FARTHEST_SEARCH = 1e-4  # of each coordinate from where the path leads [m]
 ROLLING = 0.02  # of the rack's travel: what is left of the start then is 0.2 % of the torque
+SHORTEST = 0.01  # of the steps asked for, that between an instant found and one that is not
 JUMP = 0.5  # of the contact's forces where its quadrature changes [N]: an equilibrium may lie on one
 
 
@@ -99,54 +100,84 @@ def starting_guess(pair: GearPair, angle: float) -> np.ndarray:
 
 
 def equilibrium_path(balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray) -> EquilibriumPath:
-    """Follow the equilibria at rising times [s] of a drive's motion."""
-    time = np.asarray(time, dtype=float)
-    driven = drive.coordinate
-    fixed = {driven, *balance.locked}
+    """Follow the equilibria at rising times [s] of a drive's motion.
+
+    Where none is found from the instant before, one halfway to it is looked for first.
+    """
+    fixed = {drive.coordinate, *balance.locked}
     free = np.array([i for i in range(SIZE) if i not in fixed])
-    coordinates, rates, forces = (np.zeros((len(time), SIZE)) for _ in range(3))
+    rows = _Rows.along(drive, np.asarray(time, dtype=float))
     angle, speed = drive.pinion_angle(pair.gain, time[0]), drive.pinion_speed(pair.gain, time[0])
     guess, steady = starting_guess(pair, angle), steady_rates(pair, speed)
     guess[list(balance.locked)] = 0.0
-    coordinates[:, driven], rates[:, driven] = drive.sign * drive.place(time), drive.sign * drive.rate(time)
+    rows.coordinates[0, free], rows.rates[0, free] = guess[free], steady[free]
 
-    coordinates[0, free], rates[0, free] = guess[free], steady[free]
-
-    counts, rescues, unbalanced = np.zeros(3, dtype=int), 0, 0.0
-    rows = (coordinates, rates, forces)
-    found = 0
+    counts, rescues, unbalanced, found = np.zeros(3, dtype=int), 0, 0.0, 0
     while True:
+        state = rows.coordinates, rows.rates, rows.forces
         found, *more, residual = follower(balance.force)(
-            found, time, driven, free, CHARACTERISTIC_LENGTHS, *rows, balance.data
+            found, rows.time, drive.coordinate, free, CHARACTERISTIC_LENGTHS, *state, balance.data
         )
         counts += more
-        unbalanced = max(unbalanced, residual if found == len(time) else 0.0)
-        if found == len(time) or rescues == MAX_RESCUES or (found == 0 and rescues > 0):
+        unbalanced = max(unbalanced, residual if found == len(rows.time) else 0.0)
+        if found == len(rows.time) or rescues == MAX_RESCUES or (found == 0 and rescues > 0):
             break
         rescues += 1
         if found == 0:
-            coordinates[0, free] = _settled_guess(balance, free, coordinates[0], rates[0])
+            rows.coordinates[0, free] = _settled_guess(balance, free, rows.coordinates[0], rows.rates[0])
             continue
-        residual = _search(balance, free, time, found, *rows)
-        if residual > JUMP:
+        residual = _search(balance, free, rows.time, found, *state)
+        if residual <= JUMP:
+            unbalanced = max(unbalanced, residual)
+            found += 1
+        elif not rows.halve(found, drive):
             break
-        unbalanced = max(unbalanced, residual)
-        found += 1
     evaluations, iterations, tangents = counts.tolist()
-    lost_at = float(time[found]) if found < len(time) else None
+    lost_at = float(rows.time[found]) if found < len(rows.time) else None
+    asked = np.flatnonzero(rows.asked[:found])
     return EquilibriumPath(
-        time[:found],
-        coordinates[:found],
-        rates[:found],
-        forces[:found],
+        rows.time[asked],
+        rows.coordinates[asked],
+        rows.rates[asked],
+        rows.forces[asked],
         evaluations,
         iterations,
         tangents,
         rescues,
         residual if lost_at is not None else unbalanced,
         lost_at,
-        float(time[0]),
+        float(rows.time[0]),
     )
+
+
+@dataclass
+class _Rows:
+    """Instants of a path, those asked for and those put between, and what is found there."""
+
+    time: np.ndarray  # (n,) [s]
+    asked: np.ndarray  # (n,)
+    coordinates: np.ndarray  # (n, 8); the driven one is given
+    rates: np.ndarray
+    forces: np.ndarray
+
+    @classmethod
+    def along(cls, drive: Drive, time: np.ndarray) -> "_Rows":
+        """The driven coordinate at its places, all others at zero."""
+        coordinates, rates, forces = (np.zeros((len(time), SIZE)) for _ in range(3))
+        coordinates[:, drive.coordinate] = drive.sign * drive.place(time)
+        rates[:, drive.coordinate] = drive.sign * drive.rate(time)
+        return cls(time, np.ones(len(time), dtype=bool), coordinates, rates, forces)
+
+    def halve(self, k: int, drive: Drive) -> bool:
+        """Put an instant before the k-th; false if those there are as close as makes sense."""
+        between = self.time[k] - self.time[k - 1]
+        if between < SHORTEST * np.diff(self.time[self.asked]).min():
+            return False
+        new = _Rows.along(drive, np.array([self.time[k] - between / 2]))
+        new.asked[:] = False
+        for name, values in vars(new).items():
+            setattr(self, name, np.insert(getattr(self, name), k, values, axis=0))
+        return True
 
 
 def settled_path(

@@ -280,3 +280,29 @@ def test_a_small_reversal_is_followed_in_small_steps(fidelity: str) -> None:
     found = ran("reversal", {"test.amplitude": "0.5 deg"}, fidelity).summary
     free = ran("free-pinion-torque").summary["torque_mean"]
     assert found["torque_jump"] == pytest.approx(2 * free, rel=0.15)
+
+
+def test_a_rack_that_weighs_is_followed_over_all_periods() -> None:
+    """It tilts more the farther it is out: tooth pitches are not alike, and one of them stands for none."""
+    heavy = GEAR.replace({"installation.gravity": 9.81, "test.start_angle": "-360 deg"})
+    whole, nearly = (
+        rps.run("free-pinion-torque", heavy, fidelity="quasi-static", turns=t) for t in (2.0, 1.999)
+    )
+    assert "periods_alike" not in whole.findings
+    assert whole.summary["torque_mean"] == pytest.approx(nearly.summary["torque_mean"], rel=1e-4)
+    light = rps.run(
+        "free-pinion-torque", heavy.replace({"installation.gravity": 0}), fidelity="quasi-static", turns=2
+    )
+    assert light.findings["periods_alike"] == 12
+
+
+def test_path_gets_past_an_angle_where_the_contact_changes() -> None:
+    """From the angle before, Newton's method and a search ended 3 N off at 258 degrees; from halfway not."""
+    drawn = {"yoke.preload": 449.0972388324507, "mesh.friction": 0.09467799724228954}
+    gear = GEAR.replace({**drawn, "pinion.runout": 1.1068749838074344e-05})
+    coarse = rps.run("free-pinion-torque", gear, fidelity="quasi-static")
+    finer = Fidelity.preset("quasi-static").replace({"step_angle": "0.5 deg"})
+    fine = rps.run("free-pinion-torque", gear, fidelity=finer)
+    assert coarse.status is Status.OK
+    assert np.diff(coarse["pinion_angle"]) == pytest.approx(np.deg2rad(1), rel=1e-9)  # as asked for
+    assert fine.summary["torque_mean"] == pytest.approx(coarse.summary["torque_mean"], rel=1e-4)
