@@ -7,14 +7,17 @@ kernels are made of: any change there gives a new, empty cache.
 
 import hashlib
 import os
+import pickle
+import sys
 import tempfile
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numba
 import numpy as np
-from numba.core.caching import FunctionCache
+from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.experimental import structref
 
 # What compiled code is made of: the kernels, and the constants and NamedTuples that they read
@@ -51,9 +54,63 @@ def _cache_root() -> Path:
 numba.config.CACHE_DIR = str(_cache_root() / fingerprint(Path(__file__).parents[1]))
 
 
+class _CheckedFile(IndexDataCacheFile):
+    """numba's files with a checksum: what is damaged is reported once, compiled anew and replaced."""
+
+    def _load_index(self) -> Any:
+        try:
+            return super()._load_index()
+        except Exception:  # whatever pickle makes of damaged bytes
+            _report_damage()
+            return {}
+
+    def _save_data(self, name: str, data: Any) -> None:
+        content = self._dump(data)
+        with self._open_for_write(self._data_path(name)) as file:
+            file.write(hashlib.sha256(content).digest() + content)
+
+    def _load_data(self, name: str) -> Any:
+        checksum, content = (data := Path(self._data_path(name)).read_bytes())[:32], data[32:]
+        if hashlib.sha256(content).digest() != checksum:
+            _report_damage()
+            raise OSError("damaged")  # taken for a missing file
+        return pickle.loads(content)
+
+
+@cache
+def _report_damage() -> None:
+    print(
+        f"rps-exudyn: the cache of compiled kernels in {numba.config.CACHE_DIR} is damaged; "
+        "what is missing is compiled again.",
+        file=sys.stderr,
+    )
+
+
+class _Cache(FunctionCache):
+    """numba's cache without a kernel's closure in its key, and with `_CheckedFile`.
+
+    That key is new in every process when the closure holds other kernels. What it guards against, changed
+    sources, the folder's fingerprint covers.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)
+        stamp = self._impl.locator.get_source_stamp()
+        self._cache_file = _CheckedFile(self._cache_path, self._impl.filename_base, stamp)
+
+    def _index_key(self, sig: Any, codegen: Any) -> Any:
+        return sig, codegen.magic_tuple()
+
+
+def _compiled(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
+    dispatcher = numba.njit(function, error_model="numpy", **options)
+    dispatcher._cache = _Cache(function)
+    return dispatcher
+
+
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function of floats and arrays; division by zero gives inf or nan, as in numpy."""
-    return numba.njit(function, cache=True, error_model="numpy")
+    return _compiled(function)
 
 
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -62,15 +119,7 @@ def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     Multiply-adds are not fused: where a compiler fuses them depends on what it inlines, and the process that
     compiles would round otherwise than those that load its kernels.
     """
-    return numba.njit(function, cache=True, error_model="numpy", forceinline=True)
-
-
-class _FingerprintedCache(FunctionCache):
-    """numba's cache without the closure in its key: that key is new in every process when the closure holds
-    other kernels. What it guards against, changed sources, the folder's fingerprint covers."""
-
-    def _index_key(self, sig: Any, codegen: Any) -> Any:
-        return sig, codegen.magic_tuple()
+    return _compiled(function, forceinline=True)
 
 
 def kernel_over(function: Callable[..., Any], *kernels: Callable[..., Any]) -> Callable[..., Any]:
@@ -80,9 +129,7 @@ def kernel_over(function: Callable[..., Any], *kernels: Callable[..., Any]) -> C
     """
     name = "_".join([function.__name__, *(kernel.__name__ for kernel in kernels)])
     function.__name__ = function.__qualname__ = name
-    compiled = numba.njit(function, error_model="numpy")
-    compiled._cache = _FingerprintedCache(function)
-    return compiled
+    return _compiled(function)
 
 
 @structref.register

@@ -87,16 +87,26 @@ def test_second_process_compiles_nothing() -> None:
     assert done.stdout.split() == ["0", "1", "0", "1"]
 
 
-def test_process_that_compiles_computes_the_numbers_of_those_that_load(tmp_path: Path) -> None:
-    """Bit for bit: no multiply-add is fused in one and not in the other."""
+def test_all_processes_compute_the_same_numbers_also_those_that_compile_or_mend(tmp_path: Path) -> None:
+    """Bit for bit: no multiply-add is fused in one and not in the other. A damaged cache is reported once,
+    and what is missing is compiled again."""
     empty = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
     empty["XDG_CACHE_HOME"] = str(tmp_path)
-    command = [sys.executable, "-c", RUN]
-    compiled, loaded = (
-        subprocess.run(command, check=True, capture_output=True, text=True, env=empty).stdout
-        for _ in range(2)
-    )
-    assert compiled == loaded
+
+    def run() -> "subprocess.CompletedProcess[str]":
+        return subprocess.run(
+            [sys.executable, "-c", RUN], check=True, capture_output=True, text=True, env=empty
+        )
+
+    compiled, loaded = run(), run()
+    assert (compiled.stderr, loaded.stderr) == ("", "")
+    for pattern, damage in (("*.nbc", lambda old: old[:-40] + bytes(40)), ("*.nbi", lambda old: old[:30])):
+        for file in sorted(tmp_path.rglob(pattern))[:2]:
+            file.write_bytes(damage(file.read_bytes()))
+    mended, mended_again = run(), run()
+    assert mended.stderr.count("is damaged; what is missing is compiled again") == 1
+    assert mended_again.stderr == ""
+    assert compiled.stdout == loaded.stdout == mended.stdout == mended_again.stdout
 
 
 RUN = """
