@@ -5,9 +5,9 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
+from benchmarks.flank_deviation import flank_deviation
 from benchmarks.topic import Topic, digits, load_data, markdown, save_data
 from rps_exudyn.charts.geometry import draw_geometry
-from rps_exudyn.gears.deviation import flank_deviation
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pinion_mesh import flank_patch, pinion_mesh

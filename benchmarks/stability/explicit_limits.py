@@ -15,15 +15,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.stability.chart import draw_limits
-from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.forces.bush import bush_chain, resting_segments
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.solids import bush_segment_solid
-from rps_exudyn.multibody.bush_chain import add_chain
-from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.drive import DrivenBody, Steady, travel_per_radian
-from rps_exudyn.verification.explicit_limit import (
+from benchmarks.stability.stable_step import (
     disturbance_dies,
     explicit_euler,
     largest_damping,
@@ -32,6 +24,14 @@ from rps_exudyn.verification.explicit_limit import (
     stable_step,
     state_matrix,
 )
+from benchmarks.topic import Topic, load_data, markdown, save_data
+from rps_exudyn.forces.bush import bush_chain, resting_segments
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.solids import bush_segment_solid
+from rps_exudyn.multibody.bush_chain import add_chain
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.drive import DrivenBody, Steady, travel_per_radian
 from rps_exudyn.verification.runge_kutta import FreeMotion
 from rps_exudyn.verification.stability import bisected
 

@@ -22,6 +22,7 @@ from benchmarks.stability.explicit_limits import (
     chain_is_bounded,
     simple_limits,
 )
+from benchmarks.stability.stable_step import STEPS
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.checks.before_run import DEEPEST, STEPS_PER_PITCH, predicted_depth
@@ -37,7 +38,6 @@ from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Axis, Case
 from rps_exudyn.study.study_file import read_study
 from rps_exudyn.study.table import axis_quantity
-from rps_exudyn.verification.explicit_limit import STEPS
 from rps_exudyn.verification.runge_kutta import runge_kutta
 from rps_exudyn.verification.stability import (
     INACCURATE,

@@ -9,6 +9,5 @@ slow_swing         a reversal in the limit of slow motion     } besides
 flywheel           the gear by Exudyn's explicit solvers      } those of
 faceted            pinions of flat facets                     } `simulate`
 equilibria         equilibria under force laws of no fidelity
-explicit_limit     the largest stable step of explicit methods, predicted and seen
 stability          whether a plan's number is right; bisected limits
 """

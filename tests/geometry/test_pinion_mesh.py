@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
+from benchmarks.flank_deviation import flank_deviation
 from geometry.random_gears import gear_pairs
-from rps_exudyn.gears.deviation import flank_deviation
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank, transverse_profile

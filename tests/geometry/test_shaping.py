@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rps_exudyn.gears.deviation import flank_deviation
+from benchmarks.flank_deviation import flank_deviation
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.pinion_mesh import pinion_mesh
 from rps_exudyn.gears.polyhedron import Solid, defect

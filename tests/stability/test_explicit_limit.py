@@ -3,11 +3,7 @@
 import numpy as np
 import pytest
 
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.drive import Steady
-from rps_exudyn.verification.explicit_limit import (
+from benchmarks.stability.stable_step import (
     disturbance_dies,
     explicit_euler,
     largest_damping,
@@ -16,6 +12,10 @@ from rps_exudyn.verification.explicit_limit import (
     stable_step,
     state_matrix,
 )
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.verification.runge_kutta import FreeMotion
 
 STEPS = 120
