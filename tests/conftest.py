@@ -48,6 +48,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "smoke/test_study_to_report.py",
     "wrong_input/test_accuracy.py::test_choice_and_its_reason_are_printed",
     "wrong_input/test_accuracy_from_python.py",
+    "wrong_input/test_environment.py",
 )
 PROCESSES = 2
 
