@@ -303,8 +303,10 @@ def _problems(
         for item in items:
             problems = _problems_of(table, item, given, settings)
             found += [problem for problem in problems if not problem.concerns(_paths(wrong))]
-        wrong += [item["loc"] for item in items]
-        remaining = _error_of(table, _without(given, wrong)) if () not in wrong else None
+        new = [item["loc"] for item in items if item["loc"] not in wrong]
+        wrong += new
+        # nothing new: a default itself is wrong, and no value left out mends that
+        remaining = _error_of(table, _without(given, wrong)) if new and () not in wrong else None
     return found
 
 

@@ -21,6 +21,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from rps_exudyn.analysis.efficiency import LoadTest
+from rps_exudyn.base.quadrature import gauss_legendre
 from rps_exudyn.forces.bush import bush_chain, housing_station, lateral_stiffness
 from rps_exudyn.forces.yoke import seat_wedge_factor
 from rps_exudyn.gears.gear_pair import GearPair
@@ -295,7 +296,7 @@ def _field_rule(pair: GearPair, side: int, n: int = 24) -> tuple[np.ndarray, np.
 
     Gauss-Legendre on both sides of the pitch point, where sliding may turn about.
     """
-    x, w = np.polynomial.legendre.leggauss(n)
+    x, w = gauss_legendre(n)
     q_0, q_a = pair.active_path
     ends = sorted({q_0, q_a, min(max(0.0, q_0), q_a)})
     q = np.concatenate([(b + a) / 2 + (b - a) / 2 * x for a, b in pairwise(ends)])

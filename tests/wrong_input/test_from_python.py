@@ -6,6 +6,7 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.declaration import Length, Table, parameter
 from rps_exudyn.parameters.fidelity import Fidelity
 
 SCENE = "free-pinion-torque"
@@ -33,3 +34,11 @@ def test_constructor_speaks_in_sentences() -> None:
     ]
     with pytest.raises(InputError, match=r"^mesh is 'glue'; it must be general-contact or"):
         Fidelity(mesh="glue")
+
+
+def test_default_that_is_not_allowed_is_reported_and_not_searched_for_ever() -> None:
+    class Wrong(Table):
+        length: Length = parameter("-1 mm", "a length", "estimate", gt=0)
+
+    with pytest.raises(InputError, match="length is"):
+        Wrong()
