@@ -81,17 +81,18 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
     steps = maneuver.lead + maneuver.steps
     tolerance = fidelity.tolerance * max(gear.yoke.preload, LEAST_FORCE)
     plan = SolverPlan(end_time=steps * maneuver.time_step, steps=steps, absolute_tolerance=tolerance)
+    interrupted = False
     try:
         outcome = solve(model.mbs, plan)
     except KeyboardInterrupt:
         outcome = Outcome(Status.TIMEOUT, f"interrupted at {recorder.reached:.4g} s of {plan.end_time:.4g} s")
-        start, zone = model.start, model.forces.friction_zone
-        raise Interrupted(
-            _finished(gear, maneuver, outcome, recorder.record(), start, zone, options)
-        ) from None
+        interrupted = True
     record = recorder.record()
     model.release()
-    return _finished(gear, maneuver, outcome, record, model.start, model.forces.friction_zone, options)
+    run = _finished(gear, maneuver, outcome, record, model.start, model.forces.friction_zone, options)
+    if interrupted:
+        raise Interrupted(run)
+    return run
 
 
 # --- equilibria ------------------------------------------------------------------------------------
