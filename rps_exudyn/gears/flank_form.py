@@ -2,6 +2,7 @@
 
 Deviations are measured as gear testers do (ISO 1328-1): in the transverse section, along the line of
 action, which is the tangent e_t at the base circle; positive where there is more material than designed.
+Pitch and lead error turn the sections of a tooth: they move both of its flanks the same way.
 """
 
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ class FlankForm:
     crowning: float = 0.0  # taken off at both end faces, parabolically
     profile_slope: float = 0.0  # f_Halpha: surplus at the tip, linear from the form circle
     pitch_error: float = 0.0  # f_pt: shift of tooth 0 along the reference circle, polar angle ascending
+    lead_error: float = 0.0  # f_Hbeta: over the face width; > 0 where the helix angle is too large
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "FlankForm":
@@ -32,6 +34,7 @@ class FlankForm:
             pinion.crowning,
             pinion.profile_slope,
             pinion.pitch_error,
+            pinion.lead_error,
         )
 
     def deviation(
@@ -50,3 +53,12 @@ class FlankForm:
     def turn(self, tooth: int, pair: GearPair) -> float:
         """Angle by which the pitch error displaces a tooth [rad]."""
         return self.pitch_error / pair.reference_radius if tooth % pair.teeth == 0 else 0.0
+
+    def twist(self, pair: GearPair) -> float:
+        """Turn of the transverse section per axial length, lead error included [rad/m].
+
+        Over the face width the flank leaves the designed one by f_Hbeta along the line of action. A spur
+        gear's error counts as a positive helix angle does.
+        """
+        hand = -1 if pair.beta_p < 0 else 1
+        return pair.twist + hand * self.lead_error / (pair.base_radius * pair.face_width)

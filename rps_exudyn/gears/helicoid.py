@@ -12,7 +12,7 @@ element is dA = q / cos beta_b dpsi dZ and the radius of curvature across the ge
 Side -1 is the flank that drives the rack towards +X. Turning the pinion by phi adds -phi to Theta and psi.
 
 A modified flank (relief, crowning, errors: `FlankForm`) is displaced within its transverse section, along
-e_t, so that the end faces stay plane.
+e_t, so that the end faces stay plane. Pitch and lead error leave it a helicoid, with Theta and twist changed.
 """
 
 from dataclasses import dataclass, field
@@ -44,6 +44,16 @@ class Flank:
             self.tooth, pair
         )
 
+    @cached_property
+    def twist(self) -> float:
+        """Turn of the transverse section per axial length [rad/m]."""
+        return self.form.twist(self.pair)
+
+    @cached_property
+    def beta_b(self) -> float:
+        """Base helix angle [rad]."""
+        return float(np.arctan(self.pair.base_radius * self.twist))
+
     # --- limits --------------------------------------------------------------------------------
     @cached_property
     def form_tangent_length(self) -> float:
@@ -58,11 +68,11 @@ class Flank:
     # --- coordinates ---------------------------------------------------------------------------
     def tangent_length(self, psi: np.ndarray | float, Z: np.ndarray | float) -> np.ndarray:
         """Tangent length q [m]."""
-        return np.asarray(self.side * self.pair.base_radius * (self.theta - psi - Z * self.pair.twist))
+        return np.asarray(self.side * self.pair.base_radius * (self.theta - psi - Z * self.twist))
 
     def generator(self, q: np.ndarray | float, Z: np.ndarray | float) -> np.ndarray:
         """Angle psi of the generator through (q, Z) [rad]."""
-        return np.asarray(self.theta - Z * self.pair.twist - self.side * q / self.pair.base_radius)
+        return np.asarray(self.theta - Z * self.twist - self.side * q / self.pair.base_radius)
 
     # --- surface -------------------------------------------------------------------------------
     def point(self, psi: np.ndarray | float, Z: np.ndarray | float) -> np.ndarray:
@@ -75,17 +85,17 @@ class Flank:
         return np.stack([rb * c - along * s, rb * s + along * c, Z], axis=-1)
 
     def normal(self, psi: np.ndarray | float) -> np.ndarray:
-        """Unit normals out of the tooth, of the unmodified flank, shape (..., 3)."""
+        """Unit normals out of the tooth, of the helicoid, shape (..., 3)."""
         psi = np.asarray(psi, dtype=float)
-        cb, sb = np.cos(self.pair.beta_b), np.sin(self.pair.beta_b)
+        cb, sb = np.cos(self.beta_b), np.sin(self.beta_b)
         return self.side * np.stack([-cb * np.sin(psi), cb * np.cos(psi), np.full_like(psi, sb)], axis=-1)
 
     def area_element(self, psi: np.ndarray | float, Z: np.ndarray | float) -> np.ndarray:
         """Area element dA / (dpsi dZ) = q / cos beta_b, and radius of curvature across the generator [m]."""
-        return self.tangent_length(psi, Z) / np.cos(self.pair.beta_b)
+        return self.tangent_length(psi, Z) / np.cos(self.beta_b)
 
     def distance(self, points: np.ndarray) -> np.ndarray:
-        """Signed distance of points (..., 3) from the unmodified flank, positive outside the tooth [m].
+        """Signed distance of points (..., 3) from the helicoid, positive outside the tooth [m].
 
         Exact: the parallel surfaces of an involute helicoid are the same helicoid, turned. Points inside
         the base cylinder are taken on it.
@@ -93,9 +103,9 @@ class Flank:
         x, y, Z = np.moveaxis(np.asarray(points, dtype=float), -1, 0)
         rb, s = self.pair.base_radius, self.side
         q = np.sqrt(np.maximum(x**2 + y**2 - rb**2, 0))
-        root = np.arctan2(y, x) + s * (q / rb - np.arctan2(q, rb)) + Z * self.pair.twist
+        root = np.arctan2(y, x) + s * (q / rb - np.arctan2(q, rb)) + Z * self.twist
         turn = np.remainder(root - self.theta + np.pi, 2 * np.pi) - np.pi
-        return s * rb * turn * np.cos(self.pair.beta_b)
+        return s * rb * turn * np.cos(self.beta_b)
 
 
 def transverse_profile(pair: GearPair, chord_error: float) -> np.ndarray:

@@ -60,8 +60,8 @@ class PinionMesh:
 def flank_patch(flank: Flank, chord_error: float) -> FlankPatch:
     """Ruled triangulation of one flank within `chord_error` [m] of the helicoid."""
     pair, side = flank.pair, flank.side
-    b, tan_b = pair.face_width, abs(np.tan(pair.beta_b))
-    sign = -1 if side * pair.beta_b < 0 else 1
+    b, tan_b = pair.face_width, abs(np.tan(flank.beta_b))
+    sign = -1 if side * flank.beta_b < 0 else 1
     q0, qa = flank.form_tangent_length, flank.tip_tangent_length
     corners = np.array([q0 - tan_b * b / 2, qa - tan_b * b / 2, q0 + tan_b * b / 2, qa + tan_b * b / 2])
     p, (form0, tip0, form1, tip1) = _generators(corners, pair.base_radius * generator_step(pair, chord_error))
@@ -102,8 +102,8 @@ def pinion_mesh(pair: GearPair, chord_error: float, form: FlankForm = PERFECT) -
     Raises:
         InputError: the parameters leave no sound mesh, for instance a relief larger than the tooth.
     """
-    z, land_error = pair.teeth, 10 * chord_error
-    layers = arc_segments(pair.tip_radius, pair.twist * pair.face_width, land_error)
+    z, twist, land_error = pair.teeth, form.twist(pair), 10 * chord_error
+    layers = arc_segments(pair.tip_radius, twist * pair.face_width, land_error)
     Z = pair.face_width * (np.linspace(0, 1, 1 + layers) - 0.5)
     root, tip = root_profile(pair, chord_error)[1:-1], crest_profile(pair, land_error)
 
@@ -122,7 +122,7 @@ def pinion_mesh(pair: GearPair, chord_error: float, form: FlankForm = PERFECT) -
     rows, rim = [], []  # strips to be sewn; outline of the end faces as pairs (lower, upper)
     for m in range(z):
         behind, rising, falling = flanks[(m - 1) % z, 1], flanks[m, -1], flanks[m, 1]
-        angle = 2 * np.pi * m / z - pair.twist * Z
+        angle = 2 * np.pi * m / z - twist * Z
         roots = numbers(_swept(root, angle, Z)).reshape(-1, len(Z))
         tips = numbers(_swept(tip, angle, Z)).reshape(-1, len(Z))
         rows += [[behind.form_edge, *roots, rising.form_edge], [rising.tip_edge, *tips, falling.tip_edge]]
@@ -136,7 +136,7 @@ def pinion_mesh(pair: GearPair, chord_error: float, form: FlankForm = PERFECT) -
     vertices = np.concatenate(blocks)
     lower, upper = np.concatenate(rim).T
     faces = [patch.faces for patch in flanks.values()]
-    faces += [_sewn(a, b, vertices[:, 2], pair.twist) for strip in rows for a, b in pairwise(strip)]
+    faces += [_sewn(a, b, vertices[:, 2], twist) for strip in rows for a, b in pairwise(strip)]
     faces += [_cap(vertices, lower)[:, ::-1], _cap(vertices, upper)]
     whole = np.concatenate(faces)
     refuse_defects("pinion", vertices, whole)

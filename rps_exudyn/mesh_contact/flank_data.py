@@ -1,5 +1,6 @@
 """What the flank contact kernels know of a gear, and the rules by which they integrate."""
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -80,14 +81,15 @@ def pack(
         ValueError: no involute is left between form and tip circle.
     """
     pair, form, mesh = GearPair.of(gear), FlankForm.of(gear), gear.mesh
-    coast, drive = Flank(pair, 0, +1), Flank(pair, 0, -1)
+    unturned = replace(form, pitch_error=0.0)
+    coast, drive = Flank(pair, 0, +1, unturned), Flank(pair, 0, -1, unturned)
     (q_form, q_tip), half_face = _tangent_lengths(coast), pair.face_width / 2
     normal = pair.rack_flank_normal(+1)
     return FlankData(
         teeth=pair.teeth,
         base_radius=pair.base_radius,
-        twist=pair.twist,
-        cos_base_helix=np.cos(pair.beta_b),
+        twist=coast.twist,
+        cos_base_helix=np.cos(coast.beta_b),
         theta=coast.theta,
         theta_coast_to_drive=drive.theta - coast.theta,
         q_form=q_form,

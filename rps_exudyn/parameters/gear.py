@@ -31,6 +31,8 @@ from rps_exudyn.parameters.declaration import (
     parameter,
 )
 
+STEEPEST_LEAD = 0.01  # lead error over face width [rad]: the flanks' normals are those of the design to 1e-4
+
 
 class BasicRack(Table):
     """Standard basic rack tooth profile (ISO 53, profile A), in units of the normal module."""
@@ -90,6 +92,13 @@ class Pinion(Table):
     )
     profile_slope: Length = parameter(
         0.0, "profile slope deviation f_Halpha: surplus at the tip", "estimate", ge=-1e-4, le=1e-4
+    )
+    lead_error: Length = parameter(
+        0.0,
+        "helix slope deviation f_Hbeta over the face width: above 0 the helix angle is too large",
+        "estimate",
+        ge=-1e-4,
+        le=1e-4,
     )
     density: Density = parameter(7850.0, "density of the pinion", "estimate", gt=0)
 
@@ -271,6 +280,12 @@ def _conflicts(gear: SteeringGear) -> Iterator[Problem]:
             ("pinion.shaft_length", "pinion.face_width"),
             f"pinion.shaft_length is {mm(pinion.shaft_length)}; it carries the whole gear and must be "
             f"at least as long as pinion.face_width = {mm(pinion.face_width)}.",
+        )
+    if abs(pinion.lead_error) > STEEPEST_LEAD * pinion.face_width:
+        yield Problem(
+            ("pinion.lead_error", "pinion.face_width"),
+            f"pinion.lead_error is {mm(pinion.lead_error)}; over pinion.face_width = {mm(pinion.face_width)} "
+            f"it must be at most {mm(STEEPEST_LEAD * pinion.face_width)} either way.",
         )
     if bush.inner_diameter >= bush.outer_diameter:
         yield Problem(

@@ -122,6 +122,7 @@ def beyond_formulas(gear: SteeringGear) -> str:
         "pinion.crowning": pinion.crowning,
         "pinion.pitch_error": pinion.pitch_error,
         "pinion.profile_slope": pinion.profile_slope,
+        "pinion.lead_error": pinion.lead_error,
     }
     given = [path for path, value in unknown.items() if value]
     return f"the formulas know nothing of {', '.join(given)}" if given else ""

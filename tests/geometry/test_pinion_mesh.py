@@ -124,6 +124,24 @@ def test_modified_flanks_deviate_as_wanted_and_stay_closed(helix: float) -> None
     assert surplus[corner_form] == pytest.approx(-5e-6, abs=1e-15)
 
 
+@pytest.mark.parametrize("helix", [0.0, -0.4, 0.4])
+@pytest.mark.parametrize("lead_error", [8e-6, -60e-6])
+def test_lead_error_turns_the_sections_of_every_tooth(helix: float, lead_error: float) -> None:
+    """Law (ISO 1328-1): over the face width the flanks part from the design by f_Hbeta along the line of
+    action, in the sense of a larger helix angle if it is positive, both flanks of a tooth the same way.
+
+    The distance from the designed helicoid is exact; what is left is rounding.
+    """
+    pair, form = dataclasses.replace(PAPER, beta_p=helix, tip_radius=8e-3), FlankForm(lead_error=lead_error)
+    mesh = pinion_mesh(pair, 1e-7, form)
+    assert defect(mesh.vertices, mesh.faces) is None
+    larger = -1 if helix < 0 else 1  # a positive helix angle turns the sections by -Z twist
+    for (tooth, side), patch in mesh.flanks.items():
+        for edge, place in ((patch.lower_edge, -0.5), (patch.upper_edge, 0.5)):
+            ahead = side * Flank(pair, tooth, side).distance(mesh.vertices[edge]) / np.cos(pair.beta_b)
+            np.testing.assert_allclose(ahead, -larger * lead_error * place, rtol=0, atol=1e-14)
+
+
 def test_pitch_error_displaces_one_tooth() -> None:
     """Tooth 0 stands f_pt along the reference circle, both flanks the same way; the others stay."""
     form = FlankForm(pitch_error=20e-6)

@@ -190,7 +190,12 @@ def test_pressure_by_depth_rubs_more_than_an_even_load(pitch: Result) -> None:
 
 @pytest.mark.parametrize(
     "form",
-    [{"pinion.tip_relief": "20 um"}, {"pinion.crowning": "8 um"}, {"pinion.profile_slope": "5 um"}],
+    [
+        {"pinion.tip_relief": "20 um"},
+        {"pinion.crowning": "8 um"},
+        {"pinion.profile_slope": "5 um"},
+        {"pinion.lead_error": "8 um"},
+    ],
     ids=lambda form: next(iter(form)),
 )
 def test_modified_flanks_ask_for_the_same_torque_by_spheres_and_by_strips(form: dict[str, object]) -> None:

@@ -34,6 +34,7 @@ ONE_PROBLEM = [
     ("pinion.crowning", "1 mm", "is '1 mm'; it must be at least 0 mm and at most 0.1 mm."),
     ("pinion.pitch_error", "1 mm", "is '1 mm'; it must be at least -0.1 mm and at most 0.1 mm."),
     ("pinion.profile_slope", "-1 mm", "is '-1 mm'; it must be at least -0.1 mm and at most 0.1 mm."),
+    ("pinion.lead_error", "-1 mm", "is '-1 mm'; it must be at least -0.1 mm and at most 0.1 mm."),
     (
         "pinion.shaft_length",
         "5 mm",
@@ -76,6 +77,15 @@ def test_all_problems_of_a_file_at_once_also_between_parameters(tmp_path: Path) 
         "rack.length", "yoke.preload", "yoke.strength", "bush.inner_diameter",
     ]  # fmt: skip
     assert all(problem.startswith(f"{path}: ") for problem in caught.value.problems)
+
+
+def test_lead_error_too_steep_for_the_face_width() -> None:
+    """60 um over 5 mm are 12 mrad, where flanks are described as helicoids nearly like the designed ones."""
+    with pytest.raises(InputError) as caught:
+        SteeringGear().replace({"pinion.lead_error": "-60 um", "pinion.face_width": "5 mm"})
+    assert caught.value.problems == [
+        "pinion.lead_error is -0.06 mm; over pinion.face_width = 5 mm it must be at most 0.05 mm either way."
+    ]
 
 
 def test_misfit_with_a_wrong_parameter_is_not_reported() -> None:
