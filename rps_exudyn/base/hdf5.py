@@ -1,6 +1,6 @@
-"""HDF5 files of this package opened for reading, after a check of their type and format version."""
+"""HDF5 files of this package, read after a check of their checksum, type and format version."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -8,42 +8,92 @@ import h5py
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.seal import HDF5_BEGIN, SIZE, is_intact
 from rps_exudyn.base.units import short
+
+
+def file_image(fill: Callable[[h5py.File], None]) -> bytes:
+    """Return the bytes of the HDF5 file that `fill` fills, without a checksum.
+
+    It is made in memory: HDF5 itself does not recover from a full disk.
+    """
+    with h5py.File("in memory", "w", driver="core", backing_store=False) as file:
+        fill(file)
+        file.flush()
+        return bytes(file.id.get_file_image())
 
 
 @contextmanager
 def opened(path: str | Path, filetype: str, what: str, version: tuple[int, int]) -> Iterator[h5py.File]:
-    """The file, if it is of this type and its major version is known.
+    """The file, if it is undamaged, of this type, and its major version is known.
+
+    Whatever goes wrong while it is read in the `with` block is the damage of a file without a checksum.
 
     Args:
+        path: the file.
         filetype: the file's attribute of that name.
         what: the type's name in messages, for instance "result".
         version: major and minor version that this package writes.
 
     Raises:
-        InputError: no such file, no HDF5, of another type, or of another format version.
+        InputError: no such file, no HDF5, damaged, of another type, or of another format version.
     """
-    with _open(path) as file:
-        if file.attrs.get("filetype") != filetype:
-            raise InputError(f"{path} is an HDF5 file, but not a {what} of rps-exudyn.")
-        check_version(np.ravel(file.attrs.get("version", ())), path, version)
+    with from_bytes(_bytes_of(path), path, filetype, what, version) as file:
         yield file
 
 
-def _open(path: str | Path) -> h5py.File:
+@contextmanager
+def from_bytes(
+    content: bytes, name: str | Path, filetype: str, what: str, version: tuple[int, int]
+) -> Iterator[h5py.File]:
+    """The file of these bytes, as `opened`; `name` stands for it in messages.
+
+    Raises:
+        InputError: as `opened`.
+    """
+    _check_intact(content, name)
     try:
-        is_file, is_folder = Path(path).is_file(), Path(path).is_dir()
-    except OSError as error:  # a name too long for a file
-        raise InputError(f"{short(str(path))} cannot be read: {error.strerror or error}.") from None
-    if not is_file:
-        reason = "it is a folder" if is_folder else "there is no such file"
-        raise InputError(f"{path} cannot be read: {reason}.")
+        with _image(content, name) as file:
+            if file.attrs.get("filetype") != filetype:
+                raise InputError(f"{name} is an HDF5 file, but not a {what} of rps-exudyn.")
+            check_version(np.ravel(file.attrs.get("version", ())), name, version)
+            yield file
+    except InputError:
+        raise
+    except MemoryError:
+        raise InputError(f"{name} is damaged, or needs more memory than there is.") from None
+    except Exception as error:  # whatever HDF5 and JSON make of damaged bytes
+        reason = str(error.args[0] if isinstance(error, KeyError) and error.args else error)
+        raise InputError(f"{name} is damaged: {reason.rstrip('.')}.") from None
+
+
+def _check_intact(content: bytes, name: str | Path) -> None:
+    if is_intact(content):
+        return
+    if not content[SIZE:].startswith(HDF5_BEGIN):
+        raise InputError(f"{name} is no HDF5 file, or it is damaged.")
+    raise InputError(f"{name} is damaged, or was changed by another program: its checksum does not fit.")
+
+
+def _image(content: bytes, name: str | Path) -> h5py.File:
     try:
-        return h5py.File(path, "r")
+        return h5py.File(h5py.h5f.open_file_image(content))
+    except (OSError, ValueError, RuntimeError):
+        raise InputError(f"{name} is no HDF5 file, or it is damaged.") from None
+
+
+def _bytes_of(path: str | Path) -> bytes:
+    try:
+        if Path(path).is_dir():
+            raise InputError(f"{path} cannot be read: it is a folder.")
+        return Path(path).read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{path} cannot be read: there is no such file.") from None
     except PermissionError:
         raise InputError(f"{path} cannot be read: permission denied.") from None
-    except OSError:
-        raise InputError(f"{path} is no HDF5 file, or it is damaged.") from None
+    except (OSError, ValueError) as error:  # a name too long for a file, or with a zero in it
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{short(str(path))} cannot be read: {reason}.") from None
 
 
 def check_version(version: Iterable[object], path: str | Path, known: tuple[int, int]) -> None:

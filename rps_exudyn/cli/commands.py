@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 
+SHOWN_SKIPPED = 5
 RESULT_FILES = (".h5", ".hdf5")
 
 app = App(
@@ -302,8 +303,10 @@ def collect(folder: Path, /, *, out: Path | None = None) -> int:
     store = Store.open(folder)
     out = check_writable(out or folder / "table.h5", SUFFIXES)
     table = CaseTable.of(store)
-    for _, sentence in table.skipped:
+    for _, sentence in table.skipped[:SHOWN_SKIPPED]:
         _say(f"left out: {sentence}")
+    if len(table.skipped) > SHOWN_SKIPPED:
+        _say(f"{len(table.skipped)} files are left out, these among them; the command study does them again.")
     write_table(table, out)
     print(f"written: {out}")
     return DONE

@@ -5,17 +5,16 @@ does and becomes a form: the numbers of the next results of the same shape are l
 bytes, where HDF5 says they are, and the attributes that differ are set. Read, it is the same result.
 """
 
-import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
+from rps_exudyn.base.seal import sealed
 from rps_exudyn.results.quantities import GROUPS
-from rps_exudyn.results.result import Result, attributes_of
+from rps_exudyn.results.result import Result, attributes_of, content_of
 
 READ_WRITE = 1  # H5LT_FILE_IMAGE_OPEN_RW: HDF5's own constant, which h5py does not name
 
@@ -48,27 +47,24 @@ class FileForms:
         self._forms: dict[tuple[Any, ...], _Form] = {}
 
     def content(self, result: Result) -> bytes:
-        """Return the bytes of the result's HDF5 file."""
+        """Return the bytes of the result's HDF5 file with its checksum."""
         shape = _shape(result)
         if shape not in self._forms:
             self._forms[shape] = _Form(result)
-            return self._forms[shape].bytes
-        return self._forms[shape].filled(result)
+            return sealed(self._forms[shape].bytes)
+        return sealed(self._forms[shape].filled(result))
 
 
 class _Form:
     """The bytes of one result's file, and where its numbers are in them."""
 
     def __init__(self, result: Result) -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "form.h5"
-            result.save(path)
-            self.bytes = path.read_bytes()
-            with h5py.File(path, "r") as file:
-                self._places = {
-                    (group, name): (file[group][name].id.get_offset(), file[group][name].dtype)
-                    for group, name, _ in _numbers(result)
-                }
+        self.bytes = content_of(result)
+        with h5py.File(h5py.h5f.open_file_image(self.bytes)) as file:
+            self._places = {
+                (group, name): (file[group][name].id.get_offset(), file[group][name].dtype)
+                for group, name, _ in _numbers(result)
+            }
         self._attributes = attributes_of(result)
 
     def filled(self, result: Result) -> bytes:

@@ -19,7 +19,8 @@ import numpy as np
 
 from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.hdf5 import opened
+from rps_exudyn.base.hdf5 import file_image, from_bytes, opened
+from rps_exudyn.base.seal import sealed
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results import provenance as origin
@@ -33,7 +34,7 @@ MOST_NUMBERS = 6  # of the summary that a printed result shows
 DRAWING = "rps_exudyn.charts.scene:draw"  # looked up when a result is drawn: charts stand above results
 
 FILETYPE = "rps_exudyn-result"
-VERSION = (1, 1)
+VERSION = (1, 2)
 """Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
 
 
@@ -153,8 +154,8 @@ class Result:
         Raises:
             InputError: the file cannot be written.
         """
-        with replacing(path) as partial, h5py.File(partial, "w") as file:
-            _write(self, file)
+        with replacing(path) as partial:
+            partial.write_bytes(sealed(content_of(self)))
 
 
 def failed(
@@ -189,7 +190,22 @@ def load(path: str | Path) -> Result:
         return _read(file, path)
 
 
+def loads(content: bytes, name: str) -> Result:
+    """Read the result in the bytes of an HDF5 file; `name` stands for it in messages.
+
+    Raises:
+        InputError: as `load`.
+    """
+    with from_bytes(content, name, FILETYPE, "result", VERSION) as file:
+        return _read(file, name)
+
+
 # --- writing -----------------------------------------------------------------------------------
+
+
+def content_of(result: Result) -> bytes:
+    """Return the bytes of the result's HDF5 file, without a checksum."""
+    return file_image(lambda file: _write(result, file))
 
 
 def _write(result: Result, file: h5py.File) -> None:
@@ -251,34 +267,28 @@ _FINDINGS = ("residual", "rescues", "angles", "periods_alike", "tries", "accurac
 
 
 def _read(file: h5py.File, path: str | Path) -> Result:
-    try:
-        fidelity = _tables(file, "fidelity")
-        if not isinstance(fidelity.get("name"), str):
-            raise ValueError("fidelity has no name")
-        solver = _tables(file, "solver")
-        findings = _tables(file, "findings") if "findings" in file.attrs else {}
-        findings |= {name: value for name, value in solver.items() if name in _FINDINGS}
-        return Result(
-            scene=_text(file, "scene"),
-            gear=SteeringGear.from_tables(_tables(file, "parameters"), where=str(path)),
-            fidelity=fidelity,
-            solver={name: value for name, value in solver.items() if name not in _FINDINGS},
-            findings=findings,
-            status=Status(_text(file, "status")),
-            message=_text(file, "message"),
-            signals={name: _numbers(dataset, 1) for name, dataset in _known(file, "signals")},
-            summary={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "summary")},
-            counters={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "counters")},
-            geometry={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "geometry")},
-            cpu_s=float(file.attrs["cpu_s"]),
-            wall_s=float(file.attrs["wall_s"]),
-            provenance={name: _text(file, name) for name in origin.FIELDS},
-        )
-    except InputError:
-        raise
-    except (KeyError, ValueError, TypeError, OSError, RuntimeError) as error:
-        reason = str(error.args[0] if isinstance(error, KeyError) and error.args else error)
-        raise InputError(f"{path} is damaged: {reason.rstrip('.')}.") from None
+    fidelity = _tables(file, "fidelity")
+    if not isinstance(fidelity.get("name"), str):
+        raise ValueError("fidelity has no name")
+    solver = _tables(file, "solver")
+    findings = _tables(file, "findings") if "findings" in file.attrs else {}
+    findings |= {name: value for name, value in solver.items() if name in _FINDINGS}
+    return Result(
+        scene=_text(file, "scene"),
+        gear=SteeringGear.from_tables(_tables(file, "parameters"), where=str(path)),
+        fidelity=fidelity,
+        solver={name: value for name, value in solver.items() if name not in _FINDINGS},
+        findings=findings,
+        status=Status(_text(file, "status")),
+        message=_text(file, "message"),
+        signals={name: _numbers(dataset, 1) for name, dataset in _known(file, "signals")},
+        summary={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "summary")},
+        counters={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "counters")},
+        geometry={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "geometry")},
+        cpu_s=float(file.attrs["cpu_s"]),
+        wall_s=float(file.attrs["wall_s"]),
+        provenance={name: _text(file, name) for name in origin.FIELDS},
+    )
 
 
 def _text(file: h5py.File, name: str) -> str:

@@ -15,12 +15,12 @@ import h5py
 import numpy as np
 
 from rps_exudyn.base.atomic import check_writable, replacing
-from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.hdf5 import opened
+from rps_exudyn.base.hdf5 import file_image, opened
+from rps_exudyn.base.seal import sealed
 from rps_exudyn.study.table import CaseTable, Column
 
 FILETYPE = "rps_exudyn-table"
-VERSION = (1, 0)
+VERSION = (1, 1)
 """Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
 
 SUFFIXES = (".h5", ".hdf5", ".csv")
@@ -35,9 +35,11 @@ def write_table(table: CaseTable, path: str | Path) -> None:
         InputError: another suffix than `SUFFIXES`, or the file cannot be written.
     """
     check_writable(path, SUFFIXES)
-    write = _write_csv if Path(path).suffix.lower() == ".csv" else _write_hdf5
     with replacing(path) as partial:
-        write(table, partial)
+        if Path(path).suffix.lower() == ".csv":
+            _write_csv(table, partial)
+        else:
+            partial.write_bytes(sealed(file_image(lambda file: _fill(table, file))))
 
 
 def read_table(path: str | Path) -> dict[str, dict[str, np.ndarray]]:
@@ -47,12 +49,7 @@ def read_table(path: str | Path) -> dict[str, dict[str, np.ndarray]]:
         InputError: no such file, no table of this package, damaged, or of another format version.
     """
     with opened(path, FILETYPE, "table", VERSION) as file:
-        try:
-            return {
-                group: {name: _read(dataset) for name, dataset in file[group].items()} for group in GROUPS
-            }
-        except (KeyError, ValueError, TypeError, AttributeError, OSError, RuntimeError) as error:
-            raise InputError(f"{path} is damaged: {error}.") from None
+        return {group: {name: _read(dataset) for name, dataset in file[group].items()} for group in GROUPS}
 
 
 def _write_csv(table: CaseTable, path: Path) -> None:
@@ -70,25 +67,24 @@ def _cell(value: Any) -> Any:
     return "" if isinstance(value, float) and np.isnan(value) else value
 
 
-def _write_hdf5(table: CaseTable, path: Path) -> None:
+def _fill(table: CaseTable, file: h5py.File) -> None:
     description = table.description
-    with h5py.File(path, "w") as file:
-        file.attrs.update(
-            {
-                "filetype": FILETYPE,
-                "version": np.array(VERSION),
-                "study": description.name,
-                "scene": description.scene,
-                "design": description.design,
-            }
-        )
-        file["study"] = description.to_json()  # a dataset, for attributes end at 64 KB
-        for group in GROUPS:
-            number = file.create_group(group).create_dataset("case", data=np.arange(len(table.cases)))
-            number.attrs.update({"units": "", "long_name": "number of the case in the order of the design"})
-            number.make_scale("case")
-        for column in table.columns():
-            _put(file[column.group], column)
+    file.attrs.update(
+        {
+            "filetype": FILETYPE,
+            "version": np.array(VERSION),
+            "study": description.name,
+            "scene": description.scene,
+            "design": description.design,
+        }
+    )
+    file["study"] = description.to_json()  # a dataset, for attributes end at 64 KB
+    for group in GROUPS:
+        number = file.create_group(group).create_dataset("case", data=np.arange(len(table.cases)))
+        number.attrs.update({"units": "", "long_name": "number of the case in the order of the design"})
+        number.make_scale("case")
+    for column in table.columns():
+        _put(file[column.group], column)
 
 
 def _put(group: h5py.Group, column: Column) -> None:

@@ -9,8 +9,10 @@ Signals are read from the cases' files on access. All values are SI; each variab
 which.
 """
 
+import warnings
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import h5py
 import numpy as np
@@ -23,14 +25,19 @@ from xarray.core.indexing import (
     explicit_indexing_adapter,
 )
 
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.hdf5 import opened
 from rps_exudyn.results.case_file import Keep
 from rps_exudyn.results.quantities import SIGNALS, Quantity
+from rps_exudyn.results.result import FILETYPE, VERSION
 from rps_exudyn.study.description import Description
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable, Column, axis_quantity
 
 if TYPE_CHECKING:
     from pandas import DataFrame
+
+T = TypeVar("T")
 
 CASE, SAMPLE = "case", "sample"
 
@@ -44,7 +51,7 @@ def open_study(path: str | Path) -> Dataset:
     Raises:
         InputError: no study there, a damaged one, or one of another format version.
     """
-    table = CaseTable.of(Store.open(path))
+    table = _table(path)
     layout = _Layout(table)
     variables = {
         column.name: layout.variable(column)
@@ -66,8 +73,19 @@ def study_frame(path: str | Path) -> "DataFrame":
     """
     from pandas import DataFrame
 
-    columns = CaseTable.of(Store.open(path)).columns()
+    columns = _table(path).columns()
     return DataFrame({each.name: each.values for each in columns if each.name != "wall_s"}).set_index("hash")
+
+
+def _table(path: str | Path) -> CaseTable:
+    """The cases of a folder, with a warning if some of its files cannot be used."""
+    table = CaseTable.of(Store.open(path))
+    if table.skipped:
+        count, (_, first) = len(table.skipped), table.skipped[0]
+        warnings.warn(
+            f"{path}: {count} files of cases cannot be used and count as not done: {first}", stacklevel=3
+        )
+    return table
 
 
 class _Layout:
@@ -135,11 +153,8 @@ class _Signal(BackendArray):
     def _record(self, path: Path) -> np.ndarray:
         """The whole record, padded; nan if the file or its signal has been removed since."""
         padded = np.full(self.shape[-1], np.nan)
-        try:
-            with h5py.File(path, "r") as file:
-                values = file["signals"][self._name][()][: padded.size]
-        except (OSError, KeyError):
-            return padded
+        kept = _read_signals(path, [self._name], lambda dataset: dataset[()])
+        values = kept.get(self._name, np.zeros(0))[: padded.size]
         padded[: values.size] = values
         return padded
 
@@ -171,18 +186,24 @@ def _lengths(paths: list[Path], keep: Keep) -> dict[str, int]:
     """
     longest: dict[str, int] = {}
     for path in paths:
-        try:
-            with h5py.File(path, "r") as file:
-                group = file["signals"]
-                for name in group:
-                    if name in SIGNALS:
-                        longest[name] = max(longest.get(name, 0), group[name].shape[0])
-        except (OSError, KeyError):  # gone since the table was read
-            continue
+        for name, length in _read_signals(path, SIGNALS, lambda dataset: dataset.shape[0]).items():
+            longest[name] = max(longest.get(name, 0), length)
         samples = keep.samples or np.inf
         if keep.signals and all(longest.get(name, 0) >= samples for name in keep.signals):
             break
     return longest
+
+
+def _read_signals(path: Path, names: Iterable[str], read: Callable[[h5py.Dataset], T]) -> dict[str, T]:
+    """What `read` finds in signals of a case's file; of one that is gone or damaged nothing, with a
+    warning."""
+    try:
+        with opened(path, FILETYPE, "result", VERSION) as file:
+            group = file["signals"]
+            return {name: read(group[name]) for name in names if name in group}
+    except InputError as error:
+        warnings.warn(f"{error} Its signals are nan.", stacklevel=2)
+        return {}
 
 
 def _attributes(quantity: Quantity) -> dict[str, str]:

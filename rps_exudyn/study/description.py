@@ -4,6 +4,7 @@ The file is plain JSON in SI units; it names every case by its hash, so that the
 the study file and without computing anything.
 """
 
+import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
@@ -17,7 +18,7 @@ from rps_exudyn.base.hdf5 import check_version
 from rps_exudyn.results.case_file import Keep
 
 FILETYPE = "rps_exudyn-study"
-VERSION = (1, 0)
+VERSION = (1, 1)
 """Major: old readers must refuse the folder. Minor: something was added that they may leave unread."""
 
 GRID_DESIGN = "grid"
@@ -96,11 +97,12 @@ class Description:
         return settings_of(self.axes, case.values)
 
     def to_json(self) -> str:
-        """The text of study.json: one line per case."""
+        """The text of study.json: the checksum of all other lines first, and one line per case."""
         content = asdict(self) | {"filetype": FILETYPE, "version": list(VERSION)}
         cases = ",\n".join(json.dumps(case) for case in content.pop("cases"))
         head = json.dumps(content, indent=1)
-        return f'{head[:-2]},\n "cases": [\n{cases}\n ]\n}}\n'
+        text = f'{head[:-2]},\n "cases": [\n{cases}\n ]\n}}\n'
+        return "{\n" + _checksum_line(text) + text.removeprefix("{\n")
 
     @classmethod
     def read(cls, path: Path) -> "Description":
@@ -110,7 +112,8 @@ class Description:
             InputError: no such file, not a study, damaged, or of another format version.
         """
         try:
-            content = json.loads(path.read_text(encoding="utf-8"))
+            text = path.read_bytes().decode("utf-8")
+            content = json.loads(text)
         except OSError as error:
             raise InputError(
                 f"{path.parent} is no study's folder: {error.strerror or error}: {path.name}."
@@ -120,6 +123,8 @@ class Description:
         if not isinstance(content, dict) or content.get("filetype") != FILETYPE:
             raise InputError(f"{path} is not the description of a study of rps-exudyn.")
         version = content.get("version")
+        if not _fits(text, content):
+            raise InputError(f"{path} is damaged, or was edited: its checksum does not fit.")
         check_version(version if isinstance(version, list) else [], path, VERSION)
         try:
             return TypeAdapter(cls).validate_python(content)
@@ -127,3 +132,16 @@ class Description:
             problem = error.errors()[0]
             place = ".".join(map(str, problem["loc"]))
             raise InputError(f"{path} is damaged: {place}: {problem['msg']}.") from None
+
+
+def _checksum_line(text: str) -> str:
+    """The line of study.json that is made of all others."""
+    return f' "sha256": "{hashlib.sha256(text.encode()).hexdigest()}",\n'
+
+
+def _fits(text: str, content: Mapping[str, Any]) -> bool:
+    """Tell whether a study.json fits its checksum; version 1.0 had none."""
+    if "sha256" not in content:
+        return content.get("version") != list(VERSION)
+    opening, line, rest = (*text.split("\n", 2), "", "")[:3]
+    return f"{line}\n" == _checksum_line(f"{opening}\n{rest}")

@@ -10,7 +10,6 @@ import sys
 from base64 import b64decode
 from collections import Counter
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -125,9 +124,7 @@ def _begin(work: StudyWork) -> None:
     with replacing(store.path / "study.toml") as partial:
         partial.write_bytes(content)
     store.write_description()
-    for path, _ in store.skipped:  # not deleted: someone may still need it
-        with suppress(OSError):
-            path.replace(path.with_suffix(".set-aside"))
+    store.set_aside()
     store.rebuild_index()
 
 

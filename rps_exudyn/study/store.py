@@ -12,13 +12,14 @@ import csv
 import io
 import os
 import socket
-from collections.abc import Iterable, Iterator, Mapping
+import zlib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
-from rps_exudyn.base.atomic import append, check_writable, replacing
+from rps_exudyn.base.atomic import append, check_writable, number_existing, replacing
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
@@ -77,6 +78,13 @@ class Store:
         """
         _check_folder(Path(path), description)
         return cls(Path(path), description)
+
+    def set_aside(self) -> None:
+        """Rename the files in `skipped` to HASH.set-aside: someone may still need them."""
+        for path, _ in self.skipped:
+            with suppress(OSError, InputError):
+                number_existing(aside := path.with_suffix(".set-aside"))
+                path.replace(aside)
 
     def make_folders(self) -> None:
         """Make the folder and its cases/.
@@ -173,7 +181,7 @@ class Store:
     @property
     def _columns(self) -> list[str]:
         axes = [axis.name for axis in self.description.axes]
-        return [*FIXED_COLUMNS[:1], *axes, *FIXED_COLUMNS[1:], *SUMMARY]
+        return [*FIXED_COLUMNS[:1], *axes, *FIXED_COLUMNS[1:], *SUMMARY, "check"]
 
     def rebuild_index(self) -> None:
         """Write index.csv anew from cases/, and from itself where its rows still hold."""
@@ -195,13 +203,14 @@ class Store:
         text = io.StringIO()
         outcome = (row.status.value, row.message, row.cpu_s, row.wall_s, size, modified)
         axes = (case.values[axis.name] for axis in self.description.axes)
-        csv.writer(text).writerow(
-            [row.hash, *axes, *outcome, *(row.summary.get(name, "") for name in SUMMARY)]
-        )
+        numbers = (row.summary.get(name, "") for name in SUMMARY)
+        cells = [str(cell) for cell in (row.hash, *axes, *outcome, *numbers)]
+        csv.writer(text).writerow([*cells, _checksum(cells)])
         return text.getvalue()
 
     def _read_index(self) -> dict[tuple[str, int, int], CaseRow]:
-        """(hash, size, time of change) -> row; lines that are torn or of other columns are left out."""
+        """(hash, size, time of change) -> row; lines that are torn, damaged or of other columns are left
+        out."""
         try:
             with (self.path / "index.csv").open(encoding="utf-8", newline="") as file:
                 header, *lines = csv.reader(file)
@@ -269,6 +278,8 @@ def _indexed(
     lines: Iterable[list[str]], columns: list[str]
 ) -> Iterator[tuple[tuple[str, int, int], CaseRow]]:
     for cells in lines:
+        if _checksum(cells[:-1]) != cells[-1]:
+            continue
         with suppress(ValueError):
             cell = dict(zip(columns, cells, strict=True))
             row = CaseRow(
@@ -280,6 +291,10 @@ def _indexed(
                 summary={name: float(cell[name]) for name in SUMMARY if cell[name]},
             )
             yield (row.hash, int(cell["bytes"]), int(cell["modified_ns"])), row
+
+
+def _checksum(cells: Sequence[str]) -> str:
+    return format(zlib.crc32("\n".join(cells).encode()), "08x")
 
 
 def _stamp(stat: os.stat_result) -> tuple[int, int]:

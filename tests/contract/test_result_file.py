@@ -12,6 +12,7 @@ import xarray
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from edited import edited
 from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.outcome import Status
@@ -143,14 +144,14 @@ def test_folder_and_missing_folder_cannot_be_written(tmp_path: Path) -> None:
 
 
 def test_newer_major_version_is_refused(saved: Path) -> None:
-    with h5py.File(saved, "a") as file:
+    with edited(saved) as file:
         file.attrs["version"] = (2, 0)
     with pytest.raises(InputError, match=r"format version 2\.0, and this rps-exudyn reads 1\.x"):
         load(saved)
 
 
 def test_newer_minor_version_is_read_without_its_additions(saved: Path, made_up_result: Result) -> None:
-    with h5py.File(saved, "a") as file:
+    with edited(saved) as file:
         file.attrs["version"] = (1, 99)
         file["signals/added_later"] = [1.0, 2.0]
     assert as_plain(load(saved)) == as_plain(made_up_result)
@@ -165,14 +166,14 @@ def test_foreign_hdf5_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("lost", ["status", "parameters", "cpu_s"])
 def test_missing_attribute_is_damage(saved: Path, lost: str) -> None:
-    with h5py.File(saved, "a") as file:
+    with edited(saved) as file:
         del file.attrs[lost]
     with pytest.raises(InputError, match=r"result\.h5 is damaged"):
         load(saved)
 
 
 def test_missing_group_is_damage(saved: Path) -> None:
-    with h5py.File(saved, "a") as file:
+    with edited(saved) as file:
         del file["summary"]
     with pytest.raises(InputError, match=r"result\.h5 is damaged"):
         load(saved)
@@ -194,7 +195,7 @@ WRONG_ATTRIBUTES = {
     ("name", "value"), [(name, value) for name, values in WRONG_ATTRIBUTES.items() for value in values]
 )
 def test_wrong_attribute_is_damage(saved: Path, name: str, value: object) -> None:
-    with h5py.File(saved, "a") as file:
+    with edited(saved) as file:
         file.attrs[name] = value
     with pytest.raises(InputError, match=r"result\.h5 is damaged: .*[^.]\.$"):
         load(saved)
@@ -202,7 +203,7 @@ def test_wrong_attribute_is_damage(saved: Path, name: str, value: object) -> Non
 
 @pytest.mark.parametrize("value", ["text", [1.0, 2.0], h5py.Empty("f"), True])
 def test_summary_that_is_no_number_is_damage(saved: Path, value: object) -> None:
-    with h5py.File(saved, "a") as file:
+    with edited(saved) as file:
         del file["summary/torque_mean"]
         file["summary"].create_dataset("torque_mean", data=value)
     with pytest.raises(InputError, match=r"result\.h5 is damaged: /summary/torque_mean"):
@@ -210,7 +211,7 @@ def test_summary_that_is_no_number_is_damage(saved: Path, value: object) -> None
 
 
 def test_group_in_place_of_numbers_is_damage(saved: Path) -> None:
-    with h5py.File(saved, "a") as file:
+    with edited(saved) as file:
         del file["signals/rack_y"], file["summary/torque_mean"]
         file.create_group("signals/rack_y")
     with pytest.raises(InputError, match=r"result\.h5 is damaged: /signals/rack_y holds no numbers"):
@@ -223,5 +224,5 @@ def test_truncated_file_is_refused(share: float, saved: Path) -> None:
     whole = saved.read_bytes()
     cut = saved.with_name("cut.h5")
     cut.write_bytes(whole[: int(share * len(whole))])
-    with pytest.raises(InputError, match=r"cut\.h5 is no HDF5 file, or it is damaged"):
+    with pytest.raises(InputError, match=r"cut\.h5 is .*damaged"):
         load(cut)

@@ -58,8 +58,10 @@ def test_signals_are_read_only_where_they_are_looked_at(made_up_result: Result, 
             path.write_bytes(b"changed since: reading this would give other numbers than nan")
     curve = study.pinion_torque.sel(preload=200, friction=0.2)
     np.testing.assert_allclose(curve, made_up_result["pinion_torque"] - 0.6 + 0.4)
-    assert np.isnan(study.pinion_torque.sel(preload=100, friction=0.2)).all()
-    part = study.pinion_torque.isel(preload=[1, 2], sample=slice(0, 121, 40))
+    with pytest.warns(UserWarning, match="damaged. Its signals are nan"):
+        assert np.isnan(study.pinion_torque.sel(preload=100, friction=0.2)).all()
+    with pytest.warns(UserWarning, match="damaged"):
+        part = study.pinion_torque.isel(preload=[1, 2], sample=slice(0, 121, 40)).load()
     assert part.shape == (2, 2, 4)
     np.testing.assert_allclose(part.sel(preload=200, friction=0.2), curve[::40])
 
@@ -89,7 +91,8 @@ def test_study_without_any_result_opens(made_up_result: Result, tmp_path: Path) 
 def test_damaged_file_counts_as_not_done(made_up_result: Result, tmp_path: Path) -> None:
     folder = make_study(tmp_path / "s", made_up_result)
     next((folder / "cases").glob("*.h5")).write_bytes(b"damaged")
-    assert (rps.open_study(folder).status == "pending").sum() == 1
+    with pytest.warns(UserWarning, match="1 files of cases cannot be used"):
+        assert (rps.open_study(folder).status == "pending").sum() == 1
 
 
 @pytest.mark.parametrize("name", ["table.h5", "table.csv"])

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from edited import edited
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.study.store import CaseRow, Store
 from shell import Command
@@ -73,15 +74,13 @@ def test_repeated_study_does_nothing_and_extended_one_only_what_is_new(
 def test_damaged_foreign_and_newer_files_are_named_set_aside_and_done_again(
     command: Command, tmp_path: Path
 ) -> None:
-    import h5py
-
     file = write_grid(tmp_path / "s.toml", 100, 200, 300, 400)
     command(["study", str(file)])
     store = Store.open(tmp_path / "s")
     paths = [store.path_of(case.hash) for case in store.description.cases]
     paths[0].write_bytes(paths[0].read_bytes()[:3000])
     paths[1].write_bytes(paths[2].read_bytes())
-    with h5py.File(paths[3], "a") as content:
+    with edited(paths[3]) as content:
         content.attrs["version"] = [9, 0]
     assert [case.hash for case, _ in store.rows()] == [paths[2].stem]
     sentences = " ".join(sentence for _, sentence in store.skipped)

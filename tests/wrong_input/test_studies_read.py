@@ -1,14 +1,13 @@
 """What is no study, no table or no result is refused in a sentence; nothing is written."""
 
-import json
 import sys
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
 
 import rps_exudyn as rps
+from edited import edited, rewrite_study
 from made_up_study import make_study
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.result import Result
@@ -19,12 +18,6 @@ from shell import Command
 @pytest.fixture
 def study(made_up_result: Result, tmp_path: Path) -> Path:
     return make_study(tmp_path / "s", made_up_result)
-
-
-def rewrite(study: Path, **changes: object) -> None:
-    """study.json with these keys changed."""
-    path = study / "study.json"
-    path.write_text(json.dumps(json.loads(path.read_text()) | changes))
 
 
 @pytest.mark.parametrize("subcommand", ["collect", "report"])
@@ -39,7 +32,7 @@ def rewrite(study: Path, **changes: object) -> None:
 def test_foreign_newer_and_damaged_studies(
     subcommand: str, changes: dict[str, object], sentence: str, study: Path, command: Command
 ) -> None:
-    rewrite(study, **changes)
+    rewrite_study(study, **changes)
     before = sorted(study.iterdir())
     answer = command([subcommand, "s"])
     assert answer.status == 2
@@ -86,13 +79,13 @@ def test_tables_are_checked_for_type_and_version(
     with pytest.raises(InputError, match=r"is an HDF5 file, but not a table of rps-exudyn"):
         read_table(tmp_path / "result.h5")
     command(["collect", "s", "--out", "t.h5"])
-    with h5py.File(tmp_path / "t.h5", "a") as file:
+    with edited(tmp_path / "t.h5") as file:
         file["summary/torque_mean"][...] = 1
         del file["axes/preload"]
         file["axes/preload"] = np.void(b"\x80\x04.")  # a pickle, for all we know: never read as one
     with pytest.raises(InputError, match=r"is damaged: .*no column"):
         read_table(tmp_path / "t.h5")
-    with h5py.File(tmp_path / "t.h5", "a") as file:
+    with edited(tmp_path / "t.h5") as file:
         file.attrs["version"] = [2, 0]
     with pytest.raises(InputError, match=r"has format version 2.0, and this rps-exudyn reads 1.x"):
         read_table(tmp_path / "t.h5")
@@ -105,6 +98,6 @@ def test_sensitivity_without_salib_says_what_to_install(
 ) -> None:
     for module in ("SALib", "SALib.analyze.morris"):
         monkeypatch.setitem(sys.modules, module, None)
-    rewrite(study, design="morris")
+    rewrite_study(study, design="morris")
     assert command(["report", "s"]).status == 0
     assert "install rps-exudyn with its extra [sensitivity]" in (study / "report.html").read_text("utf-8")

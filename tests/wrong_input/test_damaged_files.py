@@ -1,0 +1,100 @@
+"""Files in which a byte was changed: every reader notices, names the file, and keeps all the others."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.bad_inputs.damaged_files import COLUMNS, damaged_table, run, trial
+from edited import edited
+from made_up_study import make_study
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.seal import SIZE, is_intact, sealed, without_seal
+from rps_exudyn.results.result import Result, load
+from rps_exudyn.study.store import Store
+from rps_exudyn.study.table import CaseTable
+from shell import Command
+
+
+@pytest.fixture
+def study(made_up_result: Result, tmp_path: Path) -> Path:
+    return make_study(tmp_path / "s", made_up_result)
+
+
+def test_no_random_damage_goes_unnoticed_or_ends_in_a_traceback(study: Path) -> None:
+    """A small version of the published 300."""
+    from rps_exudyn.study.collected import write_table
+
+    store = Store.open(study)
+    store.rebuild_index()
+    write_table(CaseTable.of(store), study / "table.h5")
+    rng = np.random.default_rng(1)
+    outcomes = [trial(study, rng) for _ in range(10)]
+    assert [each for each in outcomes if not each[2] or each[3]] == []
+
+
+def test_published_table_says_that_all_were_noticed(tmp_path: Path) -> None:
+    lines = [COLUMNS, (0, "case file", "truncated", True, ""), (1, "table.h5", "truncated", False, "OSError")]
+    (tmp_path / "damaged_files.csv").write_text("\n".join(",".join(map(str, line)) for line in lines))
+    assert damaged_table(tmp_path).splitlines()[-1] == "| **all** | **2** | **1** | **1** |"
+    assert callable(run)
+
+
+@pytest.mark.parametrize("where", ["heading", "digest", "filling", "content"])
+def test_any_changed_byte_breaks_the_seal(where: str) -> None:
+    whole = sealed(b"some content")
+    at = {"heading": 3, "digest": 60, "filling": SIZE - 1, "content": SIZE + 4}[where]
+    assert is_intact(whole)
+    assert not is_intact(whole[:at] + b"\0" + whole[at + 1 :])
+    assert without_seal(whole) == b"some content"
+
+
+def test_files_without_a_checksum_are_read(study: Path) -> None:
+    """As earlier versions wrote them; HDF5's own bytes are the same."""
+    path = next((study / "cases").glob("*.h5"))
+    new = load(path)
+    path.write_bytes(without_seal(path.read_bytes()))
+    assert load(path).summary == new.summary
+
+
+def test_file_that_another_program_changed_is_refused(study: Path) -> None:
+    import h5py
+
+    path = next((study / "cases").glob("*.h5"))
+    with h5py.File(path, "a") as file:
+        file["summary/torque_mean"][()] = 7.0
+    with pytest.raises(InputError, match="was changed by another program"):
+        load(path)
+    with edited(path) as file:
+        file.attrs["note"] = "its checksum was taken off on purpose"
+    assert load(path).summary["torque_mean"] == 7.0
+
+
+def test_number_changed_in_the_index_is_not_believed(study: Path) -> None:
+    store = Store.open(study)
+    store.rebuild_index()
+    told = [row for _, row in store.rows()]
+    index = study / "index.csv"
+    text = index.read_text()
+    index.write_text(text.replace(",35.0,", ",36.0,").replace("0.035", "0.036"))
+    assert index.read_text() != text
+    assert [row for _, row in store.rows()] == told
+
+
+def test_collect_names_a_few_damaged_files_and_counts_the_rest(study: Path, command: Command) -> None:
+    for path in (study / "cases").glob("*.h5"):
+        path.write_bytes(b"damaged")
+    answer = command(["collect", "s"])
+    assert answer.status == 0
+    assert answer.err.count("left out: ") == 5
+    assert "6 files are left out" in answer.err
+
+
+def test_files_set_aside_earlier_stay(study: Path) -> None:
+    store = Store.open(study)
+    path = next((study / "cases").glob("*.h5"))
+    for content in (b"first", b"second"):
+        path.write_bytes(content)
+        list(store.rows())
+        store.set_aside()
+    assert sorted(each.read_bytes() for each in path.parent.glob("*.set-aside")) == [b"first", b"second"]
