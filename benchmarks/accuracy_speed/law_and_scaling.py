@@ -26,7 +26,7 @@ LAWS: dict[str, dict[str, object]] = {
     DEFAULT: {},
     "the same, 5e12 N/m^3": {"mesh.stiffness": 5e12},
     "the same, 1e14 N/m^3": {"mesh.stiffness": 1e14},
-    "load per length, 14 N/mm/um": {"mesh.law": "line"},
+    "load per length, 14 N/mm/um": {"mesh.law": "line", "mesh.line_stiffness": 14e9},
     "the same, 10 N/mm/um": {"mesh.law": "line", "mesh.line_stiffness": 10e9},
     "the same, 20 N/mm/um": {"mesh.law": "line", "mesh.line_stiffness": 20e9},
 }

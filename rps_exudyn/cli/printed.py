@@ -11,7 +11,8 @@ from rich.console import Console
 from rich.table import Table as Grid
 
 from rps_exudyn.base.units import words
-from rps_exudyn.parameters.declaration import Declared, Table
+from rps_exudyn.gears.tooth_stiffness import DERIVED
+from rps_exudyn.parameters.declaration import Declared
 from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, SIGNALS, SUMMARY
 
@@ -162,22 +163,32 @@ def print_geometry(report: "GeometryReport", files: Iterable[Path] = ()) -> None
     _print_files(console, files)
 
 
-def print_parameters(table: Table, items: list[Declared]) -> None:
+def print_parameters(table: Setup, items: list[Declared]) -> None:
     """Print value, meaning and source of parameters; of a single one its allowed values, too."""
     rows = [(item.path, item.show(table.value_at(item.path)), item.meaning, item.source) for item in items]
     console = _console()
     console.print(_grid(("parameter", "value", "meaning", "source"), rows))
+    for item in items:
+        if (derived := _derived(table, item)) is not None and item.unit is not None:
+            console.print(f"{item.path} is {item.unit.show(derived)} for this gear.")
     if len(items) == 1:
         console.print(f"{items[0].path} must be {items[0].allowed}.")
 
 
-def parameters_as_dict(table: Table, items: list[Declared]) -> dict[str, Any]:
+def _derived(table: Setup, item: Declared) -> float | None:
+    """The value that the gear has for a parameter which is not given (SI)."""
+    given = table.value_at(item.path)
+    return DERIVED[item.path](table) if item.path in DERIVED and not given else None
+
+
+def parameters_as_dict(table: Setup, items: list[Declared]) -> dict[str, Any]:
     """Path -> value in SI, unit, and the rest of the declaration."""
     return {
         item.path: {
             "value": table.value_at(item.path),
             "unit": item.unit.si if item.unit else "",
             "shown": item.show(table.value_at(item.path)),
+            **({} if (derived := _derived(table, item)) is None else {"derived": derived}),
             "meaning": item.meaning,
             "allowed": item.allowed,
             "source": item.source,

@@ -15,6 +15,7 @@ from rps_exudyn.gears.limits import Violation, violations
 from rps_exudyn.gears.polyhedron import MassProperties
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.solids import gear_solids
+from rps_exudyn.gears.tooth_stiffness import mesh_stiffness_of_pair, stiffness_of_pair
 from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import GEOMETRY
@@ -89,6 +90,8 @@ class GeometryReport:
     rack_face_width: float
     rack_tip_face_width: float
     toothed_length: float
+    single_stiffness: float
+    mesh_stiffness: float
     mass_properties: PartMasses
     warnings: tuple[str, ...]
 
@@ -146,6 +149,8 @@ def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:
         rack_face_width=2 * float(bar.flank(0, 1).half_chord(pitch_line)),
         rack_tip_face_width=2 * float(bar.flank(0, 1).half_chord(bar.tip_height)),
         toothed_length=bar.toothed_ends[1] - bar.toothed_ends[0],
+        single_stiffness=stiffness_of_pair(pair),
+        mesh_stiffness=mesh_stiffness_of_pair(pair),
         mass_properties=PartMasses(gear),
         warnings=(*(f"{item.what}." for item in forgiven), *_warnings(gear, pair, bar)),
     )

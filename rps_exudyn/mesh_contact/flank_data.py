@@ -10,6 +10,7 @@ from scipy.special import roots_jacobi
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.gear import SteeringGear
 
 ALONG, ACROSS = 4, 2  # Gauss points: stations in each segment of a line, nodes across the strip
@@ -117,7 +118,7 @@ def pack(
         damping=mesh.damping,
         friction=mesh.friction,
         zone=sliding_zone(gear) if zone is None else zone,
-        line_stiffness=mesh.line_stiffness if mesh.law == "line" else 0.0,
+        line_stiffness=line_stiffness(gear) if mesh.law == "line" else 0.0,
         along=jacobi_rules(along, 1.5),
         across=jacobi_rules(across, 1.0),
         generators=generators,

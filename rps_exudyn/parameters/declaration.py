@@ -31,7 +31,8 @@ from rps_exudyn.base.errors import InputError
 DEG = math.pi / 180  # for limits of angles
 SMALLEST, LARGEST = 1e-30, 1e20  # of all numbers, in SI: powers of others are beyond what a computer knows
 
-Source = Literal["paper", "inferred", "estimate"]
+Source = Literal["paper", "inferred", "estimate", "choice"]
+"""Where a value is from; a choice is one of the model and says nothing about the gear."""
 
 
 @dataclass(frozen=True)
@@ -40,12 +41,15 @@ class Unit:
 
     si: str
     display: str
+    zero: str = ""  # words for 0, where that means "no value given"
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Text with a unit becomes SI before the field's limits are checked."""
         return no_info_before_validator_function(self._in_si, handler(source))
 
     def _in_si(self, value: object) -> float:
+        if self.zero and value == self.zero:
+            return 0.0
         number = units.to_si(value, self.si)
         if math.isfinite(number) and number and not SMALLEST <= abs(number) <= LARGEST:
             raise ValueError(
@@ -53,6 +57,10 @@ class Unit:
                 + f"; its size must be 0, or between {SMALLEST:g} and {LARGEST:g}"
             )
         return number
+
+    def show(self, value: float) -> str:
+        """Return the value with the unit that a reader expects."""
+        return units.show(value, self.si, self.display)
 
 
 Count = Annotated[int, Field(strict=True)]
@@ -66,7 +74,7 @@ Mass = Annotated[float, Unit("kg", "kg")]
 Density = Annotated[float, Unit("kg/m^3", "kg/m^3")]
 Pressure = Annotated[float, Unit("Pa", "GPa")]
 ContactStiffness = Annotated[float, Unit("N/m^3", "N/m^3")]
-LineStiffness = Annotated[float, Unit("N/m^2", "N/mm/um")]
+LineStiffness = Annotated[float, Unit("N/m^2", "N/mm/um", zero="from the gear")]
 Time = Annotated[float, Unit("s", "s")]
 Speed = Annotated[float, Unit("rad/s", "rpm")]
 Acceleration = Annotated[float, Unit("m/s^2", "m/s^2")]
@@ -221,18 +229,22 @@ class Declared:
             return "text"
         if choices := get_args(self.field.annotation):
             return " or ".join(str(choice) for choice in choices)
+        shown = self.unit.show if self.unit else str
         limits = [
-            f"{word} {self.show(getattr(limit, attribute))}"
+            f"{word} {shown(getattr(limit, attribute))}"
             for kind, attribute, word in _LIMITS
             for limit in self.field.metadata
             if isinstance(limit, kind)
         ]
         noun = ["a whole number"] if self.field.annotation is int else []
-        return ", ".join([*noun, " and ".join(limits)]) if limits else "any number"
+        allowed = ", ".join([*noun, " and ".join(limits)]) if limits else "any number"
+        return f'{allowed}, or "{self.unit.zero}"' if self.unit and self.unit.zero else allowed
 
     def show(self, value: Any) -> str:
-        """Return the value with the unit that a reader expects."""
-        return units.show(value, self.unit.si, self.unit.display) if self.unit else str(value)
+        """Return the value with the unit that a reader expects, or the words that stand for 0."""
+        if self.unit is None:
+            return str(value)
+        return self.unit.zero if self.unit.zero and not value else self.unit.show(value)
 
 
 _LIMITS = ((Gt, "gt", "more than"), (Ge, "ge", "at least"), (Lt, "lt", "less than"), (Le, "le", "at most"))

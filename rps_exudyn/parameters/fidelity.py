@@ -27,29 +27,29 @@ class Fidelity(Table):
     """One way to model and solve the gear."""
 
     based_on: PresetName = parameter(
-        "flank", "preset whose choices these are but for those changed", "estimate"
+        "flank", "preset whose choices these are but for those changed", "choice"
     )
     mesh: Literal["general-contact", "flank", "flank-generators", "ratio", "ratio-with-loss"] = parameter(
-        "flank", "how the teeth touch", "estimate"
+        "flank", "how the teeth touch", "choice"
     )
     bush: Literal["chain", "adams-chain", "condensed", "rigid"] = parameter(
-        "condensed", "how the bush is modelled", "estimate"
+        "condensed", "how the bush is modelled", "choice"
     )
     yoke: Literal["body", "force"] = parameter(
         "body",
         "how the yoke presses: a plunger on its seat, or spring and stop on the rack itself",
-        "estimate",
+        "choice",
     )
     rack: Literal["free", "guided"] = parameter(
-        "free", "how the rack moves: in all six freedoms, or along X and Y only", "estimate"
+        "free", "how the rack moves: in all six freedoms, or along X and Y only", "choice"
     )
     solver: Literal["generalized-alpha", "equilibrium", "closed-form"] = parameter(
-        "generalized-alpha", "how the motion is found", "estimate"
+        "generalized-alpha", "how the motion is found", "choice"
     )
     step_angle: Angle = parameter(
         "1 deg",
         "largest pinion rotation per time step or equilibrium; a record has at least four",
-        "estimate",
+        "choice",
         ge=np.deg2rad(0.001),  # the rack's travel takes a million of them
         le=np.deg2rad(40),
     )
@@ -57,38 +57,36 @@ class Fidelity(Table):
         0.0,
         "equilibrium: angles are added until the torque is known between them to this share of its mean; "
         "0 keeps the even steps",
-        "estimate",
+        "choice",
         ge=0,
         lt=1,
     )
     tolerance: Number = parameter(
         1e-4,
         "time steps: unbalanced force at which Newton's method stops, over the yoke's preload",
-        "estimate",
+        "choice",
         gt=0,
         le=0.01,
     )
     strip_stations: int = parameter(
-        4, "flank: Gauss points along each segment of a line of contact", "estimate", ge=1, le=12
+        4, "flank: Gauss points along each segment of a line of contact", "choice", ge=1, le=12
     )
-    strip_points: int = parameter(
-        2, "flank: Gauss points across the strip of contact", "estimate", ge=1, le=12
-    )
+    strip_points: int = parameter(2, "flank: Gauss points across the strip of contact", "choice", ge=1, le=12)
     generators: int = parameter(
         160,
         "flank-generators: lines across each flank over which the contact is integrated",
-        "estimate",
+        "choice",
         ge=4,
         le=100000,
     )
     profile_samples: int = parameter(
-        27, "general contact: spheres along the profile of a flank", "estimate", ge=2, le=2000
+        27, "general contact: spheres along the profile of a flank", "choice", ge=2, le=2000
     )
     axial_samples: int = parameter(
-        18, "general contact: rows of spheres along the face width", "estimate", ge=2, le=2000
+        18, "general contact: rows of spheres along the face width", "choice", ge=2, le=2000
     )
     zone_ratio: Number = parameter(
-        0.1, "friction zone over the smallest sliding speed of the teeth", "estimate", gt=0, le=1
+        0.1, "friction zone over the smallest sliding speed of the teeth", "choice", gt=0, le=1
     )
 
     @computed_field  # type: ignore[prop-decorator]

@@ -207,7 +207,7 @@ class Mesh(Table):
         "area", "flank contact: pressure per depth, or load per length of line and depth", "estimate"
     )
     line_stiffness: LineStiffness = parameter(
-        "14 N/mm/um", "load per length of contact line and depth, law line (ISO 6336: c')", "estimate", gt=0
+        0.0, "load per length of contact line and depth, law line; 0: c' of ISO 6336-1", "estimate", ge=0
     )
 
 

@@ -59,6 +59,10 @@ def _length(long_name: str) -> Quantity:
     return Quantity("m", "mm", long_name)
 
 
+def _line_stiffness(long_name: str) -> Quantity:
+    return Quantity("N/m^2", "N/mm/um", long_name)
+
+
 def _number(long_name: str) -> Quantity:
     return Quantity("", "", long_name)
 
@@ -213,6 +217,10 @@ GEOMETRY = {
     "rack_face_width": _length("face width of the rack at the pinion's pitch line (bar's chord)"),
     "rack_tip_face_width": _length("face width of the rack at its tips"),
     "toothed_length": _length("toothed length of the rack"),
+    "single_stiffness": _line_stiffness("stiffness c' of a pair of teeth per face width, by ISO 6336-1"),
+    "mesh_stiffness": _line_stiffness(
+        "mean stiffness c_gamma_alpha of the mesh per face width, by ISO 6336-1"
+    ),
 }
 
 GROUPS = {"signals": SIGNALS, "summary": SUMMARY, "counters": COUNTERS, "geometry": GEOMETRY}

@@ -157,6 +157,8 @@ class _Quantity:
         return self.number(given)
 
     def number(self, given: Any) -> float:
+        if self.declared.unit and self.declared.unit.zero and given == self.declared.unit.zero:
+            return 0.0
         si = self.declared.unit.si if self.declared.unit else ""
         try:
             if self.unit is not None and isinstance(given, int | float) and not isinstance(given, bool):

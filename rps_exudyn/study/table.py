@@ -151,6 +151,9 @@ def show_value(axis: Axis, value: Value) -> str:
     """The value as text: in the axis' unit, or the word itself."""
     if isinstance(value, str):
         return value
+    unit = Setup.declared_at(axis.paths[0])[0].unit if axis.paths else None
+    if unit and unit.zero and not value:
+        return unit.zero
     quantity = axis_quantity(axis)
     return f"{quantity.displayed(value):.6g} {pretty(quantity.display)}".strip()
 

@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.mesh_contact.flank_contact import flank_contact
 from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.mesh_contact.wrench import (
@@ -335,7 +336,7 @@ def test_line_law_is_stiffness_times_depth_times_length() -> None:
     for angle in ANGLES[:4]:
         out = flank_contact(*state(gear, angle), pack(gear))
         for side, total in ((-1, out[NORMAL_DRIVE]), (+1, out[NORMAL_COAST])):
-            force = gear.mesh.line_stiffness * out[PENETRATION] * line_length(gear, angle, side)
+            force = line_stiffness(gear) * out[PENETRATION] * line_length(gear, angle, side)
             assert total == pytest.approx(force, rel=1e-3)
 
 
