@@ -16,6 +16,7 @@ from rps_exudyn.mesh_contact.sampled_contact import sampled_force
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.solvers.equilibrium import Start
 from rps_exudyn.solvers.record import Record, contact_disagreement
 
 ENERGY_BOUND = 2e-3  # of the drive's or the load's work; 1e-5 is usual ...
@@ -28,6 +29,7 @@ MISSED_TORQUE = 1e-3  # ... or what a torque that small would do: a gear without
 HIDDEN = ((2, np.inf), (4, 1 / 2), (5, 1 / 6), (7, 1 / 16), (12, 1 / 32))
 RESOLVED_BOUND = 0.03  # change of the mean when every second step is left out
 ROLLING_BOUND = 0.06  # of the travel; over whole periods a settled gear does not roll at all
+UNSETTLED_BOUND = 0.01  # of the mean force over the record
 LAG_BOUND = 0.015  # of the rack's travel, half a step late; the torque's error is about as large
 ROUNDING = 1e-9  # of the works of a gear that nothing moves [J]
 LEAST_TOUCHING = 15  # spheres of general contact; fewer miss up to 8 % of the torque
@@ -56,6 +58,7 @@ def validated(
         *([] if friction_zone is None else [friction_developed(signals, friction_zone, GearPair.of(gear))]),
         *([] if friction_zone is None else [torque_resolved(signals)]),
         *([] if friction_zone is None or record.settled else [settled(signals, gear)]),
+        start_forgotten(record.start, signals, gear),
         *([] if friction_zone is None or not equilibria else [rolling_followed(signals, gear)]),
         contact_agreed(contact_disagreement(record)),
         spheres_enough(record, _on_an_edge(gear, signals)),
@@ -155,6 +158,22 @@ def settled(signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
             Status.INVALID,
             f"the rack is not settled: over the record its surface rolls by {share:.1%} of its travel, "
             f"allowed are {ROLLING_BOUND:.0%}; begin earlier or record longer",
+        )
+
+
+def start_forgotten(start: Start, signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
+    """Check that what the gear came with does not matter: it could settle before the start, on teeth that
+    the rack has, or what is left hardly moves the mean over the record."""
+    recorded = float(signals["time"][-1])
+    share = start.unsettled * min(1.0, start.settles_in / recorded) if start.unsettled else 0.0
+    if share > UNSETTLED_BOUND:
+        pitch = 2 * np.pi / gear.pinion.teeth / gear.test.speed
+        needed, teeth = start.settles_in / pitch, start.led_over / pitch
+        asks = f"in {needed:.3g} tooth pitches" if np.isfinite(needed) else "within any travel tried"
+        yield (
+            Status.INVALID,
+            f"the gear does not settle: {start.unsettled:.1%} of the force at the start depends on where the "
+            f"motion began; forgotten {asks}, the rack has teeth for {teeth:.3g} before",
         )
 
 

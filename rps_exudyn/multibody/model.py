@@ -17,7 +17,6 @@ What acts between them are the force elements of `forces` and `mesh_contact`, th
 moves pinion or rack; the model starts in static equilibrium, so there is nothing to settle.
 """
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,9 +34,9 @@ from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import Drive, Steady
-from rps_exudyn.solvers.equilibrium import settled_path
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, stacked, tangent
+from rps_exudyn.solvers.settled_start import Approach, settled_path
 
 if TYPE_CHECKING:
     pass
@@ -50,7 +49,7 @@ def build_model(
     *,
     rack_load: float = 0.0,
     pulse: Pulse | None = None,
-    settling: Sequence[np.ndarray] = (),
+    approach: Approach | None = None,
 ) -> SteeringModel:
     """Build the gear in a rig, by default turned at its test's speed from the test's start angle.
 
@@ -59,14 +58,14 @@ def build_model(
     Args:
         rack_load: pulls the rack's end towards -X [N].
         pulse: force that acts on the rack besides.
-        settling: instants below 0 of equilibria that lead to the start [s], see `settled_path`.
+        approach: the steady motion before the start, see `settled_path`.
     """
     import exudyn as exu
 
     if drive is None:
         drive = Steady("pinion", gear.test.start_angle, gear.test.direction * gear.test.speed)
     forces = gear_forces(gear, fidelity, rack_load)
-    start = settled_path(forces.statics, GearPair.of(gear), drive, settling, np.zeros(1)).last
+    start = settled_path(forces.statics, GearPair.of(gear), drive, approach, np.zeros(1)).last
     SC = exu.SystemContainer()
     model = SteeringModel(gear, fidelity, forces, drive, SC, SC.AddSystem(), start, pulse=pulse)
     if not start.converged:

@@ -11,11 +11,10 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import Drive, DrivenBody, Steady, Swing, travel_per_radian
+from rps_exudyn.solvers.settled_start import Approach
 
 LEAST_PER_CYCLE = 400  # steps, so that the sinusoid passes its ends in many of them
 RUN_IN = np.deg2rad(0.5)  # pinion angle turned before the record starts, at least
-SETTLING = 12  # equilibria over the tooth pitch before that: the torque after them is settled to 0.02 % ...
-FINE_SETTLING = 48  # ... and over each of three tooth pitches where the rack rolls
 
 
 @dataclass(frozen=True)
@@ -30,8 +29,7 @@ class StepLimits:
 class Maneuver:
     """A motion in even time steps, recorded after a run-in, so that what the start stirs up has died.
 
-    Nothing but friction holds the rack against rolling: where it first rests may be many degrees of
-    turning off. So equilibria lead to the start, over as much of a tooth pitch as the rack has teeth there.
+    A steady one begins settled, whatever the gear came with (`solvers.settled_start`).
     """
 
     drive: Drive
@@ -41,19 +39,8 @@ class Maneuver:
     periods: int = 1  # of the gear, all alike, that the record covers
     rack_load: float = 0.0  # pulls the rack's end towards -X [N]
     pulse: Pulse | None = None
-    settling: float = 0.0  # how long before the start the equilibria begin [s] ...
-    fine_settling: float = 0.0  # ... where the rack rolls [s]
-
-    @property
-    def settling_time(self) -> tuple[np.ndarray, ...]:
-        """Instants of the equilibria before the start, below 0: over a tooth pitch, and over more of them in
-        smaller steps for a rack that rolls; none where the start itself is one [s]."""
-        if not self.settling:
-            return ()
-        return (
-            np.linspace(-self.settling, 0.0, SETTLING, endpoint=False),
-            np.linspace(-self.fine_settling, 0.0, 3 * FINE_SETTLING, endpoint=False),
-        )
+    approach: Approach | None = None  # None: the gear rests where it starts
+    closes: bool = False  # its record covers whole periods of the gear
 
     @property
     def time(self) -> np.ndarray:
@@ -74,13 +61,9 @@ class Maneuver:
         """Return the same with a load that pulls the rack's end towards -X [N]."""
         return replace(self, rack_load=load)
 
-    def turned(self, gear: SteeringGear) -> float:
-        """Return the pinion angle between the ends of the record of a steady maneuver [rad]."""
-        return self.steps * self.time_step * gear.test.speed
-
     def without_settling(self) -> "Maneuver":
         """Return the same from where the gear first rests, without the equilibria that lead there."""
-        return replace(self, settling=0.0, fine_settling=0.0)
+        return replace(self, approach=None)
 
     def one_period(self) -> "Maneuver":
         """Return its first period."""
@@ -122,8 +105,8 @@ def steady_maneuver(
         lead,
         per_piece * periods,
         periods,
-        settling=min(pitch, toothed) / gear.test.speed,
-        fine_settling=min(3 * pitch, toothed) / gear.test.speed,
+        approach=Approach(pitch / gear.test.speed, toothed / gear.test.speed),
+        closes=whole is not None,
     )
 
 

@@ -12,7 +12,6 @@ from time import process_time
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.checks.after_run import rolling_fraction
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -20,16 +19,18 @@ from rps_exudyn.results.outcome import Interrupted, Outcome, Status
 from rps_exudyn.scenes.by_formula import by_formula
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_options import DEFAULT, RunOptions
-from rps_exudyn.scenes.scene_run import SceneRun, joined
+from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined
+from rps_exudyn.solvers.adaptive_path import adaptive_path
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.drive import travel_per_radian
-from rps_exudyn.solvers.equilibrium import EquilibriumPath, adaptive_path, settled_path
+from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS, EquilibriumPath
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.path_follower import TOLERANCE
-from rps_exudyn.solvers.record import Record, record_of_path, repeated, signals_of
+from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
+from rps_exudyn.solvers.settled_start import settled_path
 
 LEAST_FORCE = 10.0  # of which a tolerance is a fraction [N]
-ROLLING = 2e-4  # of the rack's travel, over a tooth pitch or more: the torque is settled to 0.15 % then
+STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drifts less is settled
 CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
 
 
@@ -70,9 +71,9 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
     from rps_exudyn.multibody.recorder import Recorder
     from rps_exudyn.multibody.solve import SolverPlan, solve
 
-    load, settling = maneuver.rack_load, maneuver.settling_time
+    load, approach = maneuver.rack_load, maneuver.approach
     model = build_model(
-        gear, fidelity, maneuver.drive, rack_load=load, pulse=maneuver.pulse, settling=settling
+        gear, fidelity, maneuver.drive, rack_load=load, pulse=maneuver.pulse, approach=approach
     )
     if not model.start.converged:
         return SceneRun(_lost(maneuver, model.start, Outcome(Status.OK)))
@@ -117,13 +118,21 @@ def by_equilibrium(
 
 
 def _settled(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:
-    """Leave out the equilibria that lead to the start if a record of a tooth pitch or more shows that they
-    are not needed: the rack hardly rolls over it."""
-    if maneuver.turned(gear) >= 2 * np.pi / gear.pinion.teeth * (1 - 1e-9):
+    """Leave out the equilibria that lead to the start if the record of a period shows that they are not
+    needed: at its end the gear is where it was at the start."""
+    if maneuver.closes and maneuver.approach is not None:
         run = _along_equilibria(gear, fidelity, maneuver.without_settling(), options)
-        if run.ok and rolling_fraction(run.signals, gear) <= ROLLING:
+        if run.ok and _drift(run.signals, maneuver.drive.signal) <= STEADY:
             return run
     return _along_equilibria(gear, fidelity, maneuver, options)
+
+
+def _drift(signals: Signals, driven: str) -> float:
+    """Change of the drive's force over a record, over its largest, or of a coordinate, over the travel."""
+    travel, force = float(np.ptp(signals["rack_displacement"])), signals[driven]
+    lengths = dict(zip(COORDINATES, CHARACTERISTIC_LENGTHS[2:], strict=True))
+    moved = max(abs(float(signals[name][-1] - signals[name][0])) * lengths[name] for name in COORDINATES)
+    return max(moved / travel, abs(float(force[-1] - force[0])) / (float(np.abs(force).max()) or 1.0))
 
 
 def _along_equilibria(
@@ -132,7 +141,7 @@ def _along_equilibria(
     forces = gear_forces(gear, fidelity, maneuver.rack_load)
     start = process_time()
     pair, drive = GearPair.of(gear), maneuver.drive
-    course = forces.statics, pair, drive, maneuver.settling_time, maneuver.time
+    course = forces.statics, pair, drive, maneuver.approach, maneuver.time
     if fidelity.torque_tolerance > 0:
         allowed = fidelity.torque_tolerance * abs(closed_form(gear).free_torque)
         path = adaptive_path(*course, allowed / travel_per_radian(drive.body, pair.gain))
@@ -167,7 +176,8 @@ def _finished(
     if len(record.time) < 2:
         return SceneRun(outcome)
     pitch = 2 * np.pi / gear.pinion.teeth
-    record = replace(record, settled=-start.begun * gear.test.speed >= pitch * (1 - 1e-9))
+    led = -start.begun * gear.test.speed >= pitch * (1 - 1e-9)
+    record = replace(record, settled=led, start=start.start)
     signals = signals_of(record)
     if outcome.status is Status.OK:
         outcome = options.check(outcome, gear, record, signals, zone if maneuver.is_steady else None)

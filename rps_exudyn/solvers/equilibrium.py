@@ -6,7 +6,7 @@ by backward differences, so that this is the limit of slow dynamics and not a mo
 instant they are those of steady motion: rack and pinion move at the gear's gain, nothing else moves.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -24,10 +24,8 @@ CHARACTERISTIC_LENGTHS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0]) 
 
 SETTLING_STEPS = 600
 TYPICAL_APPROACH = 15e-6  # of the rack under the yoke's preload [m]
-MAX_HALVINGS = 8
 MAX_RESCUES = 100
 FARTHEST_SEARCH = 1e-4  # of each coordinate from where the path leads [m]
-ROLLING = 0.02  # of the rack's travel: what is left of the start then is 0.2 % of the torque
 SHORTEST = 0.01  # of the steps asked for, that between an instant found and one that is not
 JUMP = 0.5  # of the contact's forces where its quadrature changes [N]: an equilibrium may lie on one
 
@@ -38,6 +36,18 @@ class Balance(NamedTuple):
     force: Callable[..., Any]  # (q, v, data) -> (8,), a kernel of `gear_kernel`
     data: Any
     locked: tuple[int, ...] = ()  # coordinates that are held at zero
+
+
+@dataclass(frozen=True)
+class Start:
+    """What the start of a path remembers of how the gear came there."""
+
+    unsettled: float  # by how much the drive's force depends on it, over its largest
+    settles_in: float  # time of steady motion after which it does not any more [s]
+    led_over: float  # time of steady motion that the rack's teeth allow before the start [s]
+
+
+SETTLED = Start(0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +65,7 @@ class EquilibriumPath:
     residual: float  # largest unbalanced force, of instants found; or at the first one not found [N]
     lost_at: float | None  # the first instant without an equilibrium [s]
     begun: float  # the first instant of all [s]
+    start: Start = SETTLED
 
     @property
     def converged(self) -> bool:
@@ -99,10 +110,13 @@ def starting_guess(pair: GearPair, angle: float) -> np.ndarray:
     return guess
 
 
-def equilibrium_path(balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray) -> EquilibriumPath:
+def equilibrium_path(
+    balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray, led: EquilibriumPath | None = None
+) -> EquilibriumPath:
     """Follow the equilibria at rising times [s] of a drive's motion.
 
-    Where none is found from the instant before, one halfway to it is looked for first.
+    Where none is found from the instant before, one halfway to it is looked for first. `led` is a path along
+    the first of these times, which is not followed again; what it cost is counted.
     """
     fixed = {drive.coordinate, *balance.locked}
     free = np.array([i for i in range(SIZE) if i not in fixed])
@@ -113,6 +127,9 @@ def equilibrium_path(balance: Balance, pair: GearPair, drive: Drive, time: np.nd
     rows.coordinates[0, free], rows.rates[0, free] = guess[free], steady[free]
 
     counts, rescues, unbalanced, found = np.zeros(3, dtype=int), 0, 0.0, 0
+    if led is not None and len(led.time) > 1:
+        found, unbalanced, rescues = rows.follow(led), led.residual, led.rescues
+        counts += led.evaluations, led.iterations, led.tangents
     while True:
         state = rows.coordinates, rows.rates, rows.forces
         found, *more, residual = follower(balance.force)(
@@ -168,6 +185,13 @@ class _Rows:
         rates[:, drive.coordinate] = drive.sign * drive.rate(time)
         return cls(time, np.ones(len(time), dtype=bool), coordinates, rates, forces)
 
+    def follow(self, led: EquilibriumPath) -> int:
+        """Take over the instants of a path; return how many."""
+        found = len(led.time)
+        for name in ("coordinates", "rates", "forces"):
+            getattr(self, name)[:found] = getattr(led, name)
+        return found
+
     def halve(self, k: int, drive: Drive) -> bool:
         """Put an instant before the k-th; false if those there are as close as makes sense."""
         between = self.time[k] - self.time[k - 1]
@@ -178,33 +202,6 @@ class _Rows:
         for name, values in vars(new).items():
             setattr(self, name, np.insert(getattr(self, name), k, values, axis=0))
         return True
-
-
-def settled_path(
-    balance: Balance, pair: GearPair, drive: Drive, settling: Sequence[np.ndarray], time: np.ndarray
-) -> EquilibriumPath:
-    """Follow the equilibria from a settled start.
-
-    Equilibria at the first of the instants `settling` after which the rack does not roll any more, or at the
-    last of them, lead to the start. If none lead there, the gear starts where it rests without them, which
-    may be far from where it will slide.
-    """
-    led = None
-    for before in settling:
-        path = equilibrium_path(balance, pair, drive, np.concatenate([before, time]))
-        if path.lost_at is None or path.lost_at >= time[0]:
-            led = path
-            if _rolling(path, len(before)) <= ROLLING:
-                break
-    return led or equilibrium_path(balance, pair, drive, time)
-
-
-def _rolling(path: EquilibriumPath, instants: int) -> float:
-    """Roll of the bar's surface to and fro over the later half of the first instants, over its travel."""
-    travel, roll = (
-        path.coordinates[instants // 2 : instants, COORDINATE_BLOCKS["rack"]][:, i] for i in (0, 3)
-    )
-    return float(np.ptp(roll) * CHARACTERISTIC_LENGTHS[COORDINATE_BLOCKS["rack"]][3] / np.ptp(travel))
 
 
 def _settled_guess(balance: Balance, free: np.ndarray, guess: np.ndarray, rates: np.ndarray) -> np.ndarray:
@@ -268,53 +265,6 @@ def _search(
         forces[k] = force(found.x)
     coordinates[k], rates[k] = q, v
     return float(np.abs(found.fun).max())
-
-
-def adaptive_path(
-    balance: Balance,
-    pair: GearPair,
-    drive: Drive,
-    settling: Sequence[np.ndarray],
-    time: np.ndarray,
-    tolerance: float,
-) -> EquilibriumPath:
-    """Follow as `settled_path`, with instants put between those of `time` where the drive's force bends.
-
-    An instant is missed by as much as the force differs from the cubic through its four neighbours; the
-    intervals beside one that is missed by more than `tolerance` [N m or N] are halved, until none is.
-    """
-    path = settled_path(balance, pair, drive, settling, time)
-    evaluations, iterations, tangents = path.evaluations, path.iterations, path.tangents
-    for _ in range(MAX_HALVINGS):
-        if not path.converged:
-            break
-        missed = _missed(time, path.forces[-len(time) :, drive.coordinate]) > tolerance
-        halved = missed[:-1] | missed[1:]
-        if not halved.any():
-            break
-        time = np.insert(time, np.flatnonzero(halved) + 1, ((time[:-1] + time[1:]) / 2)[halved])
-        path = settled_path(balance, pair, drive, settling, time)
-        evaluations += path.evaluations
-        iterations += path.iterations
-        tangents += path.tangents
-    return replace(path, evaluations=evaluations, iterations=iterations, tangents=tangents)
-
-
-def _missed(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Distance of each value from the cubic through its four neighbours; 0 at the two ends each way."""
-    missed = np.zeros(len(x))
-    at = x[2:-2]
-    nodes = [x[:-4], x[1:-3], x[3:-1], x[4:]]
-    values = [y[:-4], y[1:-3], y[3:-1], y[4:]]
-    cubic = np.zeros(len(at))
-    for i, value in enumerate(values):
-        weight = np.ones(len(at))
-        for j, node in enumerate(nodes):
-            if j != i:
-                weight *= (at - node) / (nodes[i] - node)
-        cubic += weight * value
-    missed[2:-2] = np.abs(y[2:-2] - cubic)
-    return missed
 
 
 def static_approach(load: float, mesh_force: Callable[..., Any], data: Any, offset: float) -> float:

@@ -18,7 +18,7 @@ from rps_exudyn.forces.force_element import (
     ForceElement,
 )
 from rps_exudyn.solvers.drive import Drive
-from rps_exudyn.solvers.equilibrium import EquilibriumPath
+from rps_exudyn.solvers.equilibrium import SETTLED, EquilibriumPath, Start
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, along, stacked
 
 WORK = {
@@ -28,6 +28,8 @@ WORK = {
     "work_bush_friction",
     "work_bearing_friction",
 }
+# Signals of what is not prescribed, in the order of the coordinates
+COORDINATES = ("rack_y", "rack_z", "rack_roll", "rack_yaw", "rack_pitch", "plunger_displacement")
 # Signal -> the output of a force element that it shows
 SHOWN = {
     "mesh_normal_force_drive": "mesh_normal_force_drive",
@@ -54,6 +56,7 @@ class Record:
     contact: np.ndarray | None = None  # the solver's own contact forces on pinion and rack, (n, 7)
     pulse_power: np.ndarray | None = None  # of what shakes the rack [W]
     settled: bool = False  # whether a tooth pitch was turned before
+    start: Start = SETTLED  # what it remembers of how the gear came there
 
     def since(self, time: float) -> "Record":
         """Return what comes after a time [s]: the part that begins with the last step until then.

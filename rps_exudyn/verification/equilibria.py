@@ -9,9 +9,9 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.solvers.equilibrium import settled_path
 from rps_exudyn.solvers.gear_forces import GearForces
 from rps_exudyn.solvers.record import record_of_path, signals_of
+from rps_exudyn.solvers.settled_start import settled_path
 
 
 def equilibria(gear: SteeringGear, forces: GearForces, maneuver: Maneuver, inertia: float = 0.0) -> SceneRun:
@@ -20,9 +20,7 @@ def equilibria(gear: SteeringGear, forces: GearForces, maneuver: Maneuver, inert
     The rig also overcomes an `inertia` [kg m^2 of the pinion, kg of the rack] of all that follows the drive.
     """
     start = process_time()
-    path = settled_path(
-        forces.statics, GearPair.of(gear), maneuver.drive, maneuver.settling_time, maneuver.time
-    )
+    path = settled_path(forces.statics, GearPair.of(gear), maneuver.drive, maneuver.approach, maneuver.time)
     cpu = process_time() - start
     if not path.converged:
         reached = float(path.time[-1]) if path.time.size else 0.0

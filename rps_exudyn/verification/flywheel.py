@@ -34,7 +34,7 @@ KEPT = np.deg2rad(0.2)  # pinion angle between two records
 def explicit_run(gear: SteeringGear, fidelity: Fidelity, solver: str, step: float) -> SceneRun:
     """Run one way from the test's start, in steps of `step` [s]; a run that blew up says so."""
     maneuver = maneuvers_of_test(gear, "pinion", fidelity.step_angle)[0]
-    model = build_model(gear, fidelity, maneuver.drive, settling=maneuver.settling_time)
+    model = build_model(gear, fidelity, maneuver.drive, approach=maneuver.approach)
     _drive_by_flywheel(model)
     end = float(maneuver.time[-1])
     steps = int(np.ceil(end / step))

@@ -1,0 +1,134 @@
+"""The settled start: equilibria before the start of a steady motion, until where they began is forgotten.
+
+Friction lets go of what the gear came with only as it slides. A rack that lies askew creeps into its place
+over a part of a tooth pitch where seat and bush are stiff, over ten pitches and more where they are soft. So
+the motion begins further and further back until two beginnings in a row lead to the same start: the same
+force of the drive, and the same place in every coordinate.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.solvers.drive import Drive
+from rps_exudyn.solvers.equilibrium import (
+    CHARACTERISTIC_LENGTHS,
+    SETTLED,
+    Balance,
+    EquilibriumPath,
+    Start,
+    equilibrium_path,
+)
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
+
+DISTANCES = (1, 2, 4, 8, 16, 32)  # tooth pitches before the start at which equilibria begin
+COARSE, FINE = 12, 48  # equilibria in a tooth pitch
+FINE_FROM, FINE_PITCHES = 4, 3  # beginnings this far back come in fine steps over the last pitches
+ALIKE = 5e-4  # of the force and of a pitch's travel: how far two coarse beginnings may differ ...
+ALIKE_FINE = 2e-3  # ... and two of which one is twice as far back: what is left is less than that
+ROLLING = 0.02  # of the rack's travel: a rack that rolls more needs fine steps
+MOST_LOST = 2  # beginnings from which no equilibria lead to the start
+
+
+@dataclass(frozen=True)
+class Approach:
+    """The steady motion before a start, for as long as it takes to settle."""
+
+    pitch: float  # time in which a tooth pitch is turned [s]
+    toothed: float  # time for which the rack has teeth before the start [s]
+
+    def instants(self, pitches: float) -> np.ndarray:
+        """Return the instants of a beginning so many tooth pitches back, below 0 [s]."""
+        fine = min(pitches, FINE_PITCHES) if pitches >= FINE_FROM else 0.0
+        far = np.linspace(-pitches, -fine, max(round(COARSE * (pitches - fine)), 1), endpoint=False)
+        near = np.linspace(-fine, 0.0, round(FINE * fine), endpoint=False)
+        return self.pitch * np.concatenate([far, near])
+
+
+def settled_path(
+    balance: Balance, pair: GearPair, drive: Drive, approach: Approach | None, time: np.ndarray
+) -> EquilibriumPath:
+    """Follow the equilibria at times [s], the first of which is 0, from a settled start.
+
+    `start` of the path says what is left of its beginning, and whether the rack has teeth enough before the
+    start to settle. If no equilibria lead to the start, the gear starts where it rests without them, which
+    may be far from where it will slide. Without an approach the start itself is such a place of rest.
+    """
+    led = None if approach is None else _leading(balance, pair, drive, approach, time[:1])
+    if led is None:
+        return equilibrium_path(balance, pair, drive, time)
+    path = equilibrium_path(balance, pair, drive, np.concatenate([led.time, time[1:]]), led)
+    return replace(path, start=led.start)
+
+
+def _leading(
+    balance: Balance, pair: GearPair, drive: Drive, approach: Approach, start: np.ndarray
+) -> EquilibriumPath | None:
+    """Return the path to the start from the nearest beginning that one half as far back agrees with; or from
+    the farthest that leads there; None if only the start itself does."""
+    found: list[EquilibriumPath] = []
+    lost, differ = 0, 0.0
+    for pitches in (0, *DISTANCES):
+        path = _from(pitches, balance, pair, drive, approach, start)
+        if path.converged:
+            found.append(path)
+            if len(found) > 1:
+                differ = _difference(found[-2], path, drive)
+                if _alike(found[-2], path, drive, pair, pitches):
+                    return _with_teeth(path, pitches, balance, pair, drive, approach, start)
+        elif (lost := lost + 1) == MOST_LOST:
+            break
+    if len(found) < 2:
+        return None
+    rolls = _rolling(found[-1]) > ROLLING
+    return replace(found[-1], start=Start(differ, np.inf, approach.toothed) if rolls or not lost else SETTLED)
+
+
+def _from(
+    pitches: float, balance: Balance, pair: GearPair, drive: Drive, approach: Approach, start: np.ndarray
+) -> EquilibriumPath:
+    """The path to the start from so many tooth pitches before it."""
+    instants = approach.instants(pitches) if pitches else np.zeros(0)
+    return equilibrium_path(balance, pair, drive, np.concatenate([instants, start]))
+
+
+def _with_teeth(
+    path: EquilibriumPath,
+    pitches: float,
+    balance: Balance,
+    pair: GearPair,
+    drive: Drive,
+    approach: Approach,
+    start: np.ndarray,
+) -> EquilibriumPath:
+    """Return a settled path with the difference to what the rack's teeth before the start allow."""
+    if pitches * approach.pitch <= approach.toothed * (1 + 1e-9):
+        return path
+    real = _from(approach.toothed / approach.pitch, balance, pair, drive, approach, start)
+    unsettled = _difference(path, real, drive) if real.converged else 0.0
+    return replace(path, start=Start(unsettled, pitches * approach.pitch, approach.toothed))
+
+
+def _difference(a: EquilibriumPath, b: EquilibriumPath, drive: Drive) -> float:
+    """Difference of the drive's force at the ends of two paths, over its largest along them."""
+    forces = [path.forces[:, drive.coordinate] for path in (a, b)]
+    largest = max(float(np.abs(force).max()) for force in forces)
+    return abs(float(forces[0][-1] - forces[1][-1])) / largest if largest else 0.0
+
+
+def _alike(a: EquilibriumPath, b: EquilibriumPath, drive: Drive, pair: GearPair, pitches: float) -> bool:
+    """Tell whether two paths, b from `pitches` back, end at the same place under the same force."""
+    fine = pitches > FINE_FROM
+    if not fine and _rolling(b) > ROLLING:
+        return False
+    travel = pair.gain * 2 * np.pi / pair.teeth
+    apart = float(np.abs((a.coordinates[-1] - b.coordinates[-1]) * CHARACTERISTIC_LENGTHS).max()) / travel
+    return max(_difference(a, b, drive), apart) <= (ALIKE_FINE if fine else ALIKE)
+
+
+def _rolling(path: EquilibriumPath) -> float:
+    """Roll of the bar's surface to and fro over the later half of a path, over its travel."""
+    rack = path.coordinates[len(path.time) // 2 :, COORDINATE_BLOCKS["rack"]]
+    lever = CHARACTERISTIC_LENGTHS[COORDINATE_BLOCKS["rack"]][3]
+    return float(np.ptp(rack[:, 3]) * lever / np.ptp(rack[:, 0]))
