@@ -14,7 +14,6 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import (
     CHARACTERISTIC_LENGTHS,
-    SETTLED,
     Balance,
     EquilibriumPath,
     Start,
@@ -28,7 +27,7 @@ FINE_FROM, FINE_PITCHES = 4, 3  # beginnings this far back come in fine steps ov
 ALIKE = 5e-4  # of the force and of a pitch's travel: how far two coarse beginnings may differ ...
 ALIKE_FINE = 2e-3  # ... and two of which one is twice as far back: what is left is less than that
 ROLLING = 0.02  # of the rack's travel: a rack that rolls more needs fine steps
-MOST_LOST = 2  # beginnings from which no equilibria lead to the start
+MOST_LOST = 4  # beginnings from which no equilibria lead to the start, until no more are tried
 
 
 @dataclass(frozen=True)
@@ -55,59 +54,57 @@ def settled_path(
     start to settle. If no equilibria lead to the start, the gear starts where it rests without them, which
     may be far from where it will slide. Without an approach the start itself is such a place of rest.
     """
-    led = None if approach is None else _leading(balance, pair, drive, approach, time[:1])
+    led = None if approach is None else _Search(balance, pair, drive, approach, time[:1]).settled()
     if led is None:
         return equilibrium_path(balance, pair, drive, time)
     path = equilibrium_path(balance, pair, drive, np.concatenate([led.time, time[1:]]), led)
     return replace(path, start=led.start)
 
 
-def _leading(
-    balance: Balance, pair: GearPair, drive: Drive, approach: Approach, start: np.ndarray
-) -> EquilibriumPath | None:
-    """Return the path to the start from the nearest beginning that one half as far back agrees with; or from
-    the farthest that leads there; None if only the start itself does."""
-    found: list[EquilibriumPath] = []
-    lost, differ = 0, 0.0
-    for pitches in (0, *DISTANCES):
-        path = _from(pitches, balance, pair, drive, approach, start)
-        if path.converged:
-            found.append(path)
-            if len(found) > 1:
-                differ = _difference(found[-2], path, drive)
-                if _alike(found[-2], path, drive, pair, pitches):
-                    return _with_teeth(path, pitches, balance, pair, drive, approach, start)
-        elif (lost := lost + 1) == MOST_LOST:
-            break
-    if len(found) < 2:
-        return None
-    rolls = _rolling(found[-1]) > ROLLING
-    return replace(found[-1], start=Start(differ, np.inf, approach.toothed) if rolls or not lost else SETTLED)
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """The search for a beginning that is far enough back."""
 
+    balance: Balance
+    pair: GearPair
+    drive: Drive
+    approach: Approach
+    start: np.ndarray  # the time of the start alone [s]
 
-def _from(
-    pitches: float, balance: Balance, pair: GearPair, drive: Drive, approach: Approach, start: np.ndarray
-) -> EquilibriumPath:
-    """The path to the start from so many tooth pitches before it."""
-    instants = approach.instants(pitches) if pitches else np.zeros(0)
-    return equilibrium_path(balance, pair, drive, np.concatenate([instants, start]))
+    def settled(self) -> EquilibriumPath | None:
+        """Return the path to the start from the nearest beginning with which the one before it agrees; or
+        from the farthest that leads there; None if only the start itself does."""
+        found: list[EquilibriumPath] = []
+        lost, differ = 0, 0.0
+        for pitches in (0, *DISTANCES):
+            path = self.begun(pitches)
+            if path.converged:
+                found.append(path)
+                if len(found) > 1:
+                    differ = _difference(found[-2], path, self.drive)
+                    if _alike(found[-2], path, self.drive, self.pair, pitches):
+                        return self.with_teeth(path, pitches)
+            elif (lost := lost + 1) == MOST_LOST:
+                break
+        if len(found) < 2:
+            return None
+        if lost and len(found) == 2 and _rolling(found[-1]) <= ROLLING:  # only the start to compare it with
+            return found[-1]
+        return replace(found[-1], start=Start(differ, np.inf, self.approach.toothed))
 
+    def begun(self, pitches: float) -> EquilibriumPath:
+        """Return the path to the start from so many tooth pitches before it."""
+        instants = self.approach.instants(pitches) if pitches else np.zeros(0)
+        return equilibrium_path(self.balance, self.pair, self.drive, np.concatenate([instants, self.start]))
 
-def _with_teeth(
-    path: EquilibriumPath,
-    pitches: float,
-    balance: Balance,
-    pair: GearPair,
-    drive: Drive,
-    approach: Approach,
-    start: np.ndarray,
-) -> EquilibriumPath:
-    """Return a settled path with the difference to what the rack's teeth before the start allow."""
-    if pitches * approach.pitch <= approach.toothed * (1 + 1e-9):
-        return path
-    real = _from(approach.toothed / approach.pitch, balance, pair, drive, approach, start)
-    unsettled = _difference(path, real, drive) if real.converged else 0.0
-    return replace(path, start=Start(unsettled, pitches * approach.pitch, approach.toothed))
+    def with_teeth(self, path: EquilibriumPath, pitches: float) -> EquilibriumPath:
+        """Return a settled path with the difference to what the rack's teeth before the start allow."""
+        pitch, toothed = self.approach.pitch, self.approach.toothed
+        if pitches * pitch <= toothed * (1 + 1e-9):
+            return path
+        real = self.begun(toothed / pitch)
+        unsettled = _difference(path, real, self.drive) if real.converged else 0.0
+        return replace(path, start=Start(unsettled, pitches * pitch, toothed))
 
 
 def _difference(a: EquilibriumPath, b: EquilibriumPath, drive: Drive) -> float:

@@ -1,0 +1,85 @@
+"""The start of a steady motion forgets how the gear came there, or the run says that it does not."""
+
+import numpy as np
+import pytest
+
+import rps_exudyn as rps
+from bad_cases import bad_cases
+from rps_exudyn.checks.after_run import start_forgotten
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.scenes.maneuver import maneuvers_of_test
+from rps_exudyn.solvers.equilibrium import SETTLED, Start, equilibrium_path
+from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.settled_start import settled_path
+
+CASES = bad_cases()
+CREEPS_LONG, CREEPS = (CASES[f"a soft seat, {found}"].plan.gear for found in ("creeps long", "creeps"))
+FIDELITY = Fidelity.preset("quasi-static")
+
+
+def far_back(gear: SteeringGear, pitches: float) -> float:
+    """Mean torque over the test, of equilibria that begin so many pitches before it in 24 steps each."""
+    maneuver = maneuvers_of_test(gear, "pinion", FIDELITY.step_angle)[0]
+    back = pitches * 2 * np.pi / gear.pinion.teeth / gear.test.speed
+    before = np.linspace(-back, 0.0, int(24 * pitches), endpoint=False)
+    time = np.concatenate([before, maneuver.time])
+    path = equilibrium_path(gear_forces(gear, FIDELITY).statics, GearPair.of(gear), maneuver.drive, time)
+    return float(-maneuver.drive.sign * path.forces[before.size + maneuver.lead :, 0].mean())
+
+
+@pytest.mark.parametrize("gear", [CREEPS_LONG, CREEPS], ids=["long", "short"])
+@pytest.mark.parametrize("model", ["quasi-static", "flank"])
+def test_a_short_record_is_that_of_a_motion_that_began_far_back(gear: SteeringGear, model: str) -> None:
+    """20 tooth pitches and an odd part, in steps of its own. 0.5 %: such steps are right to 0.2 %, and what
+    is left of the start is 0.2 %; one and three pitches miss 27 and 14 % of one gear, 7 and 1.3 % of the
+    other."""
+    run = rps.run("free-pinion-torque", gear, fidelity=model)
+    assert run.status is Status.OK, run.message
+    assert np.mean(run["pinion_torque"]) == pytest.approx(far_back(gear, 20.4), rel=5e-3)
+
+
+def test_steps_that_lead_to_the_start_are_not_followed_twice() -> None:
+    """A path that goes on from one that leads to it is the same, to the tolerance of equilibria (1e-5)."""
+    gear = SteeringGear()
+    maneuver = maneuvers_of_test(gear, "pinion", FIDELITY.step_angle)[0].one_period()
+    course = gear_forces(gear, FIDELITY).statics, GearPair.of(gear), maneuver.drive
+    whole = equilibrium_path(*course, maneuver.time)
+    parts = equilibrium_path(*course, maneuver.time, equilibrium_path(*course, maneuver.time[:20]))
+    assert parts.coordinates == pytest.approx(whole.coordinates, abs=1e-7)
+    assert parts.forces[:, 0] == pytest.approx(whole.forces[:, 0], rel=1e-4)
+    assert parts.evaluations < 1.1 * whole.evaluations
+
+
+def test_an_ordinary_gear_settles_at_once() -> None:
+    """Over one tooth pitch, which costs a dozen equilibria."""
+    gear = SteeringGear()
+    maneuver = maneuvers_of_test(gear, "pinion", FIDELITY.step_angle)[0]
+    course = gear_forces(gear, FIDELITY).statics, GearPair.of(gear), maneuver.drive
+    path = settled_path(*course, maneuver.approach, np.zeros(1))
+    assert path.start == SETTLED
+    assert path.begun == pytest.approx(-2 * np.pi / gear.pinion.teeth / gear.test.speed)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("start", "recorded", "fails"),
+    [
+        (SETTLED, 1.0, False),
+        (Start(0.05, 4.0, 1.0), 1.0, True),
+        (Start(0.05, 4.0, 1.0), 40.0, False),  # forgotten in a tenth of the record: 0.5 % of its mean
+        (Start(0.05, np.inf, 1.0), 40.0, True),
+        (Start(0.009, np.inf, 1.0), 1.0, False),
+    ],
+)
+def test_what_the_start_remembers_is_refused_where_it_moves_the_mean(
+    start: Start, recorded: float, fails: bool
+) -> None:
+    found = list(start_forgotten(start, {"time": np.array([0.0, recorded])}, SteeringGear()))
+    assert bool(found) is fails
+    if found:
+        status, message = found[0]
+        assert status is Status.INVALID
+        assert "does not settle" in message
