@@ -65,15 +65,18 @@ def make_study(
     described: Description | None = None,
     failed: Mapping[int, str] | None = None,
     pending: Iterable[int] = (),
+    remarks: Mapping[int, str] | None = None,
 ) -> Path:
-    """A study's folder; cases by their number failed with a message, or are still to be run."""
-    described, failed = described or description(grid_points()), failed or {}
+    """A study's folder; cases by their number failed with a message, are still to be run, or ended ok with a
+    remark."""
+    described, failed, remarks = described or description(grid_points()), failed or {}, remarks or {}
     store = Store.of(folder, described)
     store.make_folders()
     store.write_description()
     for at, case in enumerate(described.cases):
         if at not in set(pending):
             made = _result_of(described, case, result)
+            made = dataclasses.replace(made, message=remarks.get(at, ""))
             if at in failed:
                 made = dataclasses.replace(made, status=Status.DIVERGED, message=failed[at])
             made.save(store.path_of(case.hash))

@@ -7,12 +7,18 @@ it is lowered:
 
 gross, as the standard measures them; net with the free torque T_0 tared, W s' / (T_f - T_0) and
 (T_r + T_0) / (W s'). While both flanks touch, T_f - T_r = 2 T_0 nearly, and the ratio reverse / forward is
-1 - (T_0 / W s')^2: heavier weights look better.
+1 - (T_0 / W s')^2: heavier weights look better. Means are over whole tooth pitches.
+
+Below 0 and above 1 these numbers are no efficiencies, see `LoadTest.remarks`: reverse is negative where the
+gear locks itself, and net exceeds 1 where less rubs under the load than without it.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-from rps_exudyn.analysis.passes import Signals, both_directions
+import numpy as np
+
+from rps_exudyn.analysis.passes import Signals, both_directions, longest_pass, whole_periods
 from rps_exudyn.analysis.torque import mean
 
 
@@ -56,24 +62,66 @@ class LoadTest:
         """Tell whether the weight cannot drive the gear: it must be pushed down."""
         return self.torque_reverse < 0
 
+    def remarks(self) -> Iterator[str]:
+        """Yield why a number that is called efficiency is none, sentences without a full stop."""
+        lost = {
+            "forward": self.torque_forward - self.ideal_torque,  # while it is raised
+            "reverse": self.ideal_torque - self.torque_reverse,  # while it is lowered
+        }
+        if self.self_locking:
+            yield (
+                "the gear is self-locking: the weight must be pushed down with "
+                f"{-self.torque_reverse:.4g} N m, for friction takes {lost['reverse']:.4g} N m and the "
+                f"weight gives {self.ideal_torque:.4g}; efficiency_reverse and efficiency_ratio are below 0 "
+                "and no efficiencies"
+            )
+        for way, does in (("forward", "raised"), ("reverse", "lowered")):
+            net = getattr(self, f"efficiency_{way}_net")
+            if not 0 <= round(net, 3) <= 1:
+                yield (
+                    f"efficiency_{way}_net is {net:.1%} and no efficiency: while the weight is {does} "
+                    f"friction takes {lost[way]:.4g} N m, and the free torque of {self.free_torque:.4g} N m "
+                    "is tared"
+                )
 
-def measured_load_test(signals: Signals, load: float, gain: float, free_torque: float) -> LoadTest:
+
+def measured_load_test(
+    signals: Signals, load: float, gain: float, free_torque: float, pitch: float
+) -> LoadTest:
     """Evaluate a record of raising (pinion angle rises) and lowering at the angles common to both.
+
+    Means are over the whole tooth pitches from the smallest of these angles; over all of them, if they are
+    less than one pitch.
 
     Args:
         signals: pinion_angle [rad] and pinion_torque [N m], both directions.
         load: the weight's force on the rack towards -X [N], above zero.
         gain: rack travel per radian of pinion [m].
         free_torque: mean torque of the same gear without the weight [N m].
+        pitch: pinion angle of a tooth [rad].
 
     Raises:
         ValueError: the record lacks one direction, or shares no angles.
     """
     if (both := both_directions(signals)) is None:
         raise ValueError("a load test needs a record of raising and of lowering at common pinion angles")
-    *ways, angle = both
+    *ways, common = both
+    angle = whole_periods(common, pitch)
     raising, lowering = (mean(angle, each.over(angle, "pinion_torque")) for each in ways)
     return LoadTest(load, load * gain, raising, lowering, free_torque)
+
+
+def free_torque_of(signals: Signals, pitch: float) -> float:
+    """Mean size of the torque of a record in one direction, over whole tooth pitches if there is one [N m].
+
+    Raises:
+        ValueError: the record has no pass.
+    """
+    turned = longest_pass(signals, +1) or longest_pass(signals, -1)
+    if turned is None:
+        raise ValueError("a free torque needs a record in which the pinion turns")
+    angle = whole_periods(np.sort(turned.angle), pitch)
+    return abs(mean(angle, turned.over(angle, "pinion_torque")))
 
 
 def describe_load_test(test: LoadTest) -> dict[str, float]:

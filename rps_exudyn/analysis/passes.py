@@ -113,6 +113,16 @@ def common_angles(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return common if common.size > 1 else np.zeros(0)
 
 
+def whole_periods(angle: np.ndarray, period: float) -> np.ndarray:
+    """The rising angles up to the last whole number of periods from the first [rad]; all of them, if there is
+    not one."""
+    count = np.floor((angle[-1] - angle[0]) / period * (1 + 1e-9))
+    if count < 1:
+        return angle
+    end = angle[0] + count * period
+    return np.append(angle[angle < end - 1e-9 * period], end)
+
+
 def _pass(signals: Signals, first: int, last: int) -> Pass:
     angle = signals["pinion_angle"][first : last + 1]
     direction = 1 if angle[-1] > angle[0] else -1

@@ -15,7 +15,7 @@ from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
 
 DOES = {+1: "raising", -1: "lowering"}
-FIGURES = {
+FIGURES = {  # in the headline, where they are efficiencies, from 0 to 100 %
     "efficiency_forward": "efficiency forward",
     "efficiency_reverse": "reverse",
     "efficiency_forward_net": "net forward",
@@ -44,7 +44,8 @@ def load_test_figure(result: Result, measured: MeasuredTorque | None = None) -> 
     style.legend_above(axes)
     style.angle_axis(axes)
     locking = result.summary.get("torque_reverse", 0.0) < 0
-    head(figure, result, scene_of(result) + " · self-locking" * locking, FIGURES)
+    figures = {name: label for name, label in FIGURES.items() if 0 <= result.summary.get(name, 0.0) <= 1}
+    head(figure, result, scene_of(result) + " · self-locking" * locking, figures)
     return figure
 
 

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 
-SHOWN_SKIPPED = 5
 RESULT_FILES = (".h5", ".hdf5")
 
 app = App(
@@ -296,19 +295,9 @@ def collect(folder: Path, /, *, out: Path | None = None) -> int:
         folder: folder that `study` wrote.
         out: table (.h5, .csv); without it table.h5 in the folder.
     """
-    from rps_exudyn.study.collected import SUFFIXES, write_table
-    from rps_exudyn.study.store import Store
-    from rps_exudyn.study.table import CaseTable
+    from rps_exudyn.cli.study_command import do_collect
 
-    store = Store.open(folder)
-    out = check_writable(out or folder / "table.h5", SUFFIXES)
-    table = CaseTable.of(store)
-    for _, sentence in table.skipped[:SHOWN_SKIPPED]:
-        _say(f"left out: {sentence}")
-    if len(table.skipped) > SHOWN_SKIPPED:
-        _say(f"{len(table.skipped)} files are left out, these among them; the command study does them again.")
-    write_table(table, out)
-    print(f"written: {out}")
+    do_collect(folder, out)
     return DONE
 
 

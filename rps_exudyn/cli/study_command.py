@@ -3,23 +3,29 @@
 import json as json_text
 import os
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.study.cases import count_of
+from rps_exudyn.study.collected import SUFFIXES, write_table
 from rps_exudyn.study.estimate import estimate
+from rps_exudyn.study.messages import Group, groups
 from rps_exudyn.study.progress import duration
 from rps_exudyn.study.runner import StudyWork, Tally, run_study
+from rps_exudyn.study.store import Store
 from rps_exudyn.study.study_file import read_study
-from rps_exudyn.study.table import show_value
+from rps_exudyn.study.table import CaseTable, show_value
 
 MANY_CASES = 5000
 """More need `--yes`."""
 
 SHOWN_SKIPPED = 5
+SHOWN_GROUPS = 5
 
 
 @dataclass(frozen=True)
@@ -91,6 +97,27 @@ def do_study(request: Request, json: bool) -> int:
     return 0 if set(tally.statuses) <= {Status.OK} else 1
 
 
+def do_collect(folder: Path, out: Path | None) -> None:
+    """Write the study's table, and print what failed and why, and what cases that ended ok remark.
+
+    Raises:
+        InputError: no study there, or the table cannot be written.
+    """
+    store = Store.open(folder)
+    out = check_writable(out or folder / "table.h5", SUFFIXES)
+    table = CaseTable.of(store)
+    for _, sentence in table.skipped[:SHOWN_SKIPPED]:
+        print(f"rps-exudyn: left out: {sentence}", file=sys.stderr)
+    if (count := len(table.skipped)) > SHOWN_SKIPPED:
+        print(
+            f"rps-exudyn: {count} files are left out, these among them; the command study does them again.",
+            file=sys.stderr,
+        )
+    write_table(table, out)
+    print(f"written: {out}")
+    print_said(groups(table.ended()))
+
+
 def list_cases(request: Request, json: bool) -> int:
     """Print the cases, which of them are missing, and the estimated time; exit status 0."""
     work, jobs = request.work(), request.processes
@@ -121,8 +148,22 @@ def _print_tally(work: StudyWork, tally: Tally, json: bool) -> None:
     folder, count = work.store.path, sum(tally.statuses.values())
     if json:
         statuses = {status.value: number for status, number in tally.statuses.items()}
+        said = [
+            {"status": group.status.value, "cases": len(group.cases), "message": group.example}
+            for group in tally.said
+        ]
         content: dict[str, Any] = {"folder": str(folder), "cases": count, "statuses": statuses}
-        print(json_text.dumps(content | {"done_now": tally.done_now}, indent=2))
+        print(json_text.dumps(content | {"said": said, "done_now": tally.done_now}, indent=2))
         return
     outcomes = ", ".join(f"{number} {status}" for status, number in sorted(tally.statuses.items()))
     print(f"{work.study.title}: {count} cases in {folder} ({outcomes}), {tally.done_now} of them done now")
+    print_said(tally.said)
+
+
+def print_said(said: Sequence[Group]) -> None:
+    """Print causes of failure, then remarks, with the numbers of their cases; the commonest of each."""
+    for failed in (True, False):
+        lines = [f"  {group.line()}" for group in said if (group.status is not Status.OK) is failed]
+        print(*lines[:SHOWN_GROUPS], sep="\n", end="\n" if lines else "")
+        if (more := len(lines) - SHOWN_GROUPS) > 0:
+            print(f"  {more} more {'causes' if failed else 'kinds of remarks'}, see the report")

@@ -37,12 +37,31 @@ class Facts(Block):
 
 
 @dataclass(frozen=True)
+class Link:
+    """Words that lead to a row of a table by its id; without one they are words only."""
+
+    text: str
+    to: str
+
+
+@dataclass(frozen=True)
+class Links:
+    """A cell of several links."""
+
+    items: Sequence[Link]
+
+
+Cell = str | Links
+
+
+@dataclass(frozen=True)
 class Grid(Block):
     """A table; every row has as many cells as there are columns."""
 
     columns: Sequence[str]
-    rows: Sequence[Sequence[str]]
+    rows: Sequence[Sequence[Cell]]
     caption: str = ""
+    ids: Sequence[str] = ()  # of the rows, each on one row of the page; () without
 
 
 @dataclass(frozen=True)

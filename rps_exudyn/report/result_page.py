@@ -5,6 +5,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from rps_exudyn.base.units import words
 from rps_exudyn.charts.scene import figure_of
 from rps_exudyn.charts.signals import WIDTH, signals_figure
 from rps_exudyn.parameters.gear import SteeringGear
@@ -36,10 +37,12 @@ def side_by_side(results: Mapping[Path, Result]) -> Article:
     names = {path: path.name for path in results}
     if len(set(names.values())) < len(names):
         names = {path: str(path) for path in results}
+    messages = [result.message for result in results.values()]
     rows = [
         ["scene", *(result.scene for result in results.values())],
         ["fidelity", *(result.fidelity["name"] for result in results.values())],
         ["status", *(result.status.value for result in results.values())],
+        *([["message", *messages]] if any(messages) else []),
     ]
     for name in SUMMARY:
         values = [result.summary.get(name) for result in results.values()]
@@ -61,7 +64,7 @@ def _outcome(result: Result) -> Iterable[Block]:
             f"{result.status.remedy} Its numbers must not be used."
         )
     elif result.message:
-        yield Text(result.message)
+        yield Grid(("remarks",), [[sentence] for sentence in result.message.split("; ")])
     if result.summary:
         yield _quantities(SUMMARY, result.summary)
     else:
@@ -109,6 +112,9 @@ def _parameters(result: Result) -> Iterable[Block]:
             (COUNTERS[name].long_name, COUNTERS[name].show(value)) for name, value in result.counters.items()
         ]
         yield Fold("What it took", [Facts(rows)])
+    if result.findings:
+        found = [(words(name), as_text(value)) for name, value in result.findings.items()]
+        yield Fold("What the solver found", [Facts(found)])
     if result.geometry:
         yield Fold("Geometry", [_quantities(GEOMETRY, result.geometry)])
 

@@ -31,9 +31,17 @@ from rps_exudyn.report.effects_charts import (
     surface_figure,
 )
 from rps_exudyn.report.pictures import picture
+from rps_exudyn.report.study_messages import (
+    MOST_ROWS,
+    case_id,
+    count,
+    failed_blocks,
+    remarks_section,
+    settings,
+)
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.study import sensitivity
-from rps_exudyn.study.description import GRID_DESIGN, Axis, Case
+from rps_exudyn.study.description import GRID_DESIGN, Axis
 from rps_exudyn.study.effects import MainEffect, grid_effect, sampled_effect, surface
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import PENDING, CaseTable, axis_quantity, show_value
@@ -41,7 +49,6 @@ from rps_exudyn.study.table import PENDING, CaseTable, axis_quantity, show_value
 LEADING = 3  # numbers whose folds are open, with their best and worst cases
 WITH_PICTURES = 6  # numbers whose effects are drawn, too
 MOST_SURFACES = 3  # for each of them, over the axes with the largest effects
-MOST_ROWS = 300  # cases listed one by one
 MOST_VALUES = 8  # of an axis, written out
 
 
@@ -55,10 +62,11 @@ def study_article(store: Store) -> Article:
         sections=[
             Section("What was run", list(_what(table))),
             Section("Outcome", list(_outcome(table))),
+            *remarks_section(table),
             Section("Main effects and response surfaces", list(_effects(table))),
             *_sensitivity(table),
             Section("Best and worst cases", list(_extremes(table, store))),
-            Section("Failed cases", list(_failed(table))),
+            Section("Failed cases", list(failed_blocks(table))),
             Section("All cases", list(_all_cases(table))),
             Section("Provenance", list(_provenance(table))),
         ],
@@ -67,7 +75,7 @@ def study_article(store: Store) -> Article:
 
 def _progress(table: CaseTable) -> str:
     parts = [f"{number} {status}" for status, number in Counter(table.status.tolist()).items()]
-    return f"{_count(len(table.cases), 'case')}: {', '.join(parts)}" if parts else "no cases"
+    return f"{count(len(table.cases), 'case')}: {', '.join(parts)}" if parts else "no cases"
 
 
 # --- what was run ------------------------------------------------------------------------------
@@ -208,9 +216,10 @@ def _surfaces(table: CaseTable, name: str) -> Iterable[Picture]:
 def _all_effects(table: CaseTable, name: str) -> list[tuple[Axis, MainEffect]]:
     """Every axis that takes several values, with its effect on a number."""
     axes = [axis for axis in table.description.axes if len(np.unique(table.axes[axis.name])) > 1]
+    numbers, limited = table.numbers[name], table.limited
     if table.description.design == GRID_DESIGN:
-        return [(axis, grid_effect(table.axes, axis.name, table.numbers[name])) for axis in axes]
-    return [(axis, sampled_effect(table.axes[axis.name], table.numbers[name])) for axis in axes]
+        return [(axis, grid_effect(table.axes, axis.name, numbers, limited)) for axis in axes]
+    return [(axis, sampled_effect(table.axes[axis.name], numbers, limited)) for axis in axes]
 
 
 def _effect_row(axis: Axis, effect: MainEffect, name: str) -> list[str]:
@@ -232,11 +241,13 @@ def _surface(table: CaseTable, pair: tuple[Axis, Axis], name: str) -> Picture:
     quantity, numbers = SUMMARY[name], table.numbers[name]
     if table.description.design == GRID_DESIGN:
         means = surface(table.axes, first.name, second.name, numbers)
-        figure = surface_figure(first, second, means, name, quantity)
+        known = np.isfinite(numbers)
+        marks = (table.axes[first.name][known], table.axes[second.name][known], table.limited[known])
+        figure = surface_figure(first, second, means, name, quantity, marks)
     else:
         known = np.isfinite(numbers)
         points = (table.axes[first.name][known], table.axes[second.name][known], numbers[known])
-        figure = scattered_figure(first, second, points, name, quantity)
+        figure = scattered_figure(first, second, points, name, quantity, table.limited[known])
     return picture(figure, f"{words(name)} over {first.name} and {second.name}")
 
 
@@ -295,7 +306,7 @@ def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[Block]:
     rows, results = [], {}
     for end, label in _ends(name).items():
         case, number = table.cases[places[end]], float(numbers[places[end]])
-        rows.append([label, SUMMARY[name].show(number), *_settings(table, case), case.hash])
+        rows.append([label, SUMMARY[name].show(number), *settings(table, case), case.hash])
         try:
             results[end] = store.result(case)
         except InputError as error:
@@ -308,38 +319,20 @@ def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[Block]:
         yield Pictures([picture(figure, f"Cases with the lowest, median and highest {words(name)}")])
 
 
-def _settings(table: CaseTable, case: Case) -> list[str]:
-    return [show_value(axis, case.values[axis.name]) for axis in table.description.axes]
-
-
-def _failed(table: CaseTable) -> Iterable[Block]:
-    failed = list(table.failed())
-    for status in dict.fromkeys(row.status for _, row in failed):
-        rows = [
-            [row.message, *_settings(table, case), case.hash] for case, row in failed if row.status is status
-        ]
-        yield Grid(
-            ("message", *table.axes, "case"),
-            rows[:MOST_ROWS],
-            f"{status}: {_count(len(rows), 'case')}. {status.remedy}",
-        )
-    if table.skipped:
-        rows = [[path.name, sentence] for path, sentence in table.skipped]
-        yield Grid(("file", "why it could not be read"), rows[:MOST_ROWS], "Files left out")
-    if not failed and not table.skipped:
-        yield Text("None.")
-
-
 def _all_cases(table: CaseTable) -> Iterable[Block]:
     names = (_ranked(table) or list(table.numbers))[:LEADING]
-    rows = []
+    remarked, seen = {case.hash for case, _ in table.remarked()}, set[str]()
+    rows, ids = [], []
     for at, case in enumerate(table.cases[:MOST_ROWS]):
         known = {name: float(table.numbers[name][at]) for name in names}
         shown = [SUMMARY[name].show(value) if np.isfinite(value) else "" for name, value in known.items()]
-        rows.append([*_settings(table, case), table.status[at].item(), *shown, case.hash])
+        status = table.status[at].item() + ", remark" * (case.hash in remarked)
+        rows.append([*settings(table, case), status, *shown, case.hash])
+        ids.append("" if case.hash in seen else case_id(table, case))
+        seen.add(case.hash)
     some = f"The first {MOST_ROWS} of {len(table.cases)} cases. " if len(table.cases) > MOST_ROWS else ""
     yield Text(f"{some}Every number of every case: rps-exudyn collect {table.path}")
-    yield Fold(_count(len(rows), "case"), [Grid((*table.axes, "status", *names, "case"), rows)])
+    yield Fold(count(len(rows), "case"), [Grid((*table.axes, "status", *names, "case"), rows, ids=ids)])
 
 
 # --- provenance --------------------------------------------------------------------------------
@@ -359,7 +352,3 @@ def _provenance(table: CaseTable) -> Iterable[Block]:
     with suppress(OSError):
         study_file = (table.path / "study.toml").read_text(encoding="utf-8", errors="replace")
         yield Fold("Study file", [Code(study_file)])
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"

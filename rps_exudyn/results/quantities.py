@@ -10,6 +10,21 @@ from typing import Any
 
 from rps_exudyn.base import units
 
+LEAST_SHOWN = {
+    "N*m": 1e-7,
+    "N": 1e-6,
+    "N*s": 1e-9,
+    "J": 1e-9,
+    "mm": 1e-7,
+    "um": 1e-4,
+    "deg": 1e-6,
+    "mrad": 1e-6,
+    "mm/s": 1e-6,
+    "%": 1e-4,
+}
+"""Display unit -> size below which a number means nothing: a millionth of what is measured in a small gear.
+Equilibria are found to 1e-3 N, a hundred thousandth of their torque, and positions to rounding, 1e-17 m."""
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -20,10 +35,16 @@ class Quantity:
     long_name: str
 
     def show(self, value: float) -> str:
-        """Return the value for a reader, for instance "0.593 N m"; counts are whole numbers."""
+        """Return the value for a reader, for instance "0.593 N m"; counts are whole numbers.
+
+        What is below `LEAST_SHOWN` is rounding, and shown as 0.
+        """
         if isinstance(value, int):
             return str(value)
-        return f"{self.displayed(value):.4g} {units.pretty(self.display)}".strip()
+        number = self.displayed(value)
+        if abs(number) < LEAST_SHOWN.get(self.display, 0.0):
+            number = 0.0
+        return f"{number:.4g} {units.pretty(self.display)}".strip()
 
     def displayed(self, values: Any) -> Any:
         """Return SI values, a number or an array of any shape, in the display unit."""
@@ -136,15 +157,24 @@ SUMMARY = {
     "torque_off_centre_variation": _torque(
         "largest minus smallest torque on one side of that range, in one direction"
     ),
-    "torque_forward": _torque("load test: mean pinion_torque while the load is raised"),
+    "torque_forward": _torque(
+        "load test: mean pinion_torque over whole tooth pitches while the load is raised"
+    ),
     "torque_reverse": _torque(
         "load test: mean pinion_torque that holds the load while it is lowered; negative: self-locking"
     ),
-    "free_torque": _torque("load test: mean torque against the motion without the load"),
+    "free_torque": _torque(
+        "load test: mean torque against the motion over whole tooth pitches without the load"
+    ),
     "efficiency_forward": _ratio("load x rack gain per radian / torque_forward"),
-    "efficiency_reverse": _ratio("torque_reverse / (load x rack gain per radian)"),
+    "efficiency_reverse": _ratio(
+        "torque_reverse / (load x rack gain per radian); below 0 where the gear is self-locking"
+    ),
     "efficiency_forward_net": _ratio("load x rack gain per radian / (torque_forward - free_torque)"),
-    "efficiency_reverse_net": _ratio("(torque_reverse + free_torque) / (load x rack gain per radian)"),
+    "efficiency_reverse_net": _ratio(
+        "(torque_reverse + free_torque) / (load x rack gain per radian); "
+        "above 100 % where less rubs under load"
+    ),
     "efficiency_ratio": _ratio("efficiency_reverse / efficiency_forward"),
     "push_force_mean": _force(
         "mean force along the motion that moves the rack, over the rack's displacement"

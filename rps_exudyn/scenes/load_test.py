@@ -7,8 +7,9 @@ sense so.
 
 from dataclasses import replace
 
-from rps_exudyn.analysis.efficiency import LoadTest, describe_load_test, measured_load_test
-from rps_exudyn.analysis.torque import mean
+import numpy as np
+
+from rps_exudyn.analysis.efficiency import describe_load_test, free_torque_of, measured_load_test
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -46,10 +47,15 @@ def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     if not unloaded.ok:
         message = f"without the weight: {unloaded.outcome.message}"
         return replace(loaded, outcome=replace(unloaded.outcome, message=message))
+    pitch = 2 * np.pi / gear.pinion.teeth
     test = measured_load_test(
-        oriented(loaded.signals, gear), weight, float(GearPair.of(gear).gain), _free_torque(unloaded.signals)
+        oriented(loaded.signals, gear),
+        weight,
+        float(GearPair.of(gear).gain),
+        free_torque_of(unloaded.signals, pitch),
+        pitch,
     )
-    return loaded.noting(*remarks(gear, loaded.signals), _locking(test)).described(
+    return loaded.noting(*remarks(gear, loaded.signals), *test.remarks()).described(
         lambda signals: {**describe_load_test(test), **figures_of_motion(signals, gear)}
     )
 
@@ -72,16 +78,6 @@ def oriented(signals: Signals, gear: SteeringGear) -> Signals:
         "time": signals["time"],
         **{name: sense * signals[name] for name in ("pinion_angle", "pinion_torque")},
     }
-
-
-def _free_torque(signals: Signals) -> float:
-    return abs(mean(signals["pinion_angle"], signals["pinion_torque"]))
-
-
-def _locking(test: LoadTest) -> str:
-    if not test.self_locking:
-        return ""
-    return f"the gear is self-locking: the weight must be pushed down with {-test.torque_reverse:.4g} N m"
 
 
 SCENE = Scene(

@@ -78,5 +78,5 @@ def _reported(result: Result, tries: list[dict[str, Any]]) -> Result:
 
 
 def _shown(tried: dict[str, Any]) -> str:
-    changes = [f"{n} {v:.4g}" if isinstance(v, float) else f"{n} {v}" for n, v in tried["changed"].items()]
+    changes = [f"{n} {Fidelity.declared_at(n)[0].show(value)}" for n, value in tried["changed"].items()]
     return ", ".join(changes) or "as given"

@@ -26,6 +26,8 @@ class MainEffect:
     fraction: float  # of the variance that the levels explain, 0..1
     values: np.ndarray  # of the axis, shape (known cases,)
     numbers: np.ndarray  # of those cases, shape (known cases,)
+    limited: np.ndarray  # which of them met a limit of the gear, shape (known cases,)
+    side: np.ndarray  # of each level: 0 none of its cases did, 1 all, nan some; shape (levels,)
 
     @property
     def span(self) -> float:
@@ -34,27 +36,40 @@ class MainEffect:
         return float(np.ptp(known)) if known.size else 0.0
 
 
-def grid_effect(axes: Mapping[str, np.ndarray], axis: str, numbers: np.ndarray) -> MainEffect:
+def grid_effect(
+    axes: Mapping[str, np.ndarray], axis: str, numbers: np.ndarray, limited: np.ndarray
+) -> MainEffect:
     """The effect of one axis of a grid; every array has one value per case, shape (cases,)."""
     levels, group = np.unique(axes[axis], return_inverse=True)
     mean = _balanced_means(group, len(levels), _others(axes, (axis,)), numbers)
     known = np.isfinite(numbers)
-    return MainEffect(
-        levels, mean, _explained(group[known], numbers[known]), axes[axis][known], numbers[known]
-    )
+    group, numbers, limited = group[known], numbers[known], limited[known]
+    side = _sides(group, len(levels), limited)
+    return MainEffect(levels, mean, _explained(group, numbers), axes[axis][known], numbers, limited, side)
 
 
-def sampled_effect(values: np.ndarray, numbers: np.ndarray) -> MainEffect:
+def sampled_effect(values: np.ndarray, numbers: np.ndarray, limited: np.ndarray) -> MainEffect:
     """The effect of an axis of a sampled design; one value per case, shape (cases,) both."""
     known = np.isfinite(numbers)
-    values, numbers = values[known], numbers[known]
+    values, numbers, limited = values[known], numbers[known], limited[known]
     if values.dtype.kind == "f":
         group = _equal_classes(values)
         levels = np.array([values[group == at].mean() for at in np.unique(group)])
     else:
         levels, group = np.unique(values, return_inverse=True)
     mean = np.array([numbers[group == at].mean() for at in range(len(levels))])
-    return MainEffect(levels, mean, _explained(group, numbers), values, numbers)
+    side = _sides(group, len(levels), limited)
+    return MainEffect(levels, mean, _explained(group, numbers), values, numbers, limited, side)
+
+
+def _sides(group: np.ndarray, groups: int, limited: np.ndarray) -> np.ndarray:
+    """On which side of a limit each group of cases is: 0, 1, or nan where it has cases on both; (groups,)."""
+    side = np.full(groups, np.nan)
+    for at in range(groups):
+        of_group = limited[group == at]
+        if of_group.size and of_group.all() == of_group.any():
+            side[at] = float(of_group.all())
+    return side
 
 
 def surface(

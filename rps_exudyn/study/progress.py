@@ -11,8 +11,9 @@ from rich.text import Text
 
 from rps_exudyn.base.atomic import append
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.study.description import Case
+from rps_exudyn.study.description import Case, Description
 from rps_exudyn.study.store import CaseRow
+from rps_exudyn.study.table import show_value
 
 
 def log_line(path: Path, text: str) -> None:
@@ -20,10 +21,9 @@ def log_line(path: Path, text: str) -> None:
     append(path, f"{datetime.now().astimezone().isoformat(timespec='seconds')} {text}\n")
 
 
-def case_line(case: Case, row: CaseRow) -> str:
-    """The line of the log about a finished case."""
-    values = (f"{value:.6g}" if isinstance(value, float) else value for value in case.values.values())
-    axes = (f"{name}={value}" for name, value in zip(case.values, values, strict=True))
+def case_line(description: Description, case: Case, row: CaseRow) -> str:
+    """The line of the log about a finished case of a study."""
+    axes = (f"{axis.name}={show_value(axis, case.values[axis.name])}," for axis in description.axes)
     return " ".join(filter(None, (case.hash, row.status, f"{row.wall_s:.3f} s", *axes, row.message)))
 
 

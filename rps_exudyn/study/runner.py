@@ -9,7 +9,7 @@ import shlex
 import sys
 from base64 import b64decode
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -23,6 +23,7 @@ from rps_exudyn.simulate.processes import Done, Run, Task
 from rps_exudyn.study.cases import describe, setup_of
 from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Case, Description
+from rps_exudyn.study.messages import Group, groups
 from rps_exudyn.study.progress import bar, case_line, log_line
 from rps_exudyn.study.store import CaseRow, Store
 
@@ -72,6 +73,7 @@ class Tally:
     """Outcome of a study: number of cases by status, and files that could not be used."""
 
     statuses: Mapping[Status, int]
+    said: Sequence[Group]  # causes of failure and remarks
     done_now: int
     skipped: list[tuple[Path, str]]  # each with the reason
 
@@ -109,12 +111,13 @@ def _run(work: StudyWork, run: Run, workers_write: bool) -> Tally:
                 case = by_hash[done.task["hash"]]
                 row = _stored(work, case, done, forms)
                 store.add_to_index(case, row)
-                log_line(log, case_line(case, row))
+                log_line(log, case_line(work.description, case, row))
                 count(row.status)
         store.rebuild_index()
         store.write_description()
-        statuses = Counter(row.status for _, row in store.rows())
-        return Tally(statuses, len(work.missing), skipped + store.skipped)
+        rows = list(store.rows())
+        statuses = Counter(row.status for _, row in rows)
+        return Tally(statuses, groups(rows), len(work.missing), skipped + store.skipped)
 
 
 def _begin(work: StudyWork) -> None:

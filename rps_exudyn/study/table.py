@@ -18,6 +18,7 @@ from rps_exudyn.base.units import pretty
 from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY, Quantity
+from rps_exudyn.scenes.remarks import met_limit
 from rps_exudyn.study.description import Axis, Case, Description, Value
 from rps_exudyn.study.store import CaseRow, Store
 
@@ -27,7 +28,7 @@ NEGLIGIBLE = 1e-5  # differences below this fraction of the largest number do no
 OUTCOME = {
     "hash": Quantity("", "", "name of the case's file in cases/, without .h5"),
     "status": Quantity("", "", "how the case ended, or pending"),
-    "message": Quantity("", "", "why, if the status is not ok"),
+    "message": Quantity("", "", "why, if the status is not ok; of an ok case remarks"),
     "cpu_s": Quantity("s", "s", "CPU time of the simulation"),
     "wall_s": Quantity("s", "s", "elapsed time of the simulation"),
 }
@@ -81,6 +82,12 @@ class CaseTable:
         return self.status == Status.OK.value
 
     @cached_property
+    def limited(self) -> np.ndarray:
+        """Tell whether an ok case met a limit of the gear, where a contact opens or closes."""
+        met = [row is not None and met_limit(row.message) for row in self.rows]
+        return self.ok & np.array(met, dtype=bool)
+
+    @cached_property
     def axes(self) -> dict[str, np.ndarray]:
         """Axis name -> SI values, or the words of a choice."""
         axes = self.description.axes
@@ -111,10 +118,18 @@ class CaseTable:
             *(Column("summary", name, values, SUMMARY[name]) for name, values in self.numbers.items()),
         ]
 
+    def ended(self) -> Iterator[tuple[Case, CaseRow]]:
+        """Finished cases with their rows, each once."""
+        ended = {case.hash: (case, row) for case, row in zip(self.cases, self.rows, strict=True) if row}
+        yield from ended.values()
+
     def failed(self) -> Iterator[tuple[Case, CaseRow]]:
         """Cases that did not end ok with their rows, each once."""
-        ended = {case.hash: (case, row) for case, row in zip(self.cases, self.rows, strict=True) if row}
-        return (pair for pair in ended.values() if pair[1].status is not Status.OK)
+        return (pair for pair in self.ended() if pair[1].status is not Status.OK)
+
+    def remarked(self) -> Iterator[tuple[Case, CaseRow]]:
+        """Cases that ended ok with a remark, with their rows, each once."""
+        return (pair for pair in self.ended() if pair[1].status is Status.OK and pair[1].message)
 
     def varying(self) -> list[str]:
         """Names of the numbers that differ noticeably between the cases, in the order of `SUMMARY`.
@@ -147,15 +162,15 @@ def axis_quantity(axis: Axis) -> Quantity:
     return Quantity(unit, display, f"{meaning}; with it {', '.join(others)}" if others else meaning)
 
 
-def show_value(axis: Axis, value: Value) -> str:
-    """The value as text: in the axis' unit, or the word itself."""
+def show_value(axis: Axis, value: Value, digits: int = 6) -> str:
+    """The value as text: in the axis' unit with so many significant digits, or the word itself."""
     if isinstance(value, str):
         return value
     unit = Setup.declared_at(axis.paths[0])[0].unit if axis.paths else None
     if unit and unit.zero and not value:
         return unit.zero
     quantity = axis_quantity(axis)
-    return f"{quantity.displayed(value):.6g} {pretty(quantity.display)}".strip()
+    return f"{quantity.displayed(value):.{digits}g} {pretty(quantity.display)}".strip()
 
 
 def _column(values: list[Value]) -> np.ndarray:

@@ -17,14 +17,15 @@ from rps_exudyn.study.table import CaseTable
 
 A, B, C = (values.ravel() for values in np.meshgrid([0.0, 1, 2], [0.0, 1, 2, 3], [0.0, 1], indexing="ij"))
 AXES = {"a": A, "b": B, "c": C}
+FREE = np.zeros(A.size, dtype=bool)  # no case met a limit
 
 
 def test_additive_effects_are_found_exactly() -> None:
     numbers = 2 * A - B
-    effect = grid_effect(AXES, "a", numbers)
+    effect = grid_effect(AXES, "a", numbers, FREE)
     np.testing.assert_allclose(effect.mean, np.array([0, 2, 4]) - 1.5)
     assert effect.span == pytest.approx(4)
-    shares = [grid_effect(AXES, name, numbers).fraction for name in AXES]
+    shares = [grid_effect(AXES, name, numbers, FREE).fraction for name in AXES]
     variances = np.array([4 * 2 / 3, 5 / 4, 0])  # of 2 a and of b over their levels
     np.testing.assert_allclose(shares, variances / variances.sum(), atol=1e-15)
 
@@ -32,7 +33,7 @@ def test_additive_effects_are_found_exactly() -> None:
 def test_missing_cases_do_not_bend_an_effect() -> None:
     """The cases with large b are missing at large a: plain means would fall there."""
     numbers = np.where((A == 2) & (B > 1), np.nan, A + 10 * B)
-    np.testing.assert_allclose(np.diff(grid_effect(AXES, "a", numbers).mean), 1)
+    np.testing.assert_allclose(np.diff(grid_effect(AXES, "a", numbers, FREE).mean), 1)
     levels, others, means = surface(AXES, "a", "b", numbers)
     assert means.shape == (len(levels), len(others))
     np.testing.assert_array_equal(np.isnan(means), [[False] * 4, [False] * 4, [False, False, True, True]])
@@ -40,19 +41,30 @@ def test_missing_cases_do_not_bend_an_effect() -> None:
 
 def test_level_with_hardly_any_case_has_no_mean() -> None:
     numbers = np.where((A == 2) & (B > 0), np.nan, A)
-    assert np.isnan(grid_effect(AXES, "a", numbers).mean).tolist() == [False, False, True]
+    assert np.isnan(grid_effect(AXES, "a", numbers, FREE).mean).tolist() == [False, False, True]
 
 
 def test_sampled_effect_follows_the_number() -> None:
     x = np.random.default_rng(1).random(400)
-    effect = sampled_effect(x, x**2)
+    effect = sampled_effect(x, x**2, np.zeros(x.size, dtype=bool))
     np.testing.assert_allclose(effect.mean, effect.levels**2, atol=0.004)  # a class spans 1/8
     assert effect.fraction > 0.97
-    assert sampled_effect(x, np.random.default_rng(2).random(400)).fraction < 0.05
+    assert sampled_effect(x, np.random.default_rng(2).random(400), np.zeros(400, dtype=bool)).fraction < 0.05
+
+
+def test_levels_know_on_which_side_of_a_limit_their_cases_are() -> None:
+    """0 or 1 where all known cases agree, nan where some met the limit; both kinds of design alike."""
+    limited = (A == 2) | ((A == 1) & (B > 1))
+    np.testing.assert_array_equal(grid_effect(AXES, "a", A, limited).side, [0, np.nan, 1])
+    unknown = np.where((A == 1) & (B > 1), np.nan, A)
+    np.testing.assert_array_equal(grid_effect(AXES, "a", unknown, limited).side, [0, 0, 1])
+    x = np.linspace(0, 1, 80)
+    np.testing.assert_array_equal(sampled_effect(x, x, x > 0.55).side, [0, 0, 0, 0, np.nan, 1, 1, 1])
 
 
 def test_words_are_levels_too() -> None:
-    effect = sampled_effect(np.array(["line", "area", "line", "area"]), np.array([1.0, 3, 1, 3]))
+    words, free = np.array(["line", "area", "line", "area"]), np.zeros(4, dtype=bool)
+    effect = sampled_effect(words, np.array([1.0, 3, 1, 3]), free)
     assert effect.levels.tolist() == ["area", "line"]
     assert effect.mean.tolist() == [3, 1]
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rps_exudyn.analysis.direction import describe_directions
-from rps_exudyn.analysis.efficiency import LoadTest, describe_load_test, measured_load_test
+from rps_exudyn.analysis.efficiency import LoadTest, describe_load_test, free_torque_of, measured_load_test
 from rps_exudyn.analysis.harmonics import order_amplitude, order_spectrum
 from rps_exudyn.analysis.hysteresis import describe_reversal, loop_area
 from rps_exudyn.analysis.impacts import describe_impacts, find_impacts
@@ -12,6 +12,7 @@ from rps_exudyn.analysis.on_centre import describe_on_centre
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.rack_motion import describe_rack
 from rps_exudyn.analysis.work_balance import describe_losses, energy_residual, loss_torques
+from rps_exudyn.results.quantities import SUMMARY
 
 TURN = 2 * np.pi
 
@@ -114,7 +115,7 @@ def test_efficiencies_follow_from_the_two_means() -> None:
     raising = np.arange(angle.size) <= 720
     torque = np.where(raising, ideal + free, ideal - free) + 0.02 * np.cos(6 * angle)
     signals = {"pinion_angle": angle, "pinion_torque": torque}
-    test = measured_load_test(signals, load, gain, free)
+    test = measured_load_test(signals, load, gain, free, TURN / 6)
     figures = describe_load_test(test)
     assert figures["torque_forward"] == pytest.approx(ideal + free, rel=1e-4)
     assert figures["efficiency_forward"] == pytest.approx(1 / (1 + free / ideal), rel=1e-3)
@@ -124,12 +125,47 @@ def test_efficiencies_follow_from_the_two_means() -> None:
     assert figures["efficiency_ratio"] == pytest.approx(1 - (free / ideal) ** 2, rel=1e-3)
     assert not test.self_locking
     with pytest.raises(ValueError, match="raising and of lowering"):
-        measured_load_test({name: values[:300] for name, values in signals.items()}, load, gain, free)
+        measured_load_test(
+            {name: values[:300] for name, values in signals.items()}, load, gain, free, TURN / 6
+        )
 
 
 def test_weight_that_must_be_pushed_down_is_self_locking() -> None:
     assert LoadTest(10, 0.1, 0.7, -0.5, 0.6).self_locking
     assert "efficiency_forward" not in describe_load_test(LoadTest(0, 0, 0.6, -0.6, 0.6))
+
+
+@pytest.mark.parametrize("turns", [1.0, 0.25, 1.9])
+def test_efficiencies_are_means_over_whole_pitches(turns: float) -> None:
+    """Law: the ripple of the teeth averages out, whatever the turns recorded. Trapezoids of a sine over a
+    whole period are exact but for the last step, which is interpolated: 1e-3 of the ripple."""
+    forth = np.linspace(0, turns * TURN, 1500)
+    angle = np.concatenate([forth, forth[-2::-1]])
+    torque = np.where(np.arange(angle.size) < forth.size, 0.8, 0.3) + 0.1 * np.sin(6 * angle)
+    test = measured_load_test({"pinion_angle": angle, "pinion_torque": torque}, 100.0, 5e-3, 0.1, TURN / 6)
+    assert (test.torque_forward, test.torque_reverse) == pytest.approx((0.8, 0.3), abs=1e-4)
+    free = {"pinion_angle": forth, "pinion_torque": 0.6 + 0.1 * np.sin(6 * forth)}
+    backward = {"pinion_angle": -forth, "pinion_torque": -0.6 + 0.1 * np.sin(6 * forth)}
+    assert free_torque_of(free, TURN / 6) == pytest.approx(0.6, abs=1e-4)
+    assert free_torque_of(backward, TURN / 6) == pytest.approx(0.6, abs=1e-4)
+
+
+def test_numbers_that_are_no_efficiencies_are_said_with_their_reason() -> None:
+    """Reverse below 0: self-locking. Net above 1: friction under load is less than the free torque tared."""
+    assert list(LoadTest(10, 1.0, 1.2, 0.8, 0.2).remarks()) == []
+    locking, above = LoadTest(10, 0.55, 1.19, -0.08, 0.64).remarks()
+    assert locking.startswith("the gear is self-locking: the weight must be pushed down with 0.08 N m")
+    assert "friction takes 0.63 N m and the weight gives 0.55" in locking
+    assert above.startswith("efficiency_reverse_net is 101.8% and no efficiency")
+    assert "friction takes 0.63 N m, and the free torque of 0.64 N m is tared" in above
+
+
+def test_rounding_is_shown_as_nothing() -> None:
+    """A number below what the quantity can mean is 0, with its unit; what it can mean is not."""
+    torque, error = SUMMARY["torque_first_order"], SUMMARY["transmission_error_first_order"]
+    assert [torque.show(value) for value in (1.264e-16, -3e-9, 2e-6)] == ["0 N m", "0 N m", "2e-06 N m"]
+    assert [error.show(value) for value in (5e-11, 2e-9)] == ["0 µm", "0.002 µm"]
+    assert SUMMARY["impacts"].show(0.0) == "0"
 
 
 # --- rack ------------------------------------------------------------------------------------------

@@ -84,7 +84,7 @@ def test_the_load_test_counts_every_instant() -> None:
         "pinion_angle": np.array([0.0, 0.5, 1, 1 + 1e-15, 0.5, 0]),
         "pinion_torque": np.array([2.0, 2, 8, -1, -1, -5]),
     }
-    found = measured_load_test(oriented(signals, GEAR), 100.0, GAIN, 1.0)
+    found = measured_load_test(oriented(signals, GEAR), 100.0, GAIN, 1.0, 2 * np.pi * PITCH)
     assert (found.torque_forward, found.torque_reverse) == pytest.approx((3.5, -2.0))
 
 

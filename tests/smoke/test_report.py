@@ -8,9 +8,14 @@ from pathlib import Path
 import pytest
 
 from made_up_study import GRID, HOSTILE, description, grid_points, make_study, sampled
+from rps_exudyn.report.effects_charts import main_effect_figure
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import SCENE_NAMES
+from rps_exudyn.study.effects import grid_effect
+from rps_exudyn.study.store import Store
+from rps_exudyn.study.table import CaseTable
 from shell import Command
 
 POINTS = [{"preload": 110.0 + 7 * at, "friction": 0.1 + 0.01 * (at % 3)} for at in range(12)]
@@ -69,6 +74,55 @@ def test_half_finished_study(made_up_result: Result, tmp_path: Path, command: Co
     assert Status.DIVERGED.remedy in page.sections["Failed cases"]
     assert damaged.name in page.sections["Failed cases"]
     assert "rps-exudyn study made-up.toml" in page.sections["Provenance"]
+
+
+STOPPED = "yoke.clearance = {} um is used up, first at 0 deg; the yokenut carries up to {} N"
+
+
+def test_remarks_and_causes_are_counted_and_linked(
+    made_up_result: Result, tmp_path: Path, command: Command
+) -> None:
+    """Messages that differ in numbers only are one; every link leads to a row of the page."""
+    folder = make_study(
+        tmp_path / "s",
+        made_up_result,
+        failed={0: "left at 3 s", 1: "left at 0.5 s"},
+        remarks={4: STOPPED.format(15, 3.1), 5: STOPPED.format(25, "1e-05")},
+    )
+    collected = command(["collect", "s"])
+    assert "2 cases diverged; for instance: left at 3 s" in collected.out
+    assert f"2 cases; for instance: {STOPPED.format(15, 3.1)}" in collected.out
+    command(["report", "s"])
+    page = Page(folder / "report.html")
+    assert "2 cases of 4 met a limit of the gear" in page.sections["Remarks"]
+    assert STOPPED.format(15, 3.1) in page.sections["Remarks"]
+    assert STOPPED.format(25, "1e-05") not in page.sections["Remarks"]
+    assert "left at 3 s" in page.sections["Failed cases"]
+    assert page.sections["All cases"].count("ok, remark") == 2
+    ids = {found["id"] for tag, found in page.elements if tag == "tr" and "id" in found}
+    links = [found["href"] for tag, found in page.elements if tag == "a"]
+    to_rows = {link[1:] for link in links if link and not link.startswith("#part")}
+    assert len(to_rows) == 4
+    assert to_rows <= ids
+
+
+def test_charts_do_not_join_both_sides_of_a_limit(
+    made_up_result: Result, tmp_path: Path, command: Command
+) -> None:
+    """Contours and lines where all cases are on one side; none where a level has cases on both."""
+    everywhere = {at: STOPPED.format(15, 3) for at in range(6)}
+    lines, diamonds = {}, {}
+    for name, remarks in (("none", {}), ("all", everywhere), ("some", {0: everywhere[0], 3: everywhere[3]})):
+        described = description(grid_points(), name=name)
+        table = CaseTable.of(
+            Store.open(make_study(tmp_path / name, made_up_result, described, remarks=remarks))
+        )
+        effect = grid_effect(table.axes, "preload", table.numbers["torque_mean"], table.limited)
+        (axes,) = main_effect_figure(GRID[0], effect, "torque_mean", SUMMARY["torque_mean"]).axes
+        lines[name] = [line for line in axes.lines if line.get_linestyle() == "-"]
+        diamonds[name] = sum(line.get_xdata().size for line in axes.lines if line.get_marker() == "D")
+    assert {name: len(found) for name, found in lines.items()} == {"none": 2, "all": 2, "some": 0}
+    assert diamonds == {"none": 0, "all": 6, "some": 2}
 
 
 def test_best_and_worst_cases_are_listed(made_up_result: Result, tmp_path: Path, command: Command) -> None:
