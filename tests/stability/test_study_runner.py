@@ -65,6 +65,7 @@ def test_repeated_study_does_nothing_and_extended_one_only_what_is_new(
         "folder": "s",
         "cases": 3,
         "statuses": {"ok": 3},
+        "said": [],
         "done_now": 1,
     }
     after = {path.name: path.stat().st_mtime_ns for path in (tmp_path / "s" / "cases").iterdir()}
