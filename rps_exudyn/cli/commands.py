@@ -4,20 +4,22 @@ Exit status: 0 done; 1 the simulation failed (its file says how); 2 wrong input,
 on standard error. What a command needs is imported by the command, so that `--help` and `describe` are quick.
 """
 
-import errno
 import os
 import sys
 from collections.abc import Iterable, Sequence
 from contextlib import redirect_stdout
+from dataclasses import replace
 from importlib.metadata import version
 from io import TextIOWrapper
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 
 from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.cli.kept import keep, naming, say
 from rps_exudyn.cli.options import GearOptions, SetupOptions
 from rps_exudyn.scenes import SCENE_NAMES
 
@@ -36,12 +38,17 @@ app = App(
     suppress_keyboard_interrupt=False,  # `main` reports which files remain
 )
 
+began = monotonic()
+"""When the command began, from which its time limit runs."""
+
 Scene = Annotated[str, Parameter(help=f"what the test rig does: {', '.join(SCENE_NAMES)}.")]
 Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status."""
+    global began
+    began = monotonic()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")  # of a terminal that knows no Greek letters
@@ -55,15 +62,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
     except OSError as error:
-        if error.errno != errno.ENOSPC:
-            raise
-        return _refuse([f"the output cannot be written: {error.strerror}."])
+        what = f"{error.filename} cannot be used" if error.filename else "the output cannot be written"
+        return _refuse([f"{what}: {error.strerror or error}."])
+    except MemoryError:
+        return _refuse(["there is not enough memory for that; nothing was written."])
     except InputError as error:
         return _refuse(error.problems)
     except CycloptsError as error:
         return _refuse([_sentence(error)])
     except KeyboardInterrupt as interrupt:
-        _say(str(interrupt) or "interrupted; nothing was written.")
+        say(str(interrupt) or "interrupted; nothing was written.")
         return INTERRUPTED
 
 
@@ -97,16 +105,18 @@ def run(
         measured: CSV file of a measured torque with columns pinion_angle [deg] and pinion_torque [N m]; it is
             drawn over the simulated one and compared with it.
         robust: where the run fails or its plan is refused, take the next safer settings, and say which.
-        time_limit: for instance "20 s": the run is ended after it, whatever its solver does.
+        time_limit: for instance "20 s": the run is ended after it, whatever it does then (starting, compiling
+            and settling count); what it has recorded is kept.
         json: print the summary as JSON.
     """
+    from rps_exudyn.simulate.time_limit import TimeLimit
+
+    limit = replace(TimeLimit.of(time_limit), begun=began) if time_limit is not None else None
     from rps_exudyn.analysis.measured import read_measured_torque
     from rps_exudyn.charts.style import PICTURES
     from rps_exudyn.results.outcome import Interrupted
-    from rps_exudyn.simulate.isolated_run import seconds
     from rps_exudyn.simulate.run import simulate
 
-    limit = seconds(time_limit) if time_limit is not None else None
     preset = setup.preset_alone() if accuracy is not None else None
     chosen = setup.load()
     out = check_writable(out or Path(f"{scene}.h5"), RESULT_FILES)
@@ -119,12 +129,15 @@ def run(
                 scene, chosen.steering_gear, model, accuracy=accuracy, robust=robust, time_limit=limit
             )
     except Interrupted as interrupt:
-        kept, *_ = _keep(interrupt.recorded, out, plot, curve)
-        raise KeyboardInterrupt(f"interrupted; what was recorded until then is kept in {kept}.") from None
+        kept, _ = keep(interrupt.recorded, out, plot, curve)
+        where = f"kept in {kept[0]}" if kept else "lost"
+        raise KeyboardInterrupt(f"interrupted; what was recorded until then is {where}.") from None
     if "accuracy" in result.findings:
-        _say(result.findings["accuracy"])
-    _print_result(result, json, files=_keep(result, out, plot, curve), measured=curve)
-    return _verdict(result)
+        say(result.findings["accuracy"])
+    files, problems = keep(result, out, plot, curve)
+    with naming(files):
+        _print_result(result, json, files, curve)
+    return max(_verdict(result), FAILED if problems else DONE)
 
 
 @app.command
@@ -329,27 +342,6 @@ def _check_folder() -> None:
 # --- output ------------------------------------------------------------------------------------
 
 
-def _keep(result: "Result", out: Path, plot: Path, measured: "MeasuredTorque | None") -> list[Path]:
-    """Write both files and return their paths.
-
-    A failed run is written beside existing files as NAME.failed, any other one keeps them as NAME.1, NAME.2,
-    ...
-    """
-    from rps_exudyn.base.atomic import number_existing
-    from rps_exudyn.charts.scene import draw
-    from rps_exudyn.results.outcome import Status
-
-    if result.status is not Status.OK and (out.exists() or plot.exists()):
-        out, plot = (path.with_suffix(f".failed{path.suffix}") for path in (out, plot))
-    elif older := [str(kept) for path in (out, plot) if (kept := number_existing(path))]:
-        _say(f"older files are kept: {', '.join(older)}.")
-    result.save(out)
-    if not result.signals:
-        return [out]
-    draw(result, plot, measured)
-    return [out, plot]
-
-
 def _print_result(
     result: "Result", json: bool, files: Iterable[Path] = (), measured: "MeasuredTorque | None" = None
 ) -> None:
@@ -370,7 +362,7 @@ def _verdict(result: "Result") -> int:
 
     if result.status is Status.OK:
         return DONE
-    _say(f"the simulation failed ({result.status}): {result.message.rstrip('.')}. {result.status.remedy}")
+    say(f"the simulation failed ({result.status}): {result.message.rstrip('.')}. {result.status.remedy}")
     return FAILED
 
 
@@ -384,9 +376,5 @@ def _sentence(error: CycloptsError) -> str:
 
 def _refuse(problems: Iterable[str]) -> int:
     for problem in problems:
-        _say(problem)
+        say(problem)
     return WRONG_INPUT
-
-
-def _say(sentence: str) -> None:
-    print(f"rps-exudyn: {sentence}", file=sys.stderr)

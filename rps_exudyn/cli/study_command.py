@@ -73,6 +73,8 @@ class Request:
 def do_study(request: Request, json: bool) -> int:
     """Simulate the missing cases and print the outcome; exit status 0, or 1 if cases failed."""
     jobs, work = request.processes, request.work()
+    from rps_exudyn.simulate.processes import StartError, StorageError
+
     limit = work.study.time_limit
     if request.cluster:
         from rps_exudyn.study.cluster import cluster
@@ -90,9 +92,9 @@ def do_study(request: Request, json: bool) -> int:
     try:
         tally = run_all()
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(
-            f"interrupted; finished cases are kept in {request.out}, and the same command does the others."
-        ) from None
+        raise KeyboardInterrupt(f"interrupted; finished cases are {_kept(request)}.") from None
+    except (StorageError, StartError) as error:
+        raise InputError(f"{error} Finished cases are {_kept(request)}.") from None
     _print_tally(work, tally, json)
     return 0 if set(tally.statuses) <= {Status.OK} else 1
 
@@ -116,6 +118,10 @@ def do_collect(folder: Path, out: Path | None) -> None:
     write_table(table, out)
     print(f"written: {out}")
     print_said(groups(table.ended()))
+
+
+def _kept(request: Request) -> str:
+    return f"kept in {request.out}, and the same command does the others"
 
 
 def list_cases(request: Request, json: bool) -> int:

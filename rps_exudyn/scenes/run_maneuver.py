@@ -12,6 +12,7 @@ from time import process_time
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.checks.memory import check_memory
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -23,7 +24,7 @@ from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined
 from rps_exudyn.solvers.adaptive_path import adaptive_path
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.drive import travel_per_radian
-from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS, EquilibriumPath
+from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS, EquilibriumPath, PathInterrupted
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.path_follower import TOLERANCE
 from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
@@ -40,8 +41,11 @@ def run_maneuver(
     """Make one maneuver; its run has no summary yet.
 
     Raises:
-        InputError: the fidelity's solver cannot make it.
+        InputError: the fidelity's solver cannot make it, or no memory holds its record.
     """
+    if fidelity.solver != "closed-form":
+        spheres = fidelity.profile_samples * fidelity.axial_samples * 2 * gear.pinion.teeth
+        check_memory(maneuver.lead + maneuver.steps, spheres if fidelity.mesh == "general-contact" else 0)
     try:
         return SOLVERS[fidelity.solver](gear, fidelity, maneuver, options)
     except np.linalg.LinAlgError as error:
@@ -142,11 +146,15 @@ def _along_equilibria(
     start = process_time()
     pair, drive = GearPair.of(gear), maneuver.drive
     course = forces.statics, pair, drive, maneuver.approach, maneuver.time
-    if fidelity.torque_tolerance > 0:
-        allowed = fidelity.torque_tolerance * abs(closed_form(gear).free_torque)
-        path = adaptive_path(*course, allowed / travel_per_radian(drive.body, pair.gain))
-    else:
-        path = settled_path(*course)
+    interrupted = False
+    try:
+        if fidelity.torque_tolerance > 0:
+            allowed = fidelity.torque_tolerance * abs(closed_form(gear).free_torque)
+            path = adaptive_path(*course, allowed / travel_per_radian(drive.body, pair.gain))
+        else:
+            path = settled_path(*course)
+    except PathInterrupted as interrupt:
+        path, interrupted = interrupt.path, True
     outcome = Outcome(
         Status.OK,
         time_reached=float(path.time[-1]) if path.time.size else 0.0,
@@ -155,10 +163,16 @@ def _along_equilibria(
         settings={"name": "equilibrium", "tolerance": TOLERANCE},
         findings={"residual": path.residual, "rescues": path.rescues, "angles": path.time.size},
     )
-    if not path.converged:
+    if interrupted:
+        message = f"interrupted at {_shown(maneuver, path.time[-1])}"
+        outcome = replace(outcome, status=Status.TIMEOUT, message=message)
+    elif not path.converged:
         outcome = _lost(maneuver, path, outcome)
     record = record_of_path(forces.elements, path, drive)
-    return _finished(gear, maneuver, outcome, record, path, forces.friction_zone, options)
+    run = _finished(gear, maneuver, outcome, record, path, forces.friction_zone, options)
+    if interrupted:
+        raise Interrupted(run)
+    return run
 
 
 # --- common ----------------------------------------------------------------------------------------
@@ -186,11 +200,17 @@ def _finished(
 
 def _lost(maneuver: Maneuver, path: EquilibriumPath, outcome: Outcome) -> Outcome:
     """The outcome of a maneuver whose path ends where it found no equilibrium."""
-    place = float(maneuver.drive.place(path.lost_at or 0.0))
-    by_pinion = maneuver.drive.body == "pinion"
-    shown = f"{np.degrees(place):.4g} deg" if by_pinion else f"{1e3 * place:.4g} mm of rack travel"
-    message = f"no equilibrium was found at {shown}, {path.residual:.3g} N remain unbalanced"
+    place = _shown(maneuver, path.lost_at or 0.0)
+    message = f"no equilibrium was found at {place}, {path.residual:.3g} N remain unbalanced"
     return replace(outcome, status=Status.NO_CONVERGENCE, message=message)
+
+
+def _shown(maneuver: Maneuver, time: float) -> str:
+    """The drive's place at an instant, for messages."""
+    place = float(maneuver.drive.place(time))
+    if maneuver.drive.body == "pinion":
+        return f"{np.degrees(place):.4g} deg"
+    return f"{1e3 * place:.4g} mm of rack travel"
 
 
 SOLVERS: dict[str, Callable[[SteeringGear, Fidelity, Maneuver, RunOptions], SceneRun]] = {

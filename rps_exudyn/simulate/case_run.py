@@ -1,7 +1,8 @@
 """One case, from its parameters to the bytes of its file; whatever happens is an outcome."""
 
 import os
-from time import perf_counter, process_time
+from dataclasses import replace
+from time import monotonic, process_time
 from typing import Any
 
 import numba
@@ -10,9 +11,10 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.case_file import FileForms, Keep, kept
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Interrupted, Status
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.simulate.run import simulate
+from rps_exudyn.simulate.time_limit import alarm, place_of, sentence
 
 
 def compiled_kernels() -> int:
@@ -63,12 +65,23 @@ def _keep(task: dict[str, Any]) -> Keep:
 
 def _outcome(task: dict[str, Any]) -> Result:
     gear, fidelity = SteeringGear.from_tables(task["gear"]), Fidelity.from_tables(task["fidelity"])
-    wall, cpu = perf_counter(), process_time()
+    limit = task.get("time_limit", float("inf"))
+    begun, cpu = task.get("begun", monotonic()), process_time()
+    recorded = None
     try:
-        return simulate(task["scene"], gear, fidelity, robust=task.get("robust", False))
+        with alarm(begun + limit - monotonic()):
+            return simulate(task["scene"], gear, fidelity, robust=task.get("robust", False))
     except InputError as error:  # a gear that cannot be built, a test that leaves the rack
         status, message = Status.INVALID, " ".join(error.problems)
+    except Interrupted as interrupt:
+        status, recorded, message = Status.TIMEOUT, interrupt.recorded, interrupt.recorded.message
+    except KeyboardInterrupt as interrupt:
+        status, message = Status.TIMEOUT, f"interrupted {place_of(interrupt.__traceback__)}"
     except Exception as error:
         status, message = Status.CRASHED, f"{type(error).__name__}: {error}"
-    elapsed = perf_counter() - wall
-    return failed(task["scene"], gear, fidelity, status, message, process_time() - cpu, elapsed)
+    wall, cpu = monotonic() - begun, process_time() - cpu
+    if status is Status.TIMEOUT and wall >= limit:
+        message = sentence(limit, message, cpu, wall)
+    if recorded is not None:
+        return replace(recorded, message=message, cpu_s=cpu, wall_s=wall)
+    return failed(task["scene"], gear, fidelity, status, message, cpu, wall)

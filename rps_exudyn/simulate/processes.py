@@ -1,5 +1,8 @@
 """Cases in processes of their own, each with a hard time limit; no process can harm more than its case.
 
+A case whose time is over is interrupted by its own process, which answers with what was recorded; where it
+does not, its process is ended `GRACE` later.
+
 A process is started once and given many cases, because starting one costs seconds. It has its own pipes and
 shares nothing, no lock, with the others, so that it may be killed at any instant. Cheap cases are handed over
 several at a time, which the processes answer one by one: the clock runs for each case alone.
@@ -20,8 +23,11 @@ from time import monotonic
 from typing import IO, Any
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.simulate.time_limit import GRACE
 
 START_LIMIT = 900.0  # [s] until a process must be ready, all its kernels compiled
+FAILED_STARTS = 8  # in a row, after which no more are made ...
+FIRST_PAUSE, LONGEST_PAUSE = 0.25, 10.0  # [s] ... with pauses between them that double
 ATTEMPTS = 2  # at a case whose process dies: it may have been killed from outside
 BATCH_SECONDS = 0.5  # of work handed over at once
 LARGEST_BATCH = 32
@@ -48,14 +54,15 @@ class Done:
     ended: str = ""  # then how the process ended
     timeout: bool = False
     wall_s: float = 0.0
+    cpu_s: float = 0.0
 
 
 class StorageError(InputError):
     """Raised where a result could not be written, so that there is no use in going on."""
 
 
-class StartError(RuntimeError):
-    """Raised where processes end before they have done anything."""
+class StartError(InputError):
+    """Raised where one process after the other ends before it has done anything."""
 
 
 @dataclass(eq=False)
@@ -66,11 +73,12 @@ class _Worker:
     tasks: deque[Task] = field(default_factory=deque)
     ready: bool = False
     since: float = field(default_factory=monotonic)  # the clock of its start, or of its first task
+    cpu_before: float = 0.0  # CPU time when it began its first task [s]
 
     def give(self, tasks: list[Task]) -> None:
         """Hand over cases."""
         if not self.tasks:
-            self.since = monotonic()
+            self.since, self.cpu_before = monotonic(), cpu_of(self.process.pid)
         self.tasks.extend(tasks)
         with contextlib.suppress(OSError):  # it has just died, which its reader reports
             self._write("".join(json.dumps(task) + "\n" for task in tasks))
@@ -107,6 +115,7 @@ class Processes:
         self._again: deque[Task] = deque()
         self._attempts: dict[str, int] = {}
         self._failed_starts = 0
+        self._next_start = 0.0  # when one may be started again
         self._cost = BATCH_SECONDS  # running mean of what a case takes [s]
         self._compiled = False
 
@@ -136,10 +145,11 @@ class Processes:
         """
         for worker in self._workers:
             if worker.ready and len(worker.tasks) <= self._batch // 2 and waiting:
-                worker.give(waiting.take(self._batch - len(worker.tasks)))
+                tasks = waiting.take(self._batch - len(worker.tasks))
+                worker.give([{**task, "time_limit": self.time_limit} for task in tasks])
         missing = self._jobs - len(self._workers) if self._compiled else 1 - len(self._workers)
         for _ in range(missing):
-            if (first := waiting.peek()) is None:
+            if monotonic() < self._next_start or (first := waiting.peek()) is None:
                 return
             self._start(first)
 
@@ -159,7 +169,7 @@ class Processes:
                 stderr=messages,
                 text=True,
                 encoding="utf-8",
-                env=_environment(),
+                env=environment(),
                 start_new_session=True,  # Ctrl-C is for whoever started it
             )
         finally:
@@ -210,34 +220,38 @@ class Processes:
     def _answered(self, worker: _Worker, answer: Mapping[str, Any]) -> Done:
         now = monotonic()
         wall, worker.since = now - worker.since, now
+        worker.cpu_before = cpu_of(worker.process.pid)
         self._cost += 0.2 * (wall - self._cost)
         return Done(worker.tasks.popleft(), answer, wall_s=wall)
 
     def _deadline(self, worker: _Worker) -> float:
         if not worker.ready:
             return worker.since + START_LIMIT
-        return worker.since + self.time_limit if worker.tasks else float("inf")
+        return worker.since + self.time_limit + GRACE if worker.tasks else float("inf")
 
     def _until_deadline(self) -> float:
-        nearest = min((self._deadline(worker) for worker in self._workers), default=0.0)
+        begins = [self._next_start] if len(self._workers) < self._jobs else []
+        ahead = [*(self._deadline(worker) for worker in self._workers), *begins]
+        nearest = min((instant for instant in ahead if instant > 0), default=0.0)
         return min(max(nearest - monotonic(), 0.001), 3600.0)
 
     def _out_of_time(self) -> Iterator[Done]:
         for worker in list(self._workers):
             if monotonic() < self._deadline(worker):
                 continue
+            cpu = cpu_of(worker.process.pid) - worker.cpu_before
             self._remove(worker)
             if worker.ready:
                 self._again.extendleft(reversed(list(worker.tasks)[1:]))
-                wall = monotonic() - worker.since
-                yield Done(worker.tasks[0], None, "its time limit was over", timeout=True, wall_s=wall)
+                wall, why = monotonic() - worker.since, "its time limit was over"
+                yield Done(worker.tasks[0], None, why, timeout=True, wall_s=wall, cpu_s=cpu)
             else:
                 self._count_failed_start("is not ready")
 
     def _ended(self, worker: _Worker) -> Iterator[Done]:
         """The process died: the case it was at is tried once more, those behind it were not begun."""
         self._remove(worker)
-        how = _how_it_ended(worker.process.returncode)
+        how = how_it_ended(worker.process.returncode)
         if not worker.ready:
             self._count_failed_start(how)
         if not worker.tasks:
@@ -256,9 +270,12 @@ class Processes:
 
     def _count_failed_start(self, how: str) -> None:
         self._failed_starts += 1
-        if self._failed_starts > 2 * self._jobs + 2:
+        if self._failed_starts >= FAILED_STARTS:
             where = f"; {self._messages} holds what they said" if self._messages else ""
-            raise StartError(f"Processes end before they have done anything ({how}){where}.")
+            raise StartError(
+                f"{FAILED_STARTS} processes in a row ended before they had done anything ({how}){where}."
+            )
+        self._next_start = monotonic() + min(FIRST_PAUSE * 2**self._failed_starts, LONGEST_PAUSE)
 
 
 class _Waiting:
@@ -284,14 +301,24 @@ class _Waiting:
         return taken
 
 
-def _environment() -> dict[str, str]:
+def environment() -> dict[str, str]:
     """One thread per process, and the very package that started it."""
     home = str(Path(__file__).parents[2])
     paths = [home, *filter(None, [os.environ.get("PYTHONPATH")])]
     return {**os.environ, **dict.fromkeys(PINNED, "1"), "PYTHONPATH": os.pathsep.join(paths)}
 
 
-def _how_it_ended(code: int | None) -> str:
+def cpu_of(pid: int) -> float:
+    """Return the CPU time of a process that runs [s]; 0 where the system does not tell."""
+    try:
+        ticks = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[11:13]
+        return sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK")
+    except (OSError, ValueError, AttributeError):
+        return 0.0
+
+
+def how_it_ended(code: int | None) -> str:
+    """Say how a process ended, by its exit code."""
     if code is None or code >= 0:
         return f"its process ended with status {code}"
     import signal

@@ -20,7 +20,8 @@ from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.by_accuracy import beyond_promise, choose, percent
 from rps_exudyn.simulate.checked_run import run_checked
 from rps_exudyn.simulate.fallback import run_with_fallback
-from rps_exudyn.simulate.isolated_run import isolated_run, seconds
+from rps_exudyn.simulate.isolated_run import isolated_run
+from rps_exudyn.simulate.time_limit import TimeLimit
 
 
 def run(
@@ -44,12 +45,14 @@ def run(
         accuracy: error allowed, for instance "1%": takes the cheapest model that keeps it, of all or of the
             preset named by `fidelity`; `result.findings["accuracy"]` says which and why.
         robust: takes the next safer settings where the run fails; `result.findings["tries"]` lists them.
-        time_limit: ends the run after this time [s], or for instance "20 s", whatever its solver does.
+        time_limit: ends the run after this time [s], or for instance "20 s", whatever it does then; its
+            status is `timeout`, and what it has recorded is kept.
         test: settings of the test, for instance turns=1.
 
     Raises:
         InputError: no such scene or fidelity, parameters that are not allowed, or a gear that cannot exist.
     """
+    limit = None if time_limit is None else TimeLimit.of(time_limit)
     if gear is not None and not isinstance(gear, SteeringGear):
         raise InputError(
             f"gear is a {type(gear).__name__}; it must be a SteeringGear, for instance "
@@ -60,7 +63,6 @@ def run(
     gear = gear or SteeringGear()
     if test:
         gear = gear.replace({f"test.{name}": value for name, value in test.items()})
-    limit = None if time_limit is None else seconds(time_limit)
     return simulate(scene, gear, fidelity, accuracy=accuracy, robust=robust, time_limit=limit)
 
 
@@ -71,9 +73,9 @@ def simulate(
     *,
     accuracy: str | None = None,
     robust: bool = False,
-    time_limit: float | None = None,
+    time_limit: TimeLimit | None = None,
 ) -> Result:
-    """Simulate a scene of a gear; arguments as of `run`, the time limit in seconds.
+    """Simulate a scene of a gear; arguments as of `run`.
 
     Raises:
         InputError: no such scene or fidelity, or a gear or test that cannot exist.

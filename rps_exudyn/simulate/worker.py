@@ -25,10 +25,11 @@ WARM_UP_TURNS = 0.05
 
 def main() -> None:
     """Answer lines until the input ends."""
-    answer = _private_output()
+    answer = private_output()
     lines: queue.SimpleQueue[str] = queue.SimpleQueue()
-    threading.Thread(target=_read, args=(lines,), daemon=True).start()
+    threading.Thread(target=read_lines, args=(lines,), daemon=True).start()
     first = json.loads(lines.get())
+    from rps_exudyn.base.errors import InputError
     from rps_exudyn.simulate.case_run import CaseRunner, compiled_kernels
 
     answer({"compiled": compiled_kernels() > 0})
@@ -44,10 +45,14 @@ def main() -> None:
             if runner.has_compiled:
                 _begin_again(answer)
             stored = _store(task["path"], content)
-        except Exception as error:  # of storing: the simulation's own are outcomes
+        except InputError as error:  # of storing: the simulation's own are outcomes
+            answer({"error": str(error)})
+        except Exception as error:
             answer({"error": f"{type(error).__name__}: {error}"})
         else:
             answer(row | stored)
+            if row["status"] == "timeout":  # of what was interrupted nothing shall be left
+                _begin_again(answer)
 
 
 def _begin_again(answer: Callable[[dict[str, Any]], None]) -> NoReturn:
@@ -66,7 +71,7 @@ def _store(path: str | None, content: bytes) -> dict[str, Any]:
     return {}
 
 
-def _private_output() -> Callable[[dict[str, Any]], None]:
+def private_output() -> Callable[[dict[str, Any]], None]:
     """Return the channel for answers; what libraries print goes to standard error instead."""
     channel = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
@@ -78,7 +83,7 @@ def _private_output() -> Callable[[dict[str, Any]], None]:
     return answer
 
 
-def _read(lines: "queue.SimpleQueue[str]") -> None:
+def read_lines(lines: "queue.SimpleQueue[str]") -> None:
     """Read lines in a thread of its own, so that the end of the input is seen during a simulation too."""
     for line in sys.stdin:
         lines.put(line)

@@ -24,6 +24,7 @@ CHARACTERISTIC_LENGTHS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0]) 
 
 SETTLING_STEPS = 600
 TYPICAL_APPROACH = 15e-6  # of the rack under the yoke's preload [m]
+PIECE = 2000  # instants followed at once: Ctrl-C is heard between them
 MAX_RESCUES = 100
 FARTHEST_SEARCH = 1e-4  # of each coordinate from where the path leads [m]
 SHORTEST = 0.01  # of the steps asked for, that between an instant found and one that is not
@@ -89,6 +90,18 @@ class EquilibriumPath:
         return replace(self, **rows)
 
 
+class PathInterrupted(KeyboardInterrupt):
+    """Raised where Ctrl-C ends a path.
+
+    Attributes:
+        path: the part that was followed.
+    """
+
+    def __init__(self, path: EquilibriumPath) -> None:
+        super().__init__("interrupted")
+        self.path = path
+
+
 def steady_rates(pair: GearPair, speed: float) -> np.ndarray:
     """Return the rates of steady turning at pinion speed [rad/s], shape (8,)."""
     rates = np.zeros(SIZE)
@@ -117,6 +130,9 @@ def equilibrium_path(
 
     Where none is found from the instant before, one halfway to it is looked for first. `led` is a path along
     the first of these times, which is not followed again; what it cost is counted.
+
+    Raises:
+        PathInterrupted: Ctrl-C; it carries the path until then.
     """
     fixed = {drive.coordinate, *balance.locked}
     free = np.array([i for i in range(SIZE) if i not in fixed])
@@ -130,41 +146,38 @@ def equilibrium_path(
     if led is not None and len(led.time) > 1:
         found, unbalanced, rescues = rows.follow(led), led.residual, led.rescues
         counts += led.evaluations, led.iterations, led.tangents
-    while True:
-        state = rows.coordinates, rows.rates, rows.forces
-        found, *more, residual = follower(balance.force)(
-            found, rows.time, drive.coordinate, free, CHARACTERISTIC_LENGTHS, *state, balance.data
-        )
-        counts += more
-        unbalanced = max(unbalanced, residual if found == len(rows.time) else 0.0)
-        if found == len(rows.time) or rescues == MAX_RESCUES or (found == 0 and rescues > 0):
-            break
-        rescues += 1
-        if found == 0:
-            rows.coordinates[0, free] = _settled_guess(balance, free, rows.coordinates[0], rows.rates[0])
-            continue
-        residual = _search(balance, free, rows.time, found, *state)
-        if residual <= JUMP:
-            unbalanced = max(unbalanced, residual)
-            found += 1
-        elif not rows.halve(found, drive):
-            break
-    evaluations, iterations, tangents = counts.tolist()
-    lost_at = float(rows.time[found]) if found < len(rows.time) else None
-    asked = np.flatnonzero(rows.asked[:found])
-    return EquilibriumPath(
-        rows.time[asked],
-        rows.coordinates[asked],
-        rows.rates[asked],
-        rows.forces[asked],
-        evaluations,
-        iterations,
-        tangents,
-        rescues,
-        residual if lost_at is not None else unbalanced,
-        lost_at,
-        float(rows.time[0]),
-    )
+    interrupted, residual = False, 0.0
+    try:
+        while True:
+            state = rows.coordinates, rows.rates, rows.forces
+            end = min(found + PIECE, len(rows.time))
+            found, *more, residual = follower(balance.force)(
+                found, rows.time[:end], drive.coordinate, free, CHARACTERISTIC_LENGTHS, *state, balance.data
+            )
+            counts += more
+            if found == end < len(rows.time):
+                continue
+            unbalanced = max(unbalanced, residual if found == len(rows.time) else 0.0)
+            if found == len(rows.time) or rescues == MAX_RESCUES or (found == 0 and rescues > 0):
+                break
+            rescues += 1
+            if found == 0:
+                rows.coordinates[0, free] = _settled_guess(balance, free, rows.coordinates[0], rows.rates[0])
+                continue
+            residual = _search(balance, free, rows.time, found, *state)
+            if residual <= JUMP:
+                unbalanced = max(unbalanced, residual)
+                found += 1
+            elif not rows.halve(found, drive):
+                break
+    except KeyboardInterrupt:
+        interrupted, found = True, max(found, rows.filled)
+        if found < 2:
+            raise
+    path = rows.path(found, counts, rescues, residual if found < len(rows.time) else unbalanced)
+    if interrupted:
+        raise PathInterrupted(path)
+    return path
 
 
 @dataclass
@@ -191,6 +204,29 @@ class _Rows:
         for name in ("coordinates", "rates", "forces"):
             getattr(self, name)[:found] = getattr(led, name)
         return found
+
+    @property
+    def filled(self) -> int:
+        """Number of instants found, known from the forces there."""
+        return int(self.forces.any(axis=1).sum())
+
+    def path(self, found: int, counts: np.ndarray, rescues: int, residual: float) -> EquilibriumPath:
+        """Return the path up to instant `found`; `counts` are evaluations, iterations and tangents."""
+        evaluations, iterations, tangents = counts.tolist()
+        asked = np.flatnonzero(self.asked[:found])
+        return EquilibriumPath(
+            self.time[asked],
+            self.coordinates[asked],
+            self.rates[asked],
+            self.forces[asked],
+            evaluations,
+            iterations,
+            tangents,
+            rescues,
+            residual,
+            float(self.time[found]) if found < len(self.time) else None,
+            float(self.time[0]),
+        )
 
     def halve(self, k: int, drive: Drive) -> bool:
         """Put an instant before the k-th; false if those there are as close as makes sense."""

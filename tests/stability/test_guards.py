@@ -9,6 +9,7 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.fallback import run_with_fallback
 from rps_exudyn.simulate.isolated_run import isolated_run
 from rps_exudyn.simulate.run import run
+from rps_exudyn.simulate.time_limit import TimeLimit
 
 GEAR = SteeringGear().replace({"test.turns": 1 / 6})
 TORQUE = "free-pinion-torque"
@@ -79,13 +80,13 @@ def test_fallback_in_vain_keeps_the_first_failure() -> None:
 
 
 def test_time_limit_ends_a_run_from_outside() -> None:
-    result = isolated_run(TORQUE, GEAR, STILL.replace({"step_angle": "0.01 deg"}), 0.001)
+    result = isolated_run(TORQUE, GEAR, STILL.replace({"step_angle": "0.01 deg"}), TimeLimit(0.001))
     assert result.status is Status.TIMEOUT
     assert "time limit of 0.001 s" in result.message
 
 
 def test_run_within_its_time_limit_is_the_same_run() -> None:
-    result = isolated_run(TORQUE, GEAR, STILL, 60.0)
+    result = isolated_run(TORQUE, GEAR, STILL, TimeLimit(60.0))
     assert result.summary["torque_mean"] == pytest.approx(
         run(TORQUE, GEAR, fidelity=STILL).summary["torque_mean"]
     )

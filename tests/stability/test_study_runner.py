@@ -208,3 +208,42 @@ def wait_for(condition: Callable[[], object], seconds: float = 20) -> None:
     while not condition():
         assert time.monotonic() < end, "it did not happen"
         time.sleep(0.05)
+
+
+def test_workers_killed_in_quick_succession_are_replaced_and_the_study_goes_on(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first five processes end at once, as where the system runs out of memory for a while."""
+    _end_at_once(tmp_path, "5", monkeypatch)
+    file = write_grid(tmp_path / "s.toml", 100, 200)
+    answer = command(["study", str(file), "--jobs", "1", "--json"])
+    assert answer.json["statuses"] == {"ok": 2}
+
+
+def test_study_whose_workers_never_start_stops_in_a_sentence(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = write_grid(tmp_path / "s.toml", 100)
+    command(["study", str(file), "--jobs", "1"])
+    _end_at_once(tmp_path, "1000", monkeypatch)
+    write_grid(file, 100, 200)
+    answer = command(["study", str(file), "--jobs", "1"])
+    assert answer.status == 2
+    assert answer.err == (
+        "rps-exudyn: 8 processes in a row ended before they had done anything (its process was ended by "
+        "SIGKILL); s/messages.log holds what they said. Finished cases are kept in s, and the same command "
+        "does the others.\n"
+    )
+    assert list(rows(tmp_path / "s")) == [100]
+
+
+def _end_at_once(folder: Path, count: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So many worker processes, counted in a file, kill themselves when they start."""
+    monkeypatch.setattr("rps_exudyn.simulate.processes.FIRST_PAUSE", 0.01)
+    counted = folder / "started"
+    stand_in = Path(os.environ["PYTHONPATH"]) / "sitecustomize.py"
+    stand_in.write_text(
+        f"import os, signal\nwith open({str(counted)!r}, 'a') as file:\n    file.write('x')\n"
+        f"if os.path.getsize({str(counted)!r}) <= {count}:\n    os.kill(os.getpid(), signal.SIGKILL)\n"
+        + stand_in.read_text()
+    )

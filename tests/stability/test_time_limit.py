@@ -1,0 +1,135 @@
+"""A time limit holds wherever a run is, and what was recorded until then is kept."""
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.checks import memory
+from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import load
+from rps_exudyn.simulate.case_run import CaseRunner
+from rps_exudyn.simulate.time_limit import TimeLimit, alarm, place_of
+from shell import Command
+
+# Half a million equilibria or time steps: minutes, wherever the tests run
+LONG = {"fidelity.step_angle": "0.001 deg", "test.turns": 1.4, "pinion.runout": "10 um"}
+
+
+def task(preset: str, limit: float) -> dict[str, object]:
+    settings = {name: value for name, value in LONG.items() if not name.startswith("fidelity")}
+    fidelity = Fidelity.preset(preset).replace({"step_angle": LONG["fidelity.step_angle"]})
+    return {
+        "scene": "free-pinion-torque",
+        "gear": SteeringGear().replace(settings).model_dump(),
+        "fidelity": fidelity.model_dump(),
+        "keep": {"signals": None, "samples": None},
+        "time_limit": limit,
+    }
+
+
+@pytest.mark.parametrize("preset", ["quasi-static", "flank"])
+def test_run_ended_by_its_limit_keeps_what_it_recorded(preset: str, tmp_path: Path) -> None:
+    runner = CaseRunner()
+    runner.warm_up(task(preset, float("inf")) | {"fidelity": Fidelity.preset(preset).model_dump()}, 0.01)
+    begun = time.monotonic()
+    row, content = runner.run(task(preset, 1.5))
+    assert row["status"] == "timeout"
+    # two seconds beyond its limit and one for a machine that does something else
+    assert 1.5 <= row["wall_s"] <= time.monotonic() - begun < 4.5
+    assert "time limit of 1.5 s (interrupted at " in row["message"]
+    assert "s of CPU time in" in row["message"]
+    (tmp_path / "r.h5").write_bytes(content)
+    result = load(tmp_path / "r.h5")
+    assert result["pinion_torque"].size > 100
+    assert np.diff(result["time"]).min() > 0
+    assert result["pinion_torque"] == pytest.approx(0.62, rel=0.1)  # sound until then
+
+
+def test_limit_that_is_over_at_once_ends_the_command(tmp_path: Path, command: Command) -> None:
+    """While libraries are loaded, nothing hears the alarm; the process is ended."""
+    begun = time.monotonic()
+    answer = command(["run", "--time-limit", "0.1 s", "--out", "a.h5"])
+    assert answer.status == 1
+    assert time.monotonic() - begun < 0.1 + 2 + 5  # five for the libraries of this process
+    result = load("a.h5")
+    assert result.status is Status.TIMEOUT
+    assert "time limit of 0.1 s (while libraries were loaded" in result.message
+
+
+def test_ctrl_c_reaches_a_run_with_a_time_limit(tmp_path: Path) -> None:
+    settings = [word for name, value in LONG.items() for word in ("--set", f"{name}={value}")]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "rps_exudyn", "run", "--time-limit", "100 s", "--out", "a.h5", *settings],
+        cwd=tmp_path,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    end = time.monotonic() + 60
+    while not children.read_text().split() and time.monotonic() < end:
+        time.sleep(0.05)
+    child = int(children.read_text().split()[0])
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert "Traceback" not in err
+    assert "interrupted" in err
+    assert not Path(f"/proc/{child}").exists()
+
+
+def test_alarm_tells_where_it_found_the_run() -> None:
+    def work_for_ever() -> None:
+        with alarm(0.05):
+            while True:
+                geometry_report(SteeringGear())
+
+    with pytest.raises(KeyboardInterrupt) as interrupt:
+        work_for_ever()
+    assert place_of(interrupt.tb) in ("while the gear's geometry was made", "while it was prepared")
+
+
+def test_limit_begins_when_it_is_made() -> None:
+    assert TimeLimit.of("20 s").remaining == pytest.approx(20, abs=1)
+    assert TimeLimit(5.0, begun=time.monotonic() - 7).remaining < -1.9
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"test.turns": 1.4, "fidelity.step_angle": "0.001 deg"},
+        {"test.amplitude": "300 deg", "test.cycles": 100, "fidelity.step_angle": "0.001 deg"},
+        {
+            "fidelity.mesh": "general-contact",
+            "fidelity.profile_samples": 2000,
+            "fidelity.axial_samples": 2000,
+        },
+    ],
+)
+def test_plan_that_no_memory_holds_is_refused_before_it_starts(
+    settings: dict[str, object], command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(memory, "free_memory", lambda: 5e8)
+    words = [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
+    scene = "reversal" if "test.cycles" in settings else "free-pinion-torque"
+    answer = command(["run", scene, *words])
+    assert answer.status == 2
+    assert "GB of memory; 0.5 GB are free" in answer.err
+    assert answer.err.count("\n") == 1
+
+
+def test_memory_that_is_enough_is_not_refused() -> None:
+    assert memory.free_memory() > 1e8
+    memory.check_memory(1000)
+    with pytest.raises(InputError, match="1e\\+12 steps"):
+        memory.check_memory(10**12)
