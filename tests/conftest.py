@@ -49,6 +49,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "wrong_input/test_accuracy.py::test_choice_and_its_reason_are_printed",
     "wrong_input/test_accuracy_from_python.py",
     "wrong_input/test_environment.py",
+    "wrong_input/test_full_disk.py",
 )
 PROCESSES = 2
 
