@@ -47,7 +47,7 @@ def remarks_section(table: CaseTable) -> list[Section]:
     rows: list[Sequence[Cell]] = [
         [count(len(each.cases), "case"), each.example, _links(table, each)] for each in found
     ]
-    blocks.append(Grid(("how many", "remark of the first", "which"), rows))
+    blocks.append(Grid(("how many", "remark of the first", _which(table)), rows))
     return [Section("Remarks", blocks)]
 
 
@@ -59,7 +59,7 @@ def failed_blocks(table: CaseTable) -> Iterable[Block]:
             [count(len(each.cases), "case"), each.status.value, each.example, _links(table, each)]
             for each in causes
         ]
-        yield Grid(("how many", "ended", "message of the first", "which"), rows, "Causes")
+        yield Grid(("how many", "ended", "message of the first", _which(table)), rows, "Causes")
     for status in dict.fromkeys(row.status for _, row in failed):
         listed = [
             [row.message, *settings(table, case), case.hash] for case, row in failed if row.status is status
@@ -71,6 +71,11 @@ def failed_blocks(table: CaseTable) -> Iterable[Block]:
         yield Grid(("file", "why it could not be read"), files[:MOST_ROWS], "Files left out")
     if not failed and not table.skipped:
         yield Text("None.")
+
+
+def _which(table: CaseTable) -> str:
+    """The heading over links to cases, which are named by the values of the axes."""
+    return f"which ({', '.join(table.axes)})"
 
 
 def _links(table: CaseTable, group: Group) -> Links:

@@ -23,8 +23,8 @@ def log_line(path: Path, text: str) -> None:
 
 def case_line(description: Description, case: Case, row: CaseRow) -> str:
     """The line of the log about a finished case of a study."""
-    axes = (f"{axis.name}={show_value(axis, case.values[axis.name])}," for axis in description.axes)
-    return " ".join(filter(None, (case.hash, row.status, f"{row.wall_s:.3f} s", *axes, row.message)))
+    axes = ", ".join(f"{axis.name}={show_value(axis, case.values[axis.name])}" for axis in description.axes)
+    return " ".join(filter(None, (case.hash, row.status, f"{row.wall_s:.3f} s", axes, row.message)))
 
 
 @contextmanager

@@ -6,14 +6,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from made_up_study import description
 from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.case_file import FileForms, Keep, kept
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result, failed, load
 from rps_exudyn.study.cases import case_hash, describe, setup_of
 from rps_exudyn.study.definition import Study
-from rps_exudyn.study.description import Axis, Description
+from rps_exudyn.study.description import Axis, Case, Description
 from rps_exudyn.study.designs import points
+from rps_exudyn.study.progress import case_line
+from rps_exudyn.study.store import CaseRow
 from rps_exudyn.study.study_file import read_study
 
 LINKED = """
@@ -56,6 +59,15 @@ values = [-1, 1]
 def study_of(folder: Path, text: str) -> Study:
     (folder / "s.toml").write_text(text)
     return read_study(folder / "s.toml")
+
+
+def test_line_of_the_log_has_units(made_up_result: Result) -> None:
+    """A step in radians would be a number without meaning to a reader."""
+    step = Axis("step", ("fidelity.step_angle",), "", None, "sampled")
+    case = Case("0" * 16, {"step": np.deg2rad(2.0)})
+    described = description([], axes=(step,), cases=(case,))
+    row = dataclasses.replace(CaseRow.of(case.hash, made_up_result), message="fine", wall_s=0.5)
+    assert case_line(described, case, row) == f"{case.hash} ok 0.500 s step=2 ° fine"
 
 
 def test_grid_counts_its_last_axis_fastest_and_moves_linked_paths(tmp_path: Path) -> None:

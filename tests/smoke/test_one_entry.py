@@ -1,5 +1,6 @@
 """Plain, with fallback, with a time limit, by accuracy: one entry, whoever asks."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ def test_python_gets_fallback_and_time_limit() -> None:
     assert result.status is Status.OK
     assert result.findings["tries"][-1]["status"] == "ok"
     assert result.fidelity["step_angle"] < TOO_COARSE.step_angle
+    assert re.search(r"ok with step_angle \d+ deg", result.message)  # an angle in its unit
 
 
 def test_all_ways_give_the_same_numbers() -> None:
