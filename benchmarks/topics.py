@@ -10,7 +10,7 @@ from benchmarks import (
     study_runner,
 )
 from benchmarks.accuracy_speed import law_and_scaling, measured_points, promise_table
-from benchmarks.bad_inputs import damaged_files
+from benchmarks.bad_inputs import bad_inputs, damaged_files
 from benchmarks.stability import (
     check_cost,
     corpus,
@@ -38,5 +38,6 @@ TOPICS: dict[str, Topic] = {
     "corpus": corpus.TOPIC,
     "check_cost": check_cost.TOPIC,
     "damaged_files": damaged_files.TOPIC,
+    "bad_inputs": bad_inputs.TOPIC,
     "study_runner": study_runner.TOPIC,
 }

@@ -103,7 +103,10 @@ def _rows(path: str | Path) -> Iterator[tuple[int, list[str]]]:
     lines = [(number, line) for number, line in lines if not line.lstrip().startswith("#")]
     first = lines[0][1] if lines else ""
     delimiter = next((mark for mark in ";\t" if mark in first), ",")
-    cells = csv.reader((line for _, line in lines), delimiter=delimiter)
+    try:
+        cells = list(csv.reader((line for _, line in lines), delimiter=delimiter))
+    except csv.Error as error:
+        raise InputError(f"{path} is no table: {error}.") from None
     return zip((number for number, _ in lines), cells, strict=False)
 
 

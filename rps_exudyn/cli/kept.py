@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -42,7 +42,7 @@ def keep(
         return [out], False
     try:
         draw(result, plot, measured)
-    except (InputError, OSError) as error:
+    except (OSError, ValueError) as error:  # also what matplotlib makes of a strange environment
         say(f"the picture is missing: {error}")
         return [out], True
     return [out, plot], False
@@ -52,10 +52,14 @@ def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Pat
     """Write a result whose own place cannot be written, and say where; never fails."""
     from tempfile import mkdtemp
 
+    folder = None
     try:
-        other = Path(mkdtemp(prefix="rps-exudyn-")) / out.name
-        result.save(other)
+        folder = Path(mkdtemp(prefix="rps-exudyn-"))
+        result.save(other := folder / out.name)
     except (InputError, OSError) as error:
+        if folder:
+            with suppress(OSError):
+                folder.rmdir()
         say(f"{problem} Nor could the result be kept elsewhere: {error}")
         return [], True
     say(f"{problem} The result is kept in {other} instead.")

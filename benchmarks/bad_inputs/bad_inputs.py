@@ -1,0 +1,151 @@
+"""500 bad inputs: of command line, files, disk, signals, cache and environment, and what becomes of each.
+
+Right is: no traceback, the sound result in the same folder unharmed (or kept under a number), and no process
+alive more than two seconds beyond a time limit.
+"""
+
+import csv
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections import Counter, defaultdict
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from functools import cache
+from io import StringIO
+from pathlib import Path
+from time import monotonic, sleep
+
+from benchmarks.bad_inputs.inputs import BadInput, corpus, stands_in
+from benchmarks.topic import Topic, markdown
+from rps_exudyn.cli.commands import main
+
+DATA = "bad_inputs.csv"
+COLUMNS = ("topic", "arguments", "status", "traceback", "lost", "beyond_limit_s", "left_alive", "said")
+LATE = 2.0  # [s] that nothing may be alive beyond its limit
+LIMITED = """
+import resource, signal
+from rps_exudyn.cli.commands import main
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, ({bytes}, {bytes}))
+raise SystemExit(main())
+"""
+
+
+def run(folder: Path, every: int = 1, alone: bool = True) -> None:
+    """Try every n-th input, also those that need a process of their own, and write what became of it."""
+    precious = precious_file()
+    chosen = [bad for bad in corpus(precious)[::every] if alone or not bad.is_alone]
+    rows = [tried(bad, precious) for bad in chosen]
+    with (folder / DATA).open("w", newline="", encoding="utf-8", errors="replace") as file:
+        csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
+
+
+@cache
+def precious_file() -> bytes:
+    """The file of a sound result, as bytes."""
+    with tempfile.TemporaryDirectory() as folder, chdir(folder), redirect_stdout(StringIO()):
+        main(["run", "--fidelity", "closed-form", "--out", "precious.h5"])
+        return Path("precious.h5").read_bytes()
+
+
+def tried(bad: BadInput, precious: bytes) -> tuple[object, ...]:
+    """Run one input beside the sound result `precious`; return its row of `COLUMNS`."""
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        stands_in(folder, bad, precious)
+        status, said, beyond, left = (_in_process if bad.is_alone else _here)(bad, folder)
+        files = [path.read_bytes() for path in folder.glob("precious*.h5")]
+        lost = precious not in files
+    arguments = " ".join(bad.arguments)[:200]
+    about = " ".join(f"{name}={value}" for name, value in bad.environment.items())
+    last = said.strip().splitlines()[-1][:200] if said.strip() else ""
+    shown = f"{about} {arguments} {bad.signal}".strip().encode("ascii", "backslashreplace").decode()
+    return bad.topic, shown, status, "Traceback" in said, lost, f"{beyond:.2f}", left, last
+
+
+def _here(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
+    """Exit status and what was said, by a call in this process."""
+    said = StringIO()
+    with chdir(folder), redirect_stdout(StringIO()), redirect_stderr(said):
+        try:
+            status = main(list(bad.arguments))
+        except SystemExit as end:
+            status = int(end.code or 0)
+        except BaseException as error:
+            return -1, f"Traceback: {type(error).__name__}: {error}", 0.0, 0
+    return status, said.getvalue(), 0.0, 0
+
+
+def _in_process(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
+    """The same in a process of its own; how long it lived beyond its limit, and how many it left alive."""
+    code = (
+        ["-m", "rps_exudyn"] if bad.largest_file is None else ["-c", LIMITED.format(bytes=bad.largest_file)]
+    )
+    begun = monotonic()
+    process = subprocess.Popen(
+        [sys.executable, *code, *bad.arguments],
+        cwd=folder,
+        env={**os.environ, **bad.environment},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        errors="replace",
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    children: set[int] = set()
+    if bad.signal:
+        sleep(bad.after)
+        children = _children(process.pid)
+        process.send_signal(signal.Signals[bad.signal])
+    try:
+        _, said = process.communicate(timeout=(bad.limit or 0) + 120)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        _, said = process.communicate()
+    beyond = monotonic() - begun - bad.limit if bad.limit else 0.0
+    end = monotonic() + LATE
+    while (left := [pid for pid in children if Path(f"/proc/{pid}").exists()]) and monotonic() < end:
+        sleep(0.05)
+    return process.returncode, said, beyond, len(left)
+
+
+def _children(pid: int) -> set[int]:
+    try:
+        return set(map(int, Path(f"/proc/{pid}/task/{pid}/children").read_text().split()))
+    except OSError:
+        return set()
+
+
+def inputs_table(folder: Path) -> str:
+    """What became of the inputs of each topic."""
+    with (folder / DATA).open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    counts: dict[str, Counter[str]] = defaultdict(Counter)
+    for row in rows:
+        for name in (row["topic"], "**all**"):
+            counts[name]["inputs"] += 1
+            counts[name]["refused"] += row["status"] == "2"
+            counts[name]["tracebacks"] += row["traceback"] == "True"
+            counts[name]["lost"] += row["lost"] == "True"
+            counts[name]["alive"] += float(row["beyond_limit_s"]) > LATE or int(row["left_alive"]) > 0
+    total = counts.pop("**all**")
+    columns = ("inputs", "refused", "tracebacks", "lost", "alive")
+    return markdown(
+        ("bad", "inputs", "refused in sentences", "tracebacks", "lost", "alive 2 s beyond limit"),
+        [
+            (name, *(count[column] for column in columns))
+            for name, count in [*counts.items(), ("**all**", total)]
+        ],
+    )
+
+
+TOPIC = Topic(
+    "bad inputs of every kind, and what becomes of them",
+    "10 min",
+    "bad_inputs",
+    run,
+    {"every": 25, "alone": False},
+    {"bad_inputs": inputs_table},
+)
