@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from rps_exudyn.analysis.work_balance import largest_work, missing_work
+from rps_exudyn.checks.free_inertia import inertia_followed
 from rps_exudyn.forces.force_element import ENERGY_TERMS, ForceElement
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.sampled_contact import sampled_force
@@ -60,6 +61,7 @@ def validated(
         *([] if friction_zone is None or record.settled else [settled(signals, gear)]),
         start_forgotten(record.start, signals, gear),
         *([] if friction_zone is None or not equilibria else [rolling_followed(signals, gear)]),
+        *([inertia_followed(record, signals, gear)] if equilibria and friction_zone is None else []),
         contact_agreed(contact_disagreement(record)),
         spheres_enough(record, _on_an_edge(gear, signals)),
         work_balanced(signals, ENERGY_BOUND),

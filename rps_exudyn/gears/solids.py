@@ -47,6 +47,13 @@ def pinion_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid:
     return _pinion(GearPair.of(gear), FlankForm.of(gear), *shaft, pinion.density, chord_error)
 
 
+def pinion_inertia(gear: SteeringGear) -> float:
+    """Return the pinion's moment of inertia about its axis of rotation [kg m^2]."""
+    pinion = pinion_solid(gear).mass_properties
+    from_axis = pinion.centre_of_mass[:2]
+    return float(pinion.inertia[2, 2] + pinion.mass * (from_axis @ from_axis))
+
+
 @_kept
 def _pinion(
     pair: GearPair, form: FlankForm, diameter: float, length: float, density: float, chord_error: float

@@ -8,7 +8,6 @@ from rps_exudyn.gears import solids
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.inertia import six_moments
 from rps_exudyn.multibody.steering_model import SteeringModel
-from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 
 if TYPE_CHECKING:
@@ -26,13 +25,6 @@ def add_bodies(model: SteeringModel) -> None:
     _add_yokenut(model, solids.yokenut_solid(gear), axis)
 
 
-def pinion_inertia(gear: SteeringGear) -> float:
-    """Return the pinion's moment of inertia about its axis of rotation [kg m^2]."""
-    pinion = solids.pinion_solid(gear).mass_properties
-    from_axis = pinion.centre_of_mass[:2]
-    return float(pinion.inertia[2, 2] + pinion.mass * (from_axis @ from_axis))
-
-
 def _add_pinion(model: SteeringModel, solid: "Solid") -> None:
     from exudyn.itemInterface import ObjectRotationalMass1D, VObjectRotationalMass1D
 
@@ -40,7 +32,7 @@ def _add_pinion(model: SteeringModel, solid: "Solid") -> None:
     model.nodes["pinion"] = _node_1d(model, "pinion")
     model.bodies["pinion"] = model.mbs.AddObject(
         ObjectRotationalMass1D(
-            inertia=pinion_inertia(model.gear),
+            inertia=solids.pinion_inertia(model.gear),
             nodeNumber=model.nodes["pinion"],
             referencePosition=pair.pinion_origin,
             referenceRotation=pair.pinion_frame,

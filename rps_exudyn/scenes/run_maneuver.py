@@ -23,9 +23,9 @@ from rps_exudyn.scenes.run_options import DEFAULT, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined
 from rps_exudyn.solvers.adaptive_path import adaptive_path
 from rps_exudyn.solvers.closed_form import closed_form
-from rps_exudyn.solvers.drive import travel_per_radian
+from rps_exudyn.solvers.drive import Steady, travel_per_radian
 from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS, EquilibriumPath, PathInterrupted
-from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.gear_forces import following_inertia, gear_forces
 from rps_exudyn.solvers.path_follower import TOLERANCE
 from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
 from rps_exudyn.solvers.settled_start import settled_path
@@ -142,10 +142,10 @@ def _drift(signals: Signals, driven: str) -> float:
 def _along_equilibria(
     gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions
 ) -> SceneRun:
-    forces = gear_forces(gear, fidelity, maneuver.rack_load)
+    forces, drive, pair = gear_forces(gear, fidelity, maneuver.rack_load), maneuver.drive, GearPair.of(gear)
+    inertia = (0.0, 0.0) if isinstance(drive, Steady) else following_inertia(gear)
     start = process_time()
-    pair, drive = GearPair.of(gear), maneuver.drive
-    course = forces.statics, pair, drive, maneuver.approach, maneuver.time
+    course = forces.statics._replace(inertia=inertia), pair, drive, maneuver.approach, maneuver.time
     interrupted = False
     try:
         if fidelity.torque_tolerance > 0:

@@ -34,6 +34,10 @@ class Drive(ABC):
     def rate(self, time: np.ndarray | float) -> np.ndarray:
         """Return the place's time derivative at given times [s], of their shape."""
 
+    @abstractmethod
+    def acceleration(self, time: np.ndarray | float) -> np.ndarray:
+        """Return the rate's time derivative at given times [s], of their shape."""
+
     @property
     def coordinate(self) -> int:
         """Number of the driven coordinate, counted over the coordinate blocks."""
@@ -73,6 +77,10 @@ class Steady(Drive):
         """Return the speed, constant."""
         return np.full_like(np.asarray(time, dtype=float), self.speed)
 
+    def acceleration(self, time: np.ndarray | float) -> np.ndarray:
+        """Return zeros."""
+        return np.zeros_like(np.asarray(time, dtype=float))
+
 
 @dataclass(frozen=True)
 class Swing(Drive):
@@ -95,3 +103,8 @@ class Swing(Drive):
     def rate(self, time: np.ndarray | float) -> np.ndarray:
         """Return speed cos(omega t)."""
         return self.speed * np.cos(abs(self.speed) / self.amplitude * np.asarray(time))
+
+    def acceleration(self, time: np.ndarray | float) -> np.ndarray:
+        """Return -omega^2 times the distance from the middle."""
+        omega = abs(self.speed) / self.amplitude
+        return -(omega**2) * (self.place(time) - self.middle)

@@ -1,7 +1,8 @@
 """Equilibrium of the gear while pinion or rack is moved, everything sliding.
 
 Unknowns are the coordinates of rack, plunger and pinion but for the one that the rig drives. The forces are
-those of the dynamic model (`gear_kernel`) without inertia; the rates that friction needs are the path's own,
+those of the dynamic model (`gear_kernel`), and of inertia only what the drive prescribes: that of pinion and
+rack where they follow a drive that is not steady. The rates that friction needs are the path's own,
 by backward differences, so that this is the limit of slow dynamics and not a model of its own. At the first
 instant they are those of steady motion: rack and pinion move at the gear's gain, nothing else moves.
 """
@@ -15,7 +16,7 @@ from scipy.optimize import least_squares
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.solvers.drive import Drive
+from rps_exudyn.solvers.drive import Drive, travel_per_radian
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.path_follower import TOLERANCE, backward_difference, follower
 
@@ -37,6 +38,7 @@ class Balance(NamedTuple):
     force: Callable[..., Any]  # (q, v, data) -> (8,), a kernel of `gear_kernel`
     data: Any
     locked: tuple[int, ...] = ()  # coordinates that are held at zero
+    inertia: tuple[float, float] = (0.0, 0.0)  # of what follows the drive: pinion [kg m^2] and rack [kg]
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,7 @@ class EquilibriumPath:
     coordinates: np.ndarray  # (n, 8) pinion, rack, plunger
     rates: np.ndarray  # (n, 8)
     forces: np.ndarray  # (n, 8) generalised forces; that on the driven coordinate the drive overcomes
+    applied: np.ndarray  # (n, 8) the part of them that is inertia
     evaluations: int  # of the gear's forces
     iterations: int
     tangents: int
@@ -86,7 +89,9 @@ class EquilibriumPath:
     @property
     def last(self) -> "EquilibriumPath":
         """The path's last instant alone."""
-        rows = {name: getattr(self, name)[-1:] for name in ("time", "coordinates", "rates", "forces")}
+        rows = {
+            name: getattr(self, name)[-1:] for name in ("time", "coordinates", "rates", "forces", "applied")
+        }
         return replace(self, **rows)
 
 
@@ -123,6 +128,18 @@ def starting_guess(pair: GearPair, angle: float) -> np.ndarray:
     return guess
 
 
+def inertia_forces(balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray) -> np.ndarray:
+    """Return the inertia forces on the coordinates, of a pinion and a rack that follow the drive, (n, 8).
+
+    To first order both follow at the gear's gain: what their elastic deflection changes in that is left out.
+    """
+    turning = drive.acceleration(time) / travel_per_radian(drive.body, pair.gain)
+    forces = np.zeros((len(time), SIZE))
+    forces[:, COORDINATE_BLOCKS["pinion"].start] = balance.inertia[0] * turning
+    forces[:, COORDINATE_BLOCKS["rack"].start] = -balance.inertia[1] * pair.gain * turning
+    return forces
+
+
 def equilibrium_path(
     balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray, led: EquilibriumPath | None = None
 ) -> EquilibriumPath:
@@ -136,7 +153,7 @@ def equilibrium_path(
     """
     fixed = {drive.coordinate, *balance.locked}
     free = np.array([i for i in range(SIZE) if i not in fixed])
-    rows = _Rows.along(drive, np.asarray(time, dtype=float))
+    rows = _Rows.along(balance, pair, drive, np.asarray(time, dtype=float))
     angle, speed = drive.pinion_angle(pair.gain, time[0]), drive.pinion_speed(pair.gain, time[0])
     guess, steady = starting_guess(pair, angle), steady_rates(pair, speed)
     guess[list(balance.locked)] = 0.0
@@ -149,7 +166,7 @@ def equilibrium_path(
     interrupted, residual = False, 0.0
     try:
         while True:
-            state = rows.coordinates, rows.rates, rows.forces
+            state = rows.coordinates, rows.rates, rows.forces, rows.applied
             end = min(found + PIECE, len(rows.time))
             found, *more, residual = follower(balance.force)(
                 found, rows.time[:end], drive.coordinate, free, CHARACTERISTIC_LENGTHS, *state, balance.data
@@ -162,13 +179,14 @@ def equilibrium_path(
                 break
             rescues += 1
             if found == 0:
-                rows.coordinates[0, free] = _settled_guess(balance, free, rows.coordinates[0], rows.rates[0])
+                first = rows.coordinates[0], rows.rates[0], rows.applied[0]
+                rows.coordinates[0, free] = _settled_guess(balance, free, *first)
                 continue
             residual = _search(balance, free, rows.time, found, *state)
             if residual <= JUMP:
                 unbalanced = max(unbalanced, residual)
                 found += 1
-            elif not rows.halve(found, drive):
+            elif not rows.halve(found, balance, pair, drive):
                 break
     except KeyboardInterrupt:
         interrupted, found = True, max(found, rows.filled)
@@ -189,14 +207,16 @@ class _Rows:
     coordinates: np.ndarray  # (n, 8); the driven one is given
     rates: np.ndarray
     forces: np.ndarray
+    applied: np.ndarray  # (n, 8) what acts besides the gear's forces, and counts among them
 
     @classmethod
-    def along(cls, drive: Drive, time: np.ndarray) -> "_Rows":
+    def along(cls, balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray) -> "_Rows":
         """The driven coordinate at its places, all others at zero."""
         coordinates, rates, forces = (np.zeros((len(time), SIZE)) for _ in range(3))
         coordinates[:, drive.coordinate] = drive.sign * drive.place(time)
         rates[:, drive.coordinate] = drive.sign * drive.rate(time)
-        return cls(time, np.ones(len(time), dtype=bool), coordinates, rates, forces)
+        applied = inertia_forces(balance, pair, drive, time)
+        return cls(time, np.ones(len(time), dtype=bool), coordinates, rates, forces, applied)
 
     def follow(self, led: EquilibriumPath) -> int:
         """Take over the instants of a path; return how many."""
@@ -219,6 +239,7 @@ class _Rows:
             self.coordinates[asked],
             self.rates[asked],
             self.forces[asked],
+            self.applied[asked],
             evaluations,
             iterations,
             tangents,
@@ -228,25 +249,27 @@ class _Rows:
             float(self.time[0]),
         )
 
-    def halve(self, k: int, drive: Drive) -> bool:
+    def halve(self, k: int, balance: Balance, pair: GearPair, drive: Drive) -> bool:
         """Put an instant before the k-th; false if those there are as close as makes sense."""
         between = self.time[k] - self.time[k - 1]
         if between < SHORTEST * np.diff(self.time[self.asked]).min():
             return False
-        new = _Rows.along(drive, np.array([self.time[k] - between / 2]))
+        new = _Rows.along(balance, pair, drive, np.array([self.time[k] - between / 2]))
         new.asked[:] = False
         for name, values in vars(new).items():
             setattr(self, name, np.insert(getattr(self, name), k, values, axis=0))
         return True
 
 
-def _settled_guess(balance: Balance, free: np.ndarray, guess: np.ndarray, rates: np.ndarray) -> np.ndarray:
+def _settled_guess(
+    balance: Balance, free: np.ndarray, guess: np.ndarray, rates: np.ndarray, applied: np.ndarray
+) -> np.ndarray:
     """Free coordinates of a gear that settled from a guess too far off."""
     q, v = guess.copy(), rates.copy()
 
     def unbalanced(place: np.ndarray) -> np.ndarray:
         q[free] = place
-        return np.asarray(balance.force(q, v, balance.data)[free])
+        return np.asarray(balance.force(q, v, balance.data)[free]) + applied[free]
 
     return settled(unbalanced, guess[free], CHARACTERISTIC_LENGTHS[free])[0]
 
@@ -259,6 +282,7 @@ def _search(
     coordinates: np.ndarray,
     rates: np.ndarray,
     forces: np.ndarray,
+    applied: np.ndarray,
 ) -> float:
     """Search by least squares within a trust region where Newton's method got stuck between kinks of the
     forces.
@@ -280,7 +304,7 @@ def _search(
     def force(place: np.ndarray) -> np.ndarray:
         q[free] = place / levers
         v[free] = (q[free] - base[free]) * per_time
-        return np.asarray(balance.force(q, v, balance.data))
+        return np.asarray(balance.force(q, v, balance.data)) + applied[k]
 
     start = ahead[free] * levers
     with np.errstate(all="ignore"):  # far from an equilibrium the forces may be of any size

@@ -10,7 +10,7 @@ from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.forces.yoke_without_plunger import yoke_as_force
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.gears.solids import rack_solid
+from rps_exudyn.gears.solids import pinion_inertia, rack_solid
 from rps_exudyn.mesh_contact.flank_element import flank_element, generator_element
 from rps_exudyn.mesh_contact.ratio import ratio_element
 from rps_exudyn.mesh_contact.sampled_contact import sampled_element
@@ -114,6 +114,11 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         friction_zone=zone,
         locked=(*(GUIDED if fidelity.rack == "guided" else ()), *(() if with_plunger else (PLUNGER,))),
     )
+
+
+def following_inertia(gear: SteeringGear) -> tuple[float, float]:
+    """Return what follows the drive: the pinion's moment of inertia [kg m^2] and the rack's mass [kg]."""
+    return pinion_inertia(gear), rack_solid(gear).mass_properties.mass
 
 
 def rack_weight(gear: SteeringGear) -> ForceElement:

@@ -114,12 +114,19 @@ def predict(k, time, coordinates, rates, free, base, q):  # type: ignore[no-unty
     return per_time
 
 
+@kernel
+def add(forces, applied):  # type: ignore[no-untyped-def]
+    """Add what else acts on the coordinates at an instant."""
+    for i in range(forces.size):
+        forces[i] += applied[i]
+
+
 @cache
 def inverse_tangent_of(force: Kernel) -> Kernel:
     """Compile the inverse of the tangent of a law of forces, by one-sided differences: Broyden's updates
     refine what they miss."""
 
-    def inverse_tangent(q, v, base, per_time, free, lengths, data, r):  # type: ignore[no-untyped-def]
+    def inverse_tangent(q, v, base, per_time, free, lengths, data, applied, r):  # type: ignore[no-untyped-def]
         n, trial = free.size, q.copy()
         tangent = np.empty((n, n))
         for j in range(n):
@@ -127,6 +134,7 @@ def inverse_tangent_of(force: Kernel) -> Kernel:
             trial[free[j]] = q[free[j]] + step
             rates_from(trial, base, per_time, free, v)
             moved = force(trial, v, data)
+            add(moved, applied)
             for i in range(n):
                 tangent[i, j] = (moved[free[i]] - r[free[i]]) / step
             trial[free[j]] = q[free[j]]
@@ -143,12 +151,13 @@ def line_search_of(force: Kernel) -> Kernel:
     an old tangent (`fresh` false) only the whole step is tried.
     """
 
-    def line_search(q, v, move, base, per_time, free, lengths, data, norm, fresh, trial):  # type: ignore[no-untyped-def]
+    def line_search(q, v, move, base, per_time, free, lengths, data, applied, norm, fresh, trial):  # type: ignore[no-untyped-def]
         fraction, evaluations = 1.0, 0
         while True:
             shifted(q, move, fraction, free, trial)
             rates_from(trial, base, per_time, free, v)
             r = force(trial, v, data)
+            add(r, applied)
             evaluations += 1
             residual = largest_residual(r, free, lengths)
             enough = SLOW if fraction == 1.0 else 1 - 0.1 * fraction
@@ -161,16 +170,17 @@ def line_search_of(force: Kernel) -> Kernel:
 
 @cache
 def follower(force: Kernel) -> Kernel:
-    """Compile follow(first, time, driven, free, lengths, coordinates, rates, forces, data) for a law of
-    forces.
+    """Compile follow(first, time, driven, free, lengths, coordinates, rates, forces, applied, data) for a law
+    of forces.
 
     Fills `coordinates`, `rates` and `forces`, all (n, size), from row `first` on: from the rows before it, or
-    from the guess in row 0; the driven coordinate's columns are given. Returns how many rows are found,
+    from the guess in row 0; the driven coordinate's columns are given. `applied` acts besides and
+    counts among the forces. Returns how many rows are found,
     evaluations of the forces, iterations, tangents, and the last residual [N].
     """
     inverse_tangent, line_search = inverse_tangent_of(force), line_search_of(force)
 
-    def follow(first, time, driven, free, lengths, coordinates, rates, forces, data):  # type: ignore[no-untyped-def]
+    def follow(first, time, driven, free, lengths, coordinates, rates, forces, applied, data):  # type: ignore[no-untyped-def]
         evaluations, iterations, tangents, n = 0, 0, 0, free.size
         inverse, move = np.empty((n, n)), np.empty(n)
         q, v = coordinates[max(first - 1, 0)].copy(), rates[max(first - 1, 0)].copy()
@@ -181,6 +191,7 @@ def follower(force: Kernel) -> Kernel:
             q[driven], v[driven] = coordinates[k, driven], rates[k, driven]
             rates_from(q, base, per_time, free, v)
             r = force(q, v, data)
+            add(r, applied[k])
             evaluations += 1
             norm = largest_residual(r, free, lengths)
             fresh = False
@@ -188,16 +199,16 @@ def follower(force: Kernel) -> Kernel:
                 if norm <= TOLERANCE:
                     break
                 if tangents == 0:
-                    inverse = inverse_tangent(q, v, base, per_time, free, lengths, data, r)
+                    inverse = inverse_tangent(q, v, base, per_time, free, lengths, data, applied[k], r)
                     tangents, evaluations, fresh = tangents + 1, evaluations + n, True
                 iterations += 1
                 newton_move(inverse, r, free, lengths, move)
                 fraction, r_trial, norm_trial, tried = line_search(
-                    q, v, move, base, per_time, free, lengths, data, norm, fresh, trial
+                    q, v, move, base, per_time, free, lengths, data, applied[k], norm, fresh, trial
                 )
                 evaluations += tried
                 if not fresh and not norm_trial < SLOW * norm:  # an old tangent: try again with a new one
-                    inverse = inverse_tangent(q, v, base, per_time, free, lengths, data, r)
+                    inverse = inverse_tangent(q, v, base, per_time, free, lengths, data, applied[k], r)
                     tangents, evaluations, fresh = tangents + 1, evaluations + n, True
                     continue
                 for i in range(n):

@@ -71,6 +71,10 @@ class Record:
         """Return the coordinates of one body, shape (n, .)."""
         return self.coordinates[:, COORDINATE_BLOCKS[body]]
 
+    def of_rates(self, body: str) -> np.ndarray:
+        """Return the rates of one body, shape (n, .)."""
+        return self.rates[:, COORDINATE_BLOCKS[body]]
+
     def outputs(self, element: ForceElement) -> np.ndarray:
         """Return an element's output at every step: forces, energy terms, own values; shape (n, .)."""
         columns = stacked(element.bodies)
@@ -79,10 +83,13 @@ class Record:
 
 
 def record_of_path(elements: list[ForceElement], path: EquilibriumPath, drive: Drive) -> Record:
-    """Return the record of equilibria along a drive's motion, which have no kinetic energy."""
+    """Return the record of equilibria along a drive's motion.
+
+    Their kinetic energy is the work that was done against the inertia of what follows the drive.
+    """
     overcome = -drive.sign * path.forces[:, drive.coordinate]
-    still = np.zeros(len(path.time))
-    return Record(elements, path.time, path.coordinates, path.rates, overcome, drive.body, still)
+    energy = _work(-np.einsum("ti,ti->t", path.applied, path.rates), path.time)
+    return Record(elements, path.time, path.coordinates, path.rates, overcome, drive.body, energy)
 
 
 def signals_of(record: Record) -> dict[str, np.ndarray]:

@@ -1,6 +1,5 @@
 """Equilibria along a maneuver under force laws of no fidelity: finer quadrature, a shaped pinion."""
 
-from dataclasses import replace
 from time import process_time
 
 from rps_exudyn.checks.after_run import validated
@@ -9,30 +8,30 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.solvers.gear_forces import GearForces
+from rps_exudyn.solvers.drive import Steady
+from rps_exudyn.solvers.gear_forces import GearForces, following_inertia
 from rps_exudyn.solvers.record import record_of_path, signals_of
 from rps_exudyn.solvers.settled_start import settled_path
 
 
-def equilibria(gear: SteeringGear, forces: GearForces, maneuver: Maneuver, inertia: float = 0.0) -> SceneRun:
-    """The maneuver with these forces, each instant at rest but for its friction.
-
-    The rig also overcomes an `inertia` [kg m^2 of the pinion, kg of the rack] of all that follows the drive.
-    """
+def equilibria(gear: SteeringGear, forces: GearForces, maneuver: Maneuver) -> SceneRun:
+    """The maneuver with these forces, each instant at rest but for friction and prescribed inertia."""
+    inertia = (0.0, 0.0) if isinstance(maneuver.drive, Steady) else following_inertia(gear)
     start = process_time()
-    path = settled_path(forces.statics, GearPair.of(gear), maneuver.drive, maneuver.approach, maneuver.time)
+    path = settled_path(
+        forces.statics._replace(inertia=inertia),
+        GearPair.of(gear),
+        maneuver.drive,
+        maneuver.approach,
+        maneuver.time,
+    )
     cpu = process_time() - start
     if not path.converged:
         reached = float(path.time[-1]) if path.time.size else 0.0
         message = f"no equilibrium after {reached:.4g} s: {path.residual:.3g} N remain unbalanced"
         return SceneRun(Outcome(Status.NO_CONVERGENCE, message, reached, cpu, path.counters))
-    record = record_of_path(forces.elements, path, maneuver.drive)
-    short = 1e-6  # [s]
-    turn = (maneuver.drive.rate(path.time + short) - maneuver.drive.rate(path.time - short)) / (2 * short)
-    record = replace(record, drive=record.drive + inertia * turn).since(maneuver.record_start)
+    record = record_of_path(forces.elements, path, maneuver.drive).since(maneuver.record_start)
     signals = signals_of(record)
     outcome = Outcome(Status.OK, time_reached=float(path.time[-1]), cpu_s=cpu, counters=path.counters)
-    if inertia == 0:  # whose energy is nowhere in the balance
-        zone = forces.friction_zone if maneuver.is_steady else None
-        outcome = validated(outcome, gear, record, signals, zone)
-    return SceneRun(outcome, signals)
+    zone = forces.friction_zone if maneuver.is_steady else None
+    return SceneRun(validated(outcome, gear, record, signals, zone), signals)

@@ -1,0 +1,45 @@
+"""The inertia that equilibria leave out: of how the rack moves besides following the drive.
+
+Where a swing turns about, friction lets go and the rack rolls, tilts and shifts to its other side. Equilibria
+do that without inertia. In a slow swing it matters little; in a fast one the rack swings on its guides, which
+only dynamics know.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from rps_exudyn.gears.solids import rack_solid
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.solvers.record import Record
+
+FREE_BOUND = 5e-4
+"""Of the teeth's mean normal force, RMS over the record: dynamics then differ by 1 % of the torque, RMS."""
+
+
+def free_inertia(record: Record, gear: SteeringGear) -> float:
+    """Return the largest RMS over a record of the inertia forces that act on the rack besides those along its
+    travel, moments over the distance of what holds the rack against them [N]."""
+    bar = rack_solid(gear).mass_properties
+    com = bar.centre_of_mass
+    moments = np.diag(bar.inertia) + bar.mass * (com @ com - com**2)
+    levers = np.array([gear.rack.bar_diameter / 2, gear.bush.distance, gear.bush.distance])
+    masses = np.concatenate([[bar.mass, bar.mass], moments / levers])
+    acceleration = np.gradient(record.of_rates("rack")[:, 1:], record.time, axis=0)
+    return float(np.sqrt(np.mean((masses * acceleration) ** 2, axis=0)).max())
+
+
+def inertia_followed(
+    record: Record, signals: dict[str, np.ndarray], gear: SteeringGear
+) -> Iterator[tuple[Status, str]]:
+    """Check that equilibria along a drive that is not steady miss little of the rack's inertia."""
+    if "mesh_normal_force" not in signals:
+        return
+    share = free_inertia(record, gear) / max(float(np.mean(signals["mesh_normal_force"])), 1e-9)
+    if share > FREE_BOUND:
+        yield (
+            Status.INVALID,
+            f"the swing is too fast for equilibria: as it turns about, the rack's inertia besides its travel "
+            f"is {share:.2%} of the teeth's force, allowed are {FREE_BOUND:.2%}; choose generalized-alpha",
+        )

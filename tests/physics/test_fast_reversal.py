@@ -1,0 +1,80 @@
+"""Equilibria along a swing carry the inertia that the drive prescribes, or say that the rest matters."""
+
+import numpy as np
+import pytest
+
+import rps_exudyn as rps
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.solids import pinion_inertia, rack_solid
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result
+from rps_exudyn.solvers.drive import Steady, Swing
+
+HEAVY = {"pinion.density": 4e6}
+"""A pinion that asks for a tenth of the torque at 30 rpm and 10 degrees."""
+
+
+def reversal(model: str, rpm: float, degrees: float, settings: dict[str, float] | None = None) -> Result:
+    """A reversal of the default gear at this speed and amplitude."""
+    swing = {"test.speed": f"{rpm} rpm", "test.amplitude": f"{degrees} deg", **(settings or {})}
+    return rps.run("reversal", SteeringGear().replace({"mesh.law": "area", **swing}), fidelity=model)
+
+
+@pytest.mark.parametrize(("rpm", "degrees"), [(60, 20), (60, 8)])
+def test_equilibria_jump_as_dynamics_do(rpm: float, degrees: float) -> None:
+    """The running torque's jump, to 0.2 %: dynamics of this step are known to 0.1 % themselves."""
+    still, moving = (reversal(model, rpm, degrees) for model in ("quasi-static", "flank"))
+    assert still.status is Status.OK, still.message
+    assert still.summary["torque_jump"] == pytest.approx(moving.summary["torque_jump"], rel=2e-3)
+
+
+def test_a_heavy_pinion_is_accelerated_by_the_drive_alone() -> None:
+    """The drive's torque is larger by J times the acceleration, and nothing else changes: the same place of
+    the rack (1 nm), the same work lost, and a balance that closes."""
+    light, heavy = reversal("quasi-static", 30, 10), reversal("quasi-static", 30, 10, HEAVY)
+    assert heavy.status is Status.OK, heavy.message
+    gears = [SteeringGear().replace(settings) for settings in ({}, HEAVY)]
+    added = pinion_inertia(gears[1]) - pinion_inertia(gears[0])
+    amplitude, speed = np.deg2rad(10), np.pi
+    angle = light["pinion_angle"] - gears[0].test.start_angle
+    torque = -added * (speed / amplitude) ** 2 * angle
+    assert heavy["pinion_torque"] - light["pinion_torque"] == pytest.approx(torque, abs=1e-6)
+    assert np.abs(torque).max() > 0.05 * np.abs(light["pinion_torque"]).max()
+    assert heavy["rack_displacement"] == pytest.approx(light["rack_displacement"], abs=1e-9)
+    assert abs(heavy.summary["energy_residual"]) < 1e-3
+
+
+def test_the_racks_inertia_loads_the_teeth() -> None:
+    """m a along the travel goes through the teeth: the difference of both flanks' forces changes by
+    m a / (cos alpha_n cos beta_r), to 2 %: friction on the teeth turns the force by up to 0.1 rad."""
+    dense = {"rack.density": 7.85e5 / 20}
+    light, heavy = reversal("quasi-static", 60, 20), reversal("quasi-static", 60, 20, dense)
+    gears = [SteeringGear().replace({"mesh.law": "area", **settings}) for settings in ({}, dense)]
+    added = np.subtract(*(rack_solid(gear).mass_properties.mass for gear in reversed(gears)))
+    pair = GearPair.of(gears[0])
+    middle = gears[0].test.start_angle
+    turning = -((2 * np.pi / np.deg2rad(20)) ** 2) * (light["pinion_angle"] - middle)
+    more = [run["mesh_normal_force_drive"] - run["mesh_normal_force_coast"] for run in (light, heavy)]
+    force = added * pair.gain * turning / (np.cos(pair.alpha_n) * np.cos(pair.beta_r))
+    slope = float((more[1] - more[0]) @ force / (force @ force))
+    assert slope == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.parametrize(("rpm", "degrees"), [(300, 5), (150, 5)])
+def test_a_swing_that_shakes_the_rack_is_refused(rpm: float, degrees: float) -> None:
+    """Dynamics differ by 21 and 7 % of the torque, RMS."""
+    run = reversal("quasi-static", rpm, degrees)
+    assert run.status is Status.INVALID
+    assert "too fast for equilibria" in run.message
+
+
+@pytest.mark.quick
+def test_accelerations_are_the_derivatives_of_rates() -> None:
+    """By central differences of the rates: 1e-6 of the largest."""
+    time, short = np.linspace(0.0, 2.0, 41), 1e-5
+    for drive in (Steady("rack", 0.1, 0.2), Swing("pinion", 0.3, 0.5, -2.0)):
+        found = drive.acceleration(time)
+        rates = [drive.rate(time + shift) for shift in (short, -short)]
+        expected = (rates[0] - rates[1]) / (2 * short)
+        assert found == pytest.approx(expected, abs=1e-6 * max(np.abs(expected).max(), 1.0))
