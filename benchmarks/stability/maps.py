@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from benchmarks.stability.chart import draw_maps
 from benchmarks.stability.explicit_limits import (
@@ -25,10 +26,11 @@ from benchmarks.stability.explicit_limits import (
 from benchmarks.stability.stable_step import STEPS
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.checks.before_run import DEEPEST, STEPS_PER_PITCH, predicted_depth
+from rps_exudyn.checks.before_run import DEEPEST, STEPS_PER_PITCH
 from rps_exudyn.forces.bush import bush_chain
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.spheres import SPHERE_RADIUS
+from rps_exudyn.mesh_contact.mean_depth import mean_depth
+from rps_exudyn.mesh_contact.spheres import sphere_radius
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.equilibrium import equilibrium_path
@@ -221,8 +223,12 @@ COMPILED_DEPTH = 2  # radii at which the compiled spheres pass, where Exudyn's p
 
 def depth_limit(gear: SteeringGear, fidelity: Fidelity) -> float:
     """Preload at which the deepest sphere is as deep as its radius [N]."""
-    one = predicted_depth(gear.replace({"yoke.preload": 1.0}))
-    return float((SPHERE_RADIUS / (DEEPEST * one)) ** 1.5)
+    radius = sphere_radius(GearPair.of(gear))
+
+    def spare(preload: float) -> float:
+        return radius - DEEPEST * mean_depth(gear.replace({"yoke.preload": preload}))
+
+    return float(brentq(spare, 0.0, 1e6))
 
 
 def compiled_depth_limit(gear: SteeringGear, fidelity: Fidelity) -> float:

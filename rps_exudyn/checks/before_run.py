@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.spheres import SPHERE_RADIUS
+from rps_exudyn.mesh_contact.mean_depth import mean_depth
+from rps_exudyn.mesh_contact.spheres import sphere_radius
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -90,20 +91,6 @@ def _contact_integrated(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Brea
             yield Breach(f"fidelity.{choice}", value, limit, why, {choice: limit}, "{:.0f}")
 
 
-def predicted_depth(gear: SteeringGear) -> float:
-    """Return the mean depth of the teeth's contact under the preload [m].
-
-    Pressure proportional to depth over a strip of half width sqrt(2 rho d): a line of length L carries
-    4/3 k L d sqrt(2 rho d); the flanks of each side carry P / (2 sin alpha_n). L is the face width along the
-    slanted line, rho the radius of curvature at the pitch point.
-    """
-    pair = GearPair.of(gear)
-    load = gear.yoke.preload / np.sin(pair.alpha_n) / 2
-    length = pair.face_width / np.cos(pair.beta_p)
-    by_depth = 4 / 3 * gear.mesh.stiffness * length * np.sqrt(2 * _curvature_radius(pair))
-    return float((load / by_depth) ** (2 / 3))
-
-
 def _curvature_radius(pair: GearPair) -> float:
     return float(pair.reference_radius * np.sin(pair.alpha_t) / np.cos(pair.beta_p) ** 2)
 
@@ -112,7 +99,7 @@ def least_profile_samples(gear: SteeringGear) -> int:
     """Return the spheres along the path of contact such that `SPACING` strips of contact lie between two of
     them."""
     pair = GearPair.of(gear)
-    strip = 2 * np.sqrt(2 * _curvature_radius(pair) * max(predicted_depth(gear), 1e-9))
+    strip = 2 * np.sqrt(2 * _curvature_radius(pair) * max(mean_depth(gear), 1e-9))
     path = abs(pair.active_path[1] - pair.active_path[0])
     return max(LEAST_ROWS, int(np.ceil(path / (SPACING * strip))))
 
@@ -121,12 +108,13 @@ def _spheres_deep_enough(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Bre
     """A sphere deeper than its radius passes through the triangles unnoticed."""
     if fidelity.mesh != "general-contact":
         return
-    depth = DEEPEST * predicted_depth(gear)
-    if depth > SPHERE_RADIUS:
+    depth = DEEPEST * mean_depth(gear)
+    radius = sphere_radius(GearPair.of(gear))
+    if depth > radius:
         yield Breach(
             "the deepest contact predicted from yoke.preload and mesh.stiffness",
             1e6 * depth,
-            1e6 * SPHERE_RADIUS,
+            1e6 * radius,
             "general contact, through whose flanks a sphere passes that is deeper than its radius,",
             {"mesh": "flank"},
             "{:.0f} um",

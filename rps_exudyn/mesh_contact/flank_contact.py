@@ -33,9 +33,10 @@ from rps_exudyn.mesh_contact.flank_line import (
     SUMS,
     Band,
     add_side,
+    band_on_flank,
     first_tooth,
+    formed_point,
     line_of,
-    point,
     press,
     side_of,
 )
@@ -57,6 +58,7 @@ from rps_exudyn.mesh_contact.strip_limits import BREAKS, LIMITS, bound, ends_of,
 from rps_exudyn.mesh_contact.wrench import WRENCH_SIZE
 
 COARSE, GENERATORS = 28, 32  # for the few strips that are too wide for an expansion
+SHALLOW = 0.9  # a crest less deep than this share of another holds no deeper place
 FINE = 200  # where all is integrated along generators
 
 
@@ -87,6 +89,7 @@ def flank_contact(angle, rate, position, rotation, velocity, spin, data):  # typ
 @inlined
 def _integrate(strip, cuts, breaks, band, line, side, data, sums):  # type: ignore[no-untyped-def]
     """Add the loads on one line within a band of the flank; the greatest depth."""
+    band = band_on_flank(line, band, data)
     if data.generators > 0:
         return press_area(FINE, data.generators, band, line, side, data, sums)
     low, high = within_band(line, band, data)
@@ -103,7 +106,6 @@ def _integrate(strip, cuts, breaks, band, line, side, data, sums):  # type: igno
     ends = ends_of(strip, low, high, half)
     low_ends, high_ends = low_ends and ends.limit_low < 0, high_ends and ends.limit_high < 0
     watched, count, low_ends, high_ends = watch_limits(strip, ends, half, low_ends, high_ends, cuts, breaks)
-    deepest = 0.0
     for i in range(count - 1):
         z_0, length = breaks[i], breaks[i + 1] - breaks[i]
         # where the load fades out; law "line": linearly, which the plain rule integrates exactly
@@ -112,16 +114,49 @@ def _integrate(strip, cuts, breaks, band, line, side, data, sums):  # type: igno
             z = z_0 + length * data.along[rule, 0, k]
             weight = length * data.along[rule, 1, k] / data.cos_base_helix
             if by_line:
-                depth = _line_station(strip, z, weight, line, side, data, sums)
+                _line_station(strip, z, weight, line, band, side, data, sums)
             else:
-                depth = _area_station(strip, z, ends, weight, cuts[:watched], line, side, data, sums)
-            deepest = max(deepest, depth)
+                _area_station(strip, z, ends, weight, cuts, watched, line, band, side, data, sums)
+    deepest = _deepest_crest(strip, breaks[0], breaks[count - 1])
+    if by_line or deepest < SHALLOW * sums[DEEPEST]:
+        return deepest if by_line else 0.0
+    return _deepest_place(strip, ends, cuts, watched, breaks, count, data)
+
+
+@inlined
+def _deepest_crest(strip, low, high):  # type: ignore[no-untyped-def]
+    """The greatest depth of the crest, which is linear along Z, or with modifications nearly a parabola."""
+    deepest = max(_crest_of(strip, low)[1], _crest_of(strip, high)[1])
+    if strip[DEPTH, 2] < 0:
+        z = min(max(-strip[DEPTH, 1] / (2 * strip[DEPTH, 2]), low), high)
+        deepest = max(deepest, _crest_of(strip, z)[1])
     return deepest
 
 
 @inlined
-def _area_station(strip, z, ends, length, cuts, line, side, data, sums):  # type: ignore[no-untyped-def]
-    """Law "area": add the pressure on the leaning station at Z; the depth at its deepest place."""
+def _deepest_place(strip, ends, cuts, watched, breaks, count, data):  # type: ignore[no-untyped-def]
+    """The greatest depth of a strip: where its crest is highest, or at an end, or where a limit cuts it."""
+    low, high, deepest = breaks[0], breaks[count - 1], 0.0
+    for i in range(count + watched + 1):
+        if i < count:
+            z = breaks[i]
+        elif i < count + watched:  # it crosses the crest about half-way between the edges
+            z = (cuts[i - count, 2] + cuts[i - count, 3]) / 2
+        elif strip[DEPTH, 2] < 0:
+            z = -strip[DEPTH, 1] / (2 * strip[DEPTH, 2])
+        else:
+            break
+        if low <= z <= high:
+            from_, to, _, c_0, c_1, c_2, _ = _across_station(strip, z, ends, cuts, watched, data)
+            xi = min(max(-c_1 / (2 * c_2), from_), to)
+            if from_ < to:
+                deepest = max(deepest, c_0 + xi * (c_1 + xi * c_2))
+    return deepest
+
+
+@inlined
+def _across_station(strip, z, ends, cuts, watched, data):  # type: ignore[no-untyped-def]
+    """Where the leaning station at Z is pressed, the rule across it, and its depth's coefficients in xi."""
     lean = ends.lean + ends.turn * (z - ends.low)
     c_0, c_1, c_2, c_3 = slanted(strip, PRESSING, z, lean)
     low, high = edges(c_0, c_1, c_2, c_3)
@@ -133,33 +168,44 @@ def _area_station(strip, z, ends, length, cuts, line, side, data, sums):  # type
             low, rule = from_, rule & 2
         if to < high:
             high, rule = to, rule & 1
-    for cut in cuts:
-        if cut[0] <= z <= cut[1]:
-            xi, rise = bound(strip, int(cut[4]), z, lean)
+    for i in range(watched):
+        if cuts[i, 0] <= z <= cuts[i, 1]:
+            xi, rise = bound(strip, int(cuts[i, 4]), z, lean)
             if rise > 0 and xi > low:
                 low, rule = xi, rule & 2
             elif rise < 0 and xi < high:
                 high, rule = xi, rule & 1
+    return low, high, rule, c_0, c_1, c_2, c_3
+
+
+@inlined
+def _area_station(strip, z, ends, length, cuts, watched, line, band, side, data, sums):  # type: ignore[no-untyped-def]
+    """Law "area": add the pressure on the leaning station at Z."""
+    low, high, rule, c_0, c_1, c_2, c_3 = _across_station(strip, z, ends, cuts, watched, data)
     if not low < high:
-        return 0.0
+        return
+    lean = ends.lean + ends.turn * (z - ends.low)
     scale = data.stiffness * length * (high - low)
     for k in range(data.across.shape[2]):  # numbers one by one: a view of a rule costs more than its use
         xi = low + (high - low) * data.across[rule, 0, k]
         place = z + lean * xi
-        p_r, p_t, q = point(xi, place, line, side, data)
+        p_r, p_t, q = formed_point(xi, place, line, band, side, data)
         depth = c_0 + xi * (c_1 + xi * (c_2 * (1 - xi * xi / 12) + xi * c_3))
         area = scale * data.across[rule, 1, k] * q * (1 + ends.turn * xi)
         press(depth, area, p_r, p_t, place, side, data, sums)
-    deepest = min(max(-c_1 / (2 * c_2), low), high)
-    return c_0 + deepest * (c_1 + deepest * c_2)
 
 
 @inlined
-def _line_station(strip, z, length, line, side, data, sums):  # type: ignore[no-untyped-def]
-    """Law "line": add the load at the strip's crest; the depth there."""
+def _line_station(strip, z, length, line, band, side, data, sums):  # type: ignore[no-untyped-def]
+    """Law "line": add the load at the strip's crest."""
+    xi, depth = _crest_of(strip, z)
+    p_r, p_t, _ = formed_point(xi, z, line, band, side, data)
+    press(depth, data.line_stiffness * length, p_r, p_t, z, side, data, sums)
+
+
+@inlined
+def _crest_of(strip, z):  # type: ignore[no-untyped-def]
+    """xi of the strip's crest at Z, and the depth there."""
     c_0, c_1, c_2 = across(strip, DEPTH, z)
     xi = min(max(-c_1 / (2 * c_2), -MARGIN), MARGIN) if c_2 < 0 else 0.0
-    depth = c_0 + xi * (c_1 + xi * c_2)
-    p_r, p_t, _ = point(xi, z, line, side, data)
-    press(depth, data.line_stiffness * length, p_r, p_t, z, side, data, sums)
-    return depth
+    return xi, c_0 + xi * (c_1 + xi * c_2)

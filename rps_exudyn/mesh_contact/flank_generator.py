@@ -50,7 +50,7 @@ def _last(xi, step, band, line, side, data):  # type: ignore[no-untyped-def]
 
 @inlined
 def _on_generator(xi, line, side, data):  # type: ignore[no-untyped-def]
-    """(P_r, P_t, q) at Z = 0 and their slopes."""
+    """(P_r, P_t, q) at Z = 0 and their slopes, of the perfect flank."""
     s, rb = side.sign, data.base_radius
     cos, sin = np.cos(xi), np.sin(xi)
     q = line.q_0 - s * rb * xi
@@ -90,6 +90,13 @@ def _clip(low, high, c_0, c_1, c_2):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def _surplus(q, z_squared, band, data):  # type: ignore[no-untyped-def]
+    """Surplus of the flank along the transverse tangent."""
+    relieved = q - band.relief_from
+    return data.slope * (q - data.q_form) - band.relief * relieved * relieved - data.crowning * z_squared
+
+
+@inlined
 def _on_axis(coefficients, p_r, p_t, d_r, d_t):  # type: ignore[no-untyped-def]
     """One of the rack's coordinates on a generator, at Z = 0, and its slope."""
     c, c_r, c_t, c_z = coefficients
@@ -103,9 +110,22 @@ def interval(xi, band, line, side, data):  # type: ignore[no-untyped-def]
     low, high = _clip(-data.half_face, data.half_face, band.high - q, -dq, 0.0)
     low, high = _clip(low, high, q - band.low, dq, 0.0)
     y, dy = _on_axis(side.y, p_r, p_t, d_r, d_t)
-    low, high = _clip(low, high, y + data.tip_depth, dy, 0.0)
     z, dz = _on_axis(side.z, p_r, p_t, d_r, d_t)
-    bar = data.bar_radius**2
+    # the surplus of the flank moves points along e_t: at the tips that of where they end the perfect flank,
+    y_t, z_t = side.sign * side.y[2], side.sign * side.z[2]
+    at_tips = min(max(-(y + data.tip_depth) / dy, -data.half_face), data.half_face)
+    surplus = _surplus(q + dq * at_tips, at_tips * at_tips, band, data)
+    low, high = _clip(low, high, y + data.tip_depth + y_t * surplus, dy, 0.0)
+    # at the bar's ends crowning is that of their Z, relief that of the band's middle
+    middle, bar = (band.high - band.low) / 2, data.bar_radius**2
+    surplus = data.slope * (q - data.q_form) - band.relief * middle * middle
+    surplus -= data.crowning * min(data.half_face**2, bar - y * y)
+    y, dy, z, dz = (
+        y + y_t * surplus,
+        dy + y_t * data.slope * dq,
+        z + z_t * surplus,
+        dz + z_t * data.slope * dq,
+    )
     low, high = _clip(low, high, bar - y * y - z * z, -2 * (y * dy + z * dz), -dy * dy - dz * dz)
     c_0, c_1, c_2 = _depth(xi, band, line, side, data)
     low, high = _clip(low, high, c_0, c_1, c_2)
@@ -129,15 +149,18 @@ def _approach(p_r, p_t, z, side):  # type: ignore[no-untyped-def]
 def _press_generator(xi, width, band, line, side, data, sums):  # type: ignore[no-untyped-def]
     """Add the loads on a generator that stands for a strip of the given width [rad]; the greatest depth."""
     low, high = interval(xi, band, line, side, data)
-    deepest = 0.0
     if not low < high:
-        return deepest
+        return 0.0
     p_r, p_t, q, d_r, d_t, dq = _on_generator(xi, line, side, data)
     c_0, c_1, c_2 = _depth(xi, band, line, side, data)
+    cos, sin = np.cos(xi), np.sin(xi)
     for k in range(data.along.shape[2]):
         z = low + (high - low) * data.along[0, 0, k]
         depth = c_0 + z * (c_1 + z * c_2)
         area = (q + z * dq) * width * (high - low) * data.along[0, 1, k] / data.cos_base_helix
-        press(depth, data.stiffness * area, p_r + z * d_r, p_t + z * d_t, z, side, data, sums)
-        deepest = max(deepest, depth)
-    return deepest
+        along = side.sign * _surplus(q + z * dq, z * z, band, data)
+        at_r, at_t = p_r + z * d_r - along * sin, p_t + z * d_t + along * cos
+        press(depth, data.stiffness * area, at_r, at_t, z, side, data, sums)
+    deepest = max(c_0 + low * (c_1 + low * c_2), c_0 + high * (c_1 + high * c_2))
+    crest = -c_1 / (2 * c_2) if c_2 < 0 else low
+    return max(deepest, c_0 + crest * (c_1 + crest * c_2)) if low < crest < high else deepest

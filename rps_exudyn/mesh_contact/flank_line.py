@@ -184,6 +184,33 @@ def line_of(tooth, turn, side, data):  # type: ignore[no-untyped-def]
     return Line(q_0, q_1, d_0 + s * rack_tooth * p, side.n_p * q_1 - side.n_z)
 
 
+@inlined
+def band_on_flank(line, band, data):  # type: ignore[no-untyped-def]
+    """The band with its ends where the modified flank meets form and tip circle.
+
+    A surplus along the tangent brings the flank to the circle at a shorter tangent length of the perfect one.
+    Crowning is taken where the line of contact crosses the circle; it changes too little across the strip.
+    """
+    if data.crowning == 0 and data.slope == 0 and band.relief == 0:
+        return band
+    low, high = band.low, band.high
+    if low == data.q_form:
+        low += data.crowning * _crossing_place(low, line, data)
+    if high == data.q_tip:
+        relieved = high - band.relief_from
+        surplus = data.slope * (high - data.q_form) - band.relief * relieved * relieved
+        surplus -= data.crowning * _crossing_place(high, line, data)
+        high -= surplus / (1 + data.slope - 2 * band.relief * relieved)
+    return Band(low, high, band.relief, band.relief_from)
+
+
+@inlined
+def _crossing_place(q, line, data):  # type: ignore[no-untyped-def]
+    """Square of the Z where a line has the tangent length q, within the face."""
+    z, b = (q - line.q_0) / line.q_1, data.half_face
+    return z * z if abs(z) < b else b * b
+
+
 # --- loads -----------------------------------------------------------------------------------------
 @inlined
 def point(xi, z, line, side, data):  # type: ignore[no-untyped-def]
@@ -193,6 +220,16 @@ def point(xi, z, line, side, data):  # type: ignore[no-untyped-def]
     cos, sin = 1 - x2 / 2 * (1 - x2 / 12), xi * (1 - x2 / 6 * (1 - x2 / 20))
     along = s * (line.q_0 + line.q_1 * z) - rb * xi
     return rb * cos - along * sin, rb * sin + along * cos, s * along
+
+
+@inlined
+def formed_point(xi, z, line, band, side, data):  # type: ignore[no-untyped-def]
+    """P_r, P_t on the modified flank and the tangent length q of the perfect one."""
+    p_r, p_t, q = point(xi, z, line, side, data)
+    relieved = q - band.relief_from
+    surplus = data.slope * (q - data.q_form) - band.relief * relieved * relieved - data.crowning * z * z
+    along = side.sign * surplus
+    return p_r - along * xi, p_t + along, q
 
 
 @inlined

@@ -35,16 +35,18 @@ def describe_strip(strip, line, band, side, data):  # type: ignore[no-untyped-de
 
     # N_p (s r_b xi^3 / 3 - q* xi^2 / 2) on the crest's depth; the surplus of the flank at q = q* - s r_b xi
     u = q_0 - band.relief_from
-    surplus_0 = n_p * (data.slope * (q_0 - data.q_form) - relief * u * u)
-    surplus_1 = n_p * q_1 * (data.slope - 2 * relief * u)
-    surplus_2 = -n_p * (data.crowning + relief * q_1 * q_1)
+    surplus_0 = data.slope * (q_0 - data.q_form) - relief * u * u
+    surplus_1 = q_1 * (data.slope - 2 * relief * u)
+    surplus_2 = -data.crowning - relief * q_1 * q_1
+    surplus_3 = s * rb * (2 * relief * u - data.slope)
+    surplus_4 = s * rb * 2 * relief * q_1
     depth = strip[DEPTH]
-    depth[0], depth[1], depth[2] = line.d_0 + surplus_0, line.d_1 + surplus_1, surplus_2
-    depth[3] = n_p * s * rb * (2 * relief * u - data.slope)
-    depth[4] = n_p * s * rb * 2 * relief * q_1
-    depth[6] = -n_p * (q_0 / 2 + relief * rb * rb) - surplus_0 / 2
-    depth[7] = -n_p * q_1 / 2 - surplus_1 / 2
-    depth[8] = -surplus_2 / 2
+    depth[0], depth[1], depth[2] = line.d_0 + n_p * surplus_0, line.d_1 + n_p * surplus_1, n_p * surplus_2
+    depth[3] = n_p * surplus_3
+    depth[4] = n_p * surplus_4
+    depth[6] = -n_p * (q_0 / 2 + relief * rb * rb + surplus_0 / 2)
+    depth[7] = -n_p * (q_1 / 2 + surplus_1 / 2)
+    depth[8] = -n_p * surplus_2 / 2
     depth[9] = n_p * s * rb / 3
 
     # its rate is N . v with v = v_centre + w x P, P = P* - w xi e_r + (r_b e_r - w e_t) xi^2 / 2, w = s q*
@@ -70,6 +72,19 @@ def describe_strip(strip, line, band, side, data):  # type: ignore[no-untyped-de
     y_0, y_1, y_3, y_4, y_6, y_7 = _along_strip(side.y, q_0, q_1, s, rb)
     z_0, z_1, z_3, z_4, z_6, z_7 = _along_strip(side.z, q_0, q_1, s, rb)
     tip[0], tip[1], tip[3], tip[4], tip[6], tip[7] = y_0 + data.tip_depth, y_1, y_3, y_4, y_6, y_7
+    if data.crowning > 0 or data.slope != 0 or relief > 0:  # P moves along e_t by the flank's surplus
+        y_t, z_t = s * side.y[2], s * side.z[2]
+        tip[0] += y_t * surplus_0
+        tip[1] += y_t * surplus_1
+        tip[2] = y_t * surplus_2
+        tip[3] += y_t * surplus_3
+        tip[4] += y_t * surplus_4
+        # at the bar's ends crowning is that of their Z, relief that of the band's middle
+        middle = (band.high - band.low) / 2
+        surplus_0 = data.slope * (q_0 - data.q_form) - relief * middle * middle
+        surplus_0 -= data.crowning * min(data.half_face**2, data.bar_radius**2 - y_0 * y_0)
+        y_0, y_1, y_3 = y_0 + y_t * surplus_0, y_1 + y_t * data.slope * q_1, y_3 - y_t * data.slope * s * rb
+        z_0, z_1, z_3 = z_0 + z_t * surplus_0, z_1 + z_t * data.slope * q_1, z_3 - z_t * data.slope * s * rb
     bar[0] = data.bar_radius**2 - y_0 * y_0 - z_0 * z_0
     bar[1] = -2 * (y_0 * y_1 + z_0 * z_1)
     bar[2] = -(y_1 * y_1 + z_1 * z_1)

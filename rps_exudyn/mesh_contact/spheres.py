@@ -1,28 +1,50 @@
 """Spheres on the pinion's flanks that stand for the teeth in general contact, and the planes they meet.
 
-Each sphere has the stiffness of the area it stands for and lies just inside its flank.
+Spheres just inside the flank, of radius r, touch a plane as the flank does but with the radius of curvature
+rho - r. A strip of contact is wider by sqrt(rho / (rho - r)) for it, and their stiffness is less by as much.
+With the stiffness k dA of the area that a sphere stands for, the load per length of a line at the depth d is
+
+    F' = 4/3 k d sqrt(2 rho d).
+
+`mesh.law` chooses k: "area" takes it as given, the same everywhere. "line" takes
+k = 3/4 c' / sqrt(2 rho d_0), so that F' = c' d sqrt(d / d_0) does not depend on the radius of curvature, and
+is the line law's c' d at the mean depth d_0 under the preload.
 """
 
 from dataclasses import replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pinion_mesh import pinion_mesh
 from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.gears.tooth_stiffness import line_stiffness
+from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
 from rps_exudyn.mesh_contact.sampled_contact import SampledContactData
 from rps_exudyn.mesh_contact.samples import FlankSamples, onto_mesh, sample_flank
 from rps_exudyn.parameters.gear import SteeringGear
 
 CHORD_ERROR = 0.1e-6  # of the pinion's mesh [m]
 SIDES = (-1, +1)  # drive, coast
-# With the radius grow the torque's bias (-0.1 % per 0.1 mm) and the deepest contact allowed
-SPHERE_RADIUS = 0.1e-3  # [m]
-FLANK_MARGIN = 1e-3  # by which a triangle is larger than its flank [m]
+RADIUS = 0.1 / 1.75  # of a sphere, in modules: 0.1 mm on the paper's gear
+# By which a triangle is larger than its flank, in modules. Beyond the rack's tips it must not reach the teeth
+# that are out of mesh: from one module on it does.
+FLANK_MARGIN = 0.25
 GATE_MARGIN = np.deg2rad(25.0)  # beyond the angle at which a tooth space's flanks leave the rack
+SHALLOWEST = 0.1e-6  # depth for which spheres of the law "line" are made, at least [m]
+
+
+class Spheres(NamedTuple):
+    """Spheres by tooth space, drive and coast flank."""
+
+    centres: np.ndarray  # (z, 2, n, 3), pinion frame without runout [m]
+    areas: np.ndarray  # (z, 2, n), that a sphere stands for [m^2]
+    curvature_radii: np.ndarray  # (z, 2, n), of the flank [m]
 
 
 def contact_data(gear: SteeringGear, *, profile: int, axial: int, friction_zone: float) -> SampledContactData:
@@ -32,12 +54,14 @@ def contact_data(gear: SteeringGear, *, profile: int, axial: int, friction_zone:
     errors, which bend within a generator, move the spheres by as much as they move the flank.
     """
     pair, bar = GearPair.of(gear), RackBar.of(gear)
-    centres, areas = _spheres(replace(pair, runout=0.0), FlankForm.of(gear), profile, axial)
+    depth = mean_depth(gear)
+    perfect, approach = replace(pair, runout=0.0), rack_approach(pair, depth)
+    spheres = _spheres(perfect, FlankForm.of(gear), profile, axial, approach)
     rack_flanks = [bar.flank(0, side) for side in SIDES]
     return SampledContactData(
-        centres=centres + pair.eccentricity,
-        stiffness=gear.mesh.stiffness * areas,
-        radius=SPHERE_RADIUS,
+        centres=spheres.centres + pair.eccentricity,
+        stiffness=spheres.areas * stiffness_per_area(gear, depth, spheres.curvature_radii),
+        radius=sphere_radius(pair),
         damping=gear.mesh.damping,
         friction=gear.mesh.friction,
         zone=friction_zone,
@@ -52,20 +76,49 @@ def contact_data(gear: SteeringGear, *, profile: int, axial: int, friction_zone:
     )
 
 
+def sphere_radius(pair: GearPair) -> float:
+    """Radius of the spheres [m]. It bounds the depth of a contact, and is small against the flank's."""
+    return RADIUS * pair.module
+
+
+def stiffness_per_area(gear: SteeringGear, depth: float, rho: np.ndarray) -> np.ndarray:
+    """Return a sphere's stiffness over its area by the gear's `mesh.law` [N/m^3].
+
+    Args:
+        gear: the gear.
+        depth: mean depth of the contact [m].
+        rho: radii of curvature of the flank [m]. A sphere that is larger does not fit in, and bears nothing.
+
+    Raises:
+        InputError: a gear with a law that spheres cannot have.
+    """
+    law = gear.mesh.law
+    if law not in ("area", "line"):
+        raise InputError(f"mesh.law is {law}; fidelity.mesh = general-contact knows only area and line.")
+    fits = np.sqrt(np.maximum(1 - sphere_radius(GearPair.of(gear)) / rho, 0.0))
+    if law == "area":
+        return gear.mesh.stiffness * fits
+    return 3 / 4 * line_stiffness(gear) / np.sqrt(2 * rho * max(depth, SHALLOWEST)) * fits
+
+
 @lru_cache(maxsize=2)  # they may be many
-def _spheres(pair: GearPair, form: FlankForm, profile: int, axial: int) -> tuple[np.ndarray, np.ndarray]:
-    """Centres (z, 2, n, 3) [m] and areas (z, 2, n) [m^2] by tooth space, drive and coast flank."""
+def _spheres(pair: GearPair, form: FlankForm, profile: int, axial: int, approach: float) -> Spheres:
+    """The spheres of a rack pressed in by `approach` [m]."""
     mesh = pinion_mesh(pair, CHORD_ERROR)
 
     def samples_of(tooth: int, side: int) -> FlankSamples:
-        perfect = sample_flank(Flank(pair, tooth, side), profile, axial)
-        formed = sample_flank(Flank(pair, tooth, side, form), profile, axial)
+        perfect = sample_flank(Flank(pair, tooth, side), profile, axial, approach)
+        formed = sample_flank(Flank(pair, tooth, side, form), profile, axial, approach)
         on_mesh = onto_mesh(perfect, mesh.vertices[mesh.flanks[tooth % pair.teeth, side].faces])
         return formed._replace(points=on_mesh.points + formed.points - perfect.points)
 
     samples = [[samples_of(*flank) for flank in borders(space)] for space in range(pair.teeth)]
-    centres = np.array([[s.points - SPHERE_RADIUS * s.normals for s in row] for row in samples])
-    return centres, np.array([[s.areas for s in row] for row in samples])
+    radius = sphere_radius(pair)
+    return Spheres(
+        np.array([[s.points - radius * s.normals for s in row] for row in samples]),
+        np.array([[s.areas for s in row] for row in samples]),
+        np.array([[s.curvature_radii for s in row] for row in samples]),
+    )
 
 
 def borders(space: int) -> tuple[tuple[int, int], tuple[int, int]]:
@@ -75,7 +128,7 @@ def borders(space: int) -> tuple[tuple[int, int], tuple[int, int]]:
 
 def lowest_height(pair: GearPair) -> float:
     """y in the rack frame where the triangles end, a little beyond the tooth tips [m]."""
-    return -(pair.reference_height + pair.rack_addendum + FLANK_MARGIN)
+    return -(pair.reference_height + pair.rack_addendum + FLANK_MARGIN * pair.module)
 
 
 def gate_angle(pair: GearPair) -> float:

@@ -56,7 +56,7 @@ def ends_of(strip, from_, to, half):  # type: ignore[no-untyped-def]
     low, high, lean_low, lean_high, limit_low, limit_high = from_, to, 0.0, 0.0, -1, -1
     for i in range(LIMITS):
         row = _row_of(i)
-        if min(at(strip, row, from_), at(strip, row, to)) >= 0:  # linear or, the bar's, concave
+        if min(at(strip, row, from_), at(strip, row, to)) >= 0:  # nearly linear or, the bar's, concave
             continue
         z_c = _root(strip, row, i)
         if not abs(z_c) < FAR:
@@ -206,6 +206,8 @@ def _root(strip, row, limit):  # type: ignore[no-untyped-def]
         return -strip[row, 0] / strip[row, 1]
     half = strip[row, 1] / 2
     root = np.sqrt(half * half - strip[row, 2] * strip[row, 0])
+    if row != BAR:  # all but straight
+        return -strip[row, 0] / (half + np.copysign(root, half))
     return (-half - root if limit == LIMITS - 1 else -half + root) / strip[row, 2]
 
 

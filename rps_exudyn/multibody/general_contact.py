@@ -107,10 +107,11 @@ def flank_triangle(bar: RackBar, flank: RackFlank) -> np.ndarray:
     rise = np.cross(flank.trace, flank.normal)
     rise /= rise[1]  # one metre of height
     low = lowest_height(bar.pair)
-    half_width = bar.pair.bar_radius + FLANK_MARGIN
+    margin = FLANK_MARGIN * bar.pair.module
+    half_width = bar.pair.bar_radius + margin
     corner = flank.point + (low - flank.point[1]) * rise - half_width * flank.trace
     along = corner + 4 * half_width * flank.trace
-    up = corner + 2 * (bar.root_height + FLANK_MARGIN - low) * rise
+    up = corner + 2 * (bar.root_height + margin - low) * rise
     outward = np.cross(along - corner, up - corner) @ flank.normal > 0
     return np.array([corner, along, up] if outward else [corner, up, along])
 

@@ -19,9 +19,10 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pinion_mesh import pinion_mesh
 from rps_exudyn.gears.shaping import shaped_pinion
+from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
 from rps_exudyn.mesh_contact.sampled_contact import SampledContactData
 from rps_exudyn.mesh_contact.samples import FlankSamples, onto_mesh, sample_flank
-from rps_exudyn.mesh_contact.spheres import SPHERE_RADIUS, borders
+from rps_exudyn.mesh_contact.spheres import borders, sphere_radius
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
@@ -86,17 +87,18 @@ def _centres(gear: SteeringGear, fidelity: Fidelity, surface: Surface | None) ->
     """Centres of the spheres, (z, 2, n, 3), by tooth space: every one is the first, turned."""
     pair, grid = GearPair.of(gear), (fidelity.profile_samples, fidelity.axial_samples)
     flanks = [Flank(pair, *border) for border in borders(0)]
-    inwards = [-SPHERE_RADIUS * sample_flank(flank, *grid).normals for flank in flanks]
-    first = np.array([_on_facets(flank, *grid, surface) for flank in flanks]) + inwards
+    approach = rack_approach(pair, mean_depth(gear))
+    samples = [sample_flank(flank, *grid, approach) for flank in flanks]
+    inwards = [-sphere_radius(pair) * each.normals for each in samples]
+    first = np.array([_on_facets(*each, surface) for each in zip(flanks, samples, strict=True)]) + inwards
     angles = 2 * np.pi * np.arange(pair.teeth) / pair.teeth
     c, s, o, i = np.cos(angles), np.sin(angles), np.zeros(pair.teeth), np.ones(pair.teeth)
     turns = np.array([[c, -s, o], [s, c, o], [o, o, i]]).transpose(2, 0, 1)
     return np.einsum("zij,fnj->zfni", turns, first) + pair.eccentricity
 
 
-def _on_facets(flank: Flank, profile: int, axial: int, surface: Surface | None) -> np.ndarray:
+def _on_facets(flank: Flank, samples: FlankSamples, surface: Surface | None) -> np.ndarray:
     """Move samples of the flank onto the facets near it, (n, 3)."""
-    samples = sample_flank(flank, profile, axial)
     if surface is None:
         return samples.points
     triangles = surface(flank.pair)
@@ -109,4 +111,4 @@ def _on_facets(flank: Flank, profile: int, axial: int, surface: Surface | None) 
 def largest_deviation(gear: SteeringGear, surface: Surface) -> float:
     """Largest distance of the facets from a flank where it meets the rack [m]."""
     flank = Flank(GearPair.of(gear), *borders(0)[0])
-    return float(np.abs(flank.distance(_on_facets(flank, 400, 3, surface))).max())
+    return float(np.abs(flank.distance(_on_facets(flank, sample_flank(flank, 400, 3, 0.0), surface))).max())

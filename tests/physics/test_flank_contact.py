@@ -5,12 +5,12 @@ in use. Where two evaluators are compared, the tolerance is 1e-4 of the sum of n
 radius for moments), the accuracy that the kernel promises.
 """
 
-from typing import Any
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from flank_points import wrench_by_points
+from flank_poses import ANGLES, FINE, PAPER, POSES, PRESS, ZONE, changed, difference, state
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
@@ -32,37 +32,6 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_kernel import tangent
-
-PAPER = SteeringGear()
-ZONE = 1e-5  # [m/s], far below all sliding here
-PRESS = 10e-6  # of the rack into the mesh [m]
-FINE = 640  # generators of the reference integral
-ANGLES = np.linspace(0, 1.0, 9)  # one tooth pitch is 2 pi / 6
-POSES: dict[str, dict[str, Any]] = {
-    "aligned": {},
-    "rolled": {"turn": (1e-3, 0, 0)},
-    "skewed": {"turn": (2e-4, 3e-4, -2e-4), "press": 12e-6},
-}
-
-
-def state(gear: SteeringGear, angle: float, press: float = PRESS, turn: tuple[float, ...] = (0, 0, 0)) -> Any:
-    """A kernel's arguments at steering angle `angle`: the rack where it belongs, pressed and turned."""
-    pair = GearPair.of(gear)
-    rotation = Rotation.from_rotvec(turn).as_matrix()
-    to_mesh = np.array([0, pair.reference_radius - pair.bar_axis_height, 0])
-    position = np.array([pair.gain * angle, pair.bar_axis_height - press, 0]) + to_mesh - rotation @ to_mesh
-    return -angle, -1.0, position, rotation, np.array([pair.gain, 0, 0]), np.zeros(3)
-
-
-def changed(**settings: object) -> SteeringGear:
-    return PAPER.replace({path.replace("__", "."): value for path, value in settings.items()})
-
-
-def difference(a: np.ndarray, b: np.ndarray, gear: SteeringGear) -> float:
-    """Largest difference of torque, force and moment over the sum of normal forces (and base radius)."""
-    normal = b[NORMAL_DRIVE] + b[NORMAL_COAST]
-    lengths = np.array([1, 0, 0, 0, 1, 1, 1]) * GearPair.of(gear).base_radius
-    return float(np.max(np.abs(a - b)[:7] / (normal * np.where(lengths > 0, lengths, 1.0))))
 
 
 # --- three ways to one integral ----------------------------------------------------------------
@@ -86,7 +55,7 @@ def test_quadrature_agrees_with_points_on_the_flanks(pose: str) -> None:
     """900 000 points per flank, each an independent spring with its own exact position and normal."""
     args = state(PAPER, 0.31, **POSES[pose])
     found = flank_contact(*args, pack(PAPER, zone=ZONE, generators=FINE))
-    assert difference(found, by_points(PAPER, *args), PAPER) < 1.5e-4
+    assert difference(found, wrench_by_points(PAPER, *args, zone=ZONE), PAPER) < 1.5e-4
 
 
 @pytest.mark.parametrize("lead_error", ["10 um", "-10 um"])
@@ -95,7 +64,7 @@ def test_lead_error_agrees_with_points_on_the_flanks(lead_error: str) -> None:
     than the tolerance. Strips, with the stations of the default, at their own 4e-4."""
     gear = changed(pinion__lead_error=lead_error)
     args = state(gear, 0.31)
-    expected = by_points(gear, *args)
+    expected = wrench_by_points(gear, *args, zone=ZONE)
     assert difference(flank_contact(*args, pack(gear, zone=ZONE, generators=FINE)), expected, gear) < 1.5e-4
     assert difference(flank_contact(*args, pack(gear, zone=ZONE)), expected, gear) < 4e-4
     assert difference(flank_contact(*args, pack(PAPER, zone=ZONE)), expected, gear) > 1e-2
@@ -126,51 +95,6 @@ def test_strip_agrees_with_fine_quadrature_for_other_gears(
         args = state(gear, angle, press=12e-6)
         expected = flank_contact(*args, reference)
         assert difference(flank_contact(*args, fast), expected, gear) < tolerance
-
-
-def by_points(gear: SteeringGear, *args: Any, shape: tuple[int, int] = (3000, 300)) -> np.ndarray:
-    """The wrench by brute force: midpoints of equal cells of tangent length and Z on every flank."""
-    angle, rate, position, rotation, velocity, spin = args
-    pair, mesh, out = GearPair.of(gear), gear.mesh, np.zeros(14)
-    cos, sin = np.cos(angle), np.sin(angle)
-    frame = pair.pinion_frame @ np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
-    k, axis = pair.pinion_frame[:, 2], pair.pinion_origin
-    for side in (-1, 1):
-        normal = rotation @ pair.rack_flank_normal(side)
-        offset = pair.normal_base_pitch / 4 + np.sin(pair.alpha_n) * pair.reference_height
-        for tooth in range(pair.teeth):
-            flank = Flank(pair, tooth, side, FlankForm.of(gear))
-            q_0, q_a = flank.form_tangent_length, flank.tip_tangent_length
-            dq, dz = (q_a - q_0) / shape[0], pair.face_width / shape[1]
-            q = (q_0 + dq * (np.arange(shape[0]) + 0.5))[:, None]
-            z = (-pair.face_width / 2 + dz * (np.arange(shape[1]) + 0.5))[None]
-            psi = flank.generator(q, z)
-            facing = flank.normal(psi) @ frame.T @ normal < -0.9
-            if not facing.any():
-                continue
-            points = axis + flank.point(psi, z)[facing] @ frame.T
-            area = (
-                np.broadcast_to(flank.area_element(psi, z), facing.shape)[facing] * dq / pair.base_radius * dz
-            )
-            in_rack = (points - position) @ rotation
-            depth = offset - in_rack @ pair.rack_flank_normal(side)
-            depth -= pair.normal_base_pitch * np.round(depth / pair.normal_base_pitch)
-            meets = (
-                (depth > 0) & (depth < 1e-4) & (in_rack[:, 1] > -pair.reference_height - pair.rack_addendum)
-            )
-            meets &= np.hypot(in_rack[:, 1], in_rack[:, 2]) < pair.bar_radius
-            x, depth, area = points[meets], depth[meets], area[meets]
-            slip = velocity + np.cross(spin, x - position) - rate * np.cross(k, x - axis)
-            approach = slip @ normal
-            load = np.maximum(mesh.stiffness * (depth + mesh.damping * approach), 0) * area
-            slip -= approach[:, None] * normal
-            drag = mesh.friction * load / np.maximum(np.linalg.norm(slip, axis=1), ZONE)
-            forces = -load[:, None] * normal - drag[:, None] * slip
-            out[FORCE] += forces.sum(axis=0)
-            out[MOMENT] += np.cross(x - position, forces).sum(axis=0)
-            out[TORQUE] -= np.cross(x - axis, forces).sum(axis=0) @ k
-            out[NORMAL_DRIVE if side < 0 else NORMAL_COAST] += load.sum()
-    return out
 
 
 # --- mechanics -----------------------------------------------------------------------------------

@@ -3,11 +3,15 @@
 Each test takes a sound record and spoils one thing in it, as the failure would.
 """
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from rps_exudyn.checks import after_run
 from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.mesh_contact.sampled_contact import sampled_force
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 
@@ -107,3 +111,16 @@ def test_rolling_that_equilibria_follow_too_coarsely(
 def test_rack_that_hardly_rolls_is_followed(signals: dict[str, np.ndarray]) -> None:
     signals["rack_displacement"], signals["rack_roll"] = 8e-3 * signals["pinion_angle"], np.zeros(50)
     assert not list(after_run.rolling_followed(signals, SteeringGear()))
+
+
+def test_spheres_on_a_rack_that_stands_elsewhere(signals: dict[str, np.ndarray]) -> None:
+    """The path of contact is 1.9 mm high: 16 um of preload's approach are 0.8 % of it, 200 um above 11 %."""
+    spheres = replace(MESH, kernel=sampled_force)
+    record, gear = SimpleNamespace(elements=[spheres]), SteeringGear()
+    assert not list(after_run.spheres_in_place(record, gear, signals))
+    signals["rack_y"] += 200e-6
+    ((status, message),) = after_run.spheres_in_place(record, gear, signals)
+    assert status is Status.INVALID
+    assert "moves its tips by" in message
+    record.elements = [MESH]  # other contacts have their ends where the rack is
+    assert not list(after_run.spheres_in_place(record, gear, signals))
