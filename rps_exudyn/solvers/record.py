@@ -182,5 +182,7 @@ def contact_disagreement(record: Record) -> float:
 
 
 def _work(power: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """Integral of a power [W] from the start [J]."""
+    """Integral of a power [W] from the start [J]; of an empty record an empty one."""
+    if not time.size:
+        return np.zeros(0)
     return np.asarray(cumulative_trapezoid(power, time, initial=0.0))

@@ -10,6 +10,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.solvers.drive import Steady, Swing
+from rps_exudyn.solvers.equilibrium import EquilibriumPath
+from rps_exudyn.solvers.record import record_of_path
 
 HEAVY = {"pinion.density": 4e6}
 """A pinion that asks for a tenth of the torque at 30 rpm and 10 degrees."""
@@ -67,6 +69,14 @@ def test_a_swing_that_shakes_the_rack_is_refused(rpm: float, degrees: float) -> 
     run = reversal("quasi-static", rpm, degrees)
     assert run.status is Status.INVALID
     assert "too fast for equilibria" in run.message
+
+
+@pytest.mark.quick
+def test_a_path_without_any_equilibrium_makes_an_empty_record() -> None:
+    """A gear that is lost at the first instant is an outcome, so its record must be made."""
+    rows, drive = np.zeros((0, 8)), Steady("pinion", 0.0, 1.0)
+    path = EquilibriumPath(np.zeros(0), rows, rows, rows, rows, 0, 0, 0, 0, 1.0, 0.0, 0.0)
+    assert record_of_path([], path, drive).energy.size == 0
 
 
 @pytest.mark.quick
