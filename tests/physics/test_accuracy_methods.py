@@ -18,7 +18,7 @@ PITCH = GEAR.replace({"test.turns": 1 / 6})
 
 
 def test_reversal_by_generators_by_strips_and_in_motion() -> None:
-    """Equilibria with the swing's inertia and dynamics; without the inertia they differ three times as much."""
+    """Equilibria carry the swing's inertia; without it they differ from dynamics three times as much."""
     gear, step = GEAR.replace({"test.amplitude": "15 deg"}), "0.05 deg"
     reference = reference_of(
         "reversal",
