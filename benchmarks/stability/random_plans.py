@@ -1,8 +1,9 @@
-"""Random admissible plans compared with a reference: how many are right, refused, failed, or silently wrong.
+"""Random plans over every declared parameter, each compared with figures known before it is run.
 
-A plan is a random gear, speed, step, solver and stiffness over at most one tooth pitch. It is run as drawn,
-without the checks before a run, and those are asked besides: one run shows both what they let pass and what
-they refuse although it is right. Each plan has its own seed and a hard time limit.
+Of `PLANS` plans model and steps are random too; `GEARS` random gears are run in presets, as a user would.
+Each has its own seed and a hard time limit. The right figures come from `verification.plan_reference`; a plan
+that a check before the run refuses is run all the same, to see whether the refusal was a false alarm. A run
+that is stopped goes on where it was.
 """
 
 import csv
@@ -11,8 +12,9 @@ import multiprocessing
 import multiprocessing.connection
 from collections import Counter
 from functools import cache
+from math import isfinite, nan
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -20,158 +22,77 @@ import numpy as np
 from benchmarks.topic import Topic, markdown
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.checks.before_run import refused
-from rps_exudyn.gears.report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.checked_run import run_unchecked
-from rps_exudyn.verification.stability import REFERENCES, ScenePlan, error_of, reference, unchecked
+from rps_exudyn.verification.plan_reference import Expected, expected
+from rps_exudyn.verification.sampler import random_plan, usual_plan
+from rps_exudyn.verification.stability import ScenePlan
 
-SEED = 20261121
-TIME_LIMIT = 20.0  # [s] of one plan
-WRONG = 0.02  # error of the mean that must not be called ok
-SCENES = ("free-pinion-torque", "rack-push", "load-test")
-LEAST_CONTACT_RATIO = 1.2  # total; a designer's gear has more
+SEED = 20261122
+PLANS, GEARS = 1000, 300
+PRESETS = ("quasi-static", "flank", "quasi-static", "flank", "flank", "quasi-static", "flank", "flank", "full")
+TIME_LIMIT = 60.0  # [s] of one plan with its reference
+WRONG = 0.02  # error of the figure that must not be called ok
+WRONG_RIPPLE = 0.05  # error of the peak-to-peak over the mean, likewise
+RIPPLES = ("torque_peak_to_peak", "push_force_peak_to_peak")
 DATA = "random_plans.csv"
-COLUMNS = ("number", "verdict", "status", "error", "refused", "message", "seconds", "plan")
+COLUMNS = (
+    "number", "kind", "verdict", "status", "error", "ripple_error", "reference", "refused", "message",
+    "seconds", "plan",
+)  # fmt: skip
+WRONGLY_OK = ("SILENTLY WRONG", "SILENTLY WRONG RIPPLE")
 
 
-def plan_of(number: int) -> tuple[ScenePlan, str]:
-    """The random plan of that number, and its drawn values; a gear that cannot exist is drawn again."""
+def plan_of(number: int) -> ScenePlan:
+    """The random plan of that number; from `PLANS` on a random gear in a preset."""
     rng = np.random.default_rng([SEED, number])
-    while True:
-        settings, choices, scene = _drawn(rng)
-        try:
-            gear, fidelity = SteeringGear().replace(settings), Fidelity().replace(choices)
-            if geometry_report(gear).total_contact_ratio < LEAST_CONTACT_RATIO:
-                continue
-        except InputError:
-            continue
-        return ScenePlan(scene, gear, fidelity), json.dumps(
-            {"scene": scene} | settings | choices, default=float
-        )
+    return random_plan(rng) if number < PLANS else usual_plan(rng, PRESETS[number % len(PRESETS)])
 
 
-def _log(rng: np.random.Generator, low: float, high: float) -> float:
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
-
-def _seldom(rng: np.random.Generator, probability: float, value: float) -> float:
-    return float(value) if rng.random() < probability else 0.0
-
-
-def _drawn(rng: np.random.Generator) -> tuple[dict[str, Any], dict[str, Any], str]:
-    """Settings of the gear, choices of the fidelity, scene. The order of the draws is part of the seed."""
-    teeth, module = int(rng.integers(5, 11)), 1e-3 * rng.uniform(1.5, 2.3)
-    helix, shift = np.deg2rad(rng.uniform(0, 35)), rng.uniform(0.5, 1.1)
-    tip = module * teeth / np.cos(helix) + 2 * module * (shift + rng.uniform(0.6, 1.0))
-    solver = str(rng.choice(["equilibrium", "generalized-alpha"], p=[0.4, 0.6]))
-    general = solver != "equilibrium" and rng.random() < 0.06
-    scene = str(rng.choice(SCENES, p=[0.8, 0.12, 0.08]))
-    pinion = {
-        "pinion.teeth": teeth,
-        "pinion.normal_module": module,
-        "pinion.helix_angle": helix,
-        "pinion.profile_shift": shift,
-        "pinion.tip_diameter": tip,
-    }
-    settings = pinion | _drawn_settings(rng, teeth)
-    choices = _drawn_choices(rng, solver)
-    if general:
-        choices |= {"mesh": "general-contact"}
-        settings["test.turns"] = 0.1 / teeth
-        choices["step_angle"] = min(choices["step_angle"], np.deg2rad(2))
-    elif rng.random() < 0.1:
-        choices |= {"mesh": "flank-generators"}
-    if solver != "equilibrium" and choices["rack"] == "free" and choices.get("mesh", "flank") == "flank":
-        choices["bush"] = str(rng.choice(["condensed", "chain", "rigid"], p=[0.7, 0.2, 0.1]))
-    if solver != "equilibrium" and rng.random() < 0.3:
-        choices["tolerance"] = _log(rng, 1e-7, 1e-2)
-    return settings, choices, scene
-
-
-def _drawn_settings(rng: np.random.Generator, teeth: int) -> dict[str, Any]:
-    return {
-        "basic_rack.addendum": rng.uniform(0.8, 1.0),
-        "pinion.pressure_angle": np.deg2rad(rng.uniform(17, 25)),
-        "pinion.face_width": rng.uniform(8e-3, 20e-3),
-        "pinion.runout": _seldom(rng, 0.3, rng.uniform(0, 60e-6)),
-        "pinion.tip_relief": _seldom(rng, 0.2, rng.uniform(0, 20e-6)),
-        "pinion.crowning": _seldom(rng, 0.2, rng.uniform(0, 10e-6)),
-        "rack.tooth_angle": np.deg2rad(rng.uniform(-5, 15)),
-        "installation.angle_error": _seldom(rng, 0.25, np.deg2rad(rng.uniform(-1, 1))),
-        "installation.axis_offset": _seldom(rng, 0.2, rng.uniform(-1e-4, 1e-4)),
-        "yoke.preload": _log(rng, 30, 900),
-        "yoke.friction": rng.uniform(0.02, 0.25),
-        "yoke.clearance": rng.uniform(0, 1e-4),
-        "yoke.seat_stiffness": _log(rng, 1e7, 1e9),
-        "mesh.friction": rng.uniform(0.02, 0.25),
-        "mesh.stiffness": _log(rng, 1e12, 5e14),
-        "mesh.damping": _seldom(rng, 0.3, _log(rng, 1e-6, 3e-3)),
-        "bush.drag": rng.uniform(5, 60),
-        "bush.segments": int(np.round(_log(rng, 1, 40))),
-        "bush.youngs_modulus": _log(rng, 3e7, 1e10),
-        "test.speed": _log(rng, 0.5, 300) * np.pi / 30,
-        "test.turns": float(rng.choice([1.0, 0.5, 0.2])) / teeth,
-        "test.direction": int(rng.choice([-1, 1])),
-        "test.load_mass": _log(rng, 1, 60),
-    }
-
-
-def _drawn_choices(rng: np.random.Generator, solver: str) -> dict[str, Any]:
-    return {
-        "solver": solver,
-        "step_angle": np.deg2rad(_log(rng, 0.1, 20)),
-        "zone_ratio": _log(rng, 0.01, 1) if rng.random() < 0.3 else 0.1,
-        "yoke": "body",
-        "rack": str(rng.choice(["free", "guided"], p=[0.9, 0.1])),
-    }
+def text_of(plan: ScenePlan) -> str:
+    """What was drawn, for `--set`: scene, and all that differs from the defaults [SI]."""
+    model = {f"fidelity.{path}": value for path, value in plan.fidelity.changes().items()}
+    return json.dumps({"scene": plan.scene} | plan.gear.changes() | model, default=float)
 
 
 # --- one plan, in the child -------------------------------------------------------------------------
 def outcome_of(number: int) -> dict[str, Any]:
-    """Outcome of a plan, and its error."""
-    (plan, text), start = plan_of(number), perf_counter()
+    """Outcome of a plan, and its errors."""
+    plan = plan_of(number)
+    right = expected(plan)
+    start = process_time()
     refusal = "; ".join(refused(plan.gear, plan.fidelity, steady=scene_named(plan.scene).steady))
-    found: dict[str, Any] = {"refused": refusal, "plan": text}
+    found: dict[str, Any] = {"refused": refusal, "reference": right.cause or right.method}
     try:
         result = run_unchecked(plan.scene, plan.gear, plan.fidelity)
     except InputError as error:
         return found | {"status": "input-error", "message": str(error)}
-    found |= {"status": result.status.value, "message": result.message, "seconds": perf_counter() - start}
-    return found | _error(plan, result)
+    found |= {"status": result.status.value, "message": result.message, "seconds": process_time() - start}
+    return found | errors(plan, result, right)
 
 
-def _error(plan: ScenePlan, result: Result) -> dict[str, Any]:
-    """Error of its figure; a run that is not ok is compared with equilibria alone.
-
-    Where no reference is ok itself, teeth deeper than their law for instance, an unchecked one is better than
-    none, and the verdict says so.
-    """
-    value, sound = plan.figure(result), result.status is Status.OK
-    if not result.summary:
-        return {"error": float("nan")}
-    error = error_of(value, reference(plan, value, REFERENCES if sound else REFERENCES[:2]))
-    if sound and error != error:
-        finer = ScenePlan(plan.scene, plan.gear, plan.fidelity.replace(REFERENCES[2]))
-        return {"error": error_of(value, plan.figure(unchecked(finer))), "reference": "not sound"}
-    return {"error": error}
+def errors(plan: ScenePlan, result: Result, right: Expected) -> dict[str, float]:
+    """Error of the scene's figure, and of the ripple over the mean where the summary has one; else nan."""
+    figure = plan.figure(result)
+    ripple = next((result.summary[name] for name in RIPPLES if name in result.summary), nan)
+    return {
+        "error": figure / right.figure - 1 if right.figure else nan,
+        "ripple_error": (ripple - right.ripple) / abs(right.figure) if right.figure else nan,
+    }
 
 
 @cache
 def warm_up(scene: str) -> None:
     """Load or compile every kernel of a scene once, which is on no plan's clock."""
     gear = SteeringGear().replace({"test.turns": 0.01})
-    models: list[dict[str, Any]] = [
-        {"solver": solver, "mesh": mesh}
-        for solver in ("equilibrium", "generalized-alpha")
-        for mesh in ("flank", "flank-generators")
-    ]
-    models += [{"bush": "chain"}, {"mesh": "general-contact", "profile_samples": 8}]
-    for choices in models:
-        run_unchecked(scene, gear, Fidelity().replace(choices))
+    for law, mesh in (("line", "flank"), ("area", "flank"), ("area", "flank-generators")):
+        plan = ScenePlan(scene, gear.replace({"mesh.law": law}), Fidelity().replace({"mesh": mesh}))
+        expected(plan)
+        run_unchecked(plan.scene, plan.gear, plan.fidelity)
 
 
 def child(pipe: multiprocessing.connection.Connection) -> None:
@@ -181,7 +102,7 @@ def child(pipe: multiprocessing.connection.Connection) -> None:
             number = pipe.recv()
         except EOFError:  # the parent has ended
             return
-        warm_up(plan_of(number)[0].scene)
+        warm_up(plan_of(number).scene)
         pipe.send("begun")
         try:
             pipe.send(outcome_of(number))
@@ -223,28 +144,42 @@ def verdict(row: dict[str, Any]) -> str:
     """Tell whether a plan was right, refused rightly or not, failed, or was silently wrong."""
     if row["status"] == "input-error":
         return "wrong input"
-    error = row.get("error", float("nan"))
-    sound = row["status"] == "ok"
-    right = abs(error) <= WRONG
+    error, ripple = row.get("error", nan), row.get("ripple_error", nan)
+    mean_right, ripple_right = abs(error) <= WRONG, not abs(ripple) > WRONG_RIPPLE
+    right, sound = mean_right and ripple_right, row["status"] == Status.OK
     if row.get("refused"):
         return "refused, was right" if sound and right else "refused"
-    if sound and row.get("reference"):
-        return "right, reference not sound" if right else "ok, no reference"
-    if sound:
-        return "right" if right else "SILENTLY WRONG"
-    return f"{row['status']}, was right" if row["status"] == "invalid" and right else row["status"]
+    if not sound:
+        return f"{row['status']}, was right" if row["status"] == Status.INVALID and right else row["status"]
+    if not isfinite(error):
+        return "ok, no reference"
+    if right:
+        return "right"
+    return WRONGLY_OK[0] if not mean_right else WRONGLY_OK[1]
 
 
-def run(folder: Path, plans: int = 1000, first: int = 0) -> None:
-    """Run these plans, one after the other in a process of their own."""
-    worker, rows = Child(), []
-    for number in range(first, first + plans):
-        defaults = {"number": number, "plan": plan_of(number)[1], "error": float("nan"), "refused": ""}
-        row: dict[str, Any] = defaults | worker.do(number, TIME_LIMIT + 10)  # with the reference
+def run(folder: Path, plans: int = PLANS, gears: int = GEARS) -> None:
+    """Run the first of both kinds, one after the other in a process of their own."""
+    rows = read(folder / DATA)
+    done, worker = {int(row["number"]) for row in rows}, Child()
+    for number in (*range(plans), *range(PLANS, PLANS + gears)):
+        if number in done:
+            continue
+        start = perf_counter()
+        row = {"number": number, "kind": "plan" if number < PLANS else "gear"}
+        row |= {"plan": text_of(plan_of(number)), **worker.do(number, TIME_LIMIT)}
         rows.append(row | {"verdict": verdict(row)})
-        if verdict(row).isupper():
-            print({name: rows[-1].get(name) for name in COLUMNS}, flush=True)
-        write(rows, folder / DATA)
+        if rows[-1]["verdict"] in WRONGLY_OK:
+            print({name: rows[-1].get(name) for name in COLUMNS}, perf_counter() - start, flush=True)
+        write(sorted(rows, key=lambda row: int(row["number"])), folder / DATA)
+
+
+def read(path: Path) -> list[dict[str, Any]]:
+    """Return the plans that a run before this one did."""
+    if not path.exists():
+        return []
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
 
 
 def write(rows: list[dict[str, Any]], path: Path) -> None:
@@ -253,26 +188,28 @@ def write(rows: list[dict[str, Any]], path: Path) -> None:
         table = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator="\n")
         table.writeheader()
         table.writerows(
-            row | {n: f"{row[n]:.4g}" for n in ("error", "seconds") if isinstance(row.get(n), float)}
+            row | {name: f"{value:.4g}" for name, value in row.items() if isinstance(value, float)}
             for row in rows
         )
 
 
 def verdicts_table(folder: Path) -> str:
-    """Verdicts of all plans."""
-    with (folder / DATA).open(newline="") as file:
-        verdicts = Counter(row["verdict"] for row in csv.DictReader(file))
-    rows = [("all", verdicts.total()), *verdicts.most_common()]
-    return markdown(
-        ("random plans", "number"), [*rows, ("**silently wrong**", f"**{verdicts['SILENTLY WRONG']}**")]
-    )
+    """Verdicts of all plans and gears."""
+    rows = read(folder / DATA)
+    kinds = ("plan", "gear")
+    counts = {kind: Counter(row["verdict"] for row in rows if row["kind"] == kind) for kind in kinds}
+    names = [name for name, _ in sum(counts.values(), Counter()).most_common() if name not in WRONGLY_OK]
+    lines = [("all", *(counts[kind].total() for kind in kinds))]
+    lines += [(name, *(counts[kind][name] for kind in kinds)) for name in names]
+    lines += [(f"**{name.lower()}**", *(f"**{counts[kind][name]}**" for kind in kinds)) for name in WRONGLY_OK]
+    return markdown(("verdict", "random plans", "random gears"), lines)
 
 
 TOPIC = Topic(
-    "1000 random plans compared with references: right, refused, failed, silently wrong",
-    "1 h",
+    "1000 random plans and 300 gears compared with references: right, refused, failed, silently wrong",
+    "20 min",
     "stability",
     run,
-    {"plans": 1},
+    {"plans": 2, "gears": 2},
     {"random_plans": verdicts_table},
 )

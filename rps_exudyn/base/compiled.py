@@ -27,6 +27,7 @@ KERNEL_SOURCES = (
     "solvers/path_follower.py",
     "mesh_contact/*.py",
     "forces/*.py",
+    "verification/seat_cells.py",
 )
 
 

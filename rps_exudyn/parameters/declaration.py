@@ -223,6 +223,12 @@ class Declared:
         return extra["source"]  # type: ignore[return-value]
 
     @property
+    def default(self) -> Any:
+        """Value where nothing is set, in SI."""
+        usual = self.field.default
+        return units.to_si(usual, self.unit.si) if self.unit else usual
+
+    @property
     def allowed(self) -> str:
         """Values allowed, in the display unit: "more than 0 mm and at most 20 mm"."""
         if self.field.annotation is str:

@@ -19,7 +19,7 @@ from rps_exudyn.multibody.solve import SolverPlan, solve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.scene_run import Signals
-from rps_exudyn.solvers.drive import Drive
+from rps_exudyn.solvers.drive import Drive, Steady
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, GearData, Kernel
 from rps_exudyn.solvers.record import Record, signals_of
 
@@ -66,13 +66,16 @@ class FreeMotion:
         return np.asarray(np.linalg.inv(turned[np.ix_(self.moving, self.moving)]))
 
     def acceleration(self, t: float, q: np.ndarray, v: np.ndarray, inverse: np.ndarray) -> np.ndarray:
-        """Accelerations of all coordinates, (8,); 0 for the prescribed ones."""
+        """Accelerations of all coordinates, (8,); those of the drive for the prescribed ones."""
         forces, rack = np.array(self.force(q, v, self.data)), COORDINATE_BLOCKS["rack"]
         if self.pulse is not None and (shake := self.pulse.force(t)).any():
             dead = DeadForceData((shake[0], shake[1], shake[2]), self.pulse.place)
             forces[rack] += dead_force(q[rack], v[rack], dead)[:6]
         forces[rack] -= centrifugal(q[rack][3:], v[rack][3:], self.bar)
-        a = np.zeros(q.size)
+        a, short = np.zeros(q.size), 1e-6  # [s]
+        if not isinstance(self.drive, Steady):
+            turn = (self.drive.rate(t + short) - self.drive.rate(t - short)) / (2 * short)
+            a[self.drive.coordinate] = self.drive.sign * turn
         a[self.moving] = inverse @ forces[self.moving]
         return a
 

@@ -1,0 +1,258 @@
+"""The right figures of a plan, known before the plan is run, without what the plan is judged by.
+
+    right = expected(plan)
+    right.figure, right.ripple     the number that must be right, and the spread of the signal
+    right.cause                    why there are none
+
+The gear moves from many pitches before the record, as far as its teeth allow, through all of it: no settled
+start of `solvers.equilibrium`, no period that stands for others. The seat is a sum over cells; the teeth's
+contact an integral over generators, or over many stations where its law knows no generators; steps are fine
+whatever the plan's are. Where a plan has inertia and its motion is fast, classical Runge-Kutta goes on from
+there; slow motion is that without inertia.
+"""
+
+from dataclasses import dataclass, replace
+from math import ceil, nan
+
+import numpy as np
+
+from rps_exudyn.forces.external_load import Pulse
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.maneuver import largest_angle
+from rps_exudyn.scenes.yoke_impact import shaken
+from rps_exudyn.solvers.closed_form import GRAVITY
+from rps_exudyn.solvers.drive import Drive, DrivenBody, Steady, Swing, travel_per_radian
+from rps_exudyn.solvers.equilibrium import equilibrium_path
+from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, tangent
+from rps_exudyn.verification.runge_kutta import FreeMotion, runge_kutta
+from rps_exudyn.verification.seat_cells import cell_seat
+from rps_exudyn.verification.stability import ScenePlan
+
+PITCHES_BEFORE = 8
+STEPS_BEFORE = 12  # per pitch, on the way to the record ...
+STEPS = 60  # ... and of the record ...
+LEAST_STEPS, MOST_STEPS = 24, 600  # ... fewer of a long one, but no fewer than that; and of all of it
+LAST_STEPS, LAST_STEP = 4, 1e-3  # of a pitch, before inertia sets in: for exact rates
+RUN_IN = 0.5  # pitches by Runge-Kutta before the record
+PER_CYCLE = 600  # equilibria of a swing
+GENERATORS = 100
+STATIONS = {"mesh": "flank", "strip_stations": 12, "strip_points": 6}
+PER_FASTEST = 1.0  # Runge-Kutta's step over the time constant of the fastest mode; stable to 2.8
+MOST_EXPLICIT = 8000  # steps; motion that needs more is slow
+
+
+@dataclass(frozen=True)
+class Expected:
+    """The right figures of a plan.
+
+    Attributes:
+        figure: the scene's number: torque [N m], force [N], or work of the last cycle [J].
+        ripple: largest less smallest value of the signal over a way, the larger of both ways; nan where the
+            scene has none.
+        cause: why there are none; "" if there are.
+        method: "equilibria" or "Runge-Kutta".
+    """
+
+    figure: float = nan
+    ripple: float = nan
+    cause: str = ""
+    method: str = ""
+
+
+class NotFoundError(ArithmeticError):
+    """The reference found no equilibrium, or is too expensive."""
+
+
+def expected(plan: ScenePlan) -> Expected:
+    """Return the right figures of a plan of any scene."""
+    try:
+        if plan.scene == "yoke-impact":
+            return _shaken(plan)
+        if plan.scene == "reversal":
+            return _swung(plan)
+        return _turned(plan)
+    except (NotFoundError, np.linalg.LinAlgError) as error:
+        return Expected(cause=str(error))
+
+
+# --- forces ----------------------------------------------------------------------------------------
+def reference_forces(plan: ScenePlan, load: float = 0.0) -> GearForces:
+    """Return the plan's force laws, integrated finely and by other means."""
+    gear, fidelity = plan.gear, plan.fidelity
+    if fidelity.mesh in ("flank", "flank-generators", "general-contact"):
+        area = gear.mesh.law == "area"
+        contact = {"mesh": "flank-generators", "generators": GENERATORS} if area else STATIONS
+        fidelity = fidelity.replace(contact)
+    forces = gear_forces(gear, fidelity, load)
+    if fidelity.yoke != "body":
+        return forces
+    seat = cell_seat(gear, friction_zone=forces.friction_zone, rest_gap=forces.seat.data.rest_gap)
+    return replace(forces, seat=seat)
+
+
+# --- steady scenes ---------------------------------------------------------------------------------
+@dataclass(frozen=True)
+class Way:
+    """One way of a steady test: the body that the rig moves, and pinion angles [rad]."""
+
+    body: DrivenBody
+    first: float
+    last: float
+
+    @property
+    def sense(self) -> int:
+        """+1 where the rack moves along +X."""
+        return 1 if self.last > self.first else -1
+
+    @property
+    def length(self) -> float:
+        """Pinion angle turned [rad]."""
+        return abs(self.last - self.first)
+
+    def drive(self, gear: SteeringGear) -> Steady:
+        """The rig's motion, which passes the way's beginning at time 0."""
+        scale = travel_per_radian(self.body, float(GearPair.of(gear).gain))
+        return Steady(self.body, scale * self.first, scale * self.sense * gear.test.speed)
+
+
+def _ways(plan: ScenePlan) -> list[Way]:
+    """The ways whose mean is the plan's figure."""
+    test, gear = plan.gear.test, plan.gear
+    body: DrivenBody = "rack" if plan.scene == "rack-push" else "pinion"
+    first, last = test.start_angle, test.start_angle + test.direction * 2 * np.pi * test.turns
+    if test.path == "lock-to-lock":
+        lock = float(gear.rack.travel / 2 / GearPair.of(gear).gain)
+        first, last = -test.direction * lock, test.direction * lock
+    both = plan.scene == "rack-push" and test.path != "one-way"
+    return [Way(body, first, last), *([Way(body, last, first)] if both else [])]
+
+
+def _turned(plan: ScenePlan) -> Expected:
+    test = plan.gear.test
+    load = test.direction * GRAVITY * test.load_mass if plan.scene == "load-test" else 0.0
+    forces = reference_forces(plan, load)
+    means, ripples, methods = [], [], []
+    for way in _ways(plan):
+        place, force, method = _along(plan, forces, way)
+        mean = float(np.trapezoid(force, place) / (place[-1] - place[0]))
+        means.append(mean * (way.sense if plan.scene == "rack-push" else 1))
+        ripples.append(float(np.ptp(force)))
+        methods.append(method)
+    figure = float(np.mean(means)) * (test.direction if plan.scene == "load-test" else 1)
+    return Expected(figure, nan if plan.scene == "load-test" else max(ripples), method=methods[0])
+
+
+def _along(plan: ScenePlan, forces: GearForces, way: Way) -> tuple[np.ndarray, np.ndarray, str]:
+    """Places of the driven body and what the drive overcomes, over one way; and the method."""
+    gear, drive = plan.gear, way.drive(plan.gear)
+    if plan.fidelity.solver == "generalized-alpha":
+        run_in = min(RUN_IN * 2 * np.pi / gear.pinion.teeth, _room(gear, way)) / gear.test.speed
+        motion = _motion(plan, forces, drive, _before(gear, way, -run_in))
+        step = _explicit_step(motion)
+        if (steps := ceil((way.length / gear.test.speed + run_in) / step)) <= MOST_EXPLICIT:
+            shifted = replace(motion, drive=replace(drive, start=float(drive.place(-run_in))))
+            time, places, rates = runge_kutta(shifted, shifted.rate, step, steps)
+            record = shifted.recorded(time, places, rates)
+            kept = time >= run_in - step / 2
+            return drive.place(time[kept] - run_in), record.drive[kept], "Runge-Kutta"
+    before = _before(gear, way, 0.0)
+    pitches = way.length * gear.pinion.teeth / (2 * np.pi)
+    steps = ceil(pitches * max(LEAST_STEPS, min(STEPS, MOST_STEPS / pitches))) + 8
+    along = np.linspace(0, way.length / gear.test.speed, steps + 1)
+    path = _equilibria(gear, forces, drive, np.concatenate([before[:-1], along]))
+    force = -drive.sign * path.forces[-along.size :, drive.coordinate]
+    return drive.place(along), force, "equilibria"
+
+
+def _room(gear: SteeringGear, way: Way) -> float:
+    """Pinion angle before a way over which the rack has teeth [rad]."""
+    return max(0.0, largest_angle(gear) + way.sense * way.first)
+
+
+def _before(gear: SteeringGear, way: Way, end: float) -> np.ndarray:
+    """Instants of equilibria from far before a way to the instant `end` [s], both below or at 0."""
+    pitch = 2 * np.pi / gear.pinion.teeth / gear.test.speed
+    begin = -min(PITCHES_BEFORE * pitch, _room(gear, way) / gear.test.speed)
+    if begin >= end:
+        return np.array([end])
+    led = np.linspace(begin, end, max(2, ceil((end - begin) / pitch * STEPS_BEFORE)), endpoint=False)
+    last = end - LAST_STEP * pitch * np.arange(LAST_STEPS, -1, -1)
+    return np.concatenate([led[led < last[0] - LAST_STEP * pitch], last[last >= begin]])
+
+
+def _equilibria(gear, forces, drive, time):  # type: ignore[no-untyped-def]
+    path = equilibrium_path(forces.statics, GearPair.of(gear), drive, time)
+    if not path.converged:
+        raise NotFoundError(f"no equilibrium at {path.lost_at:.4g} s, {path.residual:.3g} N remain")
+    return path
+
+
+# --- with inertia ----------------------------------------------------------------------------------
+def _motion(plan: ScenePlan, forces: GearForces, drive: Drive, before: np.ndarray, pulse: Pulse | None = None) -> FreeMotion:
+    """The gear where equilibria from far before have led it, with the reference's forces."""
+    path = _equilibria(plan.gear, forces, drive, before)
+    condensed = plan.fidelity.replace({"bush": "condensed"} if "segment" in forces.fit.bodies else {})
+    motion = FreeMotion.of(plan.gear, condensed, Steady("pinion", 0.0, 0.0), pulse)
+    kernel, data = forces.statics.force, forces.statics.data
+    moving = np.array([i for i in range(8) if i not in (drive.coordinate, *forces.locked)])
+    return replace(
+        motion,
+        elements=[],
+        drive=drive,
+        place=path.coordinates[-1],
+        rate=path.rates[-1],
+        moving=moving,
+        force=kernel,
+        data=data,
+    )
+
+
+def _explicit_step(motion: FreeMotion) -> float:
+    """Step in which Runge-Kutta resolves the fastest mode where the motion starts [s]."""
+    inverse, moving = motion.inverse_mass(motion.place), np.ix_(motion.moving, motion.moving)
+    slope = tangent(motion.force)
+    stiffness, damping = (
+        inverse @ slope(motion.place, motion.rate, motion.data, *factors)[moving]
+        for factors in ((1.0, 0.0), (0.0, 1.0))
+    )
+    n = len(stiffness)
+    state = np.block([[np.zeros((n, n)), np.eye(n)], [stiffness, damping]])
+    return PER_FASTEST / float(np.abs(np.linalg.eigvals(state)).max())
+
+
+def _swung(plan: ScenePlan) -> Expected:
+    """The work of a cycle, after two others."""
+    test = plan.gear.test
+    drive = Swing("pinion", test.start_angle, test.amplitude, test.direction * test.speed)
+    forces = reference_forces(plan)
+    cycle = np.linspace(0, drive.period, PER_CYCLE + 1)
+    time = np.concatenate([cycle[:-1] - drive.period, cycle])
+    motion = _motion(plan, forces, drive, time[: PER_CYCLE + 1])
+    step = _explicit_step(motion)
+    if (steps := ceil(2 * drive.period / step)) <= MOST_EXPLICIT:
+        times, places, rates = runge_kutta(motion, motion.rate, step, steps)
+        record, kept = motion.recorded(times, places, rates), times >= drive.period
+        return Expected(
+            float(np.trapezoid(record.drive[kept], drive.place(times[kept]))), method="Runge-Kutta"
+        )
+    path = _equilibria(plan.gear, forces, drive, time)
+    overcome = -drive.sign * path.forces[-cycle.size :, drive.coordinate]
+    return Expected(float(np.trapezoid(overcome, drive.place(cycle))), method="equilibria")
+
+
+def _shaken(plan: ScenePlan) -> Expected:
+    """The largest force of the yokenut."""
+    maneuver = shaken(plan.gear)
+    forces = reference_forces(plan)
+    motion = _motion(plan, forces, maneuver.drive, np.zeros(1), maneuver.pulse)
+    step = _explicit_step(motion)
+    steps = ceil(maneuver.steps * maneuver.time_step / step)
+    if steps > MOST_EXPLICIT:
+        raise NotFoundError(f"{steps} steps of Runge-Kutta")
+    _, places, _ = runge_kutta(motion, motion.rate, step, steps)
+    nut = forces.nut
+    assert nut is not None
+    depth = places[:, COORDINATE_BLOCKS["plunger"].start] - plan.gear.yoke.clearance
+    return Expected(float(plan.gear.yoke.nut_stiffness * max(depth.max(), 0.0)), method="Runge-Kutta")

@@ -1,0 +1,183 @@
+"""Random gears, tests and models over every declared parameter; the declaration drives the draw.
+
+    rng = np.random.default_rng(1)
+    gear, scene = random_gear(rng, "free-pinion-torque")
+    fidelity = random_fidelity(rng)
+
+A parameter that is declared anew gets a range from its declaration, or none and then a test fails
+(`ranges.range_of`). What cannot exist, leaves the rack's teeth or contradicts itself is drawn again.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.basic_rack import pointed_radius, undercut_limit
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.report import check_gear
+from rps_exudyn.gears.trochoid import form_point
+from rps_exudyn.parameters.declaration import Table
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.maneuver import largest_angle, maneuvers_of_test, swing_maneuver
+from rps_exudyn.scenes.yoke_impact import shaken
+from rps_exudyn.verification.ranges import Range, range_of, scaled, within
+from rps_exudyn.verification.stability import ScenePlan
+from rps_exudyn.verification.stated_ranges import FIDELITY, GEAR, SCALE, USUAL_SCALE, USUAL_SHARE
+
+SCENE_WEIGHTS = {
+    "free-pinion-torque": 0.6, "rack-push": 0.12, "load-test": 0.1, "reversal": 0.15, "yoke-impact": 0.03
+}
+
+
+COARSE = np.deg2rad(10)  # steps by which a test is tried
+MOST_STEPS = 2500  # of a plan
+PART_OF_PITCH = 0.2  # that a plan with general contact turns
+
+
+def random_scene(rng: np.random.Generator) -> str:
+    """Return the name of a scene."""
+    return str(rng.choice(list(SCENE_WEIGHTS), p=list(SCENE_WEIGHTS.values())))
+
+
+def random_gear(rng: np.random.Generator, scene: str) -> SteeringGear:
+    """Return a gear that can exist, with a test of the scene that stays on its teeth."""
+    while True:
+        try:
+            gear = placed(_drawn_gear(rng))
+            check_gear(gear)
+            REACHES[scene](gear)
+        except InputError:
+            continue
+        return gear
+
+
+def random_fidelity(rng: np.random.Generator, fixed: Mapping[str, Any] | None = None) -> Fidelity:
+    """Return a model without contradictions, some of its choices fixed."""
+    while True:
+        drawn = _drawn(rng, Fidelity, FIDELITY)
+        try:
+            return Fidelity().replace({**drawn, **(fixed or {})})
+        except InputError:
+            continue
+
+
+def _drawn(rng: np.random.Generator, table: type[Table], stated: Mapping[str, Range]) -> dict[str, Any]:
+    """Draw every parameter, in an order in which those that others need come first."""
+    items = {item.path: item for item in table.declared()}
+    ranges = {path: range_of(item, stated) for path, item in items.items()}
+    drawn: dict[str, Any] = {}
+    waiting = list(ranges)
+    while waiting:
+        path = waiting.pop(0)
+        try:
+            drawn[path] = ranges[path].draw(rng, drawn)
+        except KeyError:  # of a parameter that is not drawn yet
+            waiting.append(path)
+    return drawn
+
+
+def _drawn_gear(rng: np.random.Generator) -> SteeringGear:
+    """Draw a gear of the default's size and scale it.
+
+    Raises:
+        InputError: the numbers drawn make no gear.
+    """
+    items = {item.path: item for item in SteeringGear.declared()}
+    drawn = _drawn(rng, SteeringGear, GEAR)
+    scale = (USUAL_SCALE if rng.random() < USUAL_SHARE else SCALE).draw(rng, drawn)
+    shift, tip = drawn.pop("pinion.profile_shift"), drawn.pop("pinion.tip_diameter")
+    drawn["test.turns"] /= drawn["pinion.teeth"]
+    settings = {
+        path: within(items[path], scaled(items[path], value, scale)) for path, value in drawn.items()
+    }
+    return with_teeth(SteeringGear().replace(settings), shift, tip)
+
+
+def with_teeth(gear: SteeringGear, margin: float, fraction: float) -> SteeringGear:
+    """Return the gear without undercut: `margin` above the least profile shift, its tip circle at a
+    fraction of the way from the form circle to the point.
+
+    Raises:
+        InputError: there is no such tooth.
+    """
+    shifted = gear.replace({"pinion.profile_shift": float(undercut_limit(GearPair.of(gear)) + margin)})
+    pair = GearPair.of(shifted)
+    try:
+        form, pointed = form_point(pair).radius, pointed_radius(pair)
+    except ValueError as error:
+        raise InputError([str(error)]) from None
+    return shifted.replace({"pinion.tip_diameter": 2 * float(form + fraction * (pointed - form))})
+
+
+def placed(gear: SteeringGear) -> SteeringGear:
+    """Return the gear whose start angle was a share of what its teeth allow."""
+    return gear.replace({"test.start_angle": gear.test.start_angle * largest_angle(gear)})
+
+
+# --- plans -------------------------------------------------------------------------------------------
+def random_plan(rng: np.random.Generator) -> ScenePlan:
+    """Return a random gear and test in a random scene, in a random model that the scene can have."""
+    scene = random_scene(rng)
+    gear = random_gear(rng, scene)
+    fixed: dict[str, Any] = {}
+    if scene_named(scene).needs_inertia:
+        fixed = {"solver": "generalized-alpha", "yoke": "body"}
+    fidelity = random_fidelity(rng, fixed)
+    if fidelity.mesh == "flank-generators":
+        gear = gear.replace({"mesh.law": "area"})  # the law that knows generators
+    return ScenePlan(scene, gear, affordable(gear, scene, fidelity))
+
+
+def usual_plan(rng: np.random.Generator, preset: str) -> ScenePlan:
+    """Return a random gear and test as its user would run it: in a preset."""
+    scene = random_scene(rng)
+    fidelity = Fidelity.preset("flank" if scene_named(scene).needs_inertia else preset)
+    if fidelity.mesh != "general-contact":
+        gear = random_gear(rng, scene)
+        return ScenePlan(scene, gear, affordable(gear, scene, fidelity))
+    gear = random_gear(rng, "free-pinion-torque")
+    part = {"test.path": "one-way", "test.turns": PART_OF_PITCH / gear.pinion.teeth, "mesh.law": "area"}
+    return ScenePlan("free-pinion-torque", gear.replace(part), fidelity)
+
+
+def affordable(gear: SteeringGear, scene: str, fidelity: Fidelity) -> Fidelity:
+    """Return the model, in steps as long as a plan can afford."""
+    if scene in ("reversal", "yoke-impact"):
+        return fidelity
+    steps = sum(
+        maneuver.lead + maneuver.steps for maneuver in maneuvers_of_test(gear, "pinion", fidelity.step_angle)
+    )
+    return fidelity.replace({"step_angle": fidelity.step_angle * max(1.0, steps / MOST_STEPS)})
+
+
+# --- whether a test stays on the teeth -----------------------------------------------------------------
+def _turning(gear: SteeringGear) -> None:
+    maneuvers_of_test(gear, "pinion", COARSE)
+
+
+def _loading(gear: SteeringGear) -> None:
+    if not gear.test.load_mass > 0:
+        raise InputError("no weight")
+    maneuvers_of_test(gear.replace({"test.path": "there-and-back"}), "pinion", COARSE)
+
+
+def _steering(gear: SteeringGear) -> None:
+    swing_maneuver(gear, COARSE)
+
+
+def _shaking(gear: SteeringGear) -> None:
+    shaken(gear)
+
+
+REACHES: dict[str, Callable[[SteeringGear], None]] = {
+    "free-pinion-torque": _turning,
+    "rack-push": _turning,
+    "load-test": _loading,
+    "reversal": _steering,
+    "yoke-impact": _shaking,
+}
+"""Scene -> what raises InputError where its test leaves the rack's teeth."""

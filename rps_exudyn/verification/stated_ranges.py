@@ -1,0 +1,132 @@
+"""Ranges that do not follow from a parameter's declaration, for random gears and models of any kind.
+
+They are wider than what is built: the whole width in which a user may look for a limit. Lengths and forces
+are those of a gear of the default's module; parts that must fit others are drawn as shares of these.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.verification.ranges import Choice, Drawn, Even, Logarithmic, Range, Seldom, Share, Whole
+
+DEG = np.pi / 180
+RPM = np.pi / 30
+MODULE = SteeringGear().pinion.normal_module  # of the gear whose size the ranges have
+SCALE = Logarithmic(0.3e-3 / MODULE, 20e-3 / MODULE)  # modules of 0.3 to 20 mm
+USUAL_SCALE = Even(0.85, 1.25)  # modules of 1.6 to 2.3 mm
+USUAL_SHARE = 0.6  # of the gears are of usual size
+
+TEETH: dict[str, Range] = {
+    "basic_rack.addendum": Even(0.7, 1.0),
+    "basic_rack.dedendum": Share(Even(1.2, 1.5), lambda drawn: drawn["basic_rack.addendum"]),
+    "basic_rack.fillet_radius": Share(Even(0.3, 0.95), lambda drawn: _largest_fillet(drawn)),
+    "pinion.teeth": Whole(4, 16),
+    "pinion.normal_module": Even(MODULE, MODULE),  # the scale makes others of it
+    "pinion.pressure_angle": Even(16 * DEG, 28 * DEG),
+    "pinion.helix_angle": Even(-40 * DEG, 40 * DEG),
+    "pinion.profile_shift": Even(0.01, 0.6),  # above the least without undercut
+    "pinion.tip_diameter": Even(0.35, 0.95),  # of the way from the form circle to the point
+    "rack.tooth_angle": Even(-25 * DEG, 25 * DEG),
+}
+
+ERRORS: dict[str, Range] = {
+    "pinion.runout": Seldom(0.35, Even(0, 60e-6)),
+    "pinion.runout_angle": Even(0, 2 * np.pi),
+    "pinion.tip_relief": Seldom(0.25, Even(0, 30e-6)),
+    "pinion.tip_relief_length": Even(0.2e-3, 1.2e-3),
+    "pinion.crowning": Seldom(0.25, Even(0, 15e-6)),
+    "pinion.pitch_error": Seldom(0.25, Even(-15e-6, 15e-6)),
+    "pinion.profile_slope": Seldom(0.25, Even(-15e-6, 15e-6)),
+    "installation.angle_error": Seldom(0.3, Even(-0.8 * DEG, 0.8 * DEG)),
+    "installation.axis_offset": Seldom(0.3, Even(-0.3e-3, 0.3e-3)),
+    "installation.gravity": Seldom(0.3, Even(-9.81, 9.81)),
+}
+
+PARTS: dict[str, Range] = {
+    "rack.reference_height": Share(Even(0.35, 0.92), lambda drawn: _radius_below_teeth(drawn)),
+    "rack.travel": Even(0.06, 0.2),
+    "yoke.preload": Logarithmic(50, 900),
+    "yoke.spring_rate": Logarithmic(5e3, 3e5),
+    "yoke.clearance": Even(0, 0.15e-3),
+    "yoke.friction": Even(0.02, 0.3),
+    "yoke.seat_angle": Even(10 * DEG, 65 * DEG),
+    "yoke.seat_length": Share(Even(0.2, 0.95), lambda drawn: _longest_seat(drawn)),
+    "yoke.seat_stiffness": Logarithmic(7e6, 2e9),
+    "yoke.plunger_diameter": Share(Even(1.0, 1.6), lambda drawn: drawn["rack.bar_diameter"]),
+    "yoke.nut_diameter": Share(Even(1.0, 1.4), lambda drawn: drawn["yoke.plunger_diameter"]),
+    "yoke.nut_stiffness": Logarithmic(1e6, 1e9),
+    "yoke.plunger_mass": Logarithmic(0.02, 0.6),
+    "bush.inner_diameter": Share(Even(1.01, 1.2), lambda drawn: drawn["rack.bar_diameter"]),
+    "bush.outer_diameter": Share(Even(1.1, 1.6), lambda drawn: drawn["bush.inner_diameter"]),
+    "bush.youngs_modulus": Logarithmic(3e7, 7e10),
+    "bush.poisson_ratio": Even(0, 0.45),
+    "bush.segments": Whole(1, 40),
+    "bush.drag": Even(0, 80),
+    "bush.distance": Share(Even(0.5, 1.0), lambda drawn: _farthest_bush(drawn)),
+    "bearing.friction_torque": Even(0, 0.1),
+    "mesh.law": Choice({"line": 2, "area": 1}),
+    "mesh.friction": Even(0.02, 0.3),
+    "mesh.stiffness": Logarithmic(3e12, 2e14),
+    "mesh.damping": Seldom(0.25, Logarithmic(1e-6, 1e-3)),
+    "mesh.line_stiffness": Even(5e9, 25e9),
+}
+
+TEST: dict[str, Range] = {
+    "test.speed": Logarithmic(0.5 * RPM, 250 * RPM),
+    "test.turns": Choice({0.3: 1, 0.5: 2, 1: 3, 1.7: 2, 2: 1, 3: 1, 6.4: 1}),  # pitches
+    "test.start_angle": Seldom(0.7, Even(-0.9, 0.9)),  # of the way to the end of the teeth
+    "test.path": Choice({"one-way": 8, "there-and-back": 2, "lock-to-lock": 1}),
+    "test.load_mass": Logarithmic(1, 60),
+    "test.amplitude": Logarithmic(2 * DEG, 90 * DEG),
+    "test.cycles": Whole(1, 2),
+    "test.pulses": Whole(1, 2),
+    "test.pulse_force": Even(-2500, 2500),
+}
+
+GEAR: Mapping[str, Range] = {**TEETH, **ERRORS, **PARTS, **TEST}
+
+FIDELITY: Mapping[str, Range] = {
+    # the kinematic ratio is judged by its own laws; general contact is drawn apart, for it costs more
+    "mesh": Choice({"flank": 17, "flank-generators": 2, "ratio": 0, "ratio-with-loss": 0, "general-contact": 0}),
+    "bush": Choice({"condensed": 7, "rigid": 1, "chain": 1, "adams-chain": 1}),
+    "yoke": Choice({"body": 9, "force": 1}),
+    "rack": Choice({"free": 9, "guided": 1}),
+    # formulas have no error of method: what they leave out is said where they stand
+    "solver": Choice({"equilibrium": 1, "generalized-alpha": 1, "closed-form": 0}),
+    "step_angle": Logarithmic(0.1 * DEG, 15 * DEG),
+    "torque_tolerance": Seldom(0.2, Logarithmic(1e-4, 1e-2)),
+    "tolerance": Logarithmic(1e-6, 1e-2),
+    "strip_stations": Whole(2, 8),
+    "strip_points": Whole(2, 6),
+    "generators": Whole(20, 320),
+    "profile_samples": Whole(12, 60),
+    "axial_samples": Whole(8, 40),
+    "zone_ratio": Logarithmic(0.01, 1),
+}
+
+
+def _largest_fillet(drawn: Drawn) -> float:
+    """Largest fillet radius that leaves the cutter a flat tip, and the rack's tips room [modules]."""
+    alpha, dedendum = drawn["pinion.pressure_angle"], drawn["basic_rack.dedendum"]
+    flat = (np.pi / 4 - dedendum * np.tan(alpha)) / (1 / np.cos(alpha) - np.tan(alpha))
+    reached = (dedendum - drawn["basic_rack.addendum"]) / (1 - np.sin(alpha))
+    return float(max(0.0, min(0.5, flat, reached)))
+
+
+def _radius_below_teeth(drawn: Drawn) -> float:
+    """Height of the reference line at which the teeth reach the bar's surface [m]."""
+    return float(drawn["rack.bar_diameter"] / 2 - drawn["basic_rack.addendum"] * MODULE)
+
+
+def _longest_seat(drawn: Drawn) -> float:
+    """Length of the seat whose corners reach the plunger's edge [m]; short where its arc nearly does."""
+    plunger = drawn["yoke.plunger_diameter"] / 2
+    half_width = drawn["rack.bar_diameter"] / 2 * np.sin(drawn["yoke.seat_angle"])
+    return float(2 * np.sqrt(max(plunger**2 - half_width**2, (0.1 * plunger) ** 2)))
+
+
+def _farthest_bush(drawn: Drawn) -> float:
+    """Distance of the bush at which the rack still reaches through it [m]."""
+    return float(drawn["rack.length"] - drawn["bush.length"] - drawn["rack.travel"] / 2)
