@@ -190,7 +190,9 @@ def _equilibria(gear, forces, drive, time):  # type: ignore[no-untyped-def]
 
 
 # --- with inertia ----------------------------------------------------------------------------------
-def _motion(plan: ScenePlan, forces: GearForces, drive: Drive, before: np.ndarray, pulse: Pulse | None = None) -> FreeMotion:
+def _motion(
+    plan: ScenePlan, forces: GearForces, drive: Drive, before: np.ndarray, pulse: Pulse | None = None
+) -> FreeMotion:
     """The gear where equilibria from far before have led it, with the reference's forces."""
     path = _equilibria(plan.gear, forces, drive, before)
     condensed = plan.fidelity.replace({"bush": "condensed"} if "segment" in forces.fit.bodies else {})

@@ -158,5 +158,8 @@ def within(item: Declared, value: Any) -> Any:
     """Return the admissible value nearest to one that scaling may have led beyond a parameter's limits."""
     if not isinstance(value, float):
         return value
-    return float(np.clip(value, max(_limits(item, Ge, "ge"), default=-np.inf),
-                         min(_limits(item, Le, "le"), default=np.inf)))
+    return float(
+        np.clip(
+            value, max(_limits(item, Ge, "ge"), default=-np.inf), min(_limits(item, Le, "le"), default=np.inf)
+        )
+    )

@@ -9,7 +9,9 @@ A parameter that is declared anew gets a range from its declaration, or none and
 """
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
+from zlib import crc32
 
 import numpy as np
 
@@ -29,7 +31,11 @@ from rps_exudyn.verification.stability import ScenePlan
 from rps_exudyn.verification.stated_ranges import FIDELITY, GEAR, SCALE, USUAL_SCALE, USUAL_SHARE
 
 SCENE_WEIGHTS = {
-    "free-pinion-torque": 0.6, "rack-push": 0.12, "load-test": 0.1, "reversal": 0.15, "yoke-impact": 0.03
+    "free-pinion-torque": 0.6,
+    "rack-push": 0.12,
+    "load-test": 0.1,
+    "reversal": 0.15,
+    "yoke-impact": 0.03,
 }
 
 
@@ -58,26 +64,32 @@ def random_gear(rng: np.random.Generator, scene: str) -> SteeringGear:
 def random_fidelity(rng: np.random.Generator, fixed: Mapping[str, Any] | None = None) -> Fidelity:
     """Return a model without contradictions, some of its choices fixed."""
     while True:
-        drawn = _drawn(rng, Fidelity, FIDELITY)
+        values = drawn(rng, Fidelity, FIDELITY)
         try:
-            return Fidelity().replace({**drawn, **(fixed or {})})
+            return Fidelity().replace({**values, **(fixed or {})})
         except InputError:
             continue
 
 
-def _drawn(rng: np.random.Generator, table: type[Table], stated: Mapping[str, Range]) -> dict[str, Any]:
-    """Draw every parameter, in an order in which those that others need come first."""
+def drawn(rng: np.random.Generator, table: type[Table], stated: Mapping[str, Range]) -> dict[str, Any]:
+    """Draw every parameter, in an order in which those that others need come first.
+
+    Each has a generator of its own, so that one declared anew changes none of the others.
+
+    Raises:
+        LookupError: a parameter has no range, or ranges need each other.
+    """
+    seed = int(rng.integers(2**32))
     items = {item.path: item for item in table.declared()}
     ranges = {path: range_of(item, stated) for path, item in items.items()}
-    drawn: dict[str, Any] = {}
-    waiting = list(ranges)
-    while waiting:
-        path = waiting.pop(0)
-        try:
-            drawn[path] = ranges[path].draw(rng, drawn)
-        except KeyError:  # of a parameter that is not drawn yet
-            waiting.append(path)
-    return drawn
+    values: dict[str, Any] = {}
+    while missing := [path for path in ranges if path not in values]:
+        for path in missing:
+            with suppress(KeyError):  # of a parameter that is not drawn yet
+                values[path] = ranges[path].draw(np.random.default_rng([seed, crc32(path.encode())]), values)
+        if not values.keys() & set(missing):
+            raise LookupError(f"the ranges of {', '.join(missing)} need each other")
+    return values
 
 
 def _drawn_gear(rng: np.random.Generator) -> SteeringGear:
@@ -87,12 +99,12 @@ def _drawn_gear(rng: np.random.Generator) -> SteeringGear:
         InputError: the numbers drawn make no gear.
     """
     items = {item.path: item for item in SteeringGear.declared()}
-    drawn = _drawn(rng, SteeringGear, GEAR)
-    scale = (USUAL_SCALE if rng.random() < USUAL_SHARE else SCALE).draw(rng, drawn)
-    shift, tip = drawn.pop("pinion.profile_shift"), drawn.pop("pinion.tip_diameter")
-    drawn["test.turns"] /= drawn["pinion.teeth"]
+    values = drawn(rng, SteeringGear, GEAR)
+    scale = (USUAL_SCALE if rng.random() < USUAL_SHARE else SCALE).draw(rng, values)
+    shift, tip = values.pop("pinion.profile_shift"), values.pop("pinion.tip_diameter")
+    values["test.turns"] /= values["pinion.teeth"]
     settings = {
-        path: within(items[path], scaled(items[path], value, scale)) for path, value in drawn.items()
+        path: within(items[path], scaled(items[path], value, scale)) for path, value in values.items()
     }
     return with_teeth(SteeringGear().replace(settings), shift, tip)
 

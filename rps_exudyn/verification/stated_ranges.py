@@ -38,6 +38,7 @@ ERRORS: dict[str, Range] = {
     "pinion.tip_relief_length": Even(0.2e-3, 1.2e-3),
     "pinion.crowning": Seldom(0.25, Even(0, 15e-6)),
     "pinion.pitch_error": Seldom(0.25, Even(-15e-6, 15e-6)),
+    "pinion.lead_error": Seldom(0.25, Even(-20e-6, 20e-6)),
     "pinion.profile_slope": Seldom(0.25, Even(-15e-6, 15e-6)),
     "installation.angle_error": Seldom(0.3, Even(-0.8 * DEG, 0.8 * DEG)),
     "installation.axis_offset": Seldom(0.3, Even(-0.3e-3, 0.3e-3)),
@@ -89,7 +90,9 @@ GEAR: Mapping[str, Range] = {**TEETH, **ERRORS, **PARTS, **TEST}
 
 FIDELITY: Mapping[str, Range] = {
     # the kinematic ratio is judged by its own laws; general contact is drawn apart, for it costs more
-    "mesh": Choice({"flank": 17, "flank-generators": 2, "ratio": 0, "ratio-with-loss": 0, "general-contact": 0}),
+    "mesh": Choice(
+        {"flank": 17, "flank-generators": 2, "ratio": 0, "ratio-with-loss": 0, "general-contact": 0}
+    ),
     "bush": Choice({"condensed": 7, "rigid": 1, "chain": 1, "adams-chain": 1}),
     "yoke": Choice({"body": 9, "force": 1}),
     "rack": Choice({"free": 9, "guided": 1}),

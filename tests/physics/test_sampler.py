@@ -1,0 +1,89 @@
+"""Random gears and models come from every declared parameter, and are similar gears in every size."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+
+from rps_exudyn.gears.report import check_gear
+from rps_exudyn.parameters.declaration import Length, Number, Table, parameter
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.verification.ranges import Logarithmic, Range, range_of, scaled
+from rps_exudyn.verification.runs import run_scene
+from rps_exudyn.verification.sampler import drawn, random_gear, random_plan
+from rps_exudyn.verification.stated_ranges import FIDELITY, GEAR
+
+FIXED = {"pinion.normal_module"}  # the scale of the whole gear makes others of it
+
+
+class Newer(Table):
+    """Parameters as one may declare them some day."""
+
+    width: Length = parameter("4 mm", "a part's width", "estimate", gt=0, le=0.006)
+    kind: Number = parameter(0.0, "an error", "estimate")
+
+
+@pytest.mark.parametrize(("table", "stated"), [(SteeringGear, GEAR), (Fidelity, FIDELITY)])
+def test_every_declared_parameter_is_drawn_and_varies(
+    table: type[Table], stated: Mapping[str, Range]
+) -> None:
+    several = [drawn(np.random.default_rng(seed), table, stated) for seed in range(40)]
+    declared = {item.path for item in table.declared()}
+    assert {path for draw in several for path in draw} == declared
+    varied = {path for path in declared if len({draw[path] for draw in several}) > 1}
+    assert declared - varied <= FIXED
+
+
+def test_no_range_is_stated_for_what_is_not_declared() -> None:
+    assert GEAR.keys() <= {item.path for item in SteeringGear.declared()}
+    assert FIDELITY.keys() <= {item.path for item in Fidelity.declared()}
+
+
+def test_a_parameter_declared_anew_gets_a_range_about_its_default_or_none() -> None:
+    width, kind = Newer.declared()
+    assert range_of(width, {}) == Logarithmic(0.002, 0.006)  # half the default to its upper limit
+    with pytest.raises(LookupError, match="kind has no range"):
+        range_of(kind, {})
+
+
+def test_a_parameter_declared_anew_changes_none_of_the_others() -> None:
+    """Plans that are published stay what they are."""
+    fewer = {path: item for path, item in GEAR.items() if path != "mesh.friction"}  # another range follows
+    before, after = (drawn(np.random.default_rng(3), SteeringGear, stated) for stated in (GEAR, fewer))
+    assert {path for path in before if before[path] != after[path]} == {"mesh.friction"}
+
+
+def test_random_gears_can_exist_in_any_size() -> None:
+    gears = [random_gear(np.random.default_rng(seed), "free-pinion-torque") for seed in range(40)]
+    for gear in gears:
+        check_gear(gear)  # raises
+    modules = [gear.pinion.normal_module for gear in gears]
+    assert min(modules) < 1e-3
+    assert max(modules) > 5e-3
+
+
+def test_a_plan_is_that_of_its_seed() -> None:
+    first, second = (random_plan(np.random.default_rng([1, 2])) for _ in range(2))
+    assert (first.scene, first.gear, first.fidelity) == (second.scene, second.gear, second.fidelity)
+
+
+@pytest.mark.parametrize("scale", [0.2, 5.0])
+def test_a_scaled_gear_is_similar(scale: float) -> None:
+    """Torques grow with the cube of the length where stresses and speeds are the same.
+
+    Unbalanced forces are accepted to 1e-3 N whatever the size: 1e-4 of the smaller gear's.
+    """
+    gear = SteeringGear().replace({"test.turns": 1 / 6, "mesh.law": "line", "installation.axis_offset": 1e-5})
+    larger = gear.replace(
+        {
+            item.path: scaled(item, gear.value_at(item.path), scale)
+            for item in SteeringGear.declared()
+            if item.unit
+        }
+    )
+    ours, theirs = (
+        run_scene("free-pinion-torque", each, Fidelity.preset("quasi-static")).summary["torque_mean"]
+        for each in (gear, larger)
+    )
+    assert theirs == pytest.approx(scale**3 * ours, rel=1e-3)
