@@ -1,5 +1,7 @@
 """The summaries' figures that several scenes share."""
 
+from collections.abc import Collection
+
 import numpy as np
 
 from rps_exudyn.analysis.direction import describe_directions
@@ -22,6 +24,11 @@ def figures_of_turning(signals: Signals, gear: SteeringGear) -> dict[str, float]
         **describe_on_centre(signals, teeth),
         **figures_of_motion(signals, gear),
     }
+
+
+def without(figures: dict[str, float], left_out: Collection[str]) -> dict[str, float]:
+    """Return the figures but for those left out."""
+    return {name: value for name, value in figures.items() if name not in left_out}
 
 
 def figures_of_motion(signals: Signals, gear: SteeringGear) -> dict[str, float]:

@@ -5,12 +5,13 @@ The rack moves as fast as the pinion would move it at the test's speed, over the
 
 import numpy as np
 
+from rps_exudyn.analysis.harmonics import LEAST_PER_PERIOD
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.figures import figures_of_motion
+from rps_exudyn.scenes.figures import figures_of_motion, without
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
-from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.remarks import remarks, unresolved_vibration
 from rps_exudyn.scenes.run_maneuver import run_maneuvers
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene import Scene
@@ -25,8 +26,11 @@ def rack_push(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     """
     maneuvers = maneuvers_of_test(gear, "rack", fidelity.step_angle, options.least_steps)
     run = run_maneuvers(gear, fidelity, maneuvers, options)
-    return run.noting(*remarks(gear, run.signals)).described(
-        lambda signals: {**push_figures(signals), **figures_of_motion(signals, gear)}
+    vibration = unresolved_vibration(fidelity, run.signals, "rack_force", "rack_displacement")
+    coarse = fidelity.step_angle > 2 * np.pi / gear.pinion.teeth / LEAST_PER_PERIOD
+    left_out = ("push_force_peak_to_peak",) if vibration or coarse else ()
+    return run.noting(*remarks(gear, run.signals), vibration).described(
+        lambda signals: without({**push_figures(signals), **figures_of_motion(signals, gear)}, left_out)
     )
 
 

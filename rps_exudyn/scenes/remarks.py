@@ -4,7 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from rps_exudyn.analysis.passes import passes
+from rps_exudyn.analysis.resolution import UNRESOLVED, unresolved
 from rps_exudyn.checks.after_run import first_angle
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.scene_run import Signals
 
@@ -42,3 +45,19 @@ def _yoke_stopped(gear: SteeringGear, signals: Signals) -> Iterator[str]:
             f"yoke.clearance = {1e6 * gear.yoke.clearance:.4g} um {STOPPED}, first at "
             f"{first_angle(signals, force > 0)}; the yokenut carries up to {force.max():.4g} N"
         )
+
+
+def unresolved_vibration(fidelity: Fidelity, signals: Signals, signal: str, place: str) -> str:
+    """Return a remark on a dynamic record whose steps do not resolve how its signal vibrates over a place,
+    or ""."""
+    if fidelity.solver != "generalized-alpha" or signal not in signals:
+        return ""
+    ways = [each.signals for each in passes(signals)]
+    share = max((unresolved(way[place], way[signal]) for way in ways), default=0.0)
+    if share <= UNRESOLVED:
+        return ""
+    return (
+        f"{signal} leaves the curve through its neighbours by up to {share:.1%} of its mean: vibration that "
+        "the steps do not resolve, so that its peak to peak is left out; lower fidelity.step_angle, or "
+        "choose the fidelity quasi-static, which knows no vibration"
+    )

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from rps_exudyn.analysis.resolution import missed
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import Balance, EquilibriumPath
@@ -30,8 +31,8 @@ def adaptive_path(
     for _ in range(MAX_HALVINGS):
         if not path.converged:
             break
-        missed = _missed(time, path.forces[-len(time) :, drive.coordinate]) > tolerance
-        halved = missed[:-1] | missed[1:]
+        coarse = missed(time, path.forces[-len(time) :, drive.coordinate]) > tolerance
+        halved = coarse[:-1] | coarse[1:]
         if not halved.any():
             break
         time = np.insert(time, np.flatnonzero(halved) + 1, ((time[:-1] + time[1:]) / 2)[halved])
@@ -40,20 +41,3 @@ def adaptive_path(
         iterations += path.iterations
         tangents += path.tangents
     return replace(path, evaluations=evaluations, iterations=iterations, tangents=tangents)
-
-
-def _missed(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Distance of each value from the cubic through its four neighbours; 0 at the two ends each way."""
-    missed = np.zeros(len(x))
-    at = x[2:-2]
-    nodes = [x[:-4], x[1:-3], x[3:-1], x[4:]]
-    values = [y[:-4], y[1:-3], y[3:-1], y[4:]]
-    cubic = np.zeros(len(at))
-    for i, value in enumerate(values):
-        weight = np.ones(len(at))
-        for j, node in enumerate(nodes):
-            if j != i:
-                weight *= (at - node) / (nodes[i] - node)
-        cubic += weight * value
-    missed[2:-2] = np.abs(y[2:-2] - cubic)
-    return missed

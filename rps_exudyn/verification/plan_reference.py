@@ -33,14 +33,14 @@ from rps_exudyn.verification.stability import ScenePlan
 PITCHES_BEFORE = 8
 STEPS_BEFORE = 12  # per pitch, on the way to the record ...
 STEPS = 60  # ... and of the record ...
-LEAST_STEPS, MOST_STEPS = 24, 600  # ... fewer of a long one, but no fewer than that; and of all of it
+LEAST_STEPS, MOST_STEPS = 24, 400  # ... fewer of a long one, but no fewer than that; and of all of it
 LAST_STEPS, LAST_STEP = 4, 1e-3  # of a pitch, before inertia sets in: for exact rates
 RUN_IN = 0.5  # pitches by Runge-Kutta before the record
 PER_CYCLE = 600  # equilibria of a swing
 GENERATORS = 100
 STATIONS = {"mesh": "flank", "strip_stations": 12, "strip_points": 6}
 PER_FASTEST = 1.0  # Runge-Kutta's step over the time constant of the fastest mode; stable to 2.8
-MOST_EXPLICIT = 8000  # steps; motion that needs more is slow
+MOST_EXPLICIT = 4000  # steps; motion that needs more is slow
 
 
 @dataclass(frozen=True)

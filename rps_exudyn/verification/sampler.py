@@ -40,7 +40,7 @@ SCENE_WEIGHTS = {
 
 
 COARSE = np.deg2rad(10)  # steps by which a test is tried
-MOST_STEPS = 2500  # of a plan
+MOST_STEPS = 1200  # of a plan
 PART_OF_PITCH = 0.2  # that a plan with general contact turns
 
 
