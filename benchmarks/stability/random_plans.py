@@ -14,7 +14,7 @@ from collections import Counter
 from functools import cache
 from math import isfinite, nan
 from pathlib import Path
-from time import perf_counter, process_time
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -159,19 +159,24 @@ def verdict(row: dict[str, Any]) -> str:
 
 
 def run(folder: Path, plans: int = PLANS, gears: int = GEARS) -> None:
-    """Run the first of both kinds, one after the other in a process of their own."""
-    rows = read(folder / DATA)
-    done, worker = {int(row["number"]) for row in rows}, Child()
+    """Run the first of both kinds, one after the other in a process of their own.
+
+    What stands in the data file already is left as it is: delete the file to begin anew.
+    """
+    done = {row["number"]: row for row in read(folder / DATA)}
+    rows: list[dict[str, Any]] = []
+    worker = Child()
     for number in (*range(plans), *range(PLANS, PLANS + gears)):
-        if number in done:
-            continue
-        start = perf_counter()
-        row = {"number": number, "kind": "plan" if number < PLANS else "gear"}
-        row |= {"plan": text_of(plan_of(number)), **worker.do(number, TIME_LIMIT)}
-        rows.append(row | {"verdict": verdict(row)})
-        if rows[-1]["verdict"] in WRONGLY_OK:
-            print({name: rows[-1].get(name) for name in COLUMNS}, perf_counter() - start, flush=True)
-        write(sorted(rows, key=lambda row: int(row["number"])), folder / DATA)
+        text = text_of(plan_of(number))
+        row = done.get(str(number), {})
+        if row.get("plan") != text:  # not run yet, or drawn from other declarations
+            row = {"number": number, "kind": "plan" if number < PLANS else "gear", "plan": text}
+            row |= worker.do(number, TIME_LIMIT)
+            row["verdict"] = verdict(row)
+            if row["verdict"] in WRONGLY_OK:
+                print({name: row.get(name) for name in COLUMNS}, flush=True)
+        rows.append(row)
+        write(rows, folder / DATA)
 
 
 def read(path: Path) -> list[dict[str, Any]]:

@@ -1,0 +1,53 @@
+"""References of random plans: their own seat, beginning, periods and steps, and the same physics."""
+
+import numpy as np
+import pytest
+
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.verification.plan_reference import expected
+from rps_exudyn.verification.runs import run_scene
+from rps_exudyn.verification.seat_cells import cell_seat
+from rps_exudyn.verification.stability import ScenePlan
+
+GEAR = SteeringGear().replace({"mesh.law": "line", "test.turns": 1 / 6})
+SLIDING = np.array([0.01, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("aside", [0.0, 2e-6, 1e-5])
+@pytest.mark.parametrize("tilt", [0.0, 2e-4, 1e-3])
+def test_seat_by_cells_is_the_seat(aside: float, tilt: float) -> None:
+    """Touching everywhere, at one edge, or at a corner; cells end within half a cell: 1 % of what touches."""
+    forces = gear_forces(GEAR, Fidelity())
+    exact = forces.seat
+    cells = cell_seat(GEAR, friction_zone=forces.friction_zone, rest_gap=exact.data.rest_gap)
+    place = np.array([0.01, 0.0, aside, 0.0, tilt, tilt, 0.0])
+    ours, theirs = (seat.evaluate(place, SLIDING) for seat in (cells, exact))
+    scale = np.array([1, 1, 1, 0.01, 0.01, 0.01, 1]) * np.abs(theirs[:3]).max()
+    assert np.abs((ours - theirs)[:7] / scale).max() < 0.01
+
+
+def test_the_default_gear_is_what_its_reference_says() -> None:
+    """Equilibria in steps of 1 degree, a settled start and one period against many fine steps: 1e-3."""
+    right = expected(ScenePlan("free-pinion-torque", GEAR, Fidelity.preset("quasi-static")))
+    run = run_scene("free-pinion-torque", GEAR, Fidelity.preset("quasi-static"))
+    assert right.method == "equilibria"
+    assert run.summary["torque_mean"] == pytest.approx(right.figure, rel=1e-3)
+    assert run.summary["torque_peak_to_peak"] == pytest.approx(right.ripple, abs=5e-3 * right.figure)
+
+
+def test_fast_motion_has_a_reference_with_inertia() -> None:
+    """Runge-Kutta at 100 rpm against Exudyn in steps of 1 degree."""
+    gear = GEAR.replace({"test.speed": "100 rpm"})
+    right = expected(ScenePlan("free-pinion-torque", gear, Fidelity()))
+    run = run_scene("free-pinion-torque", gear, Fidelity())
+    assert right.method == "Runge-Kutta"
+    assert run.summary["torque_mean"] == pytest.approx(right.figure, rel=5e-3)
+
+
+def test_a_gear_without_equilibrium_has_no_reference() -> None:
+    jammed = GEAR.replace({"installation.axis_offset": "2 mm", "yoke.clearance": 0.0})
+    right = expected(ScenePlan("free-pinion-torque", jammed, Fidelity.preset("quasi-static")))
+    assert right.cause
+    assert np.isnan(right.figure)
