@@ -23,7 +23,7 @@ from rps_exudyn.scenes.maneuver import largest_angle
 from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.solvers.closed_form import GRAVITY
 from rps_exudyn.solvers.drive import Drive, DrivenBody, Steady, Swing, travel_per_radian
-from rps_exudyn.solvers.equilibrium import equilibrium_path
+from rps_exudyn.solvers.equilibrium import EquilibriumPath, equilibrium_path
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, tangent
 from rps_exudyn.verification.runge_kutta import FreeMotion, runge_kutta
@@ -34,6 +34,8 @@ PITCHES_BEFORE = 8
 STEPS_BEFORE = 12  # per pitch, on the way to the record ...
 STEPS = 60  # ... and of the record ...
 LEAST_STEPS, MOST_STEPS = 24, 400  # ... fewer of a long one, but no fewer than that; and of all of it
+FINER = 4  # steps in one where the rack rolls by more than `ROLLING` of its travel: rates lag by half a step
+ROLLING = 0.02
 LAST_STEPS, LAST_STEP = 4, 1e-3  # of a pitch, before inertia sets in: for exact rates
 RUN_IN = 0.5  # pitches by Runge-Kutta before the record
 PER_CYCLE = 600  # equilibria of a swing
@@ -157,13 +159,29 @@ def _along(plan: ScenePlan, forces: GearForces, way: Way) -> tuple[np.ndarray, n
             record = shifted.recorded(time, places, rates)
             kept = time >= run_in - step / 2
             return drive.place(time[kept] - run_in), record.drive[kept], "Runge-Kutta"
-    before = _before(gear, way, 0.0)
-    pitches = way.length * gear.pinion.teeth / (2 * np.pi)
-    steps = ceil(pitches * max(LEAST_STEPS, min(STEPS, MOST_STEPS / pitches))) + 8
-    along = np.linspace(0, way.length / gear.test.speed, steps + 1)
-    path = _equilibria(gear, forces, drive, np.concatenate([before[:-1], along]))
+    along, path = _followed(gear, forces, way, 1)
+    if _rolls(gear, path, along.size):
+        along, path = _followed(gear, forces, way, FINER)
     force = -drive.sign * path.forces[-along.size :, drive.coordinate]
     return drive.place(along), force, "equilibria"
+
+
+def _followed(
+    gear: SteeringGear, forces: GearForces, way: Way, finer: int
+) -> tuple[np.ndarray, EquilibriumPath]:
+    """Instants of a way, and equilibria from far before it to its end in steps of which `finer` make one."""
+    before = _before(gear, way, 0.0, finer)
+    pitches = way.length * gear.pinion.teeth / (2 * np.pi)
+    steps = ceil(finer * pitches * max(LEAST_STEPS, min(STEPS, MOST_STEPS / pitches))) + 8
+    along = np.linspace(0, way.length / gear.test.speed, steps + 1)
+    return along, _equilibria(gear, forces, way.drive(gear), np.concatenate([before[:-1], along]))
+
+
+def _rolls(gear: SteeringGear, path: EquilibriumPath, instants: int) -> bool:
+    """Tell whether the rack rolls so much over the last instants that equilibria must be close together."""
+    rack = path.coordinates[-instants:, COORDINATE_BLOCKS["rack"]]
+    rolled = np.abs(np.diff(rack[:, 3])).sum() * gear.rack.bar_diameter / 2
+    return bool(rolled > ROLLING * np.abs(np.diff(rack[:, 0])).sum())
 
 
 def _room(gear: SteeringGear, way: Way) -> float:
@@ -171,18 +189,23 @@ def _room(gear: SteeringGear, way: Way) -> float:
     return max(0.0, largest_angle(gear) + way.sense * way.first)
 
 
-def _before(gear: SteeringGear, way: Way, end: float) -> np.ndarray:
+def _before(gear: SteeringGear, way: Way, end: float, finer: int = 1) -> np.ndarray:
     """Instants of equilibria from far before a way to the instant `end` [s], both below or at 0."""
     pitch = 2 * np.pi / gear.pinion.teeth / gear.test.speed
     begin = -min(PITCHES_BEFORE * pitch, _room(gear, way) / gear.test.speed)
     if begin >= end:
         return np.array([end])
-    led = np.linspace(begin, end, max(2, ceil((end - begin) / pitch * STEPS_BEFORE)), endpoint=False)
+    led = np.linspace(begin, end, max(2, ceil((end - begin) / pitch * STEPS_BEFORE * finer)), endpoint=False)
     last = end - LAST_STEP * pitch * np.arange(LAST_STEPS, -1, -1)
     return np.concatenate([led[led < last[0] - LAST_STEP * pitch], last[last >= begin]])
 
 
-def _equilibria(gear, forces, drive, time):  # type: ignore[no-untyped-def]
+def _equilibria(gear: SteeringGear, forces: GearForces, drive: Drive, time: np.ndarray) -> EquilibriumPath:
+    """Follow the equilibria at these instants [s].
+
+    Raises:
+        NotFoundError: there is none at one of them.
+    """
     path = equilibrium_path(forces.statics, GearPair.of(gear), drive, time)
     if not path.converged:
         raise NotFoundError(f"no equilibrium at {path.lost_at:.4g} s, {path.residual:.3g} N remain")

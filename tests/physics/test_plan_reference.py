@@ -38,16 +38,9 @@ def test_the_default_gear_is_what_its_reference_says() -> None:
 
 
 def test_fast_motion_has_a_reference_with_inertia() -> None:
-    """Runge-Kutta at 100 rpm against Exudyn in steps of 1 degree."""
-    gear = GEAR.replace({"test.speed": "100 rpm"})
+    """Runge-Kutta at 200 rpm against Exudyn in steps of 1 degree."""
+    gear = GEAR.replace({"test.speed": "200 rpm"})
     right = expected(ScenePlan("free-pinion-torque", gear, Fidelity()))
     run = run_scene("free-pinion-torque", gear, Fidelity())
     assert right.method == "Runge-Kutta"
     assert run.summary["torque_mean"] == pytest.approx(right.figure, rel=5e-3)
-
-
-def test_a_gear_without_equilibrium_has_no_reference() -> None:
-    jammed = GEAR.replace({"installation.axis_offset": "2 mm", "yoke.clearance": 0.0})
-    right = expected(ScenePlan("free-pinion-torque", jammed, Fidelity.preset("quasi-static")))
-    assert right.cause
-    assert np.isnan(right.figure)
