@@ -38,8 +38,8 @@ def test_the_default_gear_is_what_its_reference_says() -> None:
 
 
 def test_fast_motion_has_a_reference_with_inertia() -> None:
-    """Runge-Kutta at 200 rpm against Exudyn in steps of 1 degree."""
-    gear = GEAR.replace({"test.speed": "200 rpm"})
+    """Runge-Kutta at 300 rpm against Exudyn in steps of 1 degree."""
+    gear = GEAR.replace({"test.speed": "300 rpm"})
     right = expected(ScenePlan("free-pinion-torque", gear, Fidelity()))
     run = run_scene("free-pinion-torque", gear, Fidelity())
     assert right.method == "Runge-Kutta"
