@@ -39,6 +39,7 @@ TIME_LIMIT = 60.0  # [s] of one plan with its reference
 WRONG = 0.02  # error of the figure that must not be called ok
 WRONG_RIPPLE = 0.05  # error of the peak-to-peak over the mean, likewise
 RIPPLES = ("torque_peak_to_peak", "push_force_peak_to_peak")
+KERNEL_CHOICES = ("mesh", "bush", "yoke", "rack", "solver")
 DATA = "random_plans.csv"
 COLUMNS = (
     "number", "kind", "verdict", "status", "error", "ripple_error", "reference", "refused", "message",
@@ -86,13 +87,12 @@ def errors(plan: ScenePlan, result: Result, right: Expected) -> dict[str, float]
 
 
 @cache
-def warm_up(scene: str) -> None:
-    """Load or compile every kernel of a scene once, which is on no plan's clock."""
-    gear = SteeringGear().replace({"test.turns": 0.01})
-    for law, mesh in (("line", "flank"), ("area", "flank"), ("area", "flank-generators")):
-        plan = ScenePlan(scene, gear.replace({"mesh.law": law}), Fidelity().replace({"mesh": mesh}))
-        expected(plan)
-        run_unchecked(plan.scene, plan.gear, plan.fidelity)
+def warm_up(scene: str, law: str, model: tuple[tuple[str, str], ...]) -> None:
+    """Load or compile every kernel of a model in a scene once, which is on no plan's clock."""
+    gear = SteeringGear().replace({"test.turns": 0.01, "test.amplitude": "5 deg", "mesh.law": law})
+    plan = ScenePlan(scene, gear, Fidelity().replace(dict(model)))
+    expected(plan)
+    run_unchecked(plan.scene, plan.gear, plan.fidelity)
 
 
 def child(pipe: multiprocessing.connection.Connection) -> None:
@@ -102,7 +102,9 @@ def child(pipe: multiprocessing.connection.Connection) -> None:
             number = pipe.recv()
         except EOFError:  # the parent has ended
             return
-        warm_up(plan_of(number).scene)
+        plan = plan_of(number)
+        model = tuple((choice, getattr(plan.fidelity, choice)) for choice in KERNEL_CHOICES)
+        warm_up(plan.scene, plan.gear.mesh.law, model)
         pipe.send("begun")
         try:
             pipe.send(outcome_of(number))
