@@ -32,17 +32,43 @@ class FormPoint(NamedTuple):
 
 def trochoid(pair: GearPair, eta: np.ndarray | float) -> np.ndarray:
     """Right half of the root, transverse points [m], shape (..., 2)."""
-    eta = np.asarray(eta, dtype=float)
+    along, height, phi = _generation(pair, np.asarray(eta, dtype=float))
+    return np.stack(
+        [along * np.cos(phi) - height * np.sin(phi), along * np.sin(phi) + height * np.cos(phi)], axis=-1
+    )
+
+
+def _generation(pair: GearPair, eta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return X + r phi, r + Y [m] and phi [rad] at which points of the cutter's tip cut."""
     u, y = cutter_tip_centre(pair)
     rho, cos_beta = pair.fillet_radius, np.cos(pair.beta_p)
     X = (u + rho * np.cos(eta)) / cos_beta
     Y = y - rho * np.sin(eta) + pair.profile_shift * pair.module
     roll = -Y * np.cos(eta) * cos_beta / np.sin(eta) - X  # r phi; the normal is (cos eta cos beta, -sin eta)
-    phi, height = roll / pair.reference_radius, pair.reference_radius + Y
-    along = X + roll
-    return np.stack(
-        [along * np.cos(phi) - height * np.sin(phi), along * np.sin(phi) + height * np.cos(phi)], axis=-1
-    )
+    return X + roll, pair.reference_radius + Y, roll / pair.reference_radius
+
+
+def root_section(pair: GearPair) -> tuple[float, float]:
+    """Return where the root leans 30 degrees against the middle of its tooth, as the root's section of ISO 6336-3.
+
+    Distance from the pinion's axis along the tooth's middle, and half the thickness there, transverse [m]; the
+    end of the fillet where none of it leans as much.
+    """
+    middle = np.pi / pair.teeth  # of the next tooth, from +Y
+
+    def lean(eta: float) -> float:
+        phi = float(_generation(pair, np.asarray(eta))[2])
+        return np.arctan2(np.sin(eta), np.cos(eta) * np.cos(pair.beta_p)) - phi - middle - np.radians(30)
+
+    low, high = form_point(pair).eta, np.pi / 2
+    if lean(low) < 0 < lean(high):
+        eta = float(brentq(lean, low, high, xtol=1e-12))
+    else:
+        eta = low if lean(low) >= 0 else high
+    x, y = trochoid(pair, eta)
+    along = np.array([np.sin(middle), np.cos(middle)])
+    across = np.array([np.cos(middle), -np.sin(middle)])
+    return float(along @ [x, y]), abs(float(across @ [x, y]))
 
 
 @lru_cache(maxsize=64)

@@ -1,13 +1,19 @@
 """The analytic flank contact as a force element: plane against helicoid on the coordinates of the bodies."""
 
+from collections.abc import Callable
+from typing import Any
+
 from rps_exudyn.base.compiled import kernel
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map, times
+from rps_exudyn.mesh_contact.elastic_teeth import TeethData, teeth_contact, teeth_data
 from rps_exudyn.mesh_contact.flank_contact import flank_contact
 from rps_exudyn.mesh_contact.flank_data import FlankData, pack
 from rps_exudyn.mesh_contact.wrench import MESH_OUTPUTS, on_coordinates
 from rps_exudyn.parameters.gear import SteeringGear
+
+Kernel = Callable[..., Any]
 
 DEEPEST = 0.1e-3  # penetration [m]: the strip's half width is then a sixth of the radius of curvature
 
@@ -21,9 +27,21 @@ def flank_force(q, v, data):  # type: ignore[no-untyped-def]
     return on_coordinates(wrench, map_)
 
 
+@kernel
+def teeth_force(q, v, data):  # type: ignore[no-untyped-def]
+    """Forces of teeth that bend together on q = pinion (1), rack (6)."""
+    map_ = spin_map(q[4:7])
+    position = data.flank.rack_reference + q[1:4]
+    wrench = teeth_contact(q[0], v[0], position, rotation_matrix(q[4:7]), v[1:4], times(map_, v[4:7]), data)
+    return on_coordinates(wrench, map_)
+
+
 def flank_element(gear: SteeringGear, *, friction_zone: float, along: int, across: int) -> ForceElement:
-    """Contact of the pinion's helicoids with the rack's planes, integrated over strips."""
-    return _element(pack(gear, zone=friction_zone, along=along, across=across))
+    """Contact of the pinion's helicoids with the rack's planes by the gear's law, integrated along the lines."""
+    if gear.mesh.law == "teeth":
+        flank = pack(gear, zone=friction_zone, along=along, across=across)
+        return _element(teeth_force, teeth_data(gear, flank))
+    return _element(flank_force, pack(gear, zone=friction_zone, along=along, across=across))
 
 
 def generator_element(gear: SteeringGear, *, friction_zone: float, generators: int) -> ForceElement:
@@ -34,9 +52,9 @@ def generator_element(gear: SteeringGear, *, friction_zone: float, generators: i
     """
     if gear.mesh.law != "area":
         raise InputError(f"mesh.law is {gear.mesh.law}; fidelity.mesh = flank-generators knows only area.")
-    return _element(pack(gear, zone=friction_zone, generators=generators))
+    return _element(flank_force, pack(gear, zone=friction_zone, generators=generators))
 
 
-def _element(data: FlankData) -> ForceElement:
+def _element(force: Kernel, data: FlankData | TeethData) -> ForceElement:
     limits = {"mesh_penetration": DEEPEST}
-    return ForceElement("mesh", ("pinion", "rack"), flank_force, data, MESH_OUTPUTS, limits)
+    return ForceElement("mesh", ("pinion", "rack"), force, data, MESH_OUTPUTS, limits)

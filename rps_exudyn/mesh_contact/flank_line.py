@@ -55,6 +55,7 @@ class Line(NamedTuple):
     q_1: float
     d_0: float
     d_1: float
+    rack_tooth: float  # number of the rack's tooth that it lies on
 
 
 class Band(NamedTuple):
@@ -181,7 +182,7 @@ def line_of(tooth, turn, side, data):  # type: ignore[no-untyped-def]
     q_1 = -s * rb * data.twist
     d_0 = side.offset + side.n_p * q_0
     rack_tooth = -s * np.round(d_0 / p)
-    return Line(q_0, q_1, d_0 + s * rack_tooth * p, side.n_p * q_1 - side.n_z)
+    return Line(q_0, q_1, d_0 + s * rack_tooth * p, side.n_p * q_1 - side.n_z, rack_tooth)
 
 
 @inlined
@@ -235,8 +236,6 @@ def formed_point(xi, z, line, band, side, data):  # type: ignore[no-untyped-def]
 @inlined
 def press(depth, stiffness, p_r, p_t, z, side, data, sums):  # type: ignore[no-untyped-def]
     """Add the load stiffness * (depth + d * its rate) at a point, with its friction."""
-    slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t
-    slip_b = affine(side.slip, p_r, p_t, z)
     pressing = depth
     if data.damping > 0:
         approach = affine(side.part, p_r, p_t, z)
@@ -244,7 +243,15 @@ def press(depth, stiffness, p_r, p_t, z, side, data, sums):  # type: ignore[no-u
         if not pressing > 0:
             return
         sums[DAMPING_LOSS] += stiffness * (pressing - depth) * approach
-    load = stiffness * pressing
+    add_load(stiffness * pressing, p_r, p_t, z, side, data, sums)
+    sums[ENERGY] += stiffness * depth * depth / 2
+
+
+@inlined
+def add_load(load, p_r, p_t, z, side, data, sums):  # type: ignore[no-untyped-def]
+    """Add a normal load at a point, with its friction."""
+    slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t
+    slip_b = affine(side.slip, p_r, p_t, z)
     slip = np.sqrt(slip_r * slip_r + slip_b * slip_b)
     drag = coulomb(load, data.friction, slip, data.zone)
     f_r, f_b = drag * slip_r, drag * slip_b
@@ -258,7 +265,6 @@ def press(depth, stiffness, p_r, p_t, z, side, data, sums):  # type: ignore[no-u
     sums[DRAG_B] += f_b
     sums[DRAG_B_R] += f_b * p_r
     sums[DRAG_B_N] += f_b * (side.n_z * z - side.sign * side.n_p * p_t)
-    sums[ENERGY] += stiffness * depth * depth / 2
     sums[FRICTION_LOSS] += drag * slip * slip
 
 

@@ -193,6 +193,8 @@ def touching(strip, from_, to):  # type: ignore[no-untyped-def]
             low = max(low, root)
         elif rise < 0:
             high = min(high, root)
+    if low < high and not middle + (slope + bend * (low + high) / 2) * (low + high) / 2 > 0:
+        return to, from_, False, False  # pressed nowhere, as where the crest is level below zero
     return centre + low * b, centre + high * b, low > -1.0, high < 1.0
 
 

@@ -203,8 +203,10 @@ class Mesh(Table):
         "2e13 N/m^3", "contact pressure per penetration depth", "estimate", gt=0
     )
     damping: Time = parameter(0.0, "damping time: damping over stiffness", "estimate", ge=0, le=1e-2)
-    law: Literal["area", "line"] = parameter(
-        "area", "flank contact: pressure per depth, or load per length of line and depth", "estimate"
+    law: Literal["line", "area", "teeth"] = parameter(
+        "line",
+        "flank contact: load per length of line and depth; pressure per depth; or teeth that bend together",
+        "estimate",
     )
     line_stiffness: LineStiffness = parameter(
         0.0, "load per length of contact line and depth, law line; 0: c' of ISO 6336-1", "estimate", ge=0
