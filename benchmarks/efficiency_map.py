@@ -16,7 +16,7 @@ from rps_exudyn.solvers.closed_form import load_test
 GEAR = SteeringGear()
 MASSES = np.linspace(2, 40, 39)  # [kg]
 SCALES = np.linspace(0.01, 1.4, 46)  # of what makes the free torque: preload, bush, bearings
-FREE_TORQUES = (0.3, 0.5, 0.635)  # [N m] at which the map is read
+FREE_TORQUES = (0.3, 0.5, 0.62)  # [N m] at which the map is read
 DATA = "weights.json"
 
 

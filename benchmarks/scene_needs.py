@@ -11,6 +11,7 @@ from pathlib import Path
 import rps_exudyn as rps
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
@@ -36,9 +37,10 @@ CHANGES = {
     "rack: no roll, yaw, pitch, sway": Change({"rack": "guided"}),
     "inertia: none (equilibria)": Change({"solver": "equilibrium"}),
     "inertia: pinion twice as heavy": Change(gear={"pinion.density": 2 * SteeringGear().pinion.density}),
-    "teeth: constant line stiffness": Change(gear={"mesh.law": "line"}),
+    "teeth: pressure per depth": Change(gear={"mesh.law": "area"}),
+    "teeth: bending together": Change(gear={"mesh.law": "teeth"}),
     "teeth: kinematic ratio with loss": Change({"mesh": "ratio-with-loss"}),
-    "teeth: half as stiff": Change(gear={"mesh.stiffness": SteeringGear().mesh.stiffness / 2}),
+    "teeth: half as stiff": Change(gear={"mesh.line_stiffness": line_stiffness(SteeringGear()) / 2}),
     "teeth: contact damping 0.1 ms": Change(gear={"mesh.damping": "0.1 ms"}),
     "friction zone half as wide": Change({"zone_ratio": Fidelity().zone_ratio / 2}),
     "step half as long": Change({"step_angle": Fidelity().step_angle / 2}),

@@ -21,14 +21,15 @@ from rps_exudyn.verification.runs import run_scene
 
 GEAR = SteeringGear()
 PITCH = 1 / GEAR.pinion.teeth
-DEFAULT = "pressure per depth, 2e13 N/m^3 (default)"
+DEFAULT = "load per length, c' of ISO 6336-1 (default)"
 LAWS: dict[str, dict[str, object]] = {
-    DEFAULT: {},
-    "the same, 5e12 N/m^3": {"mesh.stiffness": 5e12},
-    "the same, 1e14 N/m^3": {"mesh.stiffness": 1e14},
-    "load per length, 14 N/mm/um": {"mesh.law": "line", "mesh.line_stiffness": 14e9},
+    DEFAULT: {"mesh.law": "line"},
     "the same, 10 N/mm/um": {"mesh.law": "line", "mesh.line_stiffness": 10e9},
     "the same, 20 N/mm/um": {"mesh.law": "line", "mesh.line_stiffness": 20e9},
+    "teeth that bend together": {"mesh.law": "teeth"},
+    "pressure per depth, 2e13 N/m^3": {"mesh.law": "area"},
+    "the same, 5e12 N/m^3": {"mesh.law": "area", "mesh.stiffness": 5e12},
+    "the same, 1e14 N/m^3": {"mesh.law": "area", "mesh.stiffness": 1e14},
 }
 ZONES = (0.02, 0.1, 0.5, 1.0)
 """Friction zone over the smallest sliding speed."""

@@ -66,7 +66,8 @@ CHORDS = (3e-6, 1e-6, 0.3e-6, 0.1e-6)
 """Errors of the pinion's triangles [m]; the package's spheres sit on the last."""
 
 FACETED = spheres(108, 36, "1 deg")
-PITCH = SteeringGear().replace({"test.turns": 1 / 6})
+GEAR = SteeringGear().replace({"mesh.law": "area"})  # as in the plans
+PITCH = GEAR.replace({"test.turns": 1 / 6})
 
 
 def run(
@@ -83,7 +84,7 @@ def run(
     """
     for scene, plans in scenes.items():
         planned = list(points_of(scene, plans, thinned))
-        reference = reference_of(scene, SteeringGear(), methods)
+        reference = reference_of(scene, GEAR, methods)
         measure_scene(planned, reference, folder, repeats.get(scene, 3))
 
 
@@ -184,7 +185,7 @@ def warm_up(scene: str, plan: PlannedPoint) -> None:
     fidelity = plan.fidelity
     kind = f"{fidelity.solver} {fidelity.mesh} {fidelity.bush}"
     if kind not in WARM:
-        run_scene(scene, SteeringGear().replace({"test.turns": 0.01}), fidelity)
+        run_scene(scene, GEAR.replace({"test.turns": 0.01}), fidelity)
         WARM.add(kind)
 
 

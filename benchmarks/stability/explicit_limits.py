@@ -36,7 +36,7 @@ from rps_exudyn.verification.runge_kutta import FreeMotion
 from rps_exudyn.verification.stability import bisected
 
 DATA = "explicit.json"
-GEAR = SteeringGear()
+GEAR = SteeringGear().replace({"mesh.law": "area"})  # whose stiffness is varied
 RPM = np.pi / 30
 
 

@@ -32,7 +32,7 @@ from rps_exudyn.verification.stability import (
 )
 
 DATA = "implicit.json"
-GEAR = SteeringGear()
+GEAR = SteeringGear().replace({"mesh.law": "area"})  # whose stiffness is varied
 FINEST, COARSEST, LADDER = 2.0, 40.0, 1.35  # [deg], [deg], from step to step
 PITCHES = 5.4  # of a record
 BOUNDS = (0.01, 0.05)

@@ -1,12 +1,12 @@
 """Contact of flanks whose teeth bend together: law "teeth".
 
-All lines of contact of both sides stand under one system of equations (`unilateral`): a station yields by the
-loads on all stations of its two teeth (`tooth_compliance`), by its own line's Hertzian flattening, and by the
-torsion of the pinion's core. Drive and coast flank bend the same tooth against each other; most of that bending
-cancels, which laws without it miss.
+All lines of contact of both sides stand under one system of equations (`unilateral`): a station yields by
+the loads on all stations of its two teeth (`tooth_compliance`), by its own line's Hertzian flattening, and
+by the torsion of the pinion's core. Drive and coast flank bend the same tooth against each other; most of
+that bending cancels, which laws without it miss.
 
-    stations: Gauss points along each line, between the ends that form and tip circle, the rack's tips, the bar's
-    surface and the faces give it, as far as the flanks overlap by more than -MARGIN of the deepest overlap
+    stations: Gauss points along each line, between the ends that form and tip circle, the rack's tips, the
+    bar's surface and the faces give it, where the flanks are apart by at most BEYOND of the deepest overlap
 """
 
 from typing import NamedTuple
@@ -324,8 +324,8 @@ def stored_energy(lines, elastic, data):  # type: ignore[no-untyped-def]
 def teeth_data(gear: SteeringGear, flank: FlankData) -> TeethData:
     """Return the data of law "teeth" for a gear.
 
-    The pinion's core twists as a shaft of its root circle that takes the torque up evenly over the face and is
-    held at one end.
+    The pinion's core twists as a shaft of its root circle that takes the torque up evenly over the face and
+    is held at one end.
     """
     pair = GearPair.of(gear)
     nu, pinion = POISSON_RATIO, pinion_tooth(pair)

@@ -37,7 +37,7 @@ def teeth_force(q, v, data):  # type: ignore[no-untyped-def]
 
 
 def flank_element(gear: SteeringGear, *, friction_zone: float, along: int, across: int) -> ForceElement:
-    """Contact of the pinion's helicoids with the rack's planes by the gear's law, integrated along the lines."""
+    """Contact of the pinion's helicoids with the rack's planes by the gear's law, along their lines."""
     if gear.mesh.law == "teeth":
         flank = pack(gear, zone=friction_zone, along=along, across=across)
         return _element(teeth_force, teeth_data(gear, flank))
@@ -51,7 +51,10 @@ def generator_element(gear: SteeringGear, *, friction_zone: float, generators: i
         InputError: a gear with another contact law than pressure per depth.
     """
     if gear.mesh.law != "area":
-        raise InputError(f"mesh.law is {gear.mesh.law}; fidelity.mesh = flank-generators knows only area.")
+        raise InputError(
+            f"mesh.law is {gear.mesh.law}, but fidelity.mesh = flank-generators knows only area: "
+            "set mesh.law = area."
+        )
     return _element(flank_force, pack(gear, zone=friction_zone, generators=generators))
 
 

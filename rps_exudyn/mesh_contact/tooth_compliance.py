@@ -3,16 +3,19 @@
 A tooth is a cantilever on an elastic foundation (Weber and Banaschek, VDI-Forschungsheft 1953), whose yield
 spreads along the tooth. For loads normal to the flank at two stations of one tooth
 
-    C_ij = sigma s kappa_ij / (2 l) [exp(-|s_i - s_j| / l) + r exp(-(a_i + a_j) / l) + r exp(-(b_i + b_j) / l)]
+    C_ij = sigma s kappa_ij / (2 l)
+           [exp(-|s_i - s_j| / l) + r exp(-(a_i + a_j) / l) + r exp(-(b_i + b_j) / l)]
     kappa_ij = cos(alpha_i) cos(alpha_j) (1 - nu^2) / E [18 / pi y_i y_j / s_f^2
-               + (1 - 2 nu) / (1 - nu) (y_i + y_j) / s_f + 4.8 / pi (1 + (1 - nu) / 2.4 tan(alpha_i) tan(alpha_j))]
+               + (1 - 2 nu) / (1 - nu) (y_i + y_j) / s_f
+               + 4.8 / pi (1 + (1 - nu) / 2.4 tan(alpha_i) tan(alpha_j))]
 
-with the place s along the tooth, its distances a and b to the tooth's ends, the lever y from the root's section,
-that section's width s_f, and the load's angle alpha against the normal of the tooth's middle plane. sigma is 1 on
-one flank, -c between the two flanks of one tooth, which bend it against each other, and 0 between teeth.
+with the place s along the tooth, its distances a and b to the tooth's ends, the lever y from the root's
+section, that section's width s_f, and the load's angle alpha against the normal of the tooth's middle plane.
+sigma is 1 on one flank, -c between the two flanks of one tooth, which bend it against each other, and 0
+between teeth.
 
-The four constants s, l, r, c of each body were fitted to the stiffness that finite elements of quadratic order
-give (all teeth on their core, a rack bar with seven teeth); not to a torque.
+The four constants s, l, r, c of each body were fitted to the stiffness that finite elements of quadratic
+order give (all teeth on their core, a rack bar with seven teeth); not to a torque.
 """
 
 from typing import NamedTuple
@@ -124,8 +127,8 @@ def add_block(matrix, places, rows, columns, count, sigma, data):  # type: ignor
 def add_line(matrix, places, start, nodes, weights, data):  # type: ignore[no-untyped-def]
     """Add the compliance between the stations of one line to the lower triangle [m/N].
 
-    The kink of exp(-|s_i - s_j| / l) is integrated exactly for an even load: what the stations' sum misses of the
-    integral over the line goes to the diagonal. `nodes` and `weights` are the line's rule on [0, 1].
+    The kink of exp(-|s_i - s_j| / l) is integrated exactly for an even load: what the stations' sum misses of
+    the integral over the line goes to the diagonal. `nodes` and `weights` are the line's rule on [0, 1].
     """
     count, end = nodes.size, start + nodes.size - 1
     per_node = (places[PLACE, end] - places[PLACE, start]) / (nodes[count - 1] - nodes[0])

@@ -88,9 +88,9 @@ def _solve(matrix, n, x):  # type: ignore[no-untyped-def]
 def press_stations(n, matrix, delta, length, top, k, guess, force):  # type: ignore[no-untyped-def]
     """Fill the forces [N] of n stations; returns whether they were found.
 
-    `matrix` holds the compliance [m/N], its lower triangle; `delta` the depths of the undeformed flanks [m], `length`
-    those of the stations' cells [m], `top` the constants L, `guess` a load per length and depth to begin
-    with [N/m^2].
+    `matrix` holds the compliance [m/N], its lower triangle; `delta` the depths of the undeformed flanks [m],
+    `length` those of the stations' cells [m], `top` the constants L, `guess` a load per length and depth to
+    begin with [N/m^2].
     """
     pressed, chosen = np.empty(n, np.bool_), np.empty(n, np.int64)
     padded = (n + 3) // 4 * 4

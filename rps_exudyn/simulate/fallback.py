@@ -50,7 +50,7 @@ def _safer(scene: Scene, gear: SteeringGear, fidelity: Fidelity) -> Iterator[Cha
     yield changes | {"step_angle": step / 2}
     changes |= {"step_angle": step / 5}
     yield dict(changes)
-    if fidelity.mesh == "flank":
+    if fidelity.mesh == "flank" and gear.mesh.law == "area":  # the only one that generators know
         changes |= {"mesh": "flank-generators"}
         yield dict(changes)
     equilibria_can = fidelity.bush not in CHAINS and not scene.needs_inertia

@@ -348,8 +348,8 @@ def static_approach(load: float, mesh_force: Callable[..., Any], data: Any, offs
     place, rest = settled(unbalanced, np.array([0.0, offset - TYPICAL_APPROACH]), np.ones(2))
     if rest > 1e-3 * max(load, 1.0):
         raise InputError(
-            f"yoke.preload is {load:g} N, more than teeth of mesh.stiffness carry "
-            "within the range of their contact law."
+            f"yoke.preload is {load:g} N, more than the teeth carry within the range of their contact law, "
+            "by mesh.law and its stiffness."
         )
     return float(-place[1])
 

@@ -13,7 +13,7 @@ from rps_exudyn.verification.faceted import faceted_run, largest_deviation, mesh
 from rps_exudyn.verification.flywheel import explicit_run
 from rps_exudyn.verification.references import as_run, by_generators, by_strips, moving, reference_of, slowly
 
-GEAR = SteeringGear()
+GEAR = SteeringGear().replace({"mesh.law": "area"})  # the law that generators know
 PITCH = GEAR.replace({"test.turns": 1 / 6})
 
 

@@ -18,7 +18,8 @@ STIFFNESS = 2e13  # [N/m^3], mesh.stiffness
 @pytest.fixture(scope="module")
 def pitch() -> Result:
     """One tooth pitch of a gear with every motion of the rack, away from the centre."""
-    gear = rps.SteeringGear().replace({"pinion.runout": 40e-6, "mesh.stiffness": STIFFNESS})
+    settings = {"pinion.runout": 40e-6, "mesh.law": "area", "mesh.stiffness": STIFFNESS}
+    gear = rps.SteeringGear().replace(settings)
     return rps.run("free-pinion-torque", gear, fidelity="quasi-static", turns=1 / 6, start_angle=4.0)
 
 

@@ -11,7 +11,7 @@ from rps_exudyn.simulate.isolated_run import isolated_run
 from rps_exudyn.simulate.run import run
 from rps_exudyn.simulate.time_limit import TimeLimit
 
-GEAR = SteeringGear().replace({"test.turns": 1 / 6})
+GEAR = SteeringGear().replace({"test.turns": 1 / 6, "mesh.law": "area"})
 TORQUE = "free-pinion-torque"
 STILL = Fidelity.preset("quasi-static")
 SPHERES = Fidelity.preset("full").replace({"bush": "condensed", "profile_samples": 6, "axial_samples": 5})
