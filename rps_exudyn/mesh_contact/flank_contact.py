@@ -199,6 +199,8 @@ def _area_station(strip, z, ends, length, cuts, watched, line, band, side, data,
 def _line_station(strip, z, length, line, band, side, data, sums):  # type: ignore[no-untyped-def]
     """Law "line": add the load at the strip's crest."""
     xi, depth = _crest_of(strip, z)
+    if not depth > 0:  # the end of what is pressed is found to a few digits; damping presses nothing apart
+        return
     p_r, p_t, _ = formed_point(xi, z, line, band, side, data)
     press(depth, data.line_stiffness * length, p_r, p_t, z, side, data, sums)
 

@@ -1,0 +1,98 @@
+"""What holds for every law of the flanks' contact, from poses that no equilibrium needs to be found for."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.mesh_contact.elastic_teeth import teeth_contact, teeth_data
+from rps_exudyn.mesh_contact.flank_contact import flank_contact
+from rps_exudyn.mesh_contact.flank_data import pack
+from rps_exudyn.mesh_contact.wrench import NORMAL_COAST, NORMAL_DRIVE, PENETRATION, TORQUE
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.simulate.run import run
+
+LAWS = ("line", "area", "teeth")
+NORMALS = [NORMAL_DRIVE, NORMAL_COAST]
+GUIDED = (0.0, 0.0, 0.0)
+ROLLED = (1e-3, 2e-4, -2e-4)
+ANGLES = np.linspace(0, 1.0, 5)  # a tooth pitch is 2 pi / 6
+
+Contact = Callable[..., np.ndarray]
+"""(steering angle, X, Y of the rack off its place [m], its rotation vector, its velocity off [m/s]) -> wrench."""
+
+
+def contact_of(gear: SteeringGear) -> Contact:
+    """The contact of a gear's flanks by its law, the rack near its place."""
+    pair, flank = GearPair.of(gear), pack(gear, zone=1e-5)
+    elastic = teeth_data(gear, flank) if gear.mesh.law == "teeth" else None
+
+    def contact(
+        angle: float, x: float, y: float, turn: tuple[float, ...] = GUIDED, parting: float = 0.0
+    ) -> np.ndarray:
+        rotation = Rotation.from_rotvec(turn).as_matrix()
+        to_mesh = np.array([0, pair.reference_radius - pair.bar_axis_height, 0])
+        place = np.array([pair.gain * angle + x, pair.bar_axis_height + y, 0]) + to_mesh - rotation @ to_mesh
+        state = -angle, -1.0, place, rotation, np.array([pair.gain, parting, 0]), np.zeros(3)
+        out = flank_contact(*state, flank) if elastic is None else teeth_contact(*state, elastic)
+        return np.asarray(out)
+
+    return contact
+
+
+def gear_by(law: str, **settings: object) -> SteeringGear:
+    return SteeringGear().replace({"mesh.law": law} | {p.replace("__", "."): v for p, v in settings.items()})
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("form", [{}, {"pinion__crowning": "5 um"}, {"mesh__damping": "1e-4 s"}], ids=str)
+def test_no_law_ever_pulls(law: str, form: dict[str, object]) -> None:
+    """Law: normal forces are pressures. The rack stands aside by up to 6 um and apart by up to 3 um, so that one
+    side or both have a gap, guided or rolled, at rest across the mesh or parting at 1 mm/s."""
+    contact = contact_of(gear_by(law, **form))
+    for angle in ANGLES:
+        for turn in (GUIDED, ROLLED):
+            for x, y in ((0, 3e-6), (6e-6, 0), (-6e-6, 0), (6e-6, -3e-6), (-6e-6, 3e-6)):
+                for parting in (0.0, 1e-3):
+                    assert (contact(angle, x, y, turn, parting)[NORMALS] >= 0).all()
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_gap_carries_nothing(law: str) -> None:
+    """Law: a guided rack that is lifted by 3 um touches nowhere; one aside by 6 um presses on one side only."""
+    contact = contact_of(gear_by(law))
+    for angle in ANGLES:
+        assert not contact(angle, 0, 3e-6).any()
+        for x, pressed, apart in ((6e-6, NORMAL_COAST, NORMAL_DRIVE), (-6e-6, NORMAL_DRIVE, NORMAL_COAST)):
+            out = contact(angle, x, 0)
+            assert out[pressed] > 100
+            assert out[apart] == 0
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_friction_turns_about_with_the_motion(law: str) -> None:
+    """Law: frictionless forces of a guided rack do no work over a pitch, so that the mean torque is friction's."""
+    still = contact_of(gear_by(law, mesh__friction=0.0))
+    rubbing = contact_of(gear_by(law))
+    without, with_ = (
+        np.array([one(angle, 0, -5e-6)[TORQUE] for angle in np.linspace(0, np.pi / 3, 24, endpoint=False)])
+        for one in (still, rubbing)
+    )
+    assert abs(without.mean()) < 0.02 * abs(with_.mean())
+
+
+def test_depth_is_geometry() -> None:
+    """The deepest place of undeformed flanks is the same by every law, but for lines that hardly touch: 1 %."""
+    depths = [contact_of(gear_by(law))(0.31, 0, -10e-6)[PENETRATION] for law in LAWS]
+    assert depths == pytest.approx([depths[0]] * 3, rel=1e-2)
+
+
+def test_generators_say_which_law_they_know() -> None:
+    generators = Fidelity.preset("quasi-static").replace({"mesh": "flank-generators"})
+    for law in ("line", "teeth"):
+        with pytest.raises(InputError, match=r"knows only area: set mesh\.law = area"):
+            run("free-pinion-torque", gear_by(law), fidelity=generators)
