@@ -23,7 +23,7 @@ ROLLED = (1e-3, 2e-4, -2e-4)
 ANGLES = np.linspace(0, 1.0, 5)  # a tooth pitch is 2 pi / 6
 
 Contact = Callable[..., np.ndarray]
-"""(steering angle, X, Y of the rack off its place [m], its rotation vector, its velocity off [m/s]) -> wrench."""
+"""(steering angle, X and Y of the rack off its place, its turn, its speed of parting) -> wrench."""
 
 
 def contact_of(gear: SteeringGear) -> Contact:
@@ -51,8 +51,11 @@ def gear_by(law: str, **settings: object) -> SteeringGear:
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("form", [{}, {"pinion__crowning": "5 um"}, {"mesh__damping": "1e-4 s"}], ids=str)
 def test_no_law_ever_pulls(law: str, form: dict[str, object]) -> None:
-    """Law: normal forces are pressures. The rack stands aside by up to 6 um and apart by up to 3 um, so that one
-    side or both have a gap, guided or rolled, at rest across the mesh or parting at 1 mm/s."""
+    """Law: normal forces are pressures.
+
+    The rack stands aside by up to 6 um and apart by up to 3 um, so that one side or both have a gap, guided
+    or rolled, at rest across the mesh or parting at 1 mm/s.
+    """
     contact = contact_of(gear_by(law, **form))
     for angle in ANGLES:
         for turn in (GUIDED, ROLLED):
@@ -63,7 +66,7 @@ def test_no_law_ever_pulls(law: str, form: dict[str, object]) -> None:
 
 @pytest.mark.parametrize("law", LAWS)
 def test_a_gap_carries_nothing(law: str) -> None:
-    """Law: a guided rack that is lifted by 3 um touches nowhere; one aside by 6 um presses on one side only."""
+    """Law: a guided rack lifted by 3 um touches nowhere; one aside by 6 um presses on one side only."""
     contact = contact_of(gear_by(law))
     for angle in ANGLES:
         assert not contact(angle, 0, 3e-6).any()
@@ -75,7 +78,7 @@ def test_a_gap_carries_nothing(law: str) -> None:
 
 @pytest.mark.parametrize("law", LAWS)
 def test_friction_turns_about_with_the_motion(law: str) -> None:
-    """Law: frictionless forces of a guided rack do no work over a pitch, so that the mean torque is friction's."""
+    """Law: frictionless forces of a guided rack do no work over a pitch: the mean torque is friction's."""
     still = contact_of(gear_by(law, mesh__friction=0.0))
     rubbing = contact_of(gear_by(law))
     without, with_ = (
@@ -86,7 +89,7 @@ def test_friction_turns_about_with_the_motion(law: str) -> None:
 
 
 def test_depth_is_geometry() -> None:
-    """The deepest place of undeformed flanks is the same by every law, but for lines that hardly touch: 1 %."""
+    """The deepest place of undeformed flanks is the same by every law, to 1 % for their stations."""
     depths = [contact_of(gear_by(law))(0.31, 0, -10e-6)[PENETRATION] for law in LAWS]
     assert depths == pytest.approx([depths[0]] * 3, rel=1e-2)
 
