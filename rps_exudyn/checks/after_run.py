@@ -24,7 +24,8 @@ from rps_exudyn.solvers.record import Record, contact_disagreement
 ENERGY_BOUND = 2e-3  # of the drive's or the load's work; 1e-5 is usual ...
 # What loaded material takes along or leaves behind where it passes an edge of the rack: 0.04 % on the paper's
 # gear, more with much friction, and where an error of the shaft angle lets the teeth bear on an edge.
-EDGE_BOUND = 1.5e-2  # likewise ...
+# By law; a line ends under its full load, which by law "line" leaves more behind.
+EDGE_BOUND = {"area": 1.5e-2, "line": 6e-2, "teeth": 6e-2}  # likewise ...
 EDGE_FRACTION = 1.5e-2  # ... and that per degree of the shaft angle's error ...
 MISSED_TORQUE = 1e-3  # ... or what a torque that small would do: a gear without friction takes no work [N m]
 # Up to n samples: fraction of their range that may hide between them
@@ -69,7 +70,7 @@ def validated(
         spheres_enough(record, _on_an_edge(gear, signals)),
         spheres_in_place(record, gear, signals),
         work_balanced(signals, ENERGY_BOUND),
-        edges_spared(signals, EDGE_BOUND + EDGE_FRACTION * np.degrees(abs(gear.installation.angle_error))),
+        edges_spared(signals, edge_bound(gear)),
     )
     for check in checks:
         for status, message in check:
@@ -267,6 +268,14 @@ def work_balanced(signals: dict[str, np.ndarray], bound: float) -> Failure:
     if not _is_small(missing, bound, signals):
         residual = missing / largest_work(signals)
         yield Status.INVALID, f"the work balance misses {residual:.2%}, allowed are {bound:.1%}"
+
+
+def edge_bound(gear: SteeringGear) -> float:
+    """Return the share of the work that may go over the rack's edges by the gear's contact law.
+
+    By law "line" 5 % of random gears exceed 2 %, and one of 200 reaches 5 %, in the smallest steps as well.
+    """
+    return EDGE_BOUND[gear.mesh.law] + EDGE_FRACTION * float(np.degrees(abs(gear.installation.angle_error)))
 
 
 def edges_spared(signals: dict[str, np.ndarray], bound: float) -> Failure:

@@ -28,6 +28,7 @@ ALIKE = 5e-4  # of the force and of a pitch's travel: how far two coarse beginni
 ALIKE_FINE = 2e-3  # ... and two of which one is twice as far back: what is left is less than that
 ROLLING = 0.02  # of the rack's travel: a rack that rolls more needs fine steps
 MOST_LOST = 4  # beginnings from which no equilibria lead to the start, until no more are tried
+ODD_PARTS = (0.0, 0.3, 0.6)  # of a pitch further back, where no rest is found at the phase of the start
 
 
 @dataclass(frozen=True)
@@ -93,9 +94,14 @@ class _Search:
         return replace(found[-1], start=Start(differ, np.inf, self.approach.toothed))
 
     def begun(self, pitches: float) -> EquilibriumPath:
-        """Return the path to the start from so many tooth pitches before it."""
-        instants = self.approach.instants(pitches) if pitches else np.zeros(0)
-        return equilibrium_path(self.balance, self.pair, self.drive, np.concatenate([instants, self.start]))
+        """Return the path to the start from so many tooth pitches before it, or from a part of one more."""
+        for more in ODD_PARTS if pitches else ODD_PARTS[:1]:
+            instants = self.approach.instants(pitches + more) if pitches else np.zeros(0)
+            time = np.concatenate([instants, self.start])
+            path = equilibrium_path(self.balance, self.pair, self.drive, time)
+            if path.converged or path.lost_at != path.begun:
+                break
+        return path
 
     def with_teeth(self, path: EquilibriumPath, pitches: float) -> EquilibriumPath:
         """Return a settled path with the difference to what the rack's teeth before the start allow."""
