@@ -140,13 +140,16 @@ def test_condensed_bush_is_the_chain(bush: str) -> None:
     assert np.std(chain["rack_y"] - condensed["rack_y"]) < 2e-8
 
 
-def test_dynamics_are_the_equilibria_when_slow() -> None:
-    """RMS over a pitch below 0.02 % of the mean, at 15 and at 60 rpm."""
+@pytest.mark.parametrize(("law", "bound"), [("area", 2e-4), ("line", 8e-4)])
+def test_dynamics_are_the_equilibria_when_slow(law: str, bound: float) -> None:
+    """RMS over a pitch below 0.02 % of the mean, at 15 and at 60 rpm. By law "line" a tooth that enters takes
+    its load more suddenly, and 0.06 % of vibration are found."""
     for speed in ("15 rpm", "60 rpm"):
-        still, moving = (turned({"test.speed": speed}, preset) for preset in ("quasi-static", "flank"))
+        settings = {"test.speed": speed, "mesh.law": law}
+        still, moving = (turned(settings, preset) for preset in ("quasi-static", "flank"))
         difference = np.interp(still["pinion_angle"], moving["pinion_angle"], moving["pinion_torque"])
         difference -= still["pinion_torque"]
-        assert np.std(difference) < 2e-4 * still.summary["torque_mean"]
+        assert np.std(difference) < bound * still.summary["torque_mean"]
 
 
 def test_ratio_knows_the_gain_and_no_mesh() -> None:
@@ -207,15 +210,16 @@ def test_exudyn_users_find_their_sensors() -> None:
     assert sensed[:, 1] == pytest.approx(recorded, abs=1e-15)
 
 
-def test_a_period_stands_for_all() -> None:
-    """Two turns of an eccentric pinion are one turn twice; followed angle by angle they are the same."""
-    once = turned({"pinion.runout": 40e-6}, turns=1.0)
-    twice = turned({"pinion.runout": 40e-6}, turns=2.0)
-    apart = turned({"pinion.runout": 40e-6}, turns=2.01)
+@pytest.mark.parametrize(("law", "bound"), [("area", 5e-4), ("line", 1.5e-3)])
+def test_a_period_stands_for_all(law: str, bound: float) -> None:
+    """Two turns of an eccentric pinion are one turn twice; followed angle by angle they are the same, but for
+    the chords between other angles: across the kinks of law "line" they miss 0.1 %."""
+    eccentric = {"pinion.runout": 40e-6, "mesh.law": law}
+    once, twice, apart = (turned(eccentric, turns=turns) for turns in (1.0, 2.0, 2.01))
     first = slice(0, len(once["time"]) - 1)
     assert twice["pinion_torque"][first] == pytest.approx(once["pinion_torque"][first], rel=1e-12)
     followed = np.interp(twice["pinion_angle"], apart["pinion_angle"], apart["pinion_torque"])
-    assert np.abs(followed - twice["pinion_torque"]).max() < 5e-4 * twice.summary["torque_mean"]
+    assert np.abs(followed - twice["pinion_torque"]).max() < bound * twice.summary["torque_mean"]
 
 
 def test_added_angles_keep_their_promise() -> None:
