@@ -31,7 +31,7 @@ from rps_exudyn.scenes.maneuver import whole_periods
 LEAST_SLIDING = 0.2  # of the mean, somewhere in mesh: below it references of random gears do not agree
 LARGEST_SWING = 7.5  # acceleration of the pinion [rad/s^2]; 15 rpm by 30 degrees, as measured, has 4.7
 DENSER = {"area": 1, "line": 2, "teeth": 2}
-"""Times the angles of the table, which was measured by law "area", whose loads fade out at the ends of a line;
+"""Times the angles of the table, which was measured by law "area", whose loads fade out at ends of a line;
 where they end at once, curves have kinks, and 2 of 20 random gears miss 0.1 % at the table's own angles."""
 
 TABLE = Path(__file__).with_name("table.json")
