@@ -20,7 +20,6 @@ from rps_exudyn.verification.stability import ScenePlan
 TORQUE = "free-pinion-torque"
 STILL = {"solver": "equilibrium"}
 SPHERES = {"mesh": "general-contact", "profile_samples": 27, "axial_samples": 18}
-BY_AREA = {"mesh.law": "area"}  # whose stiffness makes teeth soft, and spheres deep
 Settings = dict[str, Any]
 
 
@@ -41,7 +40,7 @@ def bad_cases() -> dict[str, BadCase]:
         cases[name] = BadCase(_plan(scene, values), Status(expected["status"]), expected["message"])
     for name, message, values in _made_up():
         status = Status.CONTACT_LOST if message == "out of its place" else Status.INVALID
-        cases[name] = BadCase(_plan(TORQUE, {"test.turns": 1 / 6, **BY_AREA} | values), status, message)
+        cases[name] = BadCase(_plan(TORQUE, {"test.turns": 1 / 6} | values), status, message)
     return cases
 
 
