@@ -1,0 +1,313 @@
+"""Compliance of a rack's tooth by elastic finite elements.
+
+The upper half of a round bar with 2 n + 1 teeth is clamped at `depth` below its root and free elsewhere. Its
+section is a sheet of hexahedra of second order (20 nodes, curved along the fillets); sheets follow each other
+along the teeth, as wide at each height as the bar's chord is, and are chained by block elimination.
+
+          tip   ____           ____            half of the section, mirrored at x = 0, where the tooth
+    x = 0 |    /    \\         /    \\           in the middle is cut: loads on one of its flanks are the
+          |   /      \\       /      \\          mean of an even and an odd part
+          |  (   ^    \\_____/        \\___
+          |  y   |            |          |
+          |______|____________|__________|     clamped
+
+Patches, over which loads press evenly and yields are averaged, are `ROWS` strips of the plane flank from root
+to tip, cut into equal pieces along the tooth. With G the patches' unit loads and K = L L^T the stiffness, their
+compliance is G^T K^-1 G = (L^-1 G)^T (L^-1 G): one sweep along the tooth.
+
+The teeth's ends stand square to the tooth, where those of a real rack are askew by the tooth angle.
+
+scikit-fem (the extra `[verification]`) gives the elements' shape functions and the integration.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
+from scipy.sparse import coo_array, csr_array
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.basic_rack import cutter_tip_centre, straight_depth
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.mesh_contact.tooth_compliance import POISSON_RATIO, YOUNGS_MODULUS
+
+ROWS = 3  # strips of patches between fillet and tip
+FILLET, TIP = 1, 1 + ROWS  # rows of cells above the block: one along the fillet, the others along the flank
+GRADING = 1.6  # of the block's rows, finer below the teeth
+LEAN = 0.5  # over the module: depth in which the columns' edges become upright
+ORDER = 5  # of the integration
+NEAR = 1e-6  # of coordinates counted in cells
+RIGHT_FLANKS = (1, 3)  # columns' edges: the tooth in the middle, the next tooth
+
+
+def finite_elements() -> Any:
+    """Return scikit-fem.
+
+    Raises:
+        InputError: it is not installed.
+    """
+    try:
+        import skfem
+    except ImportError:
+        raise InputError(
+            "Finite elements need scikit-fem: install rps-exudyn with its extra [verification]."
+        ) from None
+    return skfem
+
+
+@dataclass(frozen=True)
+class Section:
+    """The half section of the rack, mapped from cells: x counts columns from the middle, y rows from the root."""
+
+    pair: GearPair
+    beside: int = 1  # teeth on either side of the one in the middle, at least one
+    depth: float = 3.0  # of the block below the rack's pitch line's fillets, over the module
+    block_rows: int = 3
+
+    @property
+    def columns(self) -> int:
+        """Half a tooth, then root and tooth in turn, and half a root."""
+        return 2 + 2 * self.beside
+
+    def row_height(self, row: float | np.ndarray) -> float | np.ndarray:
+        """Height above the reference line of a place on the flank, 0 at the fillet and `ROWS` at the tip [m]."""
+        straight = straight_depth(self.pair)
+        return -straight + (self.pair.rack_addendum + straight) * row / ROWS
+
+    def half_length(self, height: float | np.ndarray) -> np.ndarray:
+        """Half the length along the tooth at a height above the reference line, the round bar's chord [m]."""
+        pair = self.pair
+        chord = np.sqrt(pair.bar_radius**2 - np.square(pair.reference_height + height))
+        return np.asarray(chord / np.cos(pair.beta_r))
+
+    def points(self, cells: np.ndarray) -> np.ndarray:
+        """Return the points (x, y) [m] of places (column, row) counted in cells, shape (2, n) both."""
+        column = np.clip(np.floor(cells[0] + NEAR), 0, self.columns - 1)
+        in_tooth = (column % 2 == 0) | (cells[1] > NEAR)
+        return np.where(in_tooth, self._tooth(cells), self._root(cells, column))
+
+    def _tooth(self, cells: np.ndarray) -> np.ndarray:
+        """Rows of a tooth and of the column below it are straight and level."""
+        tooth = np.round((cells[0] - 0.5) / 2)
+        across = np.where(tooth == 0, cells[0], 2 * (cells[0] - 2 * tooth) - 1)
+        edge = self._edge(cells[1])
+        return np.stack([tooth * np.pi * self.pair.module + across * edge[0], edge[1]])
+
+    def _root(self, cells: np.ndarray, column: np.ndarray) -> np.ndarray:
+        """Rows below a root are level but for the root's curve, which fades with depth."""
+        across = (cells[0] - column) * np.where(column == self.columns - 1, 0.5, 1.0)
+        row = np.minimum(cells[1], 0)
+        pitch = np.pi * self.pair.module
+
+        def level(edge: np.ndarray) -> np.ndarray:
+            return np.stack([edge[0] + across * (pitch - 2 * edge[0]), edge[1]])
+
+        curve = self._root_curve(across) - level(self._edge(np.zeros_like(row)))
+        place = level(self._edge(row)) + curve * (1 - self._fall(row))
+        return place + np.stack([(column - 1) / 2 * pitch, np.zeros_like(row)])
+
+    # --- edges, right of the middle of a tooth ----------------------------------------------------
+    @cached_property
+    def _fillet(self) -> tuple[np.ndarray, float, float]:
+        """Centre and radius of the fillet, and the angle at which tooth and root meet on it."""
+        u, y = cutter_tip_centre(self.pair)
+        middle = (self.pair.alpha_n + np.pi / 2) / 2
+        return np.array([np.pi * self.pair.module / 2 - u, y]), self.pair.fillet_radius, middle
+
+    def _on_fillet(self, angle: np.ndarray) -> np.ndarray:
+        """Points of the fillet at angles below the horizontal."""
+        centre, radius, _ = self._fillet
+        return centre[:, None] - radius * np.stack([np.cos(angle), np.sin(angle)])
+
+    def _fall(self, row: np.ndarray) -> np.ndarray:
+        """How far down the block a row lies, 0 to 1."""
+        return np.clip(-row / self.block_rows, 0, 1) ** GRADING
+
+    def _edge(self, row: np.ndarray) -> np.ndarray:
+        """Right edge of a tooth and of the column below it, shape (2, n)."""
+        pair, (_, _, middle) = self.pair, self._fillet
+        up = np.clip(row, 0, FILLET) / FILLET
+        fillet = self._on_fillet(middle + (pair.alpha_n - middle) * up)
+        height = self.row_height(np.clip(row - FILLET, 0, ROWS))
+        flank = np.stack([np.pi * pair.module / 4 - height * np.tan(pair.alpha_n), height])
+        start, fall = self._on_fillet(np.full_like(row, middle)), self._fall(row)
+        inwards = LEAN / np.tan(middle) * (1 - (1 - fall) ** (self.depth / LEAN))  # first along the normal
+        below = start - pair.module * np.stack([inwards, self.depth * fall])
+        return np.where(row >= FILLET, flank, np.where(row >= 0, fillet, below))
+
+    def _root_curve(self, across: np.ndarray) -> np.ndarray:
+        """The root from fillet to fillet, from the middle of the tooth on its left; `across` from 0 to 1."""
+        centre, radius, middle = self._fillet
+        pitch = np.pi * self.pair.module
+        half = np.minimum(across, 1 - across)
+        arc = radius * (np.pi / 2 - middle)
+        path = half * 2 * (arc + pitch / 2 - centre[0])
+        curved = self._on_fillet(middle + np.minimum(path, arc) / radius)
+        x = curved[0] + np.maximum(path - arc, 0)
+        return np.stack([np.where(across > 0.5, pitch - x, x), curved[1]])
+
+
+class Compliance(NamedTuple):
+    """Mean yield of a patch along its flank's normal under a unit load on another, shape (p, p) each [m/N].
+
+    Patches are counted along the tooth first, then from the fillet up. Yields count into the material.
+    """
+
+    same: np.ndarray  # on the same flank
+    opposite: np.ndarray  # between the two flanks of a tooth
+    next: np.ndarray  # on the same side of the next tooth
+    unknowns: int
+
+
+class Sheet(NamedTuple):
+    """A layer of elements whose nodes between its two planes are eliminated: front plane, then back plane."""
+
+    stiffness: np.ndarray  # (2 n, 2 n) [N/m]
+    loads: np.ndarray  # (2 n, rows of both flanks), even pressure of 1 Pa
+    inner: np.ndarray  # compliance of the eliminated nodes for these loads
+
+
+class Layer(NamedTuple):
+    """A layer of elements with all its nodes, three unknowns each."""
+
+    stiffness: csr_array
+    loads: np.ndarray  # (unknowns, rows of both flanks), even pressure of 1 Pa
+    areas: np.ndarray  # of the rows [m^2]
+    front: np.ndarray  # unknowns sorted by place
+    back: np.ndarray
+    between: np.ndarray
+    clamped: np.ndarray  # whether an unknown stands at the bottom
+    middle: np.ndarray  # whether it stands at x = 0
+
+
+def rack_compliance(section: Section, patches: int, refinement: int) -> Compliance:
+    """Return the compliance of a tooth with `patches` patches along it.
+
+    Cells of the section, and patches, are divided into `refinement` elements each way.
+
+    Raises:
+        InputError: scikit-fem is not installed.
+    """
+    cuts = np.linspace(-1, 1, patches * refinement + 1)
+    layers = [layer(section, refinement, *ends) for ends in zip(cuts[:-1], cuts[1:], strict=True)]
+    areas = np.array([each.areas for each in layers]).reshape(patches, refinement, -1).sum(axis=1).T.ravel()
+    even, odd = (
+        chained([condensed(each, symmetry) for each in layers], refinement) / np.outer(areas, areas)
+        for symmetry in (True, False)
+    )
+    mean, half, count = (even + odd) / 2, (even - odd) / 2, patches * ROWS
+    nodes = sum(each.front.size + each.between.size for each in layers) + layers[-1].back.size
+    return Compliance(mean[:count, :count], half[:count, :count], mean[:count, count:], nodes)
+
+
+# --- elements ----------------------------------------------------------------------------------------
+def layer(section: Section, refinement: int, front: float, back: float) -> Layer:
+    """Assemble the elements between two places along the teeth, -1 and 1 at their ends."""
+    fem = finite_elements()
+    columns = np.linspace(0, section.columns, section.columns * refinement + 1)
+    rows = np.linspace(-section.block_rows, TIP, (section.block_rows + TIP) * refinement + 1)
+    cells = fem.MeshHex.init_tensor(columns, rows, np.array([front, back]))
+    x, y = cells.p[:2, cells.t].mean(axis=1)
+    cells = cells.remove_elements(np.flatnonzero((y > 0) & (np.floor(x) % 2 == 1)))
+    curved = fem.MeshHex2.from_mesh(cells)
+    places = section.points(curved.doflocs[:2])
+    along = curved.doflocs[2] * section.half_length(places[1])
+    mesh = replace(curved, doflocs=np.stack([*places, along]))
+
+    element = fem.ElementHexS2()
+    basis = fem.Basis(mesh, element, intorder=ORDER)
+    loads, areas = [], []
+    for column in RIGHT_FLANKS:
+        for row in range(FILLET, TIP):
+            facets = cells.facets_satisfying(
+                lambda p, c=column, r=row: (abs(p[0] - c) < NEAR) & (r < p[1]) & (p[1] < r + 1),
+                boundaries_only=True,
+            )
+            strip = fem.FacetBasis(mesh, element, facets=facets, intorder=ORDER)
+            loads.append(pressed(fem, strip))
+            areas.append(strip.dx.sum())
+    x, y, z = np.repeat(basis.doflocs, 3, axis=1)
+    zeta = np.round(z / section.half_length(y), 9)
+    order = np.lexsort((np.round(y, 10), np.round(x, 10)))  # keeps the three directions of a node in order
+    at_front, at_back = zeta[order] == zeta.min(), zeta[order] == zeta.max()
+    return Layer(
+        stiffness(basis),
+        np.stack(loads, axis=1),
+        np.array(areas),
+        order[at_front],
+        order[at_back],
+        order[~(at_front | at_back)],
+        clamped=y < y.min() + NEAR * section.pair.module,
+        middle=abs(x) < NEAR * section.pair.module,
+    )
+
+
+def stiffness(basis: Any) -> csr_array:
+    """Return the elements' stiffness, unknowns 3 node + direction [N/m].
+
+    K_ia,jb = integral of lambda N_i,a N_j,b + mu (N_i,b N_j,a + delta_ab sum_c N_i,c N_j,c).
+    """
+    slopes = np.stack([shape[0].grad for shape in basis.basis])  # (nodes, 3, elements, points)
+    nodes, _, elements, points = slopes.shape
+    rows = slopes.transpose(2, 0, 1, 3).reshape(elements, 3 * nodes, points)
+    products = rows @ (rows * basis.dx[:, None, :]).transpose(0, 2, 1)
+    products = products.reshape(elements, nodes, 3, nodes, 3)
+    lame = YOUNGS_MODULUS * POISSON_RATIO / (1 + POISSON_RATIO) / (1 - 2 * POISSON_RATIO)
+    shear = YOUNGS_MODULUS / 2 / (1 + POISSON_RATIO)
+    traces = np.einsum("eicjc->eij", products)
+    matrices = lame * products + shear * products.transpose(0, 1, 4, 3, 2)
+    matrices += shear * traces[:, :, None, :, None] * np.eye(3)[None, None, :, None, :]
+    unknowns = (3 * basis.element_dofs.T[:, :, None] + np.arange(3)).reshape(elements, -1)
+    i, j = np.broadcast_arrays(unknowns[:, :, None], unknowns[:, None, :])
+    return csr_array(coo_array((matrices.ravel(), (i.ravel(), j.ravel())), shape=(3 * basis.N, 3 * basis.N)))
+
+
+def pressed(fem: Any, strip: Any) -> np.ndarray:
+    """Nodes' forces under an even pressure of 1 Pa on facets [N]."""
+    forces = [
+        fem.LinearForm(lambda v, w, a=axis: v * w.n[a]).assemble(strip)  # type: ignore[misc]
+        for axis in range(3)
+    ]
+    return np.stack(forces, axis=1).ravel()
+
+
+# --- elimination -------------------------------------------------------------------------------------
+def condensed(layer: Layer, even: bool) -> Sheet:
+    """Eliminate the nodes between a layer's two planes, under loads mirrored at x = 0, or their opposite."""
+    across = np.arange(layer.middle.size) % 3 == 0
+    free = ~layer.clamped & ~(layer.middle & (across if even else ~across))
+    outer = np.concatenate([layer.front[free[layer.front]], layer.back[free[layer.back]]])
+    inner = layer.between[free[layer.between]]
+    between = layer.stiffness[inner][:, outer].toarray()
+    factor = cho_factor(layer.stiffness[inner][:, inner].toarray(), lower=True)
+    yields = cho_solve(factor, layer.loads[inner])
+    return Sheet(
+        layer.stiffness[outer][:, outer].toarray() - between.T @ cho_solve(factor, between),
+        layer.loads[outer] - between.T @ yields,
+        layer.loads[inner].T @ yields,
+    )
+
+
+def chained(sheets: list[Sheet], per_patch: int) -> np.ndarray:
+    """Return the compliance of all patches of so many sheets each: by flank, row, place along the tooth."""
+    n, rows = len(sheets[0].loads) // 2, sheets[0].loads.shape[1]
+    patches = len(sheets) // per_patch
+    total = np.zeros((rows, patches, rows, patches))
+    plane, loads = np.zeros((n, n)), np.zeros((n, rows, patches))  # what the planes before have left over
+    for number, sheet in enumerate(sheets):
+        patch = number // per_patch
+        loads[:, :, patch] += sheet.loads[:n]
+        total[:, patch, :, patch] += sheet.inner
+        factor = cholesky(plane + sheet.stiffness[:n, :n], lower=True, check_finite=False)
+        solved = solve_triangular(factor, loads.reshape(n, -1), lower=True, check_finite=False)
+        across = solve_triangular(factor, sheet.stiffness[:n, n:], lower=True, check_finite=False)
+        total += (solved.T @ solved).reshape(total.shape)
+        plane = sheet.stiffness[n:, n:] - across.T @ across
+        loads = -(across.T @ solved).reshape(loads.shape)
+        loads[:, :, patch] += sheet.loads[n:]
+    factor = cholesky(plane, lower=True, check_finite=False)
+    solved = solve_triangular(factor, loads.reshape(n, -1), lower=True, check_finite=False)
+    total += (solved.T @ solved).reshape(total.shape)
+    return total.reshape(rows * patches, rows * patches)
