@@ -25,7 +25,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
+from scipy.linalg import cholesky, solve_triangular
 from scipy.sparse import coo_array, csr_array
 
 from rps_exudyn.base.errors import InputError
@@ -65,6 +65,14 @@ class Section:
     beside: int = 1  # teeth on either side of the one in the middle, at least one
     depth: float = 3.0  # of the block below the rack's pitch line's fillets, over the module
     block_rows: int = 3
+
+    def half_width(self, height: np.ndarray) -> np.ndarray:
+        """Half the tooth's thickness at heights of its flanks or fillets [m]."""
+        centre, radius, _ = self._fillet
+        below = centre[1] - np.minimum(height, -straight_depth(self.pair))
+        flank = np.pi * self.pair.module / 4 - height * np.tan(self.pair.alpha_n)
+        fillet = centre[0] - np.sqrt(radius**2 - below**2)
+        return np.where(height > -straight_depth(self.pair), flank, fillet)
 
     @property
     def columns(self) -> int:
@@ -161,23 +169,13 @@ class Compliance(NamedTuple):
     unknowns: int
 
 
-class Sheet(NamedTuple):
-    """A layer of elements whose nodes between its two planes are eliminated: front plane, then back plane."""
+class Model(NamedTuple):
+    """The elements' equations, three unknowns at each node."""
 
-    stiffness: np.ndarray  # (2 n, 2 n) [N/m]
-    loads: np.ndarray  # (2 n, rows of both flanks), even pressure of 1 Pa
-    inner: np.ndarray  # compliance of the eliminated nodes for these loads
-
-
-class Layer(NamedTuple):
-    """A layer of elements with all its nodes, three unknowns each."""
-
-    stiffness: csr_array
-    loads: np.ndarray  # (unknowns, rows of both flanks), even pressure of 1 Pa
-    areas: np.ndarray  # of the rows [m^2]
-    front: np.ndarray  # unknowns sorted by place
-    back: np.ndarray
-    between: np.ndarray
+    stiffness: csr_array  # [N/m]
+    loads: np.ndarray  # unit loads on the patches of the tooth in the middle, then of the next, (unknowns, 2 p)
+    planes: list[np.ndarray]  # unknowns on the sheets' planes
+    between: list[np.ndarray]  # unknowns between these planes
     clamped: np.ndarray  # whether an unknown stands at the bottom
     middle: np.ndarray  # whether it stands at x = 0
 
@@ -190,55 +188,37 @@ def rack_compliance(section: Section, patches: int, refinement: int) -> Complian
     Raises:
         InputError: scikit-fem is not installed.
     """
-    cuts = np.linspace(-1, 1, patches * refinement + 1)
-    layers = [layer(section, refinement, *ends) for ends in zip(cuts[:-1], cuts[1:], strict=True)]
-    areas = np.array([each.areas for each in layers]).reshape(patches, refinement, -1).sum(axis=1).T.ravel()
-    even, odd = (
-        chained([condensed(each, symmetry) for each in layers], refinement) / np.outer(areas, areas)
-        for symmetry in (True, False)
-    )
+    model = assembled(section, patches, refinement)
+    even, odd = chained(model, even=True), chained(model, even=False)
     mean, half, count = (even + odd) / 2, (even - odd) / 2, patches * ROWS
-    nodes = sum(each.front.size + each.between.size for each in layers) + layers[-1].back.size
-    return Compliance(mean[:count, :count], half[:count, :count], mean[:count, count:], nodes)
+    return Compliance(mean[:count, :count], half[:count, :count], mean[:count, count:], model.loads.shape[0])
 
 
 # --- elements ----------------------------------------------------------------------------------------
-def layer(section: Section, refinement: int, front: float, back: float) -> Layer:
-    """Assemble the elements between two places along the teeth, -1 and 1 at their ends."""
+def assembled(section: Section, patches: int, refinement: int) -> Model:
+    """Assemble the elements."""
     fem = finite_elements()
     columns = np.linspace(0, section.columns, section.columns * refinement + 1)
     rows = np.linspace(-section.block_rows, TIP, (section.block_rows + TIP) * refinement + 1)
-    cells = fem.MeshHex.init_tensor(columns, rows, np.array([front, back]))
+    cells = fem.MeshHex.init_tensor(columns, rows, np.linspace(-1, 1, patches * refinement + 1))
     x, y = cells.p[:2, cells.t].mean(axis=1)
     cells = cells.remove_elements(np.flatnonzero((y > 0) & (np.floor(x) % 2 == 1)))
     curved = fem.MeshHex2.from_mesh(cells)
     places = section.points(curved.doflocs[:2])
-    along = curved.doflocs[2] * section.half_length(places[1])
-    mesh = replace(curved, doflocs=np.stack([*places, along]))
+    mesh = replace(
+        curved, doflocs=np.stack([*places, curved.doflocs[2] * section.half_length(places[1])])
+    )
+    basis = fem.Basis(mesh, fem.ElementHexS2(), intorder=ORDER)
 
-    element = fem.ElementHexS2()
-    basis = fem.Basis(mesh, element, intorder=ORDER)
-    loads, areas = [], []
-    for column in RIGHT_FLANKS:
-        for row in range(FILLET, TIP):
-            facets = cells.facets_satisfying(
-                lambda p, c=column, r=row: (abs(p[0] - c) < NEAR) & (r < p[1]) & (p[1] < r + 1),
-                boundaries_only=True,
-            )
-            strip = fem.FacetBasis(mesh, element, facets=facets, intorder=ORDER)
-            loads.append(pressed(fem, strip))
-            areas.append(strip.dx.sum())
     x, y, z = np.repeat(basis.doflocs, 3, axis=1)
-    zeta = np.round(z / section.half_length(y), 9)
-    order = np.lexsort((np.round(y, 10), np.round(x, 10)))  # keeps the three directions of a node in order
-    at_front, at_back = zeta[order] == zeta.min(), zeta[order] == zeta.max()
-    return Layer(
+    step = np.round((z / section.half_length(y) + 1) * patches * refinement).astype(int)  # two to a sheet
+    order = np.lexsort((np.round(y, 10), np.round(x, 10)))
+    layers = [order[step[order] == number] for number in range(2 * patches * refinement + 1)]
+    return Model(
         stiffness(basis),
-        np.stack(loads, axis=1),
-        np.array(areas),
-        order[at_front],
-        order[at_back],
-        order[~(at_front | at_back)],
+        pressed(fem, mesh, cells, patches),
+        layers[::2],
+        layers[1::2],
         clamped=y < y.min() + NEAR * section.pair.module,
         middle=abs(x) < NEAR * section.pair.module,
     )
@@ -264,50 +244,44 @@ def stiffness(basis: Any) -> csr_array:
     return csr_array(coo_array((matrices.ravel(), (i.ravel(), j.ravel())), shape=(3 * basis.N, 3 * basis.N)))
 
 
-def pressed(fem: Any, strip: Any) -> np.ndarray:
-    """Nodes' forces under an even pressure of 1 Pa on facets [N]."""
-    forces = [
-        fem.LinearForm(lambda v, w, a=axis: v * w.n[a]).assemble(strip)  # type: ignore[misc]
-        for axis in range(3)
-    ]
-    return np.stack(forces, axis=1).ravel()
+def pressed(fem: Any, mesh: Any, cells: Any, patches: int) -> np.ndarray:
+    """Return unit normal loads, spread evenly over each patch, shape (unknowns, patches of both flanks)."""
+    place = cells.p[:, cells.facets].mean(axis=1)  # of the facets, counted in cells
+    on_flank = (np.abs(place[0][:, None] - RIGHT_FLANKS) < NEAR) & (place[1] > FILLET)[:, None]
+    facets = np.flatnonzero(on_flank.any(axis=1))
+    flank = fem.FacetBasis(mesh, fem.ElementHexS2(), facets=facets, intorder=ORDER)
+    side, row = on_flank[facets, 1].astype(int), (place[1, facets] - FILLET).astype(int)
+    patch = (side * ROWS + row) * patches + ((place[2, facets] + 1) / 2 * patches).astype(int)
+    areas = np.bincount(patch, weights=flank.dx.sum(axis=1))
+    loads = np.zeros((flank.N, 3, areas.size))
+    for (shape, *_), nodes in zip(flank.basis, flank.element_dofs, strict=True):
+        forces = np.einsum("eq,eq,aeq->ea", np.asarray(shape), flank.dx, flank.normals)
+        np.add.at(loads, (nodes, slice(None), patch), forces)
+    return (loads / areas).reshape(3 * flank.N, -1)
 
 
 # --- elimination -------------------------------------------------------------------------------------
-def condensed(layer: Layer, even: bool) -> Sheet:
-    """Eliminate the nodes between a layer's two planes, under loads mirrored at x = 0, or their opposite."""
-    across = np.arange(layer.middle.size) % 3 == 0
-    free = ~layer.clamped & ~(layer.middle & (across if even else ~across))
-    outer = np.concatenate([layer.front[free[layer.front]], layer.back[free[layer.back]]])
-    inner = layer.between[free[layer.between]]
-    between = layer.stiffness[inner][:, outer].toarray()
-    factor = cho_factor(layer.stiffness[inner][:, inner].toarray(), lower=True)
-    yields = cho_solve(factor, layer.loads[inner])
-    return Sheet(
-        layer.stiffness[outer][:, outer].toarray() - between.T @ cho_solve(factor, between),
-        layer.loads[outer] - between.T @ yields,
-        layer.loads[inner].T @ yields,
-    )
+def chained(model: Model, even: bool) -> np.ndarray:
+    """Return the compliance of all patches under loads mirrored at x = 0, or mirrored and turned round.
 
-
-def chained(sheets: list[Sheet], per_patch: int) -> np.ndarray:
-    """Return the compliance of all patches of so many sheets each: by flank, row, place along the tooth."""
-    n, rows = len(sheets[0].loads) // 2, sheets[0].loads.shape[1]
-    patches = len(sheets) // per_patch
-    total = np.zeros((rows, patches, rows, patches))
-    plane, loads = np.zeros((n, n)), np.zeros((n, rows, patches))  # what the planes before have left over
-    for number, sheet in enumerate(sheets):
-        patch = number // per_patch
-        loads[:, :, patch] += sheet.loads[:n]
-        total[:, patch, :, patch] += sheet.inner
-        factor = cholesky(plane + sheet.stiffness[:n, :n], lower=True, check_finite=False)
-        solved = solve_triangular(factor, loads.reshape(n, -1), lower=True, check_finite=False)
-        across = solve_triangular(factor, sheet.stiffness[:n, n:], lower=True, check_finite=False)
-        total += (solved.T @ solved).reshape(total.shape)
-        plane = sheet.stiffness[n:, n:] - across.T @ across
-        loads = -(across.T @ solved).reshape(loads.shape)
-        loads[:, :, patch] += sheet.loads[n:]
-    factor = cholesky(plane, lower=True, check_finite=False)
-    solved = solve_triangular(factor, loads.reshape(n, -1), lower=True, check_finite=False)
-    total += (solved.T @ solved).reshape(total.shape)
-    return total.reshape(rows * patches, rows * patches)
+    Each sheet's front plane and inner nodes are eliminated together; what is left over acts on the next plane.
+    """
+    across = np.arange(model.middle.size) % 3 == 0
+    free = ~model.clamped & ~(model.middle & (across if even else ~across))
+    planes = [each[free[each]] for each in model.planes]
+    between = [each[free[each]] for each in model.between]
+    n, total = planes[0].size, np.zeros((model.loads.shape[1],) * 2)
+    taken, carried = np.zeros((n, n)), np.zeros((n, model.loads.shape[1]))
+    none = np.empty(0, dtype=int)
+    for plane, inner, following in zip(planes, [*between, none], [*planes[1:], none], strict=True):
+        block = np.concatenate([plane, inner])
+        rows = model.stiffness[block]
+        matrix, loads = rows[:, block].toarray(), model.loads[block]
+        matrix[:n, :n] -= taken
+        loads[:n] -= carried
+        factor = cholesky(matrix, lower=True, overwrite_a=True, check_finite=False)
+        solved = solve_triangular(factor, loads, lower=True, check_finite=False)
+        reach = solve_triangular(factor, rows[:, following].toarray(), lower=True, check_finite=False)
+        total += solved.T @ solved
+        taken, carried = reach.T @ reach, reach.T @ solved
+    return total

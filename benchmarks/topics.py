@@ -8,6 +8,7 @@ from benchmarks import (
     scene_needs,
     scenes,
     study_runner,
+    tooth_compliance,
 )
 from benchmarks.accuracy_speed import law_and_scaling, measured_points, promise_table
 from benchmarks.bad_inputs import bad_inputs, damaged_files
@@ -24,6 +25,7 @@ from benchmarks.topic import Topic
 TOPICS: dict[str, Topic] = {
     "geometry": geometry.TOPIC,
     "flank_contact": flank_contact.TOPIC,
+    "tooth_compliance": tooth_compliance.TOPIC,
     "free_pinion_torque": free_pinion_torque.TOPIC,
     "scenes": scenes.TOPIC,
     "efficiency_map": efficiency_map.TOPIC,

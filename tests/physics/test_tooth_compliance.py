@@ -1,0 +1,220 @@
+"""The law of elastic teeth against closed anchors, and the finite elements that judge it against their own laws."""
+
+import dataclasses
+import sys
+
+import numpy as np
+import pytest
+from scipy.sparse.linalg import spsolve
+
+from benchmarks.rack_tooth_elements import ORDER, Section, assembled, chained, finite_elements, stiffness
+from benchmarks.tooth_compliance import extrapolated, flattening, half_thickness
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.mesh_contact.elastic_teeth import TeethData, compliance_matrix, find_lines, teeth_data
+from rps_exudyn.mesh_contact.flank_data import pack
+from rps_exudyn.mesh_contact.flank_line import side_of
+from rps_exudyn.mesh_contact.tooth_compliance import (
+    PINION,
+    PLACE_SIZE,
+    POISSON_RATIO,
+    RACK,
+    YOUNGS_MODULUS,
+    Spread,
+    ToothData,
+    add_block,
+    fill_place,
+)
+from rps_exudyn.mesh_contact.unilateral import local_yield
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.verification.population import random_gears
+
+GEAR = SteeringGear()
+PAIR = GearPair.of(GEAR)
+Stations = list[tuple[float, float, float, float]]  # cos(alpha), and times y, times tan(alpha); s
+
+
+@pytest.fixture(scope="module")
+def teeth() -> TeethData:
+    return teeth_data(GEAR, pack(GEAR))
+
+
+def compliance(stations: Stations, half_length: float, tooth: ToothData, sigma: float = 1.0) -> np.ndarray:
+    """Compliance of stations on one flank [m/N]."""
+    places, count = np.empty((PLACE_SIZE, len(stations))), len(stations)
+    for i, station in enumerate(stations):
+        fill_place(places, i, *station, half_length, tooth)
+    matrix = np.zeros((count, count))
+    add_block(matrix, places, 0, 0, count, sigma, tooth)
+    return matrix
+
+
+def on_rack(height: float, s: float, teeth: TeethData) -> tuple[float, float, float, float]:
+    """A station at a height above the reference line."""
+    cos, tan = np.cos(PAIR.alpha_n), np.tan(PAIR.alpha_n)
+    lever = height - half_thickness(PAIR, height) * tan + teeth.rack.root
+    return cos, cos * lever, cos * tan, s
+
+
+def on_pinion(q: float, s: float, teeth: TeethData) -> tuple[float, float, float, float]:
+    """A station at a tangent length."""
+    x = (q - teeth.middle) * teeth.per_half
+    cos, cos_y, cos_tan = (np.polyval(row, x) for row in teeth.form[:3])
+    return cos, cos_y, cos_tan, s
+
+
+def kappa(station: tuple[float, float, float, float], tooth: ToothData, spread: Spread) -> float:
+    """Weber and Banaschek's foundation of a long tooth [nm/(N/mm)]: what a station yields, without its spread."""
+    (yields,) = compliance([station], 1.0, tooth)[0]  # both ends a metre away
+    return float(1e12 * yields * 2 * tooth.length / spread.strength)
+
+
+# --- Weber and Banaschek -----------------------------------------------------------------------------
+@pytest.mark.parametrize(("q_mm", "expected"), [(0.2, 7.427), (2.4, 8.039), (4.7, 12.866)])
+def test_pinion_tooth_has_weber_and_banascheks_foundation(
+    q_mm: float, expected: float, teeth: TeethData
+) -> None:
+    """Values of another program, stated with four digits, at places of the path of contact from the pitch point."""
+    q = 1e-3 * q_mm + PAIR.reference_radius * np.sin(PAIR.alpha_t)
+    assert kappa(on_pinion(q, 0.0, teeth), teeth.pinion, PINION) == pytest.approx(expected, rel=2e-3)
+
+
+@pytest.mark.parametrize(("q_mm", "expected"), [(0.2, 22.467), (2.4, 15.896), (4.7, 10.801)])
+def test_rack_tooth_has_weber_and_banascheks_foundation(
+    q_mm: float, expected: float, teeth: TeethData
+) -> None:
+    height = PAIR.profile_shift * PAIR.module - 1e-3 * q_mm * np.sin(PAIR.alpha_t)
+    assert kappa(on_rack(height, 0.0, teeth), teeth.rack, RACK) == pytest.approx(expected, rel=2e-3)
+
+
+# --- Hertz -------------------------------------------------------------------------------------------
+def strain_below(depth: np.ndarray, a: float, peak: float) -> np.ndarray:
+    """Strain normal to the surface under the middle of Hertz's pressure, plane strain (Johnson, eq. 4.46)."""
+    z = depth / a
+    root = np.sqrt(1 + z**2)
+    down, across = -peak / root, -peak * ((1 + 2 * z**2) / root - 2 * z)
+    nu = POISSON_RATIO
+    return (1 - nu**2) / YOUNGS_MODULUS * (down - nu / (1 - nu) * across)
+
+
+@pytest.mark.parametrize("load", [1e3, 3e4, 3e5])  # N/m; flank loads are 5e3 to 5e5
+@pytest.mark.parametrize("radius", [1e-3, 5e-3])
+def test_local_yield_is_hertzs_line_contact(load: float, radius: float) -> None:
+    """A cylinder of steel on a plane of steel: approach of two points h below both surfaces.
+
+    Reference: the strains under the pressure, integrated. The closed form leaves out (a / h)^2 terms; with h from
+    9 to 300 half widths they are up to 3e-3 of the yield.
+    """
+    modulus = YOUNGS_MODULUS / 2 / (1 - POISSON_RATIO**2)
+    a = np.sqrt(4 * load * radius / (np.pi * modulus))
+    depths = (1.5e-3, 1.1e-3)
+    nodes, weights = np.polynomial.legendre.leggauss(400)
+    integrated = 0.0
+    for h in depths:
+        z = a * np.sinh((nodes + 1) / 2 * np.arcsinh(h / a))  # evenly in what the strain falls with
+        slope = np.hypot(a, z) * np.arcsinh(h / a) / 2
+        integrated -= weights @ (strain_below(z, a, 2 * load / np.pi / a) * slope)
+    top = np.log(depths[0] * depths[1] * np.pi * modulus / radius) - POISSON_RATIO / (1 - POISSON_RATIO)
+    found, _ = local_yield(load, top, 2 * (1 - POISSON_RATIO**2) / np.pi / YOUNGS_MODULUS)
+    assert found == pytest.approx(integrated, rel=5e-3 if min(depths) < 20 * a else 1e-3)
+
+
+# --- symmetry and definiteness -----------------------------------------------------------------------
+def random_stations(random: np.random.Generator, half: float, teeth: TeethData) -> tuple[Stations, Stations]:
+    """24 stations each on a tooth of pinion and rack, at random along and up its flank."""
+    places = random.uniform(-half, half, (2, 24))
+    tangents = teeth.middle + random.uniform(-1, 1, 24) / teeth.per_half
+    heights = random.uniform(-0.9, 0.9, 24) * PAIR.module
+    on_both = [
+        [on_tooth(at, s, teeth) for at, s in zip(there, along, strict=True)]
+        for on_tooth, there, along in zip((on_pinion, on_rack), (tangents, heights), places, strict=True)
+    ]
+    return on_both[0], on_both[1]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_work_of_random_loads_on_one_flank_is_above_zero_and_mutual(seed: int, teeth: TeethData) -> None:
+    """Betti's theorem, and positive definiteness; the smallest eigenvalue is held against rounding."""
+    random = np.random.default_rng(seed)
+    half = random.uniform(1, 6) * PAIR.module
+    for stations, tooth in zip(random_stations(random, half, teeth), (teeth.pinion, teeth.rack), strict=True):
+        matrix = compliance(stations, half, tooth)
+        assert np.abs(matrix - matrix.T).max() <= 1e-14 * matrix.max()
+        assert np.linalg.eigvalsh(matrix).min() > 1e-9 * matrix.max()
+
+
+def test_compliance_of_all_lines_is_positive_definite_on_random_gears() -> None:
+    """What the unilateral solution rests on, also where drive and coast flank of one tooth are loaded.
+
+    Without the Hertzian part, which only adds to the diagonal; rack pressed 15 um into the mesh.
+    """
+    for gear in random_gears(seed=15, count=15):
+        data, pair = teeth_data(gear, pack(gear)), GearPair.of(gear)
+        place, still = np.array([0, pair.bar_axis_height - 15e-6, 0]), np.zeros(3)
+        for angle in (0.0, 0.4, 0.9):
+            motion = (place + angle * np.array([pair.gain, 0, 0]), np.eye(3), still, still)
+            sides = [side_of(sign, -angle, 0.0, *motion, data.flank) for sign in (-1.0, 1.0)]
+            lines = find_lines(-angle, *sides, data)
+            lower = np.tril(compliance_matrix(lines, data))
+            assert set(lines.side) == {-1.0, 1.0}
+            eigenvalues = np.linalg.eigvalsh(lower)  # which reads the lower triangle
+            assert eigenvalues.min() > 1e-6 * eigenvalues.max()
+
+
+# --- finite elements ---------------------------------------------------------------------------------
+SMALL = Section(PAIR, block_rows=1)
+
+
+def test_elimination_by_sheets_solves_the_same_equations() -> None:
+    """Against a sparse solution of all equations at once, for loads mirrored at the middle of the tooth."""
+    model = assembled(SMALL, patches=2, refinement=1)
+    free = ~model.clamped & ~(model.middle & (np.arange(model.middle.size) % 3 == 0))
+    loads = model.loads[free]
+    at_once = loads.T @ spsolve(model.stiffness[free][:, free].tocsc(), loads)
+    assert np.abs(chained(model, even=True) - at_once).max() < 1e-10 * at_once.max()
+
+
+def test_elements_carry_even_strains_exactly() -> None:
+    """Patch test: twice the energy of a linear displacement is volume times stress times strain, by Hooke's law.
+
+    Elements with straight but askew edges; a random displacement has strains and rotation.
+    """
+    fem, random = finite_elements(), np.random.default_rng(3)
+    mesh = fem.MeshHex.init_tensor(*[np.linspace(0, 1, 3)] * 3)
+    inside = ((mesh.p > 0.1) & (mesh.p < 0.9)).all(axis=0)
+    mesh = dataclasses.replace(mesh, doflocs=mesh.p + 0.1 * inside * random.uniform(-1, 1, mesh.p.shape))
+    basis = fem.Basis(mesh, fem.ElementHexS2(), intorder=ORDER)
+    gradient = random.uniform(-1, 1, (3, 3))
+    moved = (gradient @ basis.doflocs).T.ravel()
+    strain, nu = (gradient + gradient.T) / 2, POISSON_RATIO
+    stress = YOUNGS_MODULUS / (1 + nu) * (strain + nu / (1 - 2 * nu) * np.trace(strain) * np.eye(3))
+    assert moved @ (stiffness(basis) @ moved) == pytest.approx((stress * strain).sum(), rel=1e-12)
+
+
+def test_flattening_under_an_even_strip_is_that_of_the_half_plane() -> None:
+    """Strains on the axis of the strip, integrated, less the mean dip of its surface against the middle."""
+    height = 0.0
+    half = (SMALL.row_height(1) - SMALL.row_height(0)) / np.cos(PAIR.alpha_n) / 2
+    depth = half_thickness(PAIR, height) / np.cos(PAIR.alpha_n)
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    y, nu = depth * (nodes + 1) / 2, POISSON_RATIO
+    angle = np.arctan(half / y)
+    down, across = (angle + np.sin(angle) * np.cos(angle)), (angle - np.sin(angle) * np.cos(angle))
+    plane = (1 - nu**2) / YOUNGS_MODULUS
+    middle = plane * 2 / np.pi * depth / 2 * weights @ (down - nu / (1 - nu) * across)  # under 1 Pa
+    x = half * nodes
+    dip = 2 * half * np.log(half**2) - sum((half + each) * np.log((half + each) ** 2) for each in (x, -x))
+    mean = middle + plane / np.pi * weights @ dip / 2
+    assert flattening(SMALL, height) == pytest.approx(mean / (2 * half), rel=1e-4)
+
+
+def test_extrapolation_finds_limit_and_order() -> None:
+    """Exact for v + c k^-p."""
+    limit, order = extrapolated([7 - 2 * k**-2.5 for k in (1, 2, 3)])
+    assert (limit, order) == (pytest.approx(7, rel=1e-9), pytest.approx(2.5, rel=1e-9))
+
+
+def test_without_scikit_fem_one_sentence_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "skfem", None)
+    with pytest.raises(InputError, match=r"install rps-exudyn with its extra \[verification\]"):
+        finite_elements()
