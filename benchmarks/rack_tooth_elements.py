@@ -11,9 +11,9 @@ along the teeth, as wide at each height as the bar's chord is, and are chained b
           |  y   |            |          |
           |______|____________|__________|     clamped
 
-Patches, over which loads press evenly and yields are averaged, are `ROWS` strips of the plane flank from root
-to tip, cut into equal pieces along the tooth. With G the patches' unit loads and K = L L^T the stiffness, their
-compliance is G^T K^-1 G = (L^-1 G)^T (L^-1 G): one sweep along the tooth.
+Patches, over which loads press evenly and yields are averaged, are `ROWS` strips of the plane flank from
+root to tip, cut into equal pieces along the tooth. With G the patches' unit loads and K = L L^T the
+stiffness, their compliance is G^T K^-1 G = (L^-1 G)^T (L^-1 G): one sweep along the tooth.
 
 The teeth's ends stand square to the tooth, where those of a real rack are askew by the tooth angle.
 
@@ -31,8 +31,8 @@ from scipy.sparse import coo_array, csr_array
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.basic_rack import cutter_tip_centre, straight_depth
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.tooth_compliance import POISSON_RATIO, YOUNGS_MODULUS
 
+YOUNGS_MODULUS, POISSON_RATIO = 206e9, 0.3  # of steel, as in ISO 6336-2
 ROWS = 3  # strips of patches between fillet and tip
 FILLET, TIP = 1, 1 + ROWS  # rows of cells above the block: one along the fillet, the others along the flank
 GRADING = 1.6  # of the block's rows, finer below the teeth
@@ -59,20 +59,19 @@ def finite_elements() -> Any:
 
 @dataclass(frozen=True)
 class Section:
-    """The half section of the rack, mapped from cells: x counts columns from the middle, y rows from the root."""
+    """The rack's half section, mapped from cells: x counts columns from the middle, y rows from the root."""
 
     pair: GearPair
     beside: int = 1  # teeth on either side of the one in the middle, at least one
-    depth: float = 3.0  # of the block below the rack's pitch line's fillets, over the module
+    depth: float = 3.0  # of the block below the middle of the fillets, over the module
     block_rows: int = 3
 
     def half_width(self, height: np.ndarray) -> np.ndarray:
         """Half the tooth's thickness at heights of its flanks or fillets [m]."""
-        centre, radius, _ = self._fillet
-        below = centre[1] - np.minimum(height, -straight_depth(self.pair))
+        (x, y), radius, _ = self._fillet
+        below = np.clip(y - height, radius * np.sin(self.pair.alpha_n), radius)
         flank = np.pi * self.pair.module / 4 - height * np.tan(self.pair.alpha_n)
-        fillet = centre[0] - np.sqrt(radius**2 - below**2)
-        return np.where(height > -straight_depth(self.pair), flank, fillet)
+        return np.where(height > -straight_depth(self.pair), flank, x - np.sqrt(radius**2 - below**2))
 
     @property
     def columns(self) -> int:
@@ -80,7 +79,7 @@ class Section:
         return 2 + 2 * self.beside
 
     def row_height(self, row: float | np.ndarray) -> float | np.ndarray:
-        """Height above the reference line of a place on the flank, 0 at the fillet and `ROWS` at the tip [m]."""
+        """Height above the reference line of a place on the flank, 0 at the fillet, `ROWS` at the tip [m]."""
         straight = straight_depth(self.pair)
         return -straight + (self.pair.rack_addendum + straight) * row / ROWS
 
@@ -173,7 +172,7 @@ class Model(NamedTuple):
     """The elements' equations, three unknowns at each node."""
 
     stiffness: csr_array  # [N/m]
-    loads: np.ndarray  # unit loads on the patches of the tooth in the middle, then of the next, (unknowns, 2 p)
+    loads: np.ndarray  # unit loads on the patches of the middle tooth, then of the next, (unknowns, 2 p)
     planes: list[np.ndarray]  # unknowns on the sheets' planes
     between: list[np.ndarray]  # unknowns between these planes
     clamped: np.ndarray  # whether an unknown stands at the bottom
@@ -205,9 +204,7 @@ def assembled(section: Section, patches: int, refinement: int) -> Model:
     cells = cells.remove_elements(np.flatnonzero((y > 0) & (np.floor(x) % 2 == 1)))
     curved = fem.MeshHex2.from_mesh(cells)
     places = section.points(curved.doflocs[:2])
-    mesh = replace(
-        curved, doflocs=np.stack([*places, curved.doflocs[2] * section.half_length(places[1])])
-    )
+    mesh = replace(curved, doflocs=np.stack([*places, curved.doflocs[2] * section.half_length(places[1])]))
     basis = fem.Basis(mesh, fem.ElementHexS2(), intorder=ORDER)
 
     x, y, z = np.repeat(basis.doflocs, 3, axis=1)
@@ -256,7 +253,8 @@ def pressed(fem: Any, mesh: Any, cells: Any, patches: int) -> np.ndarray:
     loads = np.zeros((flank.N, 3, areas.size))
     for (shape, *_), nodes in zip(flank.basis, flank.element_dofs, strict=True):
         forces = np.einsum("eq,eq,aeq->ea", np.asarray(shape), flank.dx, flank.normals)
-        np.add.at(loads, (nodes, slice(None), patch), forces)
+        for axis in range(3):
+            np.add.at(loads[:, axis], (nodes, patch), forces[:, axis])
     return (loads / areas).reshape(3 * flank.N, -1)
 
 
@@ -264,7 +262,7 @@ def pressed(fem: Any, mesh: Any, cells: Any, patches: int) -> np.ndarray:
 def chained(model: Model, even: bool) -> np.ndarray:
     """Return the compliance of all patches under loads mirrored at x = 0, or mirrored and turned round.
 
-    Each sheet's front plane and inner nodes are eliminated together; what is left over acts on the next plane.
+    Each sheet's front plane and inner nodes are eliminated together; what is left acts on the next plane.
     """
     across = np.arange(model.middle.size) % 3 == 0
     free = ~model.clamped & ~(model.middle & (across if even else ~across))

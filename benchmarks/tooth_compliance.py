@@ -1,25 +1,12 @@
 """What one tooth of the rack yields: the law "teeth" against finite elements and against the closed form.
 
-Loads press on patches of one flank (`rack_tooth_elements`); the law's yield is averaged over the same patches. An
-*even load* presses on all patches of one height: what the finite elements give for it contains the flattening near
-the load, which the law counts apart, so that the flattening of a half-plane under that strip, down to the middle
-of the tooth, is taken off.
-
-    flattening = K f' [(1 - 2 nu) / (1 - nu) h / (2 a) atan(a / h) + ln(1 + h^2 / a^2) / 2 - ln 2 + 1 / 2]
-
-is the mean over a strip of half width a under f' per length relative to the depth h, K = 2 (1 - nu^2) / (pi E); it
-follows from the stresses below an evenly pressed strip in plane strain (Timoshenko and Goodier, section 37).
-
-In plane strain an even load has a closed form (Weber and Banaschek 1953), for a load whose direction meets the
-middle of the tooth y above the root's section, where the tooth is d(x) thick at x above it:
-
-    cos^2 alpha (1 - nu^2) / E [12 I(0..y, (y - x)^2 / d^3) + (2.4 / (1 - nu) + tan^2 alpha) I(0..y, 1 / d)] + kappa
-
-with I the integral over x and kappa of `tooth_compliance`.
+Loads press on patches of one flank (`rack_tooth_elements`); the law's yield is averaged over the same
+patches (`rack_tooth_law`), and what elements give for an even load is freed of the flattening that the law
+counts apart.
 """
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import matplotlib as mpl
@@ -29,28 +16,18 @@ from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 from benchmarks.rack_tooth_elements import ROWS, Compliance, Section, rack_compliance
+from benchmarks.rack_tooth_law import PER_MM, even_load, flattening, law_compliance, plane_strain
+from benchmarks.rack_tooth_variations import FITS, SUPPORTS, constants_table, support_table, vary
 from benchmarks.topic import Topic, markdown
 from rps_exudyn.base.atomic import replacing
 from rps_exudyn.charts import style
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.tooth_compliance import (
-    FOUNDATION,
-    FOUNDATION_ANGLE,
-    PLACE_SIZE,
-    POISSON_RATIO,
-    YOUNGS_MODULUS,
-    ToothData,
-    add_block,
-    fill_place,
-    rack_tooth,
-)
+from rps_exudyn.mesh_contact.tooth_compliance import rack_tooth
 from rps_exudyn.parameters.gear import SteeringGear
 
 DATA, CHART = "rack_tooth.csv", "rack_tooth.png"
 REFINEMENTS = (1, 2, 3)
-ACROSS, ALONG = 4, 6  # points of the law in a patch
 NANO = 1e9
-PER_MM = 1e12  # from m/(N/m) to nm/(N/mm)
 COLUMNS = (
     "load",  # even: on all patches of one height; middle, end: on the patch there
     "flank",  # same, opposite, or next: same side of the next tooth
@@ -64,8 +41,14 @@ COLUMNS = (
 Row = dict[str, str | float]
 
 
-def run(folder: Path, patches: int = 12, block_rows: int = 3) -> None:
-    """Compare the default gear's rack tooth with that many patches along it, and cells below its root."""
+def run(
+    folder: Path,
+    patches: int = 12,
+    block_rows: int = 3,
+    models: Sequence[str] = tuple(SUPPORTS),
+    fits: Sequence[str] = tuple(FITS),
+) -> None:
+    """Compare the default gear's rack tooth, with so many patches along it and cells below its root."""
     pair = GearPair.of(SteeringGear())
     section = Section(pair, block_rows=block_rows)
     found = [rack_compliance(section, patches, refinement) for refinement in REFINEMENTS]
@@ -74,6 +57,7 @@ def run(folder: Path, patches: int = 12, block_rows: int = 3) -> None:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()
         writer.writerows({name: shown(value) for name, value in row.items()} for row in rows)
+    vary(folder, section, patches, found[-1], models, fits)
     draw(read(folder), pair, folder / CHART)
 
 
@@ -89,18 +73,16 @@ def compared(section: Section, patches: int, found: list[Compliance]) -> Iterato
     law = law_compliance(section, patches, tooth)
     of_law = {"same": law, "opposite": -tooth.coupling * law, "next": 0 * law}
     for row in range(ROWS):
-        height, strip = section.row_height(row + 0.5), slice(row * patches, (row + 1) * patches)
-        half = section.half_length(height)
-        places = 1e3 * half * ((np.arange(patches) + 0.5) / patches * 2 - 1)
+        height, strip = float(section.row_height(row + 0.5)), slice(row * patches, (row + 1) * patches)
+        places = 1e3 * section.half_length(height) * ((np.arange(patches) + 0.5) / patches * 2 - 1)
         for flank, expected in of_law.items():
-            parts = [getattr(each, flank)[strip, strip] for each in found]
+            parts = [getattr(each, flank) for each in found]
             local = PER_MM * flattening(section, height) if flank == "same" else 0.0
-            even = PER_MM * 2 * half / patches
-            yields = [even * part.sum(axis=0) - local for part in parts]
-            there = even * expected[strip, strip].sum(axis=0)
+            yields = [PER_MM * even_load(section, patches, part, row) - local for part in parts]
+            there = PER_MM * even_load(section, patches, expected, row)
             yield from _rows("even", flank, 1e3 * height, places, yields, there)
             for load, patch in {"middle": patches // 2, "end": 0}.items():
-                yields = [NANO * part[patch] for part in parts]
+                yields = [NANO * part[strip, strip][patch] for part in parts]
                 there = NANO * expected[strip, strip][patch]
                 yield from _rows(load, flank, 1e3 * height, places, yields, there)
 
@@ -137,53 +119,6 @@ def extrapolated(values: list[float]) -> tuple[float, float]:
     return values[2] - fine * 3**-p / (2**-p - 3**-p), p
 
 
-def law_compliance(section: Section, patches: int, tooth: ToothData) -> np.ndarray:
-    """Return the law's compliance between the patches of one flank, without flattening [m/N]."""
-    pair, tan = section.pair, np.tan(section.pair.alpha_n)
-    rows = (np.arange(ROWS * ACROSS) + 0.5) / ACROSS
-    along = (np.arange(patches * ALONG) + 0.5) / (patches * ALONG) * 2 - 1
-    height, zeta = (each.ravel() for each in np.meshgrid(section.row_height(rows), along, indexing="ij"))
-    lever = height - half_thickness(pair, height) * tan + tooth.root
-    half = section.half_length(height)
-    cos, sin = np.cos(pair.alpha_n), np.sin(pair.alpha_n)
-    places = np.empty((PLACE_SIZE, height.size))
-    for i in range(height.size):
-        fill_place(places, i, cos, cos * lever[i], sin, zeta[i] * half[i], half[i], tooth)
-    matrix = np.zeros((height.size,) * 2)
-    add_block(matrix, places, 0, 0, height.size, 1.0, tooth)
-    shape = (ROWS, ACROSS, patches, ALONG)
-    return matrix.reshape(shape + shape).mean(axis=(1, 3, 5, 7)).reshape((ROWS * patches,) * 2)
-
-
-def half_thickness(pair: GearPair, height: float | np.ndarray) -> float | np.ndarray:
-    """Half the tooth's thickness at a height of its plane flanks [m]."""
-    return np.pi * pair.module / 4 - height * np.tan(pair.alpha_n)
-
-
-def flattening(section: Section, height: float) -> float:
-    """Return the mean yield of an evenly pressed strip of the flank relative to the tooth's middle [m/(N/m)]."""
-    pair, nu = section.pair, POISSON_RATIO
-    width = (section.row_height(1) - section.row_height(0)) / np.cos(pair.alpha_n)
-    depth = half_thickness(pair, height) / np.cos(pair.alpha_n) / (width / 2)  # over the half width
-    hertz = 2 * (1 - nu**2) / (np.pi * YOUNGS_MODULUS)
-    straight = (1 - 2 * nu) / (1 - nu) * depth * np.arctan(1 / depth) / 2
-    return float(hertz * (straight + np.log1p(depth**2) / 2 - np.log(2) + 0.5))
-
-
-def plane_strain(section: Section, height: float) -> float:
-    """Return the closed form for an even load on a long tooth, without flattening [m/(N/m)]."""
-    pair, tooth, nu = section.pair, rack_tooth(section.pair), POISSON_RATIO
-    tan = np.tan(pair.alpha_n)
-    lever = height - half_thickness(pair, height) * tan + tooth.root
-    nodes, weights = np.polynomial.legendre.leggauss(40)
-    x = lever * (nodes + 1) / 2
-    thickness = 2 * section.half_width(x - tooth.root)
-    bending, shear = (lever / 2 * weights @ each for each in ((lever - x) ** 2 / thickness**3, 1 / thickness))
-    kappa = tooth.bending * lever**2 + 2 * tooth.shear * lever + FOUNDATION * (1 + FOUNDATION_ANGLE * tan**2)
-    beam = 12 * bending + (2.4 / (1 - nu) + tan**2) * shear
-    return float(np.cos(pair.alpha_n) ** 2 * (1 - nu**2) / YOUNGS_MODULUS * (beam + kappa))
-
-
 # --- tables and chart ----------------------------------------------------------------------------------
 def read(folder: Path) -> list[Row]:
     """Return the rows of the file."""
@@ -196,7 +131,7 @@ def read(folder: Path) -> list[Row]:
 
 
 def chosen(rows: list[Row], load: str, flank: str) -> list[list[Row]]:
-    """Return the rows of one load on one flank, by height from the fillet up, then by place along the tooth."""
+    """Return the rows of one load on one flank, by height from the fillet up, then by place."""
     found = [row for row in rows if (row["load"], row["flank"]) == (load, flank)]
     return [list(found[i : i + len(found) // ROWS]) for i in range(0, len(found), len(found) // ROWS)]
 
@@ -291,32 +226,35 @@ def draw(rows: list[Row], pair: GearPair, path: Path) -> None:
     with mpl.rc_context({"font.size": 9.5}):
         figure = Figure(figsize=(8.5, 8.0), layout="constrained")
         even, patch = figure.subplots(2, 1)
-        for colour, row in zip(style.SEVERAL, chosen(rows, "even", "same"), strict=False):
-            height = float(row[0]["height_mm"])
-            curves(even, row, colour, f"{height:+.2f} mm", 0)
-            even.axhline(PER_MM * plane_strain(section, 1e-3 * height), color=colour, linewidth=0.8, linestyle=":")
-        kinds = [("middle", "same"), ("middle", "opposite"), ("end", "same")]
-        for colour, (load, flank) in zip(style.SEVERAL, kinds, strict=False):
-            row, name = chosen(rows, load, flank)[-1], f"{load} of the tooth, {flank} flank"
-            curves(patch, row, colour, name, {"middle": len(row) // 2, "end": 0}[load] if flank == "same" else None)
-        even.set_ylabel("yield, flattening apart [nm/(N/mm)]")
-        even.set_title("Even load along the tooth, at three heights above the reference line", loc="left", fontsize=10)
-        patch.set_ylabel("yield [nm/N]")
-        patch.set_title("Load on one patch near the tip", loc="left", fontsize=10)
-        for axes in (even, patch):
-            axes.set_xlabel("place along the tooth [mm]")
-            axes.set_ylim(bottom=min(0, axes.get_ylim()[0]))
-            axes.grid(color="#e4e4e4")
-            axes.legend(loc="upper left", bbox_to_anchor=(1, 1), frameon=False)
-        style.title(figure, "Rack tooth: finite elements (marks), law (lines), plane strain in closed form (dots)")
+    for colour, row in zip(style.SEVERAL, chosen(rows, "even", "same"), strict=False):
+        height = float(row[0]["height_mm"])
+        curves(even, row, colour, f"{height:+.2f} mm")
+        closed = PER_MM * plane_strain(section, 1e-3 * height)
+        even.axhline(closed, color=colour, linewidth=0.8, linestyle=":")
+    kinds = [("middle", "same"), ("middle", "opposite"), ("end", "same")]
+    for colour, (load, flank) in zip(style.SEVERAL, kinds, strict=False):
+        curves(patch, chosen(rows, load, flank)[-1], colour, f"load in the {load}, {flank} flank")
+    name_axes(even, "Even load, at three heights above the reference line; flattening apart", "nm/(N/mm)")
+    name_axes(patch, "Load on one patch near the tip", "nm/N")
+    style.title(figure, "Rack tooth: finite elements (marks), law (lines), plane strain (dotted)")
     style.save(figure, path)
 
 
-def curves(axes: Axes, row: list[Row], colour: str, name: str, loaded: int | None) -> None:
+def curves(axes: Axes, row: list[Row], colour: str, name: str) -> None:
     """Draw marks of finite elements and the law's line."""
-    place = [float(each["place_mm"]) for each in row]
-    axes.plot(place, [float(each["law"]) for each in row], color=colour, linewidth=1.2)
-    axes.plot(place, [float(each["extrapolated"]) for each in row], "o", color=colour, markersize=4, label=name)
+    place, law, limits = ([float(each[key]) for each in row] for key in ("place_mm", "law", "extrapolated"))
+    axes.plot(place, law, color=colour, linewidth=1.2)
+    axes.plot(place, limits, "o", color=colour, markersize=4, label=name)
+
+
+def name_axes(axes: Axes, title: str, unit: str) -> None:
+    """Say what is drawn over the place along the tooth."""
+    axes.set_title(title, loc="left", fontsize=10)
+    axes.set_xlabel("place along the tooth [mm]")
+    axes.set_ylabel(f"yield [{unit}]")
+    axes.set_ylim(bottom=min(0, axes.get_ylim()[0]))
+    axes.grid(color="#e4e4e4")
+    axes.legend(loc="upper left", bbox_to_anchor=(1, 1), frameon=False)
 
 
 TOPIC = Topic(
@@ -324,10 +262,12 @@ TOPIC = Topic(
     "2 min",
     "tooth_compliance",
     run,
-    {"patches": 2, "block_rows": 1},
+    {"patches": 2, "block_rows": 1, "models": tuple(SUPPORTS)[:1], "fits": tuple(FITS)[:1]},
     {
         "rack_tooth_convergence": convergence_table,
         "rack_tooth_even_load": even_table,
         "rack_tooth_spread": spread_table,
+        "rack_tooth_support": support_table,
+        "rack_tooth_constants": constants_table,
     },
 )
