@@ -35,6 +35,7 @@ from rps_exudyn.mesh_contact.tooth_compliance import (
 )
 
 ACROSS, ALONG = 3, 4  # points of the law in a patch
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(30)
 PER_MM = 1e12  # from m/(N/m) to nm/(N/mm)
 
 
@@ -105,11 +106,10 @@ def means(matrix: np.ndarray, patches: int) -> np.ndarray:
 def beam(section: Section, tooth: ToothData, y_i: float, y_j: float) -> float:
     """Return 12 B_ij + (2.4 / (1 - nu) + tan^2 alpha) S for the levers of a load and a yield [m]."""
     top = max(min(y_i, y_j), 0.0)
-    nodes, weights = np.polynomial.legendre.leggauss(30)
-    x = top * (nodes + 1) / 2
+    x = top * (NODES + 1) / 2
     thickness = 2 * section.half_width(x - tooth.root)
-    bending = weights @ ((y_i - x) * (y_j - x) / thickness**3)
-    shear = weights @ (1 / thickness)
+    bending = WEIGHTS @ ((y_i - x) * (y_j - x) / thickness**3)
+    shear = WEIGHTS @ (1 / thickness)
     tan = np.tan(section.pair.alpha_n)
     return float(top / 2 * (12 * bending + (2.4 / (1 - POISSON_RATIO) + tan**2) * shear))
 

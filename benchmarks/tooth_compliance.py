@@ -231,11 +231,19 @@ def draw(rows: list[Row], pair: GearPair, path: Path) -> None:
         curves(even, row, colour, f"{height:+.2f} mm")
         closed = PER_MM * plane_strain(section, 1e-3 * height)
         even.axhline(closed, color=colour, linewidth=0.8, linestyle=":")
-    kinds = [("middle", "same"), ("middle", "opposite"), ("end", "same")]
-    for colour, (load, flank) in zip(style.SEVERAL, kinds, strict=False):
-        curves(patch, chosen(rows, load, flank)[-1], colour, f"load in the {load}, {flank} flank")
+    kinds = {
+        ("middle", "same"): "load in the middle, same flank",
+        ("middle", "opposite"): "load in the middle, opposite flank",
+        ("end", "same"): "load at the end, same flank",
+    }
+    for colour, (kind, name) in zip(style.SEVERAL, kinds.items(), strict=False):
+        curves(patch, chosen(rows, *kind)[-1], colour, name)
     name_axes(even, "Even load, at three heights above the reference line; flattening apart", "nm/(N/mm)")
-    name_axes(patch, "Load on one patch near the tip", "nm/N")
+    name_axes(
+        patch,
+        "Load on one patch near the tip (marks there: with flattening)",
+        "nm/N",
+    )
     style.title(figure, "Rack tooth: finite elements (marks), law (lines), plane strain (dotted)")
     style.save(figure, path)
 
