@@ -29,6 +29,7 @@ from rps_exudyn.mesh_contact.flank_line import (
     affine,
     first_tooth,
     line_of,
+    note_line_load,
     point,
     side_of,
 )
@@ -43,10 +44,9 @@ from rps_exudyn.mesh_contact.flank_strip import (
     within_band,
 )
 from rps_exudyn.mesh_contact.strip_limits import ends_of
+from rps_exudyn.mesh_contact.steel import EFFECTIVE_MODULUS, POISSON_RATIO, YOUNGS_MODULUS
 from rps_exudyn.mesh_contact.tooth_compliance import (
     PLACE_SIZE,
-    POISSON_RATIO,
-    YOUNGS_MODULUS,
     ToothData,
     add_block,
     add_line,
@@ -64,8 +64,8 @@ GUESS = 20e9  # load per length and depth with which the solution begins [N/m^2]
 BEYOND = 0.5  # of the deepest overlap: flanks apart by less may meet as their teeth bend
 
 # What the stations are, one row per property, one column per station
-DEPTH_THERE, RATE, LENGTH, TOP, P_R, P_T, P_Z = 0, 1, 2, 3, 4, 5, 6
-STATION_SIZE = 7
+DEPTH_THERE, RATE, LENGTH, TOP, P_R, P_T, P_Z, ROLL = 0, 1, 2, 3, 4, 5, 6, 7  # roll: the tangent length q
+STATION_SIZE = 8
 FORM_SIZE = 4  # polynomials of `TeethData.form`: cos(alpha), times y, times tan(alpha); h over tangent length
 
 
@@ -138,6 +138,7 @@ def _add_loads(stations, start, end, force, elastic, side, flank, sums):  # type
             add_load(force[i], stations[P_R, i], stations[P_T, i], stations[P_Z, i], side, flank, sums)
             sums[DAMPING_LOSS] += (force[i] - elastic[i]) * stations[RATE, i]
             sums[DEEPEST] = max(sums[DEEPEST], stations[DEPTH_THERE, i])
+            note_line_load(force[i] / stations[LENGTH, i], stations[ROLL, i], sums)
     sums[LINES] += touching_
 
 
@@ -229,7 +230,7 @@ def _fill_line(strip, low, high, start, margin, line, side, stations, on_pinion,
         stations[DEPTH_THERE, i] = c_0 + xi * (c_1 + xi * c_2) - margin
         stations[RATE, i] = affine(side.part, p_r, p_t, z)
         stations[LENGTH, i] = (high - low) * flank.along[0, 1, k] / flank.cos_base_helix
-        stations[P_R, i], stations[P_T, i], stations[P_Z, i] = p_r, p_t, z
+        stations[P_R, i], stations[P_T, i], stations[P_Z, i], stations[ROLL, i] = p_r, p_t, z, q
 
         x = min(max((q - data.middle) * data.per_half, -1.0), 1.0)
         cos, cos_y, cos_tan = (
@@ -345,7 +346,7 @@ def teeth_data(gear: SteeringGear, flank: FlankData) -> TeethData:
         reference_depth=pair.reference_height,
         cos_rack=np.cos(pair.beta_r),
         hertz=2 * (1 - nu**2) / (np.pi * YOUNGS_MODULUS),
-        per_width=np.pi * YOUNGS_MODULUS / (2 * (1 - nu**2)) * np.cos(pair.beta_b),
+        per_width=np.pi * EFFECTIVE_MODULUS * np.cos(pair.beta_b),
         thinnest=THINNEST * pair.module,
         poisson_term=nu / (1 - nu),
         torsion=arm**2 / core,

@@ -37,6 +37,7 @@ from rps_exudyn.mesh_contact.flank_line import (
     first_tooth,
     formed_point,
     line_of,
+    note_line_load,
     press,
     side_of,
 )
@@ -185,7 +186,7 @@ def _area_station(strip, z, ends, length, cuts, watched, line, band, side, data,
     if not low < high:
         return
     lean = ends.lean + ends.turn * (z - ends.low)
-    scale = data.stiffness * length * (high - low)
+    scale, before = data.stiffness * length * (high - low), sums[LOAD]
     for k in range(data.across.shape[2]):  # numbers one by one: a view of a rule costs more than its use
         xi = low + (high - low) * data.across[rule, 0, k]
         place = z + lean * xi
@@ -193,6 +194,7 @@ def _area_station(strip, z, ends, length, cuts, watched, line, band, side, data,
         depth = c_0 + xi * (c_1 + xi * (c_2 * (1 - xi * xi / 12) + xi * c_3))
         area = scale * data.across[rule, 1, k] * q * (1 + ends.turn * xi)
         press(depth, area, p_r, p_t, place, side, data, sums)
+    note_line_load((sums[LOAD] - before) / length, line.q_0 + line.q_1 * z, sums)
 
 
 @inlined
@@ -201,8 +203,10 @@ def _line_station(strip, z, length, line, band, side, data, sums):  # type: igno
     xi, depth = _crest_of(strip, z)
     if not depth > 0:  # the end of what is pressed is found to a few digits; damping presses nothing apart
         return
-    p_r, p_t, _ = formed_point(xi, z, line, band, side, data)
+    p_r, p_t, q = formed_point(xi, z, line, band, side, data)
+    before = sums[LOAD]
     press(depth, data.line_stiffness * length, p_r, p_t, z, side, data, sums)
+    note_line_load((sums[LOAD] - before) / length, q, sums)
 
 
 @inlined

@@ -23,6 +23,7 @@ from rps_exudyn.forces.friction import coulomb
 from rps_exudyn.forces.rigid_motion import Vector
 from rps_exudyn.mesh_contact import wrench
 from rps_exudyn.mesh_contact.flank_strip import MARGIN
+from rps_exudyn.mesh_contact.steel import EFFECTIVE_MODULUS
 
 Coefficients = tuple[float, float, float, float]
 
@@ -72,7 +73,9 @@ LOAD, LOAD_R, LOAD_T, LOAD_Z = 0, 1, 2, 3  # normal loads, and times P_r, P_t, Z
 DRAG_R, DRAG_R_T, DRAG_R_Z = 4, 5, 6  # friction on the pinion along e_r, and times P_t, Z
 DRAG_B, DRAG_B_R, DRAG_B_N = 7, 8, 9  # along B = N x e_r, and times P_r, times P . N
 ENERGY, FRICTION_LOSS, DAMPING_LOSS, DEEPEST, LINES = 10, 11, 12, 13, 14
-SUMS = 15
+PER_ROLL = 15  # largest load per length over tangent length
+SUMS = 16
+LEAST_ROLL = 1e-6  # tangent length where pressures are taken at least [m]
 
 
 @inlined
@@ -269,6 +272,12 @@ def add_load(load, p_r, p_t, z, side, data, sums):  # type: ignore[no-untyped-de
 
 
 @inlined
+def note_line_load(load_per_length, q, sums):  # type: ignore[no-untyped-def]
+    """Keep the load per length over tangent length [N/m^2] if it is the largest: Hertz's pressure is its root."""
+    sums[PER_ROLL] = max(sums[PER_ROLL], load_per_length / max(q, LEAST_ROLL))
+
+
+@inlined
 def add_side(sums, angle, position, side, data, out):  # type: ignore[no-untyped-def]
     """Add one side's loads to `out` (`wrench` layout): line frame -> housing frame."""
     cd, sd, cos, sin = data.cos_delta, data.sin_delta, side.cos, side.sin
@@ -297,3 +306,6 @@ def add_side(sums, angle, position, side, data, out):  # type: ignore[no-untyped
     out[wrench.DAMPING_POWER] += sums[DAMPING_LOSS]
     out[wrench.PENETRATION] = max(out[wrench.PENETRATION], sums[DEEPEST])
     out[wrench.TOUCHING] += sums[LINES]
+    # Hertz: p^2 = f E* / (pi rho) with rho = q / cos(beta_b)
+    pressure = np.sqrt(sums[PER_ROLL] * EFFECTIVE_MODULUS * data.cos_base_helix / np.pi)
+    out[wrench.PRESSURE] = max(out[wrench.PRESSURE], pressure)

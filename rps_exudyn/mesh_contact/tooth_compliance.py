@@ -26,8 +26,7 @@ from rps_exudyn.base.compiled import inlined
 from rps_exudyn.gears.basic_rack import cutter_tip_centre
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.trochoid import root_section
-
-YOUNGS_MODULUS, POISSON_RATIO = 206e9, 0.3  # of steel, as in ISO 6336
+from rps_exudyn.mesh_contact.steel import POISSON_RATIO, YOUNGS_MODULUS
 
 
 class Spread(NamedTuple):

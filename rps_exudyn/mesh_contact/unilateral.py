@@ -17,7 +17,8 @@ from rps_exudyn.base.compiled import inlined
 THICK = 3.0  # least L - ln f of the logarithm, which asks for flat strips in thick teeth; linear beyond
 ROUNDS = 40  # changes of the set, or of the loads
 ALL_AT_ONCE = 10  # rounds in which all stations that are wrong change at once
-CLOSE = 5e-3  # last change of the loads over the largest: the next would be a square of it, 3e-6
+NEAR = 1e-2  # change of the loads over the largest from which on the last tangent serves
+CLOSE = 1e-4  # last change: what it leaves is a thousandth of it
 LEAST = 1e-3  # load per length below which the logarithm stays what it is [N/m]
 
 
@@ -45,11 +46,10 @@ def local_energy(f, top, k):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _solve(matrix, n, x):  # type: ignore[no-untyped-def]
-    """Solve a symmetric system in place of its lower triangle and right side, by Cholesky's method.
+def _factorize(matrix, n):  # type: ignore[no-untyped-def]
+    """Put Cholesky's factor in place of the lower triangle, its diagonal inverted; False: not positive definite.
 
     n is a multiple of four: four rows at a time keep four sums apart, which a processor adds side by side.
-    Returns whether the matrix is positive definite.
     """
     for j in range(n):
         pivot = matrix[j, j]
@@ -58,12 +58,13 @@ def _solve(matrix, n, x):  # type: ignore[no-untyped-def]
         if not pivot > 0:
             return False
         matrix[j, j] = pivot = 1 / np.sqrt(pivot)
-        for i in range(j + 1, (j + 4) // 4 * 4):
+        block = (j + 4) // 4 * 4
+        for i in range(j + 1, block):
             value = matrix[i, j]
             for k in range(j):
                 value -= matrix[i, k] * matrix[j, k]
             matrix[i, j] = value * pivot
-        for i in range((j + 4) // 4 * 4, n, 4):
+        for i in range(block, n, 4):
             v_0, v_1, v_2, v_3 = matrix[i, j], matrix[i + 1, j], matrix[i + 2, j], matrix[i + 3, j]
             for k in range(j):
                 by = matrix[j, k]
@@ -73,15 +74,51 @@ def _solve(matrix, n, x):  # type: ignore[no-untyped-def]
                 v_3 -= matrix[i + 3, k] * by
             matrix[i, j], matrix[i + 1, j] = v_0 * pivot, v_1 * pivot
             matrix[i + 2, j], matrix[i + 3, j] = v_2 * pivot, v_3 * pivot
-    for j in range(n):
-        x[j] *= matrix[j, j]
-        for i in range(j + 1, n):
-            x[i] -= matrix[i, j] * x[j]
-    for j in range(n - 1, -1, -1):
-        x[j] *= matrix[j, j]
-        for i in range(j):
-            x[i] -= matrix[j, i] * x[j]
     return True
+
+
+@inlined
+def _substitute(factor, n, x):  # type: ignore[no-untyped-def]
+    """Solve with a factor of `_factorize` in place of the right side."""
+    for j in range(n):
+        x[j] *= factor[j, j]
+        for i in range(j + 1, n):
+            x[i] -= factor[i, j] * x[j]
+    for j in range(n - 1, -1, -1):
+        x[j] *= factor[j, j]
+        for i in range(j):
+            x[i] -= factor[j, i] * x[j]
+
+
+@inlined
+def _residual(m, chosen, matrix, delta, length, top, k, force, rest, slopes):  # type: ignore[no-untyped-def]
+    """Fill what the pressed stations' yield lacks of their depth [m], and the slopes of the Hertzian part."""
+    for row in range(m):
+        rest[row] = delta[chosen[row]]
+    for row in range(m):
+        i = chosen[row]
+        value, slopes[row] = local_yield(force[i] / length[i], top[i], k)
+        for col in range(row):
+            j = chosen[col]
+            rest[col] -= matrix[i, j] * force[i]
+            value += matrix[i, j] * force[j]
+        rest[row] -= value + matrix[i, i] * force[i]
+
+
+@inlined
+def _tangent(m, chosen, matrix, length, slopes, system):  # type: ignore[no-untyped-def]
+    """Fill the tangent compliance of the pressed stations, with unit rows up to a multiple of four; their number."""
+    full = (m + 3) // 4 * 4
+    for row in range(m):
+        i = chosen[row]
+        for col in range(row):
+            system[row, col] = matrix[i, chosen[col]]
+        system[row, row] = matrix[i, i] + slopes[row] / length[i]
+    for row in range(m, full):
+        for col in range(row):
+            system[row, col] = 0.0
+        system[row, row] = 1.0
+    return full
 
 
 @inlined
@@ -93,39 +130,29 @@ def press_stations(n, matrix, delta, length, top, k, guess, force):  # type: ign
     begin with [N/m^2].
     """
     pressed, chosen = np.empty(n, np.bool_), np.empty(n, np.int64)
-    padded = (n + 3) // 4 * 4
-    system, step = np.empty((padded, padded)), np.empty(padded)
+    most = (n + 3) // 4 * 4
+    system, step, slopes = np.empty((most, most)), np.empty(most), np.empty(n)
     for i in range(n):
         pressed[i] = delta[i] > 0
         force[i] = guess * max(delta[i], 0.0) * length[i]
+    m, full, close = 0, 0, False
     for turn in range(ROUNDS):
-        m = 0
-        for i in range(n):
-            if pressed[i]:
-                chosen[m] = i
-                m += 1
-        if m == 0:
-            return True
-        for row in range(m):
-            step[row] = delta[chosen[row]]
-        for row in range(m):
-            i = chosen[row]
-            value, slope = local_yield(force[i] / length[i], top[i], k)
-            for col in range(row):
-                entry = matrix[i, chosen[col]]
-                system[row, col] = entry
-                step[col] -= entry * force[i]
-                value += entry * force[chosen[col]]
-            value += matrix[i, i] * force[i]
-            step[row] -= value
-            system[row, row] = matrix[i, i] + slope / length[i]
-        full = (m + 3) // 4 * 4
-        for row in range(m, full):  # unit rows
-            for col in range(row):
-                system[row, col] = 0.0
-            system[row, row], step[row] = 1.0, 0.0
-        if not _solve(system, full, step):
-            return False
+        if not close:
+            m = 0
+            for i in range(n):
+                if pressed[i]:
+                    chosen[m] = i
+                    m += 1
+            if m == 0:
+                return True
+        _residual(m, chosen, matrix, delta, length, top, k, force, step, slopes)
+        if not close:
+            full = _tangent(m, chosen, matrix, length, slopes, system)
+            if not _factorize(system, full):
+                return False
+        for row in range(m, full):
+            step[row] = 0.0
+        _substitute(system, full, step)
         largest, move = 0.0, 0.0
         for row in range(m):
             force[chosen[row]] += step[row]
@@ -133,6 +160,7 @@ def press_stations(n, matrix, delta, length, top, k, guess, force):  # type: ign
         changes = _revise(n, m, matrix, delta, force, chosen, pressed, turn >= ALL_AT_ONCE)
         if changes == 0 and move <= CLOSE * largest:
             return True
+        close = changes == 0 and move <= NEAR * largest
     return False
 
 

@@ -26,10 +26,17 @@ FRICTION_POWER = 10  # dissipated, >= 0 [W]
 DAMPING_POWER = 11  # dissipated by contact damping, >= 0 [W]
 PENETRATION = 12  # deepest [m]
 TOUCHING = 13  # number of samples or lines in contact
-WRENCH_SIZE = 14
+PRESSURE = 14  # largest Hertzian pressure on a line [Pa]; 0 where the contact knows no lines
+WRENCH_SIZE = 15
 
 # What a mesh contact's force element returns behind the energy terms
-MESH_OUTPUTS = ("mesh_normal_force_drive", "mesh_normal_force_coast", "mesh_penetration", "mesh_touching")
+MESH_OUTPUTS = (
+    "mesh_normal_force_drive",
+    "mesh_normal_force_coast",
+    "mesh_penetration",
+    "mesh_touching",
+    "mesh_pressure",
+)
 
 
 @kernel
@@ -38,7 +45,7 @@ def on_coordinates(wrench, map_):  # type: ignore[no-untyped-def]
 
     `map_` is the rack's G, angle rates -> angular velocity.
     """
-    out = np.empty(7 + 3 + 4)
+    out = np.empty(7 + 3 + 5)
     for i in range(4):
         out[i] = wrench[i]
     moment = times_transposed(map_, wrench[4:7])
@@ -46,5 +53,5 @@ def on_coordinates(wrench, map_):  # type: ignore[no-untyped-def]
         out[4 + i] = moment[i]
         out[7 + i] = wrench[9 + i]
     out[10], out[11] = wrench[7], wrench[8]
-    out[12], out[13] = wrench[12], wrench[13]
+    out[12], out[13], out[14] = wrench[12], wrench[13], wrench[14]
     return out

@@ -117,6 +117,7 @@ SIGNALS = {
     "mesh_normal_force_drive": _force("sum of the normal forces on the flanks that drive the rack along +X"),
     "mesh_normal_force_coast": _force("sum of the normal forces on the flanks that drive the rack along -X"),
     "mesh_penetration": _deflection("deepest penetration of the teeth"),
+    "mesh_pressure": Quantity("Pa", "MPa", "largest Hertzian pressure on the lines of contact"),
     "seat_force": _force("force of the plunger on the rack along -Y, without the seat's friction"),
     "yokenut_force": _force(
         "contact force of the yokenut on the plunger along -Y, 0 while there is clearance"

@@ -7,6 +7,7 @@ import numpy as np
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.resolution import UNRESOLVED, unresolved
 from rps_exudyn.checks.after_run import first_angle
+from rps_exudyn.mesh_contact.steel import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.scene_run import Signals
@@ -25,6 +26,17 @@ def remarks(gear: SteeringGear, signals: Signals) -> Iterator[str]:
     if signals:
         yield from _flank_lifted(signals)
         yield from _yoke_stopped(gear, signals)
+        yield from _teeth_overloaded(signals)
+
+
+def _teeth_overloaded(signals: Signals) -> Iterator[str]:
+    pressure = signals.get("mesh_pressure", np.zeros(1))
+    if (over := pressure > BEARABLE_PRESSURE).any():
+        yield (
+            f"the flanks press with up to {1e-6 * pressure.max():.4g} MPa, first above the "
+            f"{1e-6 * BEARABLE_PRESSURE:.4g} MPa that case-hardened steel bears (ISO 6336-5) at "
+            f"{first_angle(signals, over)}; all parts stay elastic in the model"
+        )
 
 
 def _flank_lifted(signals: Signals) -> Iterator[str]:

@@ -35,6 +35,7 @@ SHOWN = {
     "mesh_normal_force_drive": "mesh_normal_force_drive",
     "mesh_normal_force_coast": "mesh_normal_force_coast",
     "mesh_penetration": "mesh_penetration",
+    "mesh_pressure": "mesh_pressure",
     "seat_force": "seat_force",
     "yokenut_force": "yokenut_force",
     "bush_force": "bush_lateral_force",
@@ -129,6 +130,8 @@ def signals_of(record: Record) -> dict[str, np.ndarray]:
             if f"work_{element.name}_{loss}" in WORK:
                 signals[f"work_{element.name}_{loss}"] = _work(energy_terms[:, column], time)
         signals |= {name: own[source] for name, source in SHOWN.items() if source in own}
+    if not np.any(signals.get("mesh_pressure", 1.0)):  # a contact of samples, which knows no lines
+        del signals["mesh_pressure"]
     if "mesh_normal_force_drive" in signals:
         signals["mesh_normal_force"] = signals["mesh_normal_force_drive"] + signals["mesh_normal_force_coast"]
     signals["stored_energy"] = energy - energy[0]
