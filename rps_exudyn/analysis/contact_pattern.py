@@ -1,17 +1,21 @@
 """Contact pattern: largest pressure on each point of the pinion's flanks on their way through the mesh.
 
-A flank is unrolled: length of roll (the tangent length q, from the base circle) over the face width Z. At
-every instant the flank's points are placed by the recorded motion; their depth in the rack's flanks gives
-the pressure of law "area", stiffness * depth. All teeth are superimposed, so that one tooth pitch of the
-record shows the whole passage of a tooth.
+A flank is unrolled: length of roll (the tangent length q, from the base circle) over the face width Z. All
+teeth are superimposed, so that one tooth pitch of the record shows the whole passage of a tooth.
+
+With the laws "teeth" and "line" the pressure is Hertz's on the lines of contact (`load_distribution`),
+interpolated between them; with law "area" it is stiffness * depth of the flank's points, placed by the recorded
+motion.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import griddata
 
+from rps_exudyn.analysis.load_distribution import LoadDistribution, load_distribution
 from rps_exudyn.analysis.passes import Signals
-from rps_exudyn.base.errors import InputError
+from rps_exudyn.analysis.rack_pose import rack_poses
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
@@ -19,7 +23,6 @@ from rps_exudyn.parameters.gear import SteeringGear
 
 POINTS = (80, 100)  # along the roll, along the face
 DEEPEST = 0.1e-3  # what stands deeper in a rack flank's plane is at its back or beyond the mesh [m]
-NEEDED = ("rack_displacement", "rack_y", "rack_z", "rack_roll", "rack_yaw", "rack_pitch")
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,18 +44,25 @@ def contact_pattern(gear: SteeringGear, signals: Signals) -> tuple[FlankPattern,
             (`one_pitch`).
 
     Raises:
-        InputError: the record lacks the rack's motions, or the contact's law knows no pressure.
+        InputError: the record lacks the rack's motions.
     """
-    if missing := [name for name in NEEDED if name not in signals]:
-        raise InputError(f"No contact pattern: the result has no {missing[0]}; its fidelity leaves it out.")
-    if gear.mesh.law != "area":
-        raise InputError(f'No contact pattern: mesh.law is "{gear.mesh.law}"; only "area" knows a pressure.')
     roll, face = unrolled(gear)
-    drive, coast = (
-        FlankPattern(side, roll, face, pressures(gear, signals, side, roll, face).max(axis=(0, 1)))
-        for side in (-1, +1)
-    )
+    if gear.mesh.law == "area":
+        maps = [pressures(gear, signals, side, roll, face).max(axis=(0, 1)) for side in (-1, +1)]
+    else:
+        loads = load_distribution(gear, signals)
+        maps = [_between_lines(loads, side, roll, face) for side in (-1, +1)]
+    drive, coast = (FlankPattern(side, roll, face, map_) for side, map_ in zip((-1, +1), maps, strict=True))
     return drive, coast
+
+
+def _between_lines(loads: LoadDistribution, side: int, roll: np.ndarray, face: np.ndarray) -> np.ndarray:
+    """Hertz's pressure at the points of the flank, shape (roll, face) [Pa], linear between stations of lines."""
+    chosen = loads.side == side
+    places = np.column_stack([loads.roll[chosen], loads.face[chosen]])
+    scale = [np.ptp(roll), np.ptp(face)]
+    grid = np.stack(np.meshgrid(roll, face, indexing="ij"), axis=-1)
+    return np.asarray(griddata(places / scale, loads.pressure[chosen], grid / scale, fill_value=0.0))
 
 
 def one_pitch(signals: Signals, teeth: int) -> dict[str, np.ndarray]:
@@ -80,13 +90,14 @@ def pressures(
 ) -> np.ndarray:
     """Pressure at each instant on each tooth, shape (instants, teeth, roll, face) [Pa]."""
     pair, form = GearPair.of(gear), FlankForm.of(gear)
+    centres, _, turns = rack_poses(pair, signals)
     q, Z = roll[:, None], face[None, :]
     flanks = [Flank(pair, tooth, side, form) for tooth in range(pair.teeth)]
     points = np.stack([flank.point(flank.generator(q, Z), Z) for flank in flanks]) + pair.eccentricity
     return np.stack(
         [
             gear.mesh.stiffness * np.maximum(_depth(pair, points, side, *pose), 0.0)
-            for pose in zip(signals["pinion_angle"], *_rack_poses(pair, signals), strict=True)
+            for pose in zip(signals["pinion_angle"], centres, turns, strict=True)
         ]
     )
 
@@ -105,20 +116,3 @@ def _depth(
     y, z = of_rack[..., 1], of_rack[..., 2]
     on_teeth = (y >= -pair.reference_height - pair.rack_addendum) & (y**2 + z**2 <= pair.bar_radius**2)
     return np.where(on_teeth & (depth < DEEPEST), depth, 0.0)
-
-
-def _rack_poses(pair: GearPair, signals: Signals) -> tuple[np.ndarray, np.ndarray]:
-    """Reference points (n, 3) [m] and rotation matrices rack -> housing (n, 3, 3)."""
-    from rps_exudyn.forces.rigid_motion import rotation_matrix
-
-    x = signals["rack_displacement"]
-    angles = np.column_stack([signals[f"rack_{name}"] for name in ("roll", "yaw", "pitch")])
-    turns = np.stack([rotation_matrix(each) for each in angles])
-    along, rise, swing = turns[:, :, 0].T  # of the bar's axis, on which the reference point travels
-    return np.column_stack(
-        [
-            x,
-            pair.bar_axis_height + signals["rack_y"] + x * rise / along,
-            signals["rack_z"] + x * swing / along,
-        ]
-    ), turns

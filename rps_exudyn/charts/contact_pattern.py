@@ -20,7 +20,7 @@ def pattern_figure(result: Result) -> Figure:
     """The picture of both sides over one tooth pitch in the middle of the first pass, all teeth superimposed.
 
     Raises:
-        InputError: the record has no pass, lacks the rack's motions, or the contact's law knows no pressure.
+        InputError: the record has no pass, or lacks the rack's motions.
     """
     runs = passes(result.signals)
     if not runs:

@@ -43,8 +43,8 @@ from rps_exudyn.mesh_contact.flank_strip import (
     touching,
     within_band,
 )
-from rps_exudyn.mesh_contact.strip_limits import ends_of
 from rps_exudyn.mesh_contact.steel import EFFECTIVE_MODULUS, POISSON_RATIO, YOUNGS_MODULUS
+from rps_exudyn.mesh_contact.strip_limits import ends_of
 from rps_exudyn.mesh_contact.tooth_compliance import (
     PLACE_SIZE,
     ToothData,

@@ -1,0 +1,89 @@
+"""How the teeth share their load over a record: line by line, tooth by tooth, point by point.
+
+    loads = load_distribution(gear, signals)
+    loads.force_of(side=-1, rack_tooth=0)     normal force of one line at every instant [N]
+
+The loads are those of the gear's contact law at the recorded poses. "teeth" has the load along a line as finite
+elements have it; "line" has it in proportion to the depth, which is right in sum but not in its course.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rps_exudyn.analysis.passes import Signals
+from rps_exudyn.analysis.rack_pose import rack_poses
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.mesh_contact.line_loads import LineLoads, line_loads, loads_data
+from rps_exudyn.mesh_contact.steel import EFFECTIVE_MODULUS
+from rps_exudyn.parameters.gear import SteeringGear
+
+Line = tuple[int, int]  # side (-1 drives the rack towards +X), number of the rack's tooth
+
+
+@dataclass(frozen=True, eq=False)
+class LoadDistribution:
+    """The loads of a record; arrays of shape (k,) over all stations of all instants."""
+
+    angle: np.ndarray  # pinion angle of each instant, shape (n,) [rad]
+    instant: np.ndarray  # number of the instant of each station
+    side: np.ndarray
+    tooth: np.ndarray
+    rack_tooth: np.ndarray
+    face: np.ndarray  # [m]
+    roll: np.ndarray  # [m]
+    length: np.ndarray  # [m]
+    load: np.ndarray  # per length [N/m]
+    pressure: np.ndarray  # Hertz's [Pa]
+
+    @property
+    def lines(self) -> list[Line]:
+        """Lines that carry a load at some instant: side and number of the rack's tooth."""
+        loaded = self.load > 0
+        return sorted(
+            {(int(s), int(j)) for s, j in zip(self.side[loaded], self.rack_tooth[loaded], strict=True)}
+        )
+
+    def force_of(self, side: int, rack_tooth: int) -> np.ndarray:
+        """Return the normal force of one line at every instant, shape (n,) [N]."""
+        chosen = (self.side == side) & (self.rack_tooth == rack_tooth)
+        forces = self.load[chosen] * self.length[chosen]
+        return np.bincount(self.instant[chosen], forces, minlength=self.angle.size)
+
+    def force_on(self, side: int) -> np.ndarray:
+        """Return the normal force of all lines of one side at every instant, shape (n,) [N]."""
+        chosen = self.side == side
+        forces = self.load[chosen] * self.length[chosen]
+        return np.bincount(self.instant[chosen], forces, minlength=self.angle.size)
+
+    def largest_share(self, side: int) -> np.ndarray:
+        """Return the largest part of one side's load on a single tooth, shape (n,); nan where it carries none."""
+        parts = [self.force_of(*line) for line in self.lines if line[0] == side]
+        whole = self.force_on(side)
+        return (
+            np.max(parts, axis=0) / np.where(whole > 0, whole, np.nan)
+            if parts
+            else np.full(whole.shape, np.nan)
+        )
+
+
+def load_distribution(gear: SteeringGear, signals: Signals) -> LoadDistribution:
+    """Return the loads at every instant of a record.
+
+    Raises:
+        InputError: the record lacks the rack's motions, or the gear's contact law knows no load per length.
+    """
+    if gear.mesh.law == "area":
+        raise InputError(
+            'mesh.law is "area", which knows no load per length of line: choose "line" or "teeth".'
+        )
+    pair = GearPair.of(gear)
+    points, tilts, _ = rack_poses(pair, signals)
+    handle, angle = loads_data(gear), np.asarray(signals["pinion_angle"])
+    poses = [line_loads(-a, point, tilt, handle) for a, point, tilt in zip(angle, points, tilts, strict=True)]
+    instant = np.repeat(np.arange(angle.size), [pose.load.size for pose in poses])
+    all_of = {name: np.concatenate([getattr(pose, name) for pose in poses]) for name in LineLoads._fields}
+    per_radius = np.cos(pair.beta_b) / all_of["roll"]
+    pressure = np.sqrt(all_of["load"] * EFFECTIVE_MODULUS / np.pi * per_radius)
+    return LoadDistribution(angle, instant, **all_of, pressure=pressure)

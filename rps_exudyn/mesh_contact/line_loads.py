@@ -1,0 +1,68 @@
+"""The loads along the lines of contact at one pose: what the laws "line" and "teeth" say, station by station."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rps_exudyn.base.compiled import kernel
+from rps_exudyn.forces.rigid_motion import rotation_matrix
+from rps_exudyn.mesh_contact.elastic_teeth import (
+    DEPTH_THERE,
+    LENGTH,
+    P_Z,
+    ROLL,
+    TeethData,
+    find_lines,
+    solve_loads,
+    teeth_data,
+)
+from rps_exudyn.mesh_contact.flank_data import pack
+from rps_exudyn.mesh_contact.flank_line import side_of
+from rps_exudyn.parameters.gear import SteeringGear
+
+STATIONS = 12  # on each line: loads vary along it
+
+
+class LineLoads(NamedTuple):
+    """The stations of one pose, arrays of shape (n,)."""
+
+    side: np.ndarray  # -1 drives the rack towards +X, +1 towards -X
+    tooth: np.ndarray  # of the pinion
+    rack_tooth: np.ndarray  # numbers fall to either side of the rack's middle
+    face: np.ndarray  # Z on the pinion's face [m]
+    roll: np.ndarray  # tangent length q on the pinion's flank [m]
+    length: np.ndarray  # of line that the station stands for [m]
+    load: np.ndarray  # per length [N/m]
+
+
+def loads_data(gear: SteeringGear) -> TeethData:
+    """Return the data of `line_loads` for a gear, by its law."""
+    return teeth_data(gear, pack(gear, along=STATIONS, across=1))
+
+
+@kernel
+def line_loads(angle, position, tilt, data):  # type: ignore[no-untyped-def]
+    """Return `LineLoads` at rest: pinion rotation [rad], rack's reference point (3,) [m] and angles (3,) [rad]."""
+    still, flank = np.zeros(3), data.flank
+    rotation = rotation_matrix(tilt)
+    drive = side_of(-1.0, angle, 0.0, position, rotation, still, still, flank)
+    coast = side_of(1.0, angle, 0.0, position, rotation, still, still, flank)
+    lines = find_lines(angle, drive, coast, data)
+    count = flank.along.shape[2]
+    n = lines.n * count
+    side, tooth, rack_tooth = np.empty(n), np.empty(n), np.empty(n)
+    face, roll, length, load = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    force, elastic = np.empty(n), np.empty(n)
+    by_line = flank.line_stiffness > 0
+    if not by_line and not solve_loads(lines, data, force, elastic):
+        elastic[:] = np.nan
+    for i in range(n):
+        line = i // count
+        side[i], tooth[i], rack_tooth[i] = lines.side[line], lines.tooth[line], lines.rack_tooth[line]
+        face[i], roll[i] = lines.stations[P_Z, i], lines.stations[ROLL, i]
+        length[i] = lines.stations[LENGTH, i]
+        if by_line:
+            load[i] = flank.line_stiffness * max(lines.stations[DEPTH_THERE, i], 0.0)
+        else:
+            load[i] = elastic[i] / length[i]
+    return LineLoads(side, tooth, rack_tooth, face, roll, length, load)
