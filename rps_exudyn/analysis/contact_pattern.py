@@ -4,8 +4,8 @@ A flank is unrolled: length of roll (the tangent length q, from the base circle)
 teeth are superimposed, so that one tooth pitch of the record shows the whole passage of a tooth.
 
 With the laws "teeth" and "line" the pressure is Hertz's on the lines of contact (`load_distribution`),
-interpolated between them; with law "area" it is stiffness * depth of the flank's points, placed by the recorded
-motion.
+interpolated between them; with law "area" it is stiffness * depth of the flank's points, placed by the
+recorded motion.
 """
 
 from dataclasses import dataclass
@@ -57,7 +57,7 @@ def contact_pattern(gear: SteeringGear, signals: Signals) -> tuple[FlankPattern,
 
 
 def _between_lines(loads: LoadDistribution, side: int, roll: np.ndarray, face: np.ndarray) -> np.ndarray:
-    """Hertz's pressure at the points of the flank, shape (roll, face) [Pa], linear between stations of lines."""
+    """Hertz's pressure at the flank's points, shape (roll, face) [Pa], linear between the stations."""
     chosen = loads.side == side
     places = np.column_stack([loads.roll[chosen], loads.face[chosen]])
     scale = [np.ptp(roll), np.ptp(face)]

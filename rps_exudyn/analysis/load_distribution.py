@@ -3,8 +3,8 @@
     loads = load_distribution(gear, signals)
     loads.force_of(side=-1, rack_tooth=0)     normal force of one line at every instant [N]
 
-The loads are those of the gear's contact law at the recorded poses. "teeth" has the load along a line as finite
-elements have it; "line" has it in proportion to the depth, which is right in sum but not in its course.
+The loads are those of the gear's contact law at the recorded poses. "teeth" has the load along a line as
+finite elements have it; "line" has it in proportion to the depth, right in sum but not in its course.
 """
 
 from dataclasses import dataclass
@@ -58,7 +58,7 @@ class LoadDistribution:
         return np.bincount(self.instant[chosen], forces, minlength=self.angle.size)
 
     def largest_share(self, side: int) -> np.ndarray:
-        """Return the largest part of one side's load on a single tooth, shape (n,); nan where it carries none."""
+        """Return the largest part of one side's load on a single tooth, shape (n,); nan where none is."""
         parts = [self.force_of(*line) for line in self.lines if line[0] == side]
         whole = self.force_on(side)
         return (

@@ -1,4 +1,4 @@
-"""Picture of the loads on the lines of contact: each line's force over the pinion angle, and its load's course."""
+"""Picture of the loads on the lines of contact: the force of each over the pinion angle, and the densest."""
 
 import numpy as np
 from matplotlib.axes import Axes

@@ -49,10 +49,10 @@ def _generation(pair: GearPair, eta: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def root_section(pair: GearPair) -> tuple[float, float]:
-    """Return where the root leans 30 degrees against the middle of its tooth: the section of ISO 6336-3.
+    """Return the root's section of ISO 6336-3, where it leans 30 degrees against the middle of its tooth.
 
     Distance from the pinion's axis along the tooth's middle, and half the thickness there, transverse [m];
-    the end of the fillet where none of it leans as much.
+    those of the fillet's end where none of it leans as much.
     """
     middle = np.pi / pair.teeth  # of the next tooth, from +Y
 

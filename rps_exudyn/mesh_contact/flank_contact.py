@@ -43,10 +43,10 @@ from rps_exudyn.mesh_contact.flank_line import (
 )
 from rps_exudyn.mesh_contact.flank_strip import (
     DEPTH,
-    MARGIN,
     PRESSING,
     STRIP_SHAPE,
-    across,
+    crest_of,
+    deepest_crest,
     describe_strip,
     edges,
     greatest_width,
@@ -118,20 +118,10 @@ def _integrate(strip, cuts, breaks, band, line, side, data, sums):  # type: igno
                 _line_station(strip, z, weight, line, band, side, data, sums)
             else:
                 _area_station(strip, z, ends, weight, cuts, watched, line, band, side, data, sums)
-    deepest = _deepest_crest(strip, breaks[0], breaks[count - 1])
+    deepest = deepest_crest(strip, breaks[0], breaks[count - 1])
     if by_line or deepest < SHALLOW * sums[DEEPEST]:
         return deepest if by_line else 0.0
     return _deepest_place(strip, ends, cuts, watched, breaks, count, data)
-
-
-@inlined
-def _deepest_crest(strip, low, high):  # type: ignore[no-untyped-def]
-    """The greatest depth of the crest, which is linear along Z, or with modifications nearly a parabola."""
-    deepest = max(_crest_of(strip, low)[1], _crest_of(strip, high)[1])
-    if strip[DEPTH, 2] < 0:
-        z = min(max(-strip[DEPTH, 1] / (2 * strip[DEPTH, 2]), low), high)
-        deepest = max(deepest, _crest_of(strip, z)[1])
-    return deepest
 
 
 @inlined
@@ -200,18 +190,10 @@ def _area_station(strip, z, ends, length, cuts, watched, line, band, side, data,
 @inlined
 def _line_station(strip, z, length, line, band, side, data, sums):  # type: ignore[no-untyped-def]
     """Law "line": add the load at the strip's crest."""
-    xi, depth = _crest_of(strip, z)
+    xi, depth = crest_of(strip, z)
     if not depth > 0:  # the end of what is pressed is found to a few digits; damping presses nothing apart
         return
     p_r, p_t, q = formed_point(xi, z, line, band, side, data)
     before = sums[LOAD]
     press(depth, data.line_stiffness * length, p_r, p_t, z, side, data, sums)
     note_line_load((sums[LOAD] - before) / length, q, sums)
-
-
-@inlined
-def _crest_of(strip, z):  # type: ignore[no-untyped-def]
-    """xi of the strip's crest at Z, and the depth there."""
-    c_0, c_1, c_2 = across(strip, DEPTH, z)
-    xi = min(max(-c_1 / (2 * c_2), -MARGIN), MARGIN) if c_2 < 0 else 0.0
-    return xi, c_0 + xi * (c_1 + xi * c_2)

@@ -7,9 +7,10 @@ from rps_exudyn.base.compiled import kernel
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map, times
-from rps_exudyn.mesh_contact.elastic_teeth import TeethData, teeth_contact, teeth_data
+from rps_exudyn.mesh_contact.elastic_teeth import teeth_contact
 from rps_exudyn.mesh_contact.flank_contact import flank_contact
 from rps_exudyn.mesh_contact.flank_data import FlankData, pack
+from rps_exudyn.mesh_contact.teeth_data import TeethData, teeth_data
 from rps_exudyn.mesh_contact.wrench import MESH_OUTPUTS, on_coordinates
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -37,7 +38,7 @@ def teeth_force(q, v, data):  # type: ignore[no-untyped-def]
 
 
 def flank_element(gear: SteeringGear, *, friction_zone: float, along: int, across: int) -> ForceElement:
-    """Contact of the pinion's helicoids with the rack's planes by the gear's law, along their lines."""
+    """Contact of the pinion's helicoids with the rack's planes by the gear's law, integrated along lines."""
     if gear.mesh.law == "teeth":
         flank = pack(gear, zone=friction_zone, along=along, across=across)
         return _element(teeth_force, teeth_data(gear, flank))

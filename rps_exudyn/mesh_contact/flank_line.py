@@ -273,7 +273,7 @@ def add_load(load, p_r, p_t, z, side, data, sums):  # type: ignore[no-untyped-de
 
 @inlined
 def note_line_load(load_per_length, q, sums):  # type: ignore[no-untyped-def]
-    """Keep the load per length over tangent length [N/m^2] if it is the largest: Hertz's pressure is its root."""
+    """Keep the largest load per length over tangent length [N/m^2]: Hertz's pressure is its root."""
     sums[PER_ROLL] = max(sums[PER_ROLL], load_per_length / max(q, LEAST_ROLL))
 
 

@@ -242,3 +242,21 @@ def _edge(xi, middle, cubic, square):  # type: ignore[no-untyped-def]
         slope, half_curve = 2 * from_middle + 3 * bend * xi, 1 + 3 * bend
         xi -= value * slope / (slope * slope - value * half_curve)
     return xi
+
+
+@inlined
+def crest_of(strip, z):  # type: ignore[no-untyped-def]
+    """xi of the strip's crest at Z, and the depth there."""
+    c_0, c_1, c_2 = across(strip, DEPTH, z)
+    xi = min(max(-c_1 / (2 * c_2), -MARGIN), MARGIN) if c_2 < 0 else 0.0
+    return xi, c_0 + xi * (c_1 + xi * c_2)
+
+
+@inlined
+def deepest_crest(strip, low, high):  # type: ignore[no-untyped-def]
+    """The greatest depth of the crest, which is linear along Z, or with modifications nearly a parabola."""
+    deepest = max(crest_of(strip, low)[1], crest_of(strip, high)[1])
+    if strip[DEPTH, 2] < 0:
+        z = min(max(-strip[DEPTH, 1] / (2 * strip[DEPTH, 2]), low), high)
+        deepest = max(deepest, crest_of(strip, z)[1])
+    return deepest

@@ -1,4 +1,4 @@
-"""The loads along the lines of contact at one pose: what the laws "line" and "teeth" say, station by station."""
+"""Loads along the lines of contact at one pose, by stations, as the laws "line" and "teeth" have them."""
 
 from typing import NamedTuple
 
@@ -6,18 +6,11 @@ import numpy as np
 
 from rps_exudyn.base.compiled import kernel
 from rps_exudyn.forces.rigid_motion import rotation_matrix
-from rps_exudyn.mesh_contact.elastic_teeth import (
-    DEPTH_THERE,
-    LENGTH,
-    P_Z,
-    ROLL,
-    TeethData,
-    find_lines,
-    solve_loads,
-    teeth_data,
-)
+from rps_exudyn.mesh_contact.elastic_teeth import solve_loads
 from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.mesh_contact.flank_line import side_of
+from rps_exudyn.mesh_contact.teeth_data import TeethData, teeth_data
+from rps_exudyn.mesh_contact.teeth_stations import DEPTH, LENGTH, P_Z, ROLL, find_lines
 from rps_exudyn.parameters.gear import SteeringGear
 
 STATIONS = 12  # on each line: loads vary along it
@@ -42,19 +35,19 @@ def loads_data(gear: SteeringGear) -> TeethData:
 
 @kernel
 def line_loads(angle, position, tilt, data):  # type: ignore[no-untyped-def]
-    """Return `LineLoads` at rest: pinion rotation [rad], rack's reference point (3,) [m] and angles (3,) [rad]."""
+    """Return `LineLoads` at rest; pinion's turn [rad], rack's reference point (3,) [m], angles (3,) [rad]."""
     still, flank = np.zeros(3), data.flank
     rotation = rotation_matrix(tilt)
     drive = side_of(-1.0, angle, 0.0, position, rotation, still, still, flank)
     coast = side_of(1.0, angle, 0.0, position, rotation, still, still, flank)
-    lines = find_lines(angle, drive, coast, data)
+    lines, found = find_lines(angle, drive, coast, data)
     count = flank.along.shape[2]
-    n = lines.n * count
+    n = found * count
     side, tooth, rack_tooth = np.empty(n), np.empty(n), np.empty(n)
     face, roll, length, load = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     force, elastic = np.empty(n), np.empty(n)
     by_line = flank.line_stiffness > 0
-    if not by_line and not solve_loads(lines, data, force, elastic):
+    if not by_line and not solve_loads(lines, found, data, force, elastic):
         elastic[:] = np.nan
     for i in range(n):
         line = i // count
@@ -62,7 +55,7 @@ def line_loads(angle, position, tilt, data):  # type: ignore[no-untyped-def]
         face[i], roll[i] = lines.stations[P_Z, i], lines.stations[ROLL, i]
         length[i] = lines.stations[LENGTH, i]
         if by_line:
-            load[i] = flank.line_stiffness * max(lines.stations[DEPTH_THERE, i], 0.0)
+            load[i] = flank.line_stiffness * max(lines.stations[DEPTH, i], 0.0)
         else:
             load[i] = elastic[i] / length[i]
     return LineLoads(side, tooth, rack_tooth, face, roll, length, load)

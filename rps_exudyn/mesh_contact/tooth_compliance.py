@@ -3,8 +3,8 @@
 A tooth is a cantilever on an elastic foundation (Weber and Banaschek, VDI-Forschungsheft 1953), whose yield
 spreads along the tooth. For loads normal to the flank at two stations of one tooth
 
-    C_ij = sigma s kappa_ij / (2 l)
-           [exp(-|s_i - s_j| / l) + r exp(-(a_i + a_j) / l) + r exp(-(b_i + b_j) / l)]
+    C_ij = sigma s kappa_ij / (2 l) [exp(-|s_i - s_j| / l) + r exp(-(a_i + a_j) / l)
+                                     + r exp(-(b_i + b_j) / l)]
     kappa_ij = cos(alpha_i) cos(alpha_j) (1 - nu^2) / E [18 / pi y_i y_j / s_f^2
                + (1 - 2 nu) / (1 - nu) (y_i + y_j) / s_f
                + 4.8 / pi (1 + (1 - nu) / 2.4 tan(alpha_i) tan(alpha_j))]

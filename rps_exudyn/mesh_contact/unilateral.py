@@ -47,7 +47,7 @@ def local_energy(f, top, k):  # type: ignore[no-untyped-def]
 
 @inlined
 def _factorize(matrix, n):  # type: ignore[no-untyped-def]
-    """Put Cholesky's factor in place of the lower triangle, its diagonal inverted; False: not positive definite.
+    """Put Cholesky's factor in place of the lower triangle, its diagonal inverted; tell if that can be done.
 
     n is a multiple of four: four rows at a time keep four sums apart, which a processor adds side by side.
     """
@@ -107,7 +107,7 @@ def _residual(m, chosen, matrix, delta, length, top, k, force, rest, slopes):  #
 
 @inlined
 def _tangent(m, chosen, matrix, length, slopes, system):  # type: ignore[no-untyped-def]
-    """Fill the tangent compliance of the pressed stations, with unit rows up to a multiple of four; their number."""
+    """Fill the tangent compliance of the pressed stations and unit rows to a multiple of four; how many."""
     full = (m + 3) // 4 * 4
     for row in range(m):
         i = chosen[row]

@@ -1,0 +1,86 @@
+"""What law "teeth" knows of a gear: its flanks, its teeth, and their form over the tangent length."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rps_exudyn.gears.basic_rack import half_angle
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.mesh_contact.flank_data import FlankData
+from rps_exudyn.mesh_contact.steel import EFFECTIVE_MODULUS, POISSON_RATIO, YOUNGS_MODULUS
+from rps_exudyn.mesh_contact.tooth_compliance import ToothData, pinion_tooth, rack_tooth
+from rps_exudyn.parameters.gear import SteeringGear
+
+FORM_SIZE = 4  # polynomials of `TeethData.form`: cos(alpha), times y, times tan(alpha); h over tangent length
+DEGREE = 7  # of the polynomials: 1e-6 of the values
+THINNEST = 1e-3  # of the module: a pointed tooth has no thickness left
+GUESS = 20e9  # load per length and depth with which the solution begins [N/m^2]
+
+
+class TeethData(NamedTuple):
+    """A gear for law "teeth"; SI units."""
+
+    flank: FlankData
+    pinion: ToothData
+    rack: ToothData
+    form: np.ndarray  # polynomials in the tangent length between form and tip circle, (FORM_SIZE, DEGREE + 1)
+    middle: float  # of these tangent lengths [m]
+    per_half: float  # 1 over half their range [1/m]
+    sin_alpha: float  # of the normal pressure angle
+    cos_alpha: float
+    rack_half_thickness: float  # of its tooth at the reference line, normal section
+    reference_depth: float  # the rack's reference line stands at y = -reference_depth
+    cos_rack: float  # of the rack's tooth angle
+    hertz: float  # K = 2 (1 - nu^2) / (pi E) [m^2/N]
+    per_width: float  # pi E* cos(beta_b), E* = E / (2 (1 - nu^2)) [Pa]
+    thinnest: float  # thickness of both teeth, squared over the tangent length, taken at least [m]
+    poisson_term: float  # nu / (1 - nu)
+    torsion: float  # normal yield of a flank by the pinion's torsion under a unit load [m/N]
+    guess: float  # load per length and depth to begin with [N/m^2]
+
+
+def teeth_data(gear: SteeringGear, flank: FlankData) -> TeethData:
+    """Return the data of law "teeth" for a gear.
+
+    The pinion's core twists as a shaft of its root circle that takes the torque up evenly over the face and
+    is held at one end.
+    """
+    pair = GearPair.of(gear)
+    nu, pinion = POISSON_RATIO, pinion_tooth(pair)
+    core = np.pi / 2 * pair.root_radius**4 * YOUNGS_MODULUS / (2 * (1 + nu)) / (pair.face_width / 2)
+    arm = pair.base_radius * np.cos(pair.beta_b)  # of a normal force about the axis
+    middle, half = (flank.q_tip + flank.q_form) / 2, (flank.q_tip - flank.q_form) / 2
+    return TeethData(
+        flank=flank,
+        pinion=pinion,
+        rack=rack_tooth(pair),
+        form=_form_polynomials(pair, pinion.root, middle, half),
+        middle=middle,
+        per_half=1 / half,
+        sin_alpha=np.sin(pair.alpha_n),
+        cos_alpha=np.cos(pair.alpha_n),
+        rack_half_thickness=np.pi * pair.module / 4,
+        reference_depth=pair.reference_height,
+        cos_rack=np.cos(pair.beta_r),
+        hertz=2 * (1 - nu**2) / (np.pi * YOUNGS_MODULUS),
+        per_width=np.pi * EFFECTIVE_MODULUS * np.cos(pair.beta_b),
+        thinnest=THINNEST * pair.module,
+        poisson_term=nu / (1 - nu),
+        torsion=arm**2 / core,
+        guess=GUESS,
+    )
+
+
+def _form_polynomials(pair: GearPair, root: float, middle: float, half: float) -> np.ndarray:
+    """Polynomials in the tangent length for `TeethData.form`, through Chebyshev points."""
+    x = np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
+    q = middle + half * x
+    radius = np.hypot(q, pair.base_radius)
+    thick = half_angle(pair, radius)
+    tan_x = np.tan(np.arctan(q / pair.base_radius) - thick)  # of the load against the tooth's middle
+    tan = tan_x * np.cos(pair.beta_p)
+    cos = 1 / np.sqrt(1 + tan**2)
+    y = pair.base_radius * np.sqrt(1 + tan_x**2) - root
+    h = radius * thick / np.sqrt(1 + (pair.twist * radius) ** 2) / np.cos(pair.alpha_n)
+    rows = np.array([cos, cos * y, cos * tan, h / q / np.cos(pair.alpha_n)])
+    return np.ascontiguousarray(np.polynomial.polynomial.polyfit(x, rows.T, DEGREE).T[:, ::-1])

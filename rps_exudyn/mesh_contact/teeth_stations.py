@@ -1,0 +1,170 @@
+"""Stations on the lines of contact where teeth that bend together may press on each other.
+
+All lines of both sides are taken as far as their flanks overlap by more than -BEYOND of the deepest overlap.
+On each stand as many stations, at Gauss points between the ends that form and tip circle, the rack's tips,
+the bar's surface and the faces give the line.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rps_exudyn.base.compiled import inlined
+from rps_exudyn.mesh_contact import flank_strip
+from rps_exudyn.mesh_contact.flank_line import (
+    Band,
+    affine,
+    band_on_flank,
+    first_tooth,
+    formed_point,
+    line_of,
+)
+from rps_exudyn.mesh_contact.flank_strip import (
+    PRESSING,
+    STRIP_SHAPE,
+    crest_of,
+    deepest_crest,
+    describe_strip,
+    touching,
+    within_band,
+)
+from rps_exudyn.mesh_contact.strip_limits import ends_of
+from rps_exudyn.mesh_contact.tooth_compliance import PLACE_SIZE, fill_place
+
+BEYOND = 0.5  # of the deepest overlap: flanks apart by less may meet as their teeth bend
+
+# What the stations are, one row per property, one column per station. ROLL: the tangent length q
+DEPTH, RATE, LENGTH, TOP, P_R, P_T, P_Z, ROLL = 0, 1, 2, 3, 4, 5, 6, 7
+STATION_SIZE = 8
+
+
+class Lines(NamedTuple):
+    """Lines of contact and their stations, as many on each; room for more lines than there are."""
+
+    side: np.ndarray  # -1 drive, +1 coast; shape (lines,)
+    tooth: np.ndarray  # of the pinion
+    rack_tooth: np.ndarray
+    deepest: np.ndarray  # greatest overlap [m]
+    stations: np.ndarray  # (STATION_SIZE, stations)
+    on_pinion: np.ndarray  # (PLACE_SIZE, stations)
+    on_rack: np.ndarray  # (PLACE_SIZE, stations)
+
+
+@inlined
+def find_lines(angle, drive, coast, data):  # type: ignore[no-untyped-def]
+    """Return the lines along which flanks may meet, with their stations, and how many there are."""
+    flank, n = data.flank, 0
+    most, deepest = _overlap(angle, drive, coast, flank)
+    total, parts = most * flank.along.shape[2], 2 if flank.relief > 0 else 1
+    lines = Lines(
+        np.empty(most),
+        np.empty(most),
+        np.empty(most),
+        np.empty(most),
+        np.empty((STATION_SIZE, total)),
+        np.empty((PLACE_SIZE, total)),
+        np.empty((PLACE_SIZE, total)),
+    )
+    if most == 0:
+        return lines, n
+    strip = np.empty(STRIP_SHAPE)
+    for side in (drive, coast):
+        first, last, turn = first_tooth(angle, side, flank)
+        for tooth in range(first, last + 1):
+            line = line_of(tooth, turn, side, flank)
+            for part in range(parts):
+                band = band_on_flank(line, _band(part, flank), flank)
+                low, high = _describe_line(strip, band, line, side, BEYOND * deepest, flank)
+                if low < high:
+                    lines.side[n], lines.tooth[n] = side.sign, tooth % flank.teeth
+                    lines.rack_tooth[n] = line.rack_tooth
+                    lines.deepest[n] = deepest_crest(strip, low, high) - BEYOND * deepest
+                    _fill_line(lines, n, strip, low, high, BEYOND * deepest, band, line, side, data)
+                    n += 1
+    return lines, n
+
+
+@inlined
+def _overlap(angle, drive, coast, flank):  # type: ignore[no-untyped-def]
+    """How many lines there may be, none if no flanks overlap, and the deepest overlap."""
+    deepest, most = 0.0, 0
+    whole = Band(flank.q_form, flank.q_tip, 0.0, 0.0)
+    for side in (drive, coast):
+        first, last, turn = first_tooth(angle, side, flank)
+        for tooth in range(first, last + 1):
+            line = line_of(tooth, turn, side, flank)
+            low, high = within_band(line, whole, flank)
+            if low < high:
+                most += 2 if flank.relief > 0 else 1
+                deepest = max(deepest, line.d_0 + max(line.d_1 * low, line.d_1 * high))
+    # a surplus of the flank reaches deeper than that
+    deepest += max(flank.slope * (flank.q_tip - flank.q_form), 0.0)
+    return (most if deepest > 0 else 0), deepest
+
+
+@inlined
+def _band(part, flank):  # type: ignore[no-untyped-def]
+    """The part of the flank below the tip relief, or that with it."""
+    if part == 0:
+        return Band(flank.q_form, min(flank.q_tip, flank.relief_start), 0.0, 0.0)
+    return Band(flank.relief_start, flank.q_tip, flank.relief, flank.relief_start)
+
+
+@inlined
+def _describe_line(strip, band, line, side, margin, flank):  # type: ignore[no-untyped-def]
+    """Describe a line's strip, `margin` deeper than it is, and return between which Z it lies."""
+    low, high = within_band(line, band, flank)
+    if not low < high:
+        return low, high
+    describe_strip(strip, line, band, side, flank)
+    strip[flank_strip.DEPTH, 0] += margin
+    strip[PRESSING, 0] += margin
+    low, high, _, _ = touching(strip, low, high)
+    if not low < high:
+        return low, high
+    ends = ends_of(strip, low, high, 0.0)
+    return ends.low, ends.high
+
+
+@inlined
+def _fill_line(lines, n, strip, low, high, margin, band, line, side, data):  # type: ignore[no-untyped-def]
+    """Fill the stations of one line: their points, and their places on both teeth."""
+    flank, stations = data.flank, lines.stations
+    tan = data.sin_alpha / data.cos_alpha
+    half_face = flank.half_face / flank.cos_base_helix
+    for k in range(flank.along.shape[2]):
+        i = n * flank.along.shape[2] + k
+        z = low + (high - low) * flank.along[0, 0, k]
+        xi, depth = crest_of(strip, z)
+        p_r, p_t, q = formed_point(xi, z, line, band, side, flank)
+        stations[DEPTH, i] = depth - margin
+        stations[RATE, i] = affine(side.part, p_r, p_t, z)
+        stations[LENGTH, i] = (high - low) * flank.along[0, 1, k] / flank.cos_base_helix
+        stations[P_R, i], stations[P_T, i], stations[P_Z, i], stations[ROLL, i] = p_r, p_t, z, q
+
+        x = min(max((q - data.middle) * data.per_half, -1.0), 1.0)
+        cos, cos_y = polynomial(data.form, 0, x), polynomial(data.form, 1, x)
+        cos_tan = polynomial(data.form, 2, x)
+        fill_place(lines.on_pinion, i, cos, cos_y, cos_tan, z / flank.cos_base_helix, half_face, data.pinion)
+
+        y_rack, z_rack = affine(side.y, p_r, p_t, z), affine(side.z, p_r, p_t, z)
+        height = -y_rack - data.reference_depth  # above the rack's reference line, towards the tips
+        half_width = data.rack_half_thickness - height * tan
+        cos_y = data.cos_alpha * (height - half_width * tan + data.rack.root)
+        chord = np.sqrt(max(flank.bar_radius * flank.bar_radius - y_rack * y_rack, 0.0)) / data.cos_rack
+        fill_place(
+            lines.on_rack, i, data.cos_alpha, cos_y, data.sin_alpha, z_rack / data.cos_rack, chord, data.rack
+        )
+
+        # ln(4 h_P h_R / (a^2 / f)) - nu / (1 - nu) with a^2 / f = 4 rho / (pi E*), rho = q / cos(beta_b)
+        thickness = max(polynomial(data.form, 3, x) * half_width, data.thinnest)
+        stations[TOP, i] = np.log(thickness * data.per_width) - data.poisson_term
+
+
+@inlined
+def polynomial(coefficients, row, x):  # type: ignore[no-untyped-def]
+    """Return the value of a polynomial, the highest power first."""
+    value = coefficients[row, 0]
+    for k in range(1, coefficients.shape[1]):
+        value = value * x + coefficients[row, k]
+    return value
