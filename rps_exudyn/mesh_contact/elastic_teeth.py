@@ -109,7 +109,7 @@ def solve_loads(lines, n, data, force, elastic):  # type: ignore[no-untyped-def]
 
 @inlined
 def stored_energy(lines, elastic, data):  # type: ignore[no-untyped-def]
-    """Elastic energy of teeth and contact [J]: half of force times bending, and the integral of the rest."""
+    """Elastic energy of teeth and contact [J]: half of force times bending, and of the Hertzian part."""
     energy = 0.0
     for i in range(elastic.size):
         if elastic[i] > 0:

@@ -16,7 +16,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 
 Kernel = Callable[..., Any]
 
-DEEPEST = 0.1e-3  # penetration [m]: the strip's half width is then a sixth of the radius of curvature
+DEEPEST = 0.055  # penetration over the module: the strip's half width is a sixth of the curvature's radius
 
 
 @kernel
@@ -41,8 +41,8 @@ def flank_element(gear: SteeringGear, *, friction_zone: float, along: int, acros
     """Contact of the pinion's helicoids with the rack's planes by the gear's law, integrated along lines."""
     if gear.mesh.law == "teeth":
         flank = pack(gear, zone=friction_zone, along=along, across=across)
-        return _element(teeth_force, teeth_data(gear, flank))
-    return _element(flank_force, pack(gear, zone=friction_zone, along=along, across=across))
+        return _element(gear, teeth_force, teeth_data(gear, flank))
+    return _element(gear, flank_force, pack(gear, zone=friction_zone, along=along, across=across))
 
 
 def generator_element(gear: SteeringGear, *, friction_zone: float, generators: int) -> ForceElement:
@@ -56,9 +56,9 @@ def generator_element(gear: SteeringGear, *, friction_zone: float, generators: i
             f"mesh.law is {gear.mesh.law}, but fidelity.mesh = flank-generators knows only area: "
             "set mesh.law = area."
         )
-    return _element(flank_force, pack(gear, zone=friction_zone, generators=generators))
+    return _element(gear, flank_force, pack(gear, zone=friction_zone, generators=generators))
 
 
-def _element(force: Kernel, data: FlankData | TeethData) -> ForceElement:
-    limits = {"mesh_penetration": DEEPEST}
+def _element(gear: SteeringGear, force: Kernel, data: FlankData | TeethData) -> ForceElement:
+    limits = {"mesh_penetration": DEEPEST * gear.pinion.normal_module}
     return ForceElement("mesh", ("pinion", "rack"), force, data, MESH_OUTPUTS, limits)

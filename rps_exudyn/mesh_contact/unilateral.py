@@ -34,15 +34,15 @@ def local_yield(f, top, k):  # type: ignore[no-untyped-def]
 
 @inlined
 def local_energy(f, top, k):  # type: ignore[no-untyped-def]
-    """Return the yield's energy per length [J/m], its integral over the load."""
+    """Return the energy per length stored [J/m]: load times yield, less the yield's integral over the load."""
     log = top - np.log(max(f, LEAST))
     if log < THICK:
         most = np.exp(top - THICK)
         beyond = f - most
-        return k * (
-            most * most * (THICK / 2 + 0.25) + THICK * most * beyond + (THICK - 1) * beyond * beyond / 2
-        )
-    return k * f * f * (log / 2 + 0.25)
+        integral = most * most * (THICK / 2 + 0.25) + beyond * (THICK * most + (THICK - 1) * beyond / 2)
+    else:
+        integral = f * f * (log / 2 + 0.25)
+    return f * local_yield(f, top, k)[0] - k * integral
 
 
 @inlined
