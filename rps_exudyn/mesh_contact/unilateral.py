@@ -34,7 +34,7 @@ def local_yield(f, top, k):  # type: ignore[no-untyped-def]
 
 @inlined
 def local_energy(f, top, k):  # type: ignore[no-untyped-def]
-    """Return the energy per length stored [J/m]: load times yield, less the yield's integral over the load."""
+    """Return the energy per length stored [J/m]: load times yield, less the integral of the yield."""
     log = top - np.log(max(f, LEAST))
     if log < THICK:
         most = np.exp(top - THICK)

@@ -8,9 +8,10 @@ from scipy.spatial.transform import Rotation
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.elastic_teeth import teeth_contact, teeth_data
+from rps_exudyn.mesh_contact.elastic_teeth import teeth_contact
 from rps_exudyn.mesh_contact.flank_contact import flank_contact
 from rps_exudyn.mesh_contact.flank_data import pack
+from rps_exudyn.mesh_contact.teeth_data import teeth_data
 from rps_exudyn.mesh_contact.wrench import NORMAL_COAST, NORMAL_DRIVE, PENETRATION, TORQUE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear

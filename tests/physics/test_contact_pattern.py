@@ -48,9 +48,17 @@ def test_picture_says_the_highest_pressures(pitch: Result) -> None:
 
 
 def test_what_has_no_pattern_is_told(pitch: Result) -> None:
-    by_line = pitch.gear.replace({"mesh.law": "line"})
-    with pytest.raises(InputError, match=r'mesh\.law is "line"'):
-        contact_pattern(by_line, pitch.signals)
     without = {name: values for name, values in pitch.signals.items() if name != "rack_roll"}
     with pytest.raises(InputError, match="no rack_roll"):
         pattern_figure(dataclasses.replace(pitch, signals=without))
+
+
+@pytest.mark.parametrize("law", ["line", "teeth"])
+def test_pattern_of_lines_has_the_pressure_of_hertz(law: str) -> None:
+    """What lies between the stations of a pitch's lines is no higher than they, and not much lower."""
+    gear = rps.SteeringGear().replace({"mesh.law": law})
+    result = rps.run("free-pinion-torque", gear, fidelity="quasi-static", turns=1 / 6)
+    both = contact_pattern(result.gear, one_pitch(result.signals, 6))
+    highest = max(pattern.pressure.max() for pattern in both)
+    assert 0.85 < highest / result["mesh_pressure"].max() < 1.1
+    assert all((pattern.pressure > 0).mean() > 0.5 for pattern in both)
