@@ -18,9 +18,10 @@ from scipy.spatial.transform import Rotation
 
 from benchmarks.topic import Topic, digits, load_data, markdown, save_data
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.elastic_teeth import TeethData, teeth_contact, teeth_data
+from rps_exudyn.mesh_contact.elastic_teeth import teeth_contact
 from rps_exudyn.mesh_contact.flank_contact import flank_contact
 from rps_exudyn.mesh_contact.flank_data import FlankData, pack
+from rps_exudyn.mesh_contact.teeth_data import TeethData, teeth_data
 from rps_exudyn.parameters.gear import SteeringGear
 
 GEAR = SteeringGear().replace({"mesh.law": "area"})

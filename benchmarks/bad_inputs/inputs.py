@@ -149,8 +149,8 @@ def _study_files(rng: random.Random) -> Iterator[BadInput]:
         middle = ("", text[first:last] * 2, rng.choice(VALUES))[number % 3]
         content = (text[:first] + middle + text[last:]).encode("utf-8", "replace")
         yield BadInput("study files", ("study", "s.toml", "--dry-run"), {"s.toml": content})
-    for content in TOML[:20]:
-        files = {"s.toml": content.encode("latin-1", "replace")}
+    for toml in TOML[:20]:
+        files = {"s.toml": toml.encode("latin-1", "replace")}
         yield BadInput("study files", ("study", "s.toml", "--dry-run"), files)
 
 
