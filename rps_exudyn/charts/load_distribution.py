@@ -1,24 +1,27 @@
-"""Picture of the loads on the lines of contact: the force of each over the pinion angle, and the densest."""
+"""Picture of the loads on the lines of contact: force of each, the densest, stiffness of the mesh."""
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.load_distribution import LoadDistribution, load_distribution
-from rps_exudyn.analysis.passes import passes
+from rps_exudyn.analysis.mesh_stiffness import mesh_stiffness
+from rps_exudyn.analysis.passes import Signals, passes
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.charts import style
 from rps_exudyn.charts.heading import head
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
 
 FLANKS = {-1: "drive flanks", +1: "coast flanks"}
 NEWTON_PER_MILLIMETRE = 1e-3
+NEWTON_PER_MICROMETRE = 1e-6
 LEAST = 1e-3  # of the largest force: a line that never carries more is not drawn
 
 
 def load_figure(result: Result) -> Figure:
-    """The picture of the first pass: forces of the lines, below them the largest loads per length.
+    """The picture of the first pass: forces of the lines, largest loads per length, stiffness of the mesh.
 
     Raises:
         InputError: the record has no pass, lacks the rack's motions, or its law knows no load per length.
@@ -27,10 +30,11 @@ def load_figure(result: Result) -> Figure:
     if not runs:
         raise InputError("No load distribution: the pinion does not turn in this result.")
     loads = load_distribution(result.gear, runs[0].signals)
-    figure, axes = style.panels([2.2, 2.2, 2.0])
+    figure, axes = style.panels([2.2, 2.2, 1.8, 1.6])
     for panel, side in zip(axes, FLANKS, strict=False):
         _forces(panel, loads, side)
     _densest(axes[2], loads)
+    _stiffness(axes[3], result.gear, runs[0].signals)
     style.angle_axis(axes[-1])
     head(figure, result, "Loads on the lines of contact", {})
     return figure
@@ -60,3 +64,11 @@ def _densest(axes: Axes, loads: LoadDistribution) -> None:
     axes.set_ylabel("largest load [N/mm]")
     axes.set_ylim(0, None)
     style.legend_above(axes)
+
+
+def _stiffness(axes: Axes, gear: SteeringGear, signals: Signals) -> None:
+    angle = SIGNALS["pinion_angle"].displayed(signals["pinion_angle"])
+    along_x = NEWTON_PER_MICROMETRE * mesh_stiffness(gear, signals)[:, 0]
+    axes.plot(angle, along_x, color="black")
+    axes.set_ylabel("mesh stiffness\nalong X [N/µm]")
+    style.widen(axes, 0.2 * float(along_x.max()))

@@ -14,8 +14,9 @@ section, that section's width s_f, and the load's angle alpha against the normal
 sigma is 1 on one flank, -c between the two flanks of one tooth, which bend it against each other, and 0
 between teeth.
 
-The four constants s, l, r, c of each body were fitted to the stiffness that finite elements of quadratic
-order give (all teeth on their core, a rack bar with seven teeth); not to a torque.
+The four constants s, l, r, c of each body are those with which finite elements of the whole mesh (all teeth
+on their core, a rack bar with seven teeth) are met. They are effective constants: of one rack tooth alone they
+miss the yield by 10 to 24 %, see `docs/contact-law.md`.
 """
 
 from typing import NamedTuple

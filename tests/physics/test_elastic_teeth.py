@@ -9,6 +9,8 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.analysis.load_distribution import load_distribution
+from rps_exudyn.analysis.mesh_stiffness import mesh_stiffness
+from rps_exudyn.charts.load_distribution import load_figure
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.flank_element import flank_element
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -79,6 +81,21 @@ def test_lines_carry_the_loads_of_finite_elements(guided: Result) -> None:
     for (side, tooth), force in elastic.items():
         part = loads.force_of(side, tooth)[0] / loads.force_on(side)[0]
         assert part == pytest.approx(force / whole[side], abs=0.03)
+
+
+def test_mesh_stiffness_is_that_of_finite_elements(guided: Result) -> None:
+    """Along X and Y at 0 and 30 degrees; finite elements know it to 5 %, and differ between loads."""
+    few = {name: values[[0, 30]] for name, values in guided.signals.items()}
+    elastic = 1e6 * np.array([[239.0, 65.4], [217.0, 55.7]])
+    assert mesh_stiffness(guided.gear, few) == pytest.approx(elastic, rel=0.08)
+
+
+def test_loads_of_a_picture_add_up_to_the_recorded_forces(guided: Result) -> None:
+    loads = load_distribution(guided.gear, guided.signals)
+    assert loads.force_on(-1) == pytest.approx(guided["mesh_normal_force_drive"])
+    assert loads.force_on(1) == pytest.approx(guided["mesh_normal_force_coast"])
+    assert np.nanmin(loads.largest_share(-1)) > 0.5  # at most two lines of a side carry
+    assert len(load_figure(guided).axes) == 4
 
 
 def test_load_test_has_the_efficiency_and_the_transmission_error_of_finite_elements() -> None:
