@@ -1,7 +1,7 @@
 """Stiffness of the mesh at each instant of a record: force on the rack per displacement of the rack.
 
 By central differences of the contact without friction, at the recorded poses. The standard's stiffness
-(`gears.tooth_stiffness`) is one number for a pair of teeth; this is what the contact law makes of all.
+(`gears.tooth_stiffness`) is one number for a pair of teeth; this is what the law makes of all of them.
 """
 
 import numpy as np

@@ -15,8 +15,8 @@ sigma is 1 on one flank, -c between the two flanks of one tooth, which bend it a
 between teeth.
 
 The four constants s, l, r, c of each body are those with which finite elements of the whole mesh (all teeth
-on their core, a rack bar with seven teeth) are met. They are effective constants: of one rack tooth alone they
-miss the yield by 10 to 24 %, see `docs/contact-law.md`.
+on their core, a rack bar with seven teeth) are met. They are effective constants: of one rack tooth alone
+they miss the yield by 10 to 24 %, see `docs/contact-law.md`.
 """
 
 from typing import NamedTuple
