@@ -19,6 +19,7 @@ from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result
 
 DATA = "needs.json"
+LEAD_ERROR = 0.2e-3 * SteeringGear().pinion.face_width  # over the face [m]
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,8 @@ CHANGES = {
     "teeth: kinematic ratio with loss": Change({"mesh": "ratio-with-loss"}),
     "teeth: half as stiff": Change(gear={"mesh.line_stiffness": line_stiffness(SteeringGear()) / 2}),
     "teeth: contact damping 0.1 ms": Change(gear={"mesh.damping": "0.1 ms"}),
+    "lead error 0.2 mrad": Change(gear={"pinion.lead_error": LEAD_ERROR}),
+    "lead error -0.2 mrad": Change(gear={"pinion.lead_error": -LEAD_ERROR}),
     "friction zone half as wide": Change({"zone_ratio": Fidelity().zone_ratio / 2}),
     "step half as long": Change({"step_angle": Fidelity().step_angle / 2}),
     "gravity, pinion below the rack": Change(gear={"installation.gravity": "9.81 m/s^2"}),

@@ -25,6 +25,8 @@ STYLES = {
     "flank": ("#0b5394", "o"),
     "flank, bush chain": ("#674ea7", "D"),
     "quasi-static": ("#38761d", "^"),
+    "flank, teeth": ("#3d85c6", "d"),
+    "quasi-static, teeth": ("#93c47d", ">"),
     "generators": ("#6aa84f", "v"),
     "spheres at rest": ("#e69138", "P"),
     "shaped pinion": ("#c27ba0", "h"),

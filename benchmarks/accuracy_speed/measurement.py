@@ -32,6 +32,8 @@ FAMILIES = {
     "flank": "analytic flank contact in Exudyn",
     "flank, bush chain": "the same with the bush as a chain",
     "quasi-static": "the same contact in equilibrium",
+    "flank, teeth": "the same in Exudyn, teeth that bend together, compared with their own reference",
+    "quasi-static, teeth": "that in equilibrium",
     "generators": "equilibrium, contact integrated over generators",
     "spheres at rest": "equilibrium, contact of the spheres",
     "shaped pinion": "spheres at rest on flanks as they are cut, compared with those on the analytic flank",
@@ -50,8 +52,13 @@ PRESET_FAMILIES = {
 }
 
 
-def family_of(fidelity: Fidelity) -> str:
-    """The family of a model, one of `FAMILIES`."""
+def family_of(fidelity: Fidelity, law: str) -> str:
+    """The family of a model of a gear with this `mesh.law`, one of `FAMILIES`."""
+    family = _family_of_any_law(fidelity)
+    return f"{family}, teeth" if law == "teeth" else family
+
+
+def _family_of_any_law(fidelity: Fidelity) -> str:
     if fidelity.solver == "closed-form":
         return "closed form"
     if fidelity.solver == "equilibrium":
@@ -165,9 +172,8 @@ class PlannedPoint:
     ) -> "PlannedPoint":
         """Plan a run of the package."""
         turned = revolutions(scene, gear)
-        return cls(
-            study, label, family_of(fidelity), fidelity, turned, lambda: run_scene(scene, gear, fidelity)
-        )
+        family = family_of(fidelity, gear.mesh.law)
+        return cls(study, label, family, fidelity, turned, lambda: run_scene(scene, gear, fidelity))
 
 
 def measure_point(plan: PlannedPoint, reference: SceneReference, repeats: int = REPEATS) -> Point:

@@ -17,13 +17,22 @@ LIMITS = "limits.json"
 WANTED = (1.0, 0.3, 0.1, 0.02, 0.01)
 """Errors for which the cheapest model is shown [%]."""
 
-CHOICES = ("quasi-static", "flank", "general contact", "explicit")
+CHOICES = (
+    "quasi-static",
+    "quasi-static, teeth",
+    "flank",
+    "flank, teeth",
+    "general contact",
+    "explicit",
+)
 DEFAULT_STRIPS = "strips 4"
 MODELS = {
     "general_contact": ("spheres",),
     "bush": ("segments 25, step_angle 1 °",),
     "flank": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("0.3", "1", "3", "6")),
     "quasi_static": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "2.5", "5", "15")),
+    "flank_teeth": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "3")),
+    "quasi_static_teeth": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "5")),
     "closed_form": ("",),
     "ratio": ("",),
 }

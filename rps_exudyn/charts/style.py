@@ -45,6 +45,8 @@ _LOOK: Any = {
 
 REFERENCE_LINE: Any = {"color": COLOURS["reference"], "linewidth": 1, "linestyle": "--", "zorder": 1}
 
+BAND: Any = {"color": COLOURS["reference"], "alpha": 0.15, "linewidth": 0, "zorder": 0}
+
 PICTURES = (".png", ".svg", ".pdf")
 """File types a chart can be saved as."""
 

@@ -14,6 +14,8 @@ from rps_exudyn.base.units import words
 from rps_exudyn.gears.tooth_stiffness import DERIVED
 from rps_exudyn.parameters.declaration import Declared
 from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.results.law_error import law_error
+from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, SIGNALS, SUMMARY
 
 if TYPE_CHECKING:
@@ -32,6 +34,8 @@ def print_result(result: "Result", files: Iterable[Path] = ()) -> None:
     if result.message:
         console.print(result.message)
     console.print(_grid(("quantity", "value", "definition"), _summary_rows(result)))
+    if result.status is Status.OK and (error := law_error(result.gear, result.fidelity)):
+        console.print(error.sentence, soft_wrap=True)
     console.print(", ".join([f"{result.cpu_s:.3g} s of CPU time", *_counts(result)]))
     _print_files(console, files)
 
@@ -171,6 +175,9 @@ def print_parameters(table: Setup, items: list[Declared]) -> None:
     for item in items:
         if (derived := _derived(table, item)) is not None and item.unit is not None:
             console.print(f"{item.path} is {item.unit.show(derived)} for this gear.")
+    law = law_error(table, table.fidelity.model_dump())
+    if law and "mesh.law" in (item.path for item in items):
+        console.print(law.sentence, soft_wrap=True)
     if len(items) == 1:
         console.print(f"{items[0].path} must be {items[0].allowed}.")
 

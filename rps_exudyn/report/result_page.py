@@ -12,6 +12,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.report.blocks import Article, Block, Code, Facts, Fold, Grid, Pictures, Section, Text, Warning
 from rps_exudyn.report.common import as_text, fidelity_facts, parameter_grid, provenance_facts
 from rps_exudyn.report.pictures import picture
+from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
@@ -67,6 +68,8 @@ def _outcome(result: Result) -> Iterable[Block]:
         yield Grid(("remarks",), [[sentence] for sentence in result.message.split("; ")])
     if result.summary:
         yield _quantities(SUMMARY, result.summary)
+        if result.status is Status.OK and (error := law_error(result.gear, result.fidelity)):
+            yield Text(error.sentence)
     else:
         yield Text("It left no numbers.")
 

@@ -9,6 +9,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.law_error import law_of_formulas
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_options import RunOptions
@@ -31,12 +32,20 @@ def by_formula(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, optio
     signals = _turned(gear, maneuver) if maneuver.drive.body == "pinion" else _pushed(gear, maneuver)
     outcome = Outcome(
         Status.INVALID if beyond else Status.OK,
-        beyond,
+        beyond or _other_law(gear),
         time_reached=float(signals["time"][-1]),
         cpu_s=process_time() - start,
         settings={"name": "closed-form"},
     )
     return SceneRun(outcome, signals)
+
+
+def _other_law(gear: SteeringGear) -> str:
+    """Tell which law the formulas take instead of the gear's; empty where they know it."""
+    law = law_of_formulas(gear.mesh.law)
+    if law == gear.mesh.law:
+        return ""
+    return f"mesh.law is {gear.mesh.law}; the closed form takes loads per length as law {law} has them"
 
 
 def _turned(gear: SteeringGear, maneuver: Maneuver) -> Signals:

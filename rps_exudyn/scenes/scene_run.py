@@ -26,8 +26,8 @@ class SceneRun:
         return self.outcome.status is Status.OK
 
     def noting(self, *remarks: str) -> "SceneRun":
-        """Return a run that is all right with remarks for its reader; a failed one keeps its cause."""
-        text = "; ".join(remark for remark in remarks if remark)
+        """Return a run that is all right with remarks for its reader added; a failed one keeps its cause."""
+        text = "; ".join(remark for remark in (self.outcome.message, *remarks) if remark)
         return replace(self, outcome=replace(self.outcome, message=text)) if self.ok and text else self
 
     def described(self, figures: Callable[[Signals], dict[str, float]]) -> "SceneRun":

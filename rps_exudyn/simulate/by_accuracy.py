@@ -25,6 +25,7 @@ from rps_exudyn.base.units import short
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity, unknown_preset
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.law_error import law_error
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.maneuver import whole_periods
 
@@ -84,6 +85,7 @@ class Choice:
     fidelity: Fidelity
     setting: Setting
     why: str
+    beside: str  # what the promise leaves out: the error of the contact law
 
 
 def choose(scene: str, gear: SteeringGear, wanted: float, preset: str | None = None) -> Choice:
@@ -100,7 +102,7 @@ def choose(scene: str, gear: SteeringGear, wanted: float, preset: str | None = N
             f"--accuracy is {wanted:g} %; the references of {scene} are known to {table.floor:.2g} %, "
             "which is the strictest that can be promised."
         )
-    known = [each for each in table.settings if preset in (None, each.preset)]
+    known = [each for each in table.settings if preset in (None, each.preset) and knows_law(each, gear)]
     fast = beyond_swings(gear) if scene == "reversal" else ""
     if fast and preset is None:  # equilibria miss the most of it
         known = [each for each in known if each.preset != "quasi-static"]
@@ -117,7 +119,8 @@ def choose(scene: str, gear: SteeringGear, wanted: float, preset: str | None = N
         )
     taken = min(enough, key=lambda each: each.cost_for(gear))
     why = _why(taken, table, gear, wanted, len(enough)) + beyond_promise(gear) + fast
-    return Choice(taken.for_gear(gear), taken, why)
+    fidelity = taken.for_gear(gear)
+    return Choice(fidelity, taken, why, _beside(gear, fidelity))
 
 
 def beyond_promise(gear: SteeringGear, signals: Mapping[str, np.ndarray] | None = None) -> str:
@@ -144,6 +147,22 @@ def beyond_swings(gear: SteeringGear) -> str:
         f"; NOT promised for this swing, which accelerates the pinion by {acceleration:.3g} rad/s^2, the "
         f"table's by up to {LARGEST_SWING:g}: the rack rings after it turns about"
     )
+
+
+def knows_law(setting: Setting, gear: SteeringGear) -> bool:
+    """Tell whether a setting's model has the gear's contact law; formulas and spheres know no teeth that
+    bend."""
+    return gear.mesh.law != "teeth" or setting.preset not in ("closed-form", "full")
+
+
+def _beside(gear: SteeringGear, fidelity: Fidelity) -> str:
+    """Return what the promise leaves out: the error of the contact law, and models that do not have it."""
+    law = law_error(gear, fidelity.model_dump())
+    if law is None:
+        return ""
+    only = "; closed form and general contact do not know it and are not considered"
+    left_out = only if gear.mesh.law == "teeth" else ""
+    return f"; this is the numerical error alone, and beside it {law.clause}{left_out}"
 
 
 def _why(taken: Setting, table: SceneTable, gear: SteeringGear, wanted: float, enough: int) -> str:

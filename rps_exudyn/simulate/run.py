@@ -89,7 +89,7 @@ def simulate(
         choice = choose(scene, gear, percent(accuracy), fidelity)
         result = simulate(scene, gear, choice.fidelity, robust=robust, time_limit=time_limit)
         why = choice.why + beyond_promise(gear, result.signals).removeprefix(beyond_promise(gear))
-        return replace(result, findings={**result.findings, "accuracy": why})
+        return replace(result, findings={**result.findings, "accuracy": why + choice.beside})
     chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity or "flank")
     if time_limit is not None:
         return isolated_run(scene, gear, chosen, time_limit, robust=robust)
