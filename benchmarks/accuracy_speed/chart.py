@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from benchmarks.accuracy_speed.measurement import FAMILIES, PRESET_FAMILIES, Measurement, Point
 from rps_exudyn.charts import style
 from rps_exudyn.parameters.fidelity import PRESETS
+from rps_exudyn.results.law_error import LawError
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.verification.work_precision import pareto_front, power_law
@@ -154,25 +155,26 @@ def scaling_figure(measured: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Fig
 
 
 # --- the contact law's own uncertainty -------------------------------------------------------------
-def law_band_figure(angle: np.ndarray, torques: Mapping[str, np.ndarray], default: str) -> Figure:
-    """Torque over the angle [rad] by each law, (n,), and the grey band between the extremes.
+def law_band_figure(
+    angle: np.ndarray, torques: Mapping[str, np.ndarray], default: str, errors: Mapping[str, LawError]
+) -> Figure:
+    """Torque over the angle [rad] by each law, (n,), and where the error of its mean puts finite elements.
 
-    `default` is the name of the law around which 1 % is drawn: what a numerical error of 1 % would be.
+    `default` is the name of the law drawn bold, `errors` are those of the laws that get a band, by name.
     """
     figure, (axes,) = style.panels([4.2], 9.0)
     degrees = SIGNALS["pinion_angle"].displayed(angle)
     quantity = SIGNALS["pinion_torque"]
-    every = np.array(list(torques.values()))
-    low, high = every.min(axis=0), every.max(axis=0)
-    grey = style.COLOURS["reference"]
-    axes.fill_between(degrees, low, high, color=grey, alpha=0.2, linewidth=0, label="all of these laws")
     for colour, (name, torque) in zip(cycle(style.SEVERAL), torques.items(), strict=False):
         bold = name == default
         axes.plot(
             degrees, torque, color="black" if bold else colour, linewidth=2.2 if bold else 1.2, label=name
         )
-    for factor, label in ((0.99, "1 % off"), (1.01, "_")):
-        axes.plot(degrees, factor * torques[default], **style.REFERENCE_LINE, label=label)
+        if name in errors:
+            low, high = zip(*map(errors[name].elastic_range, torque), strict=True)
+            label = f"law {errors[name].law}: error of its mean against finite elements"
+            shade = "black" if bold else colour
+            axes.fill_between(degrees, low, high, color=shade, alpha=0.15, linewidth=0, label=label)
     axes.set_ylabel(quantity.axis_label("pinion torque"))
     style.angle_axis(axes)
     _legend_beside(axes)

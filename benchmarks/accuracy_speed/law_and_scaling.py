@@ -17,20 +17,25 @@ from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.law_error import MEASURED
 from rps_exudyn.verification.runs import run_scene
 
 GEAR = SteeringGear()
 PITCH = 1 / GEAR.pinion.teeth
 DEFAULT = "load per length, c' of ISO 6336-1 (default)"
+BENDING = "teeth that bend together"
 LAWS: dict[str, dict[str, object]] = {
     DEFAULT: {"mesh.law": "line"},
     "the same, 10 N/mm/um": {"mesh.law": "line", "mesh.line_stiffness": 10e9},
     "the same, 20 N/mm/um": {"mesh.law": "line", "mesh.line_stiffness": 20e9},
-    "teeth that bend together": {"mesh.law": "teeth"},
+    BENDING: {"mesh.law": "teeth"},
     "pressure per depth, 2e13 N/m^3": {"mesh.law": "area"},
     "the same, 5e12 N/m^3": {"mesh.law": "area", "mesh.stiffness": 5e12},
     "the same, 1e14 N/m^3": {"mesh.law": "area", "mesh.stiffness": 1e14},
 }
+BANDS = {DEFAULT: MEASURED["line"], BENDING: MEASURED["teeth"]}
+"""Laws that are drawn with what they are off by."""
+
 ZONES = (0.02, 0.1, 0.5, 1.0)
 """Friction zone over the smallest sliding speed."""
 
@@ -59,7 +64,7 @@ def run(
         **of_turns(turns),
         **of_cases(cases),
     }
-    style.save(law_band_figure(angle, torques, DEFAULT), folder / "contact_law.png")
+    style.save(law_band_figure(angle, torques, DEFAULT, BANDS), folder / "contact_law.png")
     style.save(scaling_figure(series), folder / "scaling.png")
     content = {
         "angle": np.round(angle, 6).tolist(),

@@ -15,6 +15,7 @@ from benchmarks.accuracy_speed.chart import (
 from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
 from rps_exudyn.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.results.law_error import MEASURED
 from rps_exudyn.verification.work_precision import Curve, Reference
 
 
@@ -62,5 +63,6 @@ def test_scaling_and_band(tmp_path: Path) -> None:
     size = np.array([1.0, 2, 4])
     style.save(scaling_figure({"turns": (size, 0.1 * size)}), tmp_path / "scaling.png")
     angle = np.linspace(0, 1, 30)
-    style.save(law_band_figure(angle, {"a": 1 + angle, "b": 1.1 + angle}, "a"), tmp_path / "law.png")
+    torques = {"a": 1 + angle, "b": 1.1 + angle}
+    style.save(law_band_figure(angle, torques, "a", {"b": MEASURED["line"]}), tmp_path / "law.png")
     assert all((tmp_path / name).stat().st_size > 10_000 for name in ("scaling.png", "law.png"))

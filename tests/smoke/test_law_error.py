@@ -1,0 +1,151 @@
+"""Error of the contact law: what is known of it, whose it is, and that it is said beside the numbers."""
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+from matplotlib.patches import Rectangle
+
+import rps_exudyn as rps
+from rps_exudyn.charts.torque import torque_figure
+from rps_exudyn.parameters.fidelity import PRESETS
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.report.report import write_report
+from rps_exudyn.results.law_error import MEASURED, law_error
+from rps_exudyn.results.result import Result
+from rps_exudyn.simulate.by_accuracy import Setting, choose, knows_law
+from shell import Command
+
+# Mean free torque [N mm]: gear, finite elements of whole teeth, laws line and area
+ELASTIC = [
+    ("150 N", 381.2, 379.4, 387.1),
+    ("600 N", 1097.5, 1089.1, 1119.4),
+    ("1500 N", 2532.5, 2508.5, 2584.0),
+    ("friction 0.05", 474.4, 472.4, 480.0),
+    ("friction 0.2", 905.4, 897.8, 927.5),
+    ("rack free", 621.0, 619.6, 634.8),
+    ("profile shift 0.65", 562.7, 567.4, 590.4),
+    ("profile shift 0.65, rack free", 560.5, 566.5, 590.1),
+]
+# Efficiency at 5, 10 and 30 N m: finite elements, line, area
+LOADED = [(0.8652, 0.8667, 0.8626), (0.8958, 0.8977, 0.8955), (0.9043, 0.9069, 0.9046)]
+ROUNDED = 1e-3  # ranges are rounded to a tenth of a percent
+
+FLANK, FORMULAS = {"mesh": "flank", "solver": "equilibrium"}, {"mesh": "flank", "solver": "closed-form"}
+
+
+def gear_by(law: str) -> SteeringGear:
+    return SteeringGear().replace({"mesh.law": law})
+
+
+@pytest.mark.parametrize(("law", "column"), [("line", 1), ("area", 2)])
+def test_ranges_hold_what_was_compared(law: str, column: int) -> None:
+    least, largest = MEASURED[law].mean_torque
+    for _, elastic, *torques in ELASTIC:
+        assert least - ROUNDED < torques[column - 1] / elastic - 1 < largest + ROUNDED
+    least, largest = MEASURED[law].efficiency
+    for row in LOADED:
+        assert least - ROUNDED < row[column] / row[0] - 1 < largest + ROUNDED
+
+
+@pytest.mark.parametrize("law", MEASURED)
+def test_elastic_range_undoes_the_error(law: str) -> None:
+    """A torque of the range times 1 + error is the law's torque again, either way round."""
+    for torque in (0.6, -0.6):
+        low, high = MEASURED[law].elastic_range(torque)
+        assert low < high
+        again = sorted((torque / low - 1, torque / high - 1))
+        assert again == pytest.approx(MEASURED[law].mean_torque)
+
+
+@pytest.mark.parametrize(
+    ("law", "model", "taken"),
+    [
+        ("line", FLANK, "line"),
+        ("teeth", FLANK, "teeth"),
+        ("teeth", FORMULAS, "line"),
+        ("area", FORMULAS, "area"),
+        ("line", {"mesh": "flank-generators"}, "area"),
+        ("area", {"mesh": "general-contact"}, "area"),
+        ("line", {"mesh": "ratio-with-loss"}, None),
+    ],
+)
+def test_error_is_that_of_the_law_that_the_model_takes(
+    law: str, model: dict[str, str], taken: str | None
+) -> None:
+    error = law_error(gear_by(law), model)
+    assert (error and error.law) == taken
+
+
+def by_law(result: Result, law: str) -> Result:
+    return dataclasses.replace(result, gear=gear_by(law))
+
+
+def band(result: Result) -> tuple[float, float] | None:
+    """Torques between which the chart is shaded, and what can be seen of them; None without a band."""
+    axes = torque_figure(result).axes[0]
+    shaded = [patch for patch in axes.patches if isinstance(patch, Rectangle)]
+    if not shaded:
+        return None
+    low, high = shaded[0].get_y(), shaded[0].get_y() + shaded[0].get_height()
+    assert axes.get_ylim()[0] < low < high < axes.get_ylim()[1]
+    return low, high
+
+
+def test_torque_chart_shades_the_mean_by_finite_elements(made_up_result: Result) -> None:
+    mean = made_up_result.summary["torque_mean"]
+    spans = {}
+    for law, error in MEASURED.items():
+        shaded = band(by_law(made_up_result, law))
+        assert shaded == pytest.approx(error.elastic_range(mean))
+        spans[law] = shaded[1] - shaded[0]
+    assert spans["teeth"] < 0.5 * spans["line"] < 0.5 * spans["area"]
+
+
+def test_no_band_without_a_law_or_a_good_run(made_up_result: Result, failed_result: Result) -> None:
+    assert band(failed_result) is None
+    assert band(dataclasses.replace(made_up_result, fidelity={"name": "ratio", "mesh": "ratio"})) is None
+
+
+def test_page_says_it(made_up_result: Result, tmp_path: Path) -> None:
+    by_law(made_up_result, "area").save(tmp_path / "a.h5")
+    write_report([tmp_path / "a.h5"], tmp_path / "a.html")
+    assert MEASURED["area"].sentence in (tmp_path / "a.html").read_text(encoding="utf-8")
+
+
+def test_summary_and_description_say_it(command: Command) -> None:
+    run = command(["run", "--fidelity", "closed-form", "--set", "mesh.law=line"])
+    assert MEASURED["line"].sentence in run.out
+    described = command(["describe", "mesh", "--set", "mesh.law=teeth"])
+    assert MEASURED["teeth"].sentence in described.out
+    assert "finite elements" not in command(["describe", "yoke"]).out
+
+
+def test_accuracy_says_what_it_leaves_out() -> None:
+    for law, error in MEASURED.items():
+        beside = choose("free-pinion-torque", gear_by(law), 1.0).beside
+        assert beside.startswith(f"; this is the numerical error alone, and beside it {error.clause}")
+        assert ("are not considered" in beside) == (law == "teeth")
+
+
+def test_accuracy_takes_no_model_that_does_not_know_the_law() -> None:
+    def setting(preset: str) -> Setting:
+        return Setting(preset, 12, {}, 0.1, 0.1, 1.0, 1.0, 0.0)
+
+    known = [preset for preset in PRESETS if knows_law(setting(preset), gear_by("teeth"))]
+    assert known == ["flank", "quasi-static"]
+    assert knows_law(setting("full"), gear_by("line"))
+
+
+def test_formulas_say_that_they_take_another_law() -> None:
+    teeth, line = (
+        rps.run("free-pinion-torque", gear_by(law), fidelity="closed-form") for law in ("teeth", "line")
+    )
+    assert teeth.message == "mesh.law is teeth; the closed form takes loads per length as law line has them"
+    assert (line.message, teeth.summary) == ("", line.summary)
+
+
+def test_general_contact_refuses_teeth_that_bend(command: Command) -> None:
+    answer = command(["run", "--fidelity", "full", "--set", "mesh.law=teeth"])
+    assert answer.status == 2
+    assert "mesh.law is teeth; fidelity.mesh = general-contact knows only area and line." in answer.err
