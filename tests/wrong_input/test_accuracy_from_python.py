@@ -14,7 +14,7 @@ def test_the_cheapest_model_is_taken_with_its_reason() -> None:
     choice = choose("free-pinion-torque", gear, 1.0)
     assert result.status == "ok"
     assert result.fidelity == choice.fidelity.model_dump()
-    assert result.findings["accuracy"] == choice.why
+    assert result.findings["accuracy"] == choice.why + choice.beside
 
 
 def test_of_the_preset_named() -> None:
