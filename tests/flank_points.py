@@ -12,7 +12,15 @@ import numpy as np
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
-from rps_exudyn.mesh_contact.wrench import FORCE, MOMENT, NORMAL_COAST, NORMAL_DRIVE, PENETRATION, TORQUE
+from rps_exudyn.mesh_contact.wrench import (
+    FORCE,
+    MOMENT,
+    NORMAL_COAST,
+    NORMAL_DRIVE,
+    PENETRATION,
+    TORQUE,
+    WRENCH_SIZE,
+)
 from rps_exudyn.parameters.gear import SteeringGear
 
 BEYOND = 1e-4  # tangent length by which the cells reach further than the perfect flank [m]
@@ -25,7 +33,7 @@ def wrench_by_points(
     """The wrench of pressure per depth; the arguments of a mesh contact kernel, `zone` of the friction [m/s],
     cells along profile and face of a flank."""
     angle, rate, position, rotation, velocity, spin = args
-    pair, mesh, form, out = GearPair.of(gear), gear.mesh, FlankForm.of(gear), np.zeros(14)
+    pair, mesh, form, out = GearPair.of(gear), gear.mesh, FlankForm.of(gear), np.zeros(WRENCH_SIZE)
     cos, sin = np.cos(angle), np.sin(angle)
     frame = pair.pinion_frame @ np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
     k, axis = pair.pinion_frame[:, 2], pair.pinion_origin

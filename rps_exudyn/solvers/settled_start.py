@@ -79,7 +79,7 @@ class _Search:
         lost, differ = 0, 0.0
         for pitches in (0, *DISTANCES):
             path = self.begun(pitches)
-            if path.converged:
+            if path is not None and path.converged:
                 found.append(path)
                 if len(found) > 1:
                     differ = _difference(found[-2], path, self.drive)
@@ -93,12 +93,17 @@ class _Search:
             return found[-1]
         return replace(found[-1], start=Start(differ, np.inf, self.approach.toothed))
 
-    def begun(self, pitches: float) -> EquilibriumPath:
-        """Return the path to the start from so many tooth pitches before it, or from a part of one more."""
+    def begun(self, pitches: float) -> EquilibriumPath | None:
+        """Return the path to the start from so many tooth pitches before it, or from a part of one more; None
+        where the gear yields without resistance."""
+        path = None
         for more in ODD_PARTS if pitches else ODD_PARTS[:1]:
             instants = self.approach.instants(pitches + more) if pitches else np.zeros(0)
             time = np.concatenate([instants, self.start])
-            path = equilibrium_path(self.balance, self.pair, self.drive, time)
+            try:
+                path = equilibrium_path(self.balance, self.pair, self.drive, time)
+            except np.linalg.LinAlgError:
+                continue
             if path.converged or path.lost_at != path.begun:
                 break
         return path
@@ -109,7 +114,8 @@ class _Search:
         if pitches * pitch <= toothed * (1 + 1e-9):
             return path
         real = self.begun(toothed / pitch)
-        unsettled = _difference(path, real, self.drive) if real.converged else 0.0
+        led = real is not None and real.converged
+        unsettled = _difference(path, real, self.drive) if led else 0.0
         return replace(path, start=Start(unsettled, pitches * pitch, toothed))
 
 

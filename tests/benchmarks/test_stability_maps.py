@@ -26,7 +26,8 @@ def test_a_wrong_plan_is_flagged(name: str) -> None:
 
 def test_a_plan_that_fails_says_so() -> None:
     """A preload that soft teeth do not carry."""
-    gear = SteeringGear().replace({"test.turns": 1 / 6, "yoke.preload": 3000.0, "mesh.stiffness": 1e11})
+    soft = {"mesh.law": "area", "mesh.stiffness": 1e11}
+    gear = SteeringGear().replace({"test.turns": 1 / 6, "yoke.preload": 3000.0, **soft})
     spheres = Fidelity().replace({"mesh": "general-contact", "solver": "equilibrium", "step_angle": "3 deg"})
     cell, _ = cell_and_flag(ScenePlan("free-pinion-torque", gear, spheres), REFERENCE)
     assert cell is Cell.FAILED

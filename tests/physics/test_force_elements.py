@@ -27,17 +27,18 @@ SPREAD = {  # of coordinates, of rates
     "plunger": ([PLACE], [SPEED]),
     "segment": ([PLACE] * 3 + [TILT] * 3, [SPEED] * 3 + [SPIN] * 3),
 }
+PRESSED = {"mesh.law": "area"}  # by which the states below press teeth and seat
 ANGLES = np.deg2rad([-47.0, 0.0, 13.0, 31.0, 90.0])
 
 
 @pytest.fixture(scope="module")
 def forces() -> GearForces:
-    return gear_forces(GEAR, FULL)
+    return gear_forces(GEAR.replace(PRESSED), FULL)
 
 
 @pytest.fixture(scope="module")
 def frictionless() -> GearForces:
-    return gear_forces(GEAR.replace({"mesh.friction": 0}), FULL)
+    return gear_forces(GEAR.replace({**PRESSED, "mesh.friction": 0}), FULL)
 
 
 def state_near(

@@ -33,9 +33,9 @@ NO_FRICTION = {"mesh.friction": 0, "yoke.friction": 0, "bush.drag": 0, "bearing.
 
 
 def turned(fidelity: Fidelity, turns: float, settings: dict[str, object] | None = None) -> Result:
-    """Free pinion torque over some turns; whatever is asserted of it, it must have passed its own checks."""
+    """Free pinion torque over some turns; whatever is asserted of it, it must have passed its checks."""
     result = run("free-pinion-torque", GEAR.replace(settings or {}), fidelity=fidelity, turns=turns)
-    assert (result.status, result.message) == (Status.OK, "")
+    assert result.status is Status.OK, result.message
     return result
 
 

@@ -101,7 +101,8 @@ def test_collected_table_has_every_case(
 ) -> None:
     make_study(tmp_path / "s", made_up_result, failed={2: 'no, "quite"'}, pending=[3])
     answer = command(["collect", "s", "--out", name])
-    assert (answer.status, answer.out, answer.err) == (0, f"written: {name}\n", "")
+    cause = '  1 case diverged: no, "quite"\n'
+    assert (answer.status, answer.out, answer.err) == (0, f"written: {name}\n{cause}", "")
     if name.endswith("csv"):
         with (tmp_path / name).open(encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file))

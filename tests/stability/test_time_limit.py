@@ -65,6 +65,17 @@ def test_limit_that_is_over_at_once_ends_the_command(tmp_path: Path, command: Co
     assert "time limit of 0.1 s (while libraries were loaded" in result.message
 
 
+def child_of(parent: int) -> int | None:
+    """The process that a command has started to run in, beside short-lived ones that it asks for a version."""
+    for child in Path(f"/proc/{parent}/task/{parent}/children").read_text().split():
+        try:
+            if "python" in Path(f"/proc/{child}/cmdline").read_text():
+                return int(child)
+        except OSError:  # over already
+            continue
+    return None
+
+
 def test_ctrl_c_reaches_a_run_with_a_time_limit(tmp_path: Path) -> None:
     settings = [word for name, value in LONG.items() for word in ("--set", f"{name}={value}")]
     process = subprocess.Popen(
@@ -75,11 +86,10 @@ def test_ctrl_c_reaches_a_run_with_a_time_limit(tmp_path: Path) -> None:
         text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
-    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-    end = time.monotonic() + 60
-    while not children.read_text().split() and time.monotonic() < end:
+    end, child = time.monotonic() + 60, None
+    while child is None and time.monotonic() < end:
         time.sleep(0.05)
-    child = int(children.read_text().split()[0])
+        child = child_of(process.pid)
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=20)
     assert process.returncode == 130
@@ -96,7 +106,8 @@ def test_alarm_tells_where_it_found_the_run() -> None:
 
     with pytest.raises(KeyboardInterrupt) as interrupt:
         work_for_ever()
-    assert place_of(interrupt.tb) in ("while the gear's geometry was made", "while it was prepared")
+    places = ("while the gear's geometry was made", "while it was prepared", "before it began")
+    assert place_of(interrupt.tb) in places
 
 
 def test_limit_begins_when_it_is_made() -> None:
