@@ -66,7 +66,7 @@ def test_limit_that_is_over_at_once_ends_the_command(tmp_path: Path, command: Co
 
 
 def child_of(parent: int) -> int | None:
-    """The process that a command has started to run in, beside short-lived ones that it asks for a version."""
+    """The process that a command runs in, not those that it asks for a version."""
     for child in Path(f"/proc/{parent}/task/{parent}/children").read_text().split():
         try:
             if "python" in Path(f"/proc/{child}/cmdline").read_text():
