@@ -114,8 +114,9 @@ class _Search:
         if pitches * pitch <= toothed * (1 + 1e-9):
             return path
         real = self.begun(toothed / pitch)
-        led = real is not None and real.converged
-        unsettled = _difference(path, real, self.drive) if led else 0.0
+        unsettled = 0.0
+        if real is not None and real.converged:
+            unsettled = _difference(path, real, self.drive)
         return replace(path, start=Start(unsettled, pitches * pitch, toothed))
 
 
