@@ -47,25 +47,21 @@ class LoadDistribution:
 
     def force_of(self, side: int, rack_tooth: int) -> np.ndarray:
         """Return the normal force of one line at every instant, shape (n,) [N]."""
-        chosen = (self.side == side) & (self.rack_tooth == rack_tooth)
-        forces = self.load[chosen] * self.length[chosen]
-        return np.bincount(self.instant[chosen], forces, minlength=self.angle.size)
+        return self._sum((self.side == side) & (self.rack_tooth == rack_tooth))
 
     def force_on(self, side: int) -> np.ndarray:
         """Return the normal force of all lines of one side at every instant, shape (n,) [N]."""
-        chosen = self.side == side
+        return self._sum(self.side == side)
+
+    def _sum(self, chosen: np.ndarray) -> np.ndarray:
         forces = self.load[chosen] * self.length[chosen]
         return np.bincount(self.instant[chosen], forces, minlength=self.angle.size)
 
     def largest_share(self, side: int) -> np.ndarray:
         """Return the largest part of one side's load on a single tooth, shape (n,); nan where none is."""
-        parts = [self.force_of(*line) for line in self.lines if line[0] == side]
         whole = self.force_on(side)
-        return (
-            np.max(parts, axis=0) / np.where(whole > 0, whole, np.nan)
-            if parts
-            else np.full(whole.shape, np.nan)
-        )
+        parts = [np.zeros_like(whole), *(self.force_of(*line) for line in self.lines if line[0] == side)]
+        return np.asarray(np.max(parts, axis=0) / np.where(whole > 0, whole, np.nan))
 
 
 def load_distribution(gear: SteeringGear, signals: Signals) -> LoadDistribution:

@@ -20,10 +20,13 @@ from rps_exudyn.mesh_contact.flank_line import (
     note_line_load,
     side_of,
 )
+from rps_exudyn.mesh_contact.steel import HERTZ
 from rps_exudyn.mesh_contact.teeth_stations import DEPTH, LENGTH, P_R, P_T, P_Z, RATE, ROLL, TOP, find_lines
 from rps_exudyn.mesh_contact.tooth_compliance import add_block, add_line
 from rps_exudyn.mesh_contact.unilateral import local_energy, local_yield, press_stations
 from rps_exudyn.mesh_contact.wrench import WRENCH_SIZE
+
+GUESS = 20e9  # load per length and depth with which the solution begins [N/m^2]
 
 
 @kernel
@@ -38,7 +41,7 @@ def teeth_contact(angle, rate, position, rotation, velocity, spin, data):  # typ
     if not solve_loads(lines, n, data, force, elastic):
         out[:] = np.nan
         return out
-    sums, energy = np.empty(SUMS), stored_energy(lines, elastic, data)
+    sums, energy = np.empty(SUMS), stored_energy(lines, elastic)
     for side in (drive, coast):
         sums[:] = 0.0
         for line in range(n):
@@ -96,26 +99,26 @@ def solve_loads(lines, n, data, force, elastic):  # type: ignore[no-untyped-def]
     """Fill the forces of all stations, and those without damping; returns whether they were found."""
     matrix, damping = compliance_matrix(lines, n, data), data.flank.damping
     depth, length, top = lines.stations[DEPTH], lines.stations[LENGTH], lines.stations[TOP]
-    found = press_stations(force.size, matrix, depth, length, top, data.hertz, data.guess, elastic)
+    found = press_stations(force.size, matrix, depth, length, top, HERTZ, GUESS, elastic)
     for i in range(force.size):
         force[i] = elastic[i]
     if found and damping > 0:
         pressing = np.empty(force.size)
         for i in range(force.size):
             pressing[i] = depth[i] + damping * lines.stations[RATE, i]
-        found = press_stations(force.size, matrix, pressing, length, top, data.hertz, data.guess, force)
+        found = press_stations(force.size, matrix, pressing, length, top, HERTZ, GUESS, force)
     return found
 
 
 @inlined
-def stored_energy(lines, elastic, data):  # type: ignore[no-untyped-def]
+def stored_energy(lines, elastic):  # type: ignore[no-untyped-def]
     """Elastic energy of teeth and contact [J]: half of force times bending, and of the Hertzian part."""
     energy = 0.0
     for i in range(elastic.size):
         if elastic[i] > 0:
             length, top = lines.stations[LENGTH, i], lines.stations[TOP, i]
             f = elastic[i] / length
-            energy += length * local_energy(f, top, data.hertz)
-            bending = lines.stations[DEPTH, i] - local_yield(f, top, data.hertz)[0]
+            energy += length * local_energy(f, top, HERTZ)
+            bending = lines.stations[DEPTH, i] - local_yield(f, top, HERTZ)[0]
             energy += elastic[i] * bending / 2
     return energy

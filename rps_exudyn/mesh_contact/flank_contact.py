@@ -31,9 +31,10 @@ from rps_exudyn.mesh_contact.flank_line import (
     LINES,
     LOAD,
     SUMS,
-    Band,
     add_side,
+    band_of,
     band_on_flank,
+    bands,
     first_tooth,
     formed_point,
     line_of,
@@ -75,11 +76,10 @@ def flank_contact(angle, rate, position, rotation, velocity, spin, data):  # typ
         for tooth in range(first, last + 1):
             line = line_of(tooth, turn, side, data)
             before = sums[LOAD]
-            plain = Band(data.q_form, min(data.q_tip, data.relief_start), 0.0, 0.0)
-            depth = _integrate(strip, cuts, breaks, plain, line, side, data, sums)
-            if data.relief > 0:
-                relieved = Band(data.relief_start, data.q_tip, data.relief, data.relief_start)
-                depth = max(depth, _integrate(strip, cuts, breaks, relieved, line, side, data, sums))
+            depth = 0.0
+            for part in range(bands(data)):
+                band = band_of(part, data)
+                depth = max(depth, _integrate(strip, cuts, breaks, band, line, side, data, sums))
             if sums[LOAD] > before:
                 sums[LINES] += 1
                 sums[DEEPEST] = max(sums[DEEPEST], depth)

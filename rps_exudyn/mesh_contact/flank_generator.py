@@ -8,7 +8,7 @@ interval with exact ends; that holds for strips of any width.
 import numpy as np
 
 from rps_exudyn.base.compiled import inlined, kernel
-from rps_exudyn.mesh_contact.flank_line import press
+from rps_exudyn.mesh_contact.flank_line import press, surplus
 
 REACH = 0.35  # contact is sought within this angle of a line's crest [rad]
 
@@ -90,13 +90,6 @@ def _clip(low, high, c_0, c_1, c_2):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _surplus(q, z_squared, band, data):  # type: ignore[no-untyped-def]
-    """Surplus of the flank along the transverse tangent."""
-    relieved = q - band.relief_from
-    return data.slope * (q - data.q_form) - band.relief * relieved * relieved - data.crowning * z_squared
-
-
-@inlined
 def _on_axis(coefficients, p_r, p_t, d_r, d_t):  # type: ignore[no-untyped-def]
     """One of the rack's coordinates on a generator, at Z = 0, and its slope."""
     c, c_r, c_t, c_z = coefficients
@@ -114,16 +107,16 @@ def interval(xi, band, line, side, data):  # type: ignore[no-untyped-def]
     # the surplus of the flank moves points along e_t: at the tips that of where they end the perfect flank,
     y_t, z_t = side.sign * side.y[2], side.sign * side.z[2]
     at_tips = min(max(-(y + data.tip_depth) / dy, -data.half_face), data.half_face)
-    surplus = _surplus(q + dq * at_tips, at_tips * at_tips, band, data)
-    low, high = _clip(low, high, y + data.tip_depth + y_t * surplus, dy, 0.0)
+    at_tips_grown = surplus(q + dq * at_tips, at_tips * at_tips, band, data)
+    low, high = _clip(low, high, y + data.tip_depth + y_t * at_tips_grown, dy, 0.0)
     # at the bar's ends crowning is that of their Z, relief that of the band's middle
     middle, bar = (band.high - band.low) / 2, data.bar_radius**2
-    surplus = data.slope * (q - data.q_form) - band.relief * middle * middle
-    surplus -= data.crowning * min(data.half_face**2, bar - y * y)
+    grown = data.slope * (q - data.q_form) - band.relief * middle * middle
+    grown -= data.crowning * min(data.half_face**2, bar - y * y)
     y, dy, z, dz = (
-        y + y_t * surplus,
+        y + y_t * grown,
         dy + y_t * data.slope * dq,
-        z + z_t * surplus,
+        z + z_t * grown,
         dz + z_t * data.slope * dq,
     )
     low, high = _clip(low, high, bar - y * y - z * z, -2 * (y * dy + z * dz), -dy * dy - dz * dz)
@@ -158,7 +151,7 @@ def _press_generator(xi, width, band, line, side, data, sums):  # type: ignore[n
         z = low + (high - low) * data.along[0, 0, k]
         depth = c_0 + z * (c_1 + z * c_2)
         area = (q + z * dq) * width * (high - low) * data.along[0, 1, k] / data.cos_base_helix
-        along = side.sign * _surplus(q + z * dq, z * z, band, data)
+        along = side.sign * surplus(q + z * dq, z * z, band, data)
         at_r, at_t = p_r + z * d_r - along * sin, p_t + z * d_t + along * cos
         press(depth, data.stiffness * area, at_r, at_t, z, side, data, sums)
     deepest = max(c_0 + low * (c_1 + low * c_2), c_0 + high * (c_1 + high * c_2))

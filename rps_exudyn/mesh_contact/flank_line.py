@@ -189,6 +189,27 @@ def line_of(tooth, turn, side, data):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def bands(data):  # type: ignore[no-untyped-def]
+    """How many bands the flank has: one, or with tip relief two."""
+    return 2 if data.relief > 0 else 1
+
+
+@inlined
+def band_of(part, data):  # type: ignore[no-untyped-def]
+    """The band of the flank below the tip relief, 0, or that with it, 1."""
+    if part == 0:
+        return Band(data.q_form, min(data.q_tip, data.relief_start), 0.0, 0.0)
+    return Band(data.relief_start, data.q_tip, data.relief, data.relief_start)
+
+
+@inlined
+def surplus(q, z_squared, band, data):  # type: ignore[no-untyped-def]
+    """Surplus of the flank along the transverse tangent, at the tangent length q and the square of Z [m]."""
+    relieved = q - band.relief_from
+    return data.slope * (q - data.q_form) - band.relief * relieved * relieved - data.crowning * z_squared
+
+
+@inlined
 def band_on_flank(line, band, data):  # type: ignore[no-untyped-def]
     """The band with its ends where the modified flank meets form and tip circle.
 
@@ -201,10 +222,8 @@ def band_on_flank(line, band, data):  # type: ignore[no-untyped-def]
     if low == data.q_form:
         low += data.crowning * _crossing_place(low, line, data)
     if high == data.q_tip:
-        relieved = high - band.relief_from
-        surplus = data.slope * (high - data.q_form) - band.relief * relieved * relieved
-        surplus -= data.crowning * _crossing_place(high, line, data)
-        high -= surplus / (1 + data.slope - 2 * band.relief * relieved)
+        grown = surplus(high, _crossing_place(high, line, data), band, data)
+        high -= grown / (1 + data.slope - 2 * band.relief * (high - band.relief_from))
     return Band(low, high, band.relief, band.relief_from)
 
 
@@ -230,9 +249,7 @@ def point(xi, z, line, side, data):  # type: ignore[no-untyped-def]
 def formed_point(xi, z, line, band, side, data):  # type: ignore[no-untyped-def]
     """P_r, P_t on the modified flank and the tangent length q of the perfect one."""
     p_r, p_t, q = point(xi, z, line, side, data)
-    relieved = q - band.relief_from
-    surplus = data.slope * (q - data.q_form) - band.relief * relieved * relieved - data.crowning * z * z
-    along = side.sign * surplus
+    along = side.sign * surplus(q, z * z, band, data)
     return p_r - along * xi, p_t + along, q
 
 

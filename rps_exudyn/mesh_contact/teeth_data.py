@@ -11,10 +11,8 @@ from rps_exudyn.mesh_contact.steel import EFFECTIVE_MODULUS, POISSON_RATIO, YOUN
 from rps_exudyn.mesh_contact.tooth_compliance import ToothData, pinion_tooth, rack_tooth
 from rps_exudyn.parameters.gear import SteeringGear
 
-FORM_SIZE = 4  # polynomials of `TeethData.form`: cos(alpha), times y, times tan(alpha); h over tangent length
 DEGREE = 7  # of the polynomials: 1e-6 of the values
 THINNEST = 1e-3  # of the module: a pointed tooth has no thickness left
-GUESS = 20e9  # load per length and depth with which the solution begins [N/m^2]
 
 
 class TeethData(NamedTuple):
@@ -23,7 +21,9 @@ class TeethData(NamedTuple):
     flank: FlankData
     pinion: ToothData
     rack: ToothData
-    form: np.ndarray  # polynomials in the tangent length between form and tip circle, (FORM_SIZE, DEGREE + 1)
+    # polynomials in the tangent length between form and tip circle: cos(alpha), times y, times tan(alpha),
+    # and h over the tangent length; (4, DEGREE + 1)
+    form: np.ndarray
     middle: float  # of these tangent lengths [m]
     per_half: float  # 1 over half their range [1/m]
     sin_alpha: float  # of the normal pressure angle
@@ -31,12 +31,9 @@ class TeethData(NamedTuple):
     rack_half_thickness: float  # of its tooth at the reference line, normal section
     reference_depth: float  # the rack's reference line stands at y = -reference_depth
     cos_rack: float  # of the rack's tooth angle
-    hertz: float  # K = 2 (1 - nu^2) / (pi E) [m^2/N]
     per_width: float  # pi E* cos(beta_b), E* = E / (2 (1 - nu^2)) [Pa]
     thinnest: float  # thickness of both teeth, squared over the tangent length, taken at least [m]
-    poisson_term: float  # nu / (1 - nu)
     torsion: float  # normal yield of a flank by the pinion's torsion under a unit load [m/N]
-    guess: float  # load per length and depth to begin with [N/m^2]
 
 
 def teeth_data(gear: SteeringGear, flank: FlankData) -> TeethData:
@@ -46,8 +43,8 @@ def teeth_data(gear: SteeringGear, flank: FlankData) -> TeethData:
     is held at one end.
     """
     pair = GearPair.of(gear)
-    nu, pinion = POISSON_RATIO, pinion_tooth(pair)
-    core = np.pi / 2 * pair.root_radius**4 * YOUNGS_MODULUS / (2 * (1 + nu)) / (pair.face_width / 2)
+    pinion, shear_modulus = pinion_tooth(pair), YOUNGS_MODULUS / (2 * (1 + POISSON_RATIO))
+    core = np.pi / 2 * pair.root_radius**4 * shear_modulus / (pair.face_width / 2)
     arm = pair.base_radius * np.cos(pair.beta_b)  # of a normal force about the axis
     middle, half = (flank.q_tip + flank.q_form) / 2, (flank.q_tip - flank.q_form) / 2
     return TeethData(
@@ -62,12 +59,9 @@ def teeth_data(gear: SteeringGear, flank: FlankData) -> TeethData:
         rack_half_thickness=np.pi * pair.module / 4,
         reference_depth=pair.reference_height,
         cos_rack=np.cos(pair.beta_r),
-        hertz=2 * (1 - nu**2) / (np.pi * YOUNGS_MODULUS),
         per_width=np.pi * EFFECTIVE_MODULUS * np.cos(pair.beta_b),
         thinnest=THINNEST * pair.module,
-        poisson_term=nu / (1 - nu),
         torsion=arm**2 / core,
-        guess=GUESS,
     )
 
 

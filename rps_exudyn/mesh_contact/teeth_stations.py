@@ -14,7 +14,9 @@ from rps_exudyn.mesh_contact import flank_strip
 from rps_exudyn.mesh_contact.flank_line import (
     Band,
     affine,
+    band_of,
     band_on_flank,
+    bands,
     first_tooth,
     formed_point,
     line_of,
@@ -28,6 +30,7 @@ from rps_exudyn.mesh_contact.flank_strip import (
     touching,
     within_band,
 )
+from rps_exudyn.mesh_contact.steel import FLATTENED
 from rps_exudyn.mesh_contact.strip_limits import ends_of
 from rps_exudyn.mesh_contact.tooth_compliance import PLACE_SIZE, fill_place
 
@@ -55,7 +58,7 @@ def find_lines(angle, drive, coast, data):  # type: ignore[no-untyped-def]
     """Return the lines along which flanks may meet, with their stations, and how many there are."""
     flank, n = data.flank, 0
     most, deepest = _overlap(angle, drive, coast, flank)
-    total, parts = most * flank.along.shape[2], 2 if flank.relief > 0 else 1
+    total = most * flank.along.shape[2]
     lines = Lines(
         np.empty(most),
         np.empty(most),
@@ -72,8 +75,8 @@ def find_lines(angle, drive, coast, data):  # type: ignore[no-untyped-def]
         first, last, turn = first_tooth(angle, side, flank)
         for tooth in range(first, last + 1):
             line = line_of(tooth, turn, side, flank)
-            for part in range(parts):
-                band = band_on_flank(line, _band(part, flank), flank)
+            for part in range(bands(flank)):
+                band = band_on_flank(line, band_of(part, flank), flank)
                 low, high = _describe_line(strip, band, line, side, BEYOND * deepest, flank)
                 if low < high:
                     lines.side[n], lines.tooth[n] = side.sign, tooth % flank.teeth
@@ -95,19 +98,11 @@ def _overlap(angle, drive, coast, flank):  # type: ignore[no-untyped-def]
             line = line_of(tooth, turn, side, flank)
             low, high = within_band(line, whole, flank)
             if low < high:
-                most += 2 if flank.relief > 0 else 1
+                most += bands(flank)
                 deepest = max(deepest, line.d_0 + max(line.d_1 * low, line.d_1 * high))
     # a surplus of the flank reaches deeper than that
     deepest += max(flank.slope * (flank.q_tip - flank.q_form), 0.0)
     return (most if deepest > 0 else 0), deepest
-
-
-@inlined
-def _band(part, flank):  # type: ignore[no-untyped-def]
-    """The part of the flank below the tip relief, or that with it."""
-    if part == 0:
-        return Band(flank.q_form, min(flank.q_tip, flank.relief_start), 0.0, 0.0)
-    return Band(flank.relief_start, flank.q_tip, flank.relief, flank.relief_start)
 
 
 @inlined
@@ -158,7 +153,7 @@ def _fill_line(lines, n, strip, low, high, margin, band, line, side, data):  # t
 
         # ln(4 h_P h_R / (a^2 / f)) - nu / (1 - nu) with a^2 / f = 4 rho / (pi E*), rho = q / cos(beta_b)
         thickness = max(polynomial(data.form, 3, x) * half_width, data.thinnest)
-        stations[TOP, i] = np.log(thickness * data.per_width) - data.poisson_term
+        stations[TOP, i] = np.log(thickness * data.per_width) - FLATTENED
 
 
 @inlined

@@ -44,7 +44,7 @@ RACK = Spread(1.312, 1.782, 1.430, 1.300)
 
 
 class ToothData(NamedTuple):
-    """A body's teeth for `add_compliance`; SI units."""
+    """A body's teeth for `add_line` and `add_block`; SI units."""
 
     scale: float  # s (1 - nu^2) / (2 E l) [1/(N/m) per m]
     length: float  # l [m]
@@ -104,23 +104,61 @@ def fill_place(places, i, cos, cos_y, cos_tan, s, half_length, data):  # type: i
     places[END_A, i], places[END_B, i] = end / rise, end * rise
 
 
+class Row(NamedTuple):
+    """What a station's row of the compliance shares: kappa as a form in another place, and s and the ends."""
+
+    per_y: float
+    per_cos: float
+    per_tan: float
+    rise: float
+    fall: float
+    end_a: float
+    end_b: float
+
+
+@inlined
+def row_of(places, i, scale, data):  # type: ignore[no-untyped-def]
+    """The row of a station, times a factor."""
+    cos, cos_y = places[COS, i], places[COS_Y, i]
+    return Row(
+        scale * (data.bending * cos_y + data.shear * cos),
+        scale * (data.shear * cos_y + FOUNDATION * cos),
+        scale * FOUNDATION * FOUNDATION_ANGLE * places[COS_TAN, i],
+        places[RISE, i],
+        places[FALL, i],
+        data.ends * places[END_A, i],
+        data.ends * places[END_B, i],
+    )
+
+
+@inlined
+def kappa_of(row, places, j):  # type: ignore[no-untyped-def]
+    """kappa_ij of a row and another station, with the row's factor."""
+    return row.per_y * places[COS_Y, j] + row.per_cos * places[COS, j] + row.per_tan * places[COS_TAN, j]
+
+
+@inlined
+def direct(row, places, j):  # type: ignore[no-untyped-def]
+    """exp(-|s_i - s_j| / l)."""
+    return min(row.rise * places[FALL, j], row.fall * places[RISE, j])
+
+
+@inlined
+def by_ends(row, places, j):  # type: ignore[no-untyped-def]
+    """What the tooth's ends add to that."""
+    return row.end_a * places[END_A, j] + row.end_b * places[END_B, j]
+
+
 @inlined
 def add_block(matrix, places, rows, columns, count, sigma, data):  # type: ignore[no-untyped-def]
     """Add the compliance between `count` stations from `rows` on and as many from `columns` on [m/N].
 
     sigma is 1 for stations of one flank, -c for those of the two flanks of one tooth.
     """
-    scale = sigma * data.scale
     for i in range(rows, rows + count):
-        cos, cos_y, rise, fall = places[COS, i], places[COS_Y, i], places[RISE, i], places[FALL, i]
-        per_y = scale * (data.bending * cos_y + data.shear * cos)
-        per_cos = scale * (data.shear * cos_y + FOUNDATION * cos)
-        per_tan = scale * FOUNDATION * FOUNDATION_ANGLE * places[COS_TAN, i]
-        end_a, end_b = data.ends * places[END_A, i], data.ends * places[END_B, i]
+        row = row_of(places, i, sigma * data.scale, data)
         for j in range(columns, columns + count):
-            kappa = per_y * places[COS_Y, j] + per_cos * places[COS, j] + per_tan * places[COS_TAN, j]
-            along = min(rise * places[FALL, j], fall * places[RISE, j])
-            matrix[i, j] += kappa * (along + end_a * places[END_A, j] + end_b * places[END_B, j])
+            matrix[i, j] += kappa_of(row, places, j) * (direct(row, places, j) + by_ends(row, places, j))
 
 
 @inlined
@@ -137,18 +175,11 @@ def add_line(matrix, places, start, nodes, weights, data):  # type: ignore[no-un
     from_low, to_high = np.exp(low / data.length), np.exp(-high / data.length)
     per_length = data.length / (high - low)
     for i in range(start, end + 1):
-        rise, fall = places[RISE, i], places[FALL, i]
-        cos, cos_y, cos_tan = places[COS, i], places[COS_Y, i], places[COS_TAN, i]
-        per_y = data.scale * (data.bending * cos_y + data.shear * cos)
-        per_cos = data.scale * (data.shear * cos_y + FOUNDATION * cos)
-        per_tan = data.scale * FOUNDATION * FOUNDATION_ANGLE * cos_tan
-        end_a, end_b = data.ends * places[END_A, i], data.ends * places[END_B, i]
-        missing = per_length * (2 - from_low * fall - to_high * rise)
+        row = row_of(places, i, data.scale, data)
+        missing = per_length * (2 - from_low * row.fall - to_high * row.rise)
         for j in range(start, end + 1):
-            along = min(rise * places[FALL, j], fall * places[RISE, j])
+            along = direct(row, places, j)
             missing -= weights[j - start] * along
             if j <= i:
-                kappa = per_y * places[COS_Y, j] + per_cos * places[COS, j] + per_tan * places[COS_TAN, j]
-                matrix[i, j] += kappa * (along + end_a * places[END_A, j] + end_b * places[END_B, j])
-        kappa = per_y * cos_y + per_cos * cos + per_tan * cos_tan
-        matrix[i, i] += kappa * missing / weights[i - start]
+                matrix[i, j] += kappa_of(row, places, j) * (along + by_ends(row, places, j))
+        matrix[i, i] += kappa_of(row, places, i) * missing / weights[i - start]
