@@ -1,7 +1,7 @@
 """Keeps the motion of a dynamic run in Exudyn, step by step."""
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,16 +12,22 @@ from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.record import Record
 
 
+class Step(NamedTuple):
+    """One converged step."""
+
+    time: float  # [s]
+    coordinates: np.ndarray
+    rates: np.ndarray
+    drive: float  # multiplier of the drive's constraint
+    mesh: np.ndarray | None  # Exudyn's own contact forces on pinion and rack
+
+
 @dataclass
 class Recorder:
-    """Collects every converged step of one run."""
+    """Collects every converged step of one run, each as a whole: an interrupt leaves no part of one."""
 
     model: SteeringModel
-    time: list[float] = field(default_factory=list)
-    coordinates: list[np.ndarray] = field(default_factory=list)
-    rates: list[np.ndarray] = field(default_factory=list)
-    drive: list[float] = field(default_factory=list)  # multiplier of the drive's constraint
-    mesh: list[np.ndarray] = field(default_factory=list)  # Exudyn's own contact forces on pinion and rack
+    steps: list[Step] = field(default_factory=list)
 
     def attach(self) -> "Recorder":
         """Hook into the model's time steps; return itself."""
@@ -37,26 +43,27 @@ class Recorder:
 
     def _keep(self, mbs: Any, t: float) -> bool:
         system = mbs.systemData
-        self.time.append(t)
-        self.coordinates.append(np.array(system.GetODE2Coordinates()))
-        self.rates.append(np.array(system.GetODE2Coordinates_t()))
         (multiplier,) = system.GetObjectLTGAE(self.model.constraint)
-        self.drive.append(float(system.GetAECoordinates()[multiplier]))
+        drive, mesh = float(system.GetAECoordinates()[multiplier]), None
+        coordinates, rates = np.array(system.GetODE2Coordinates()), np.array(system.GetODE2Coordinates_t())
         if self.model.contacts is not None:
             # Newton's last evaluation was made before its last correction, on the contacts it began with
             mbs.sys["dynamicSolver"].ComputeODE2RHS(mbs)
-            self.mesh.append(self.model.contacts.force()[self.model.columns(["pinion", "rack"])])
+            mesh = self.model.contacts.force()[self.model.columns(["pinion", "rack"])]
+        self.steps.append(Step(t, coordinates, rates, drive, mesh))
         return True
 
     @property
     def reached(self) -> float:
         """Time of the last step kept [s]."""
-        return self.time[-1] if self.time else 0.0
+        return self.steps[-1].time if self.steps else 0.0
 
     def record(self) -> Record:
         """Return what was kept, in the order of time."""
         model = self.model
-        coordinates, rates = np.array(self.coordinates), np.array(self.rates)
+        time, coordinates, rates, drive = (
+            np.array([step[column] for step in self.steps]) for column in range(4)
+        )
         # at the end; all rotations but the pinion's are small
         mass = np.array(model.mbs.sys["dynamicSolver"].GetSystemMassMatrix())
         energy = 0.5 * np.einsum("ti,ij,tj->t", rates, mass, rates)
@@ -65,20 +72,20 @@ class Recorder:
         columns = model.columns([name for name in COORDINATE_BLOCKS if name in model.nodes])
         return Record(
             model.forces.elements,
-            np.array(self.time),
+            time,
             np.ascontiguousarray(coordinates[:, columns]),
             np.ascontiguousarray(rates[:, columns]),
             # the multiplier is the gear's force on the driven coordinate
-            -model.drive.sign * np.array(self.drive),
+            -model.drive.sign * drive,
             model.drive.body,
             energy,
-            contact=np.array(self.mesh) if self.mesh else None,
-            pulse_power=self._pulse_power(coordinates, rates),
+            contact=None if model.contacts is None else np.array([step.mesh for step in self.steps]),
+            pulse_power=self._pulse_power(time, coordinates, rates),
         )
 
-    def _pulse_power(self, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray | None:
+    def _pulse_power(self, time: np.ndarray, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray | None:
         pulse, columns = self.model.pulse, self.model.columns(["rack"])
         if pulse is None:
             return None
-        motions = zip(self.time, coordinates[:, columns], rates[:, columns], strict=True)
+        motions = zip(time, coordinates[:, columns], rates[:, columns], strict=True)
         return np.array([pulse.force(t) @ axis_velocity(q, v, pulse.place) for t, q, v in motions])

@@ -1,6 +1,7 @@
 """A run that fails midway keeps what it recorded until then, and says how it failed."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -54,15 +55,30 @@ def test_run_that_fails_midway_keeps_its_signals(command: Command, fidelity: str
     assert "Traceback" not in answer.err
 
 
+class InterruptedSystem:
+    """A system that Ctrl-C interrupts between its coordinates and their rates."""
+
+    def __init__(self, mbs: Any) -> None:
+        self._data = mbs.systemData
+
+    @property
+    def systemData(self) -> "InterruptedSystem":
+        return self
+
+    def GetODE2Coordinates_t(self) -> None:
+        raise KeyboardInterrupt
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._data, name)
+
+
 @pytest.fixture
 def ctrl_c(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ctrl-C at the tenth step, as Python sees it: in whatever function Exudyn calls next."""
+    """Ctrl-C while the tenth step is kept, as Python sees it: in whatever function Exudyn calls next."""
     keep = Recorder._keep
 
-    def keep_until_interrupted(recorder: Recorder, mbs: object, t: float) -> bool:
-        if len(recorder.time) == 10:
-            raise KeyboardInterrupt
-        return keep(recorder, mbs, t)
+    def keep_until_interrupted(recorder: Recorder, mbs: Any, t: float) -> bool:
+        return keep(recorder, InterruptedSystem(mbs) if len(recorder.steps) == 10 else mbs, t)
 
     monkeypatch.setattr(Recorder, "_keep", keep_until_interrupted)
 
