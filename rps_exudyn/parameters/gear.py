@@ -120,6 +120,28 @@ class Rack(Table):
     length: Length = parameter("650 mm", "length of the bar", "estimate", gt=0)
     travel: Length = parameter("140 mm", "travel lock to lock", "paper", gt=0)
     density: Density = parameter(7850.0, "density of the bar", "estimate", gt=0)
+    youngs_modulus: Pressure = parameter(
+        "206 GPa", "Young's modulus of the bar, where it bends", "estimate", gt=0
+    )
+    bow: Length = parameter(
+        0.0,
+        "bow: height of the bent bar over the chord of its toothed part, in the middle",
+        "estimate",
+        ge=0,
+        le=0.002,
+    )
+    bow_angle: Angle = parameter(
+        0.0, "where the middle of the bow points: 0 away from the pinion (Y), 90 deg along Z", "estimate"
+    )
+    bow_shape: Literal["half-wave", "arc"] = parameter(
+        "half-wave", "bent line of the toothed part: half a sine wave, or an arc of a circle", "estimate"
+    )
+    side_force: Force = parameter(
+        0.0, "constant force across the rack, at its end beside the pinion", "estimate", ge=-2e4, le=2e4
+    )
+    side_angle: Angle = parameter(
+        0.0, "direction of the side force: 0 away from the pinion (Y), 90 deg along Z", "estimate"
+    )
 
 
 class Installation(Table):

@@ -48,6 +48,10 @@ ERRORS: dict[str, Range] = {
 PARTS: dict[str, Range] = {
     "rack.reference_height": Share(Even(0.35, 0.92), lambda drawn: _radius_below_teeth(drawn)),
     "rack.travel": Even(0.06, 0.2),
+    "rack.bow": Seldom(0.3, Even(0, 0.3e-3)),
+    "rack.bow_angle": Even(0, 2 * np.pi),
+    "rack.side_force": Seldom(0.2, Even(-200, 200)),
+    "rack.side_angle": Even(0, 2 * np.pi),
     "yoke.preload": Logarithmic(50, 900),
     "yoke.spring_rate": Logarithmic(5e3, 3e5),
     "yoke.clearance": Even(0, 0.15e-3),
