@@ -12,6 +12,7 @@ import sys
 import tempfile
 from collections.abc import Callable
 from functools import cache
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -144,6 +145,10 @@ class Handle(structref.StructRefProxy):
     A nested NamedTuple is unpacked number by number in each call from Python, which takes as long as a third
     of the gear's forces; a handle is one pointer.
     """
+
+    # The base class has a property in Python. Numba reads it in each call and takes whatever it raises for a
+    # missing attribute: one Ctrl-C or alarm in a hundred got lost there. A getter in C cannot be interrupted.
+    _numba_type_ = property(attrgetter("_type"))
 
     def __new__(cls, data: tuple[Any, ...]) -> "Handle":
         return _new_handle(data)
