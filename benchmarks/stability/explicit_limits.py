@@ -278,7 +278,8 @@ class DrivenGear:
     ) -> "DrivenGear":
         """Change one parameter; `choices` are those of the fidelity besides."""
         choice = path.removeprefix("fidelity.")
-        fidelity = Fidelity().replace(dict(choices) | ({choice: value} if choice != path else {}))
+        varied = {choice: value} if choice != path else {}
+        fidelity = Fidelity().replace({"zone_ratio": 0.1} | dict(choices) | varied)
         gear = GEAR.replace({path: value} if choice == path else {})
         return cls(gear, fidelity, FreeMotion.of(gear, fidelity, _drive(gear, driven)))
 

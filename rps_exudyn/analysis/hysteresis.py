@@ -92,7 +92,7 @@ def reversal(before: Pass, after: Pass) -> tuple[float, float | None]:
     It runs again when the torque is as near to the new running torque as a tenth of half the change, which
     without load is nine tenths of the running torque. The angle is None if it never does.
     """
-    old, new = (float(np.median(each.signals["pinion_torque"])) for each in (before, after))
+    old, new = (_running_torque(each) for each in (before, after))
     jump = old - new
     missing = (after.signals["pinion_torque"] - new) * np.sign(jump)
     reached = np.flatnonzero(missing <= (1 - RUNNING) * abs(jump) / 2)
@@ -104,3 +104,13 @@ def reversal(before: Pass, after: Pass) -> tuple[float, float | None]:
         return abs(jump), float(turned[0])
     fraction = (missing[i - 1] - (1 - RUNNING) * abs(jump) / 2) / (missing[i - 1] - missing[i])
     return abs(jump), float(turned[i - 1] + fraction * (turned[i] - turned[i - 1]))
+
+
+def _running_torque(each: Pass) -> float:
+    """Median of a pass's torque, each instant counting for the time halfway to its neighbours [N m]."""
+    torque = each.signals["pinion_torque"]
+    time = each.signals.get("time", np.arange(torque.size))
+    order = np.argsort(torque)
+    weight = np.diff(np.concatenate([time[:1], (time[1:] + time[:-1]) / 2, time[-1:]]))[order]
+    middle = np.cumsum(weight) - weight / 2  # share of the time with less torque
+    return float(np.interp(weight.sum() / 2, middle, torque[order]))

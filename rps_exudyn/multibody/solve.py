@@ -4,9 +4,10 @@
 success only when its own checks say so; the scene adds those that need its physics.
 """
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from time import process_time
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,7 @@ class SolverPlan:
 
     end_time: float  # [s]
     steps: int
+    start_time: float = 0.0  # [s]
     spectral_radius: float = 0.7
     absolute_tolerance: float = 0.01  # of Newton's method, on the root mean square of the residual [N, N m]
     relative_tolerance: float = 1e-12  # on the residual over that of the step's first guess
@@ -38,6 +40,25 @@ class SolverPlan:
     def as_dict(self) -> dict[str, Any]:
         """Return all settings by their names, for the result's file."""
         return {"name": "generalized-alpha", **asdict(self)}
+
+
+def solve_one_after_another(mbs: "exudyn.MainSystem", plans: Sequence[SolverPlan]) -> Outcome:
+    """Integrate by plans each of which begins where the one before ends, until one fails.
+
+    The outcome counts them all; its settings are those of the first with all steps.
+    """
+    outcomes: list[Outcome] = []
+    for plan in plans:
+        outcomes.append(solve(mbs, plan))
+        if outcomes[-1].status is not Status.OK:
+            break
+    whole = replace(plans[0], end_time=plans[-1].end_time, steps=sum(plan.steps for plan in plans))
+    return replace(
+        outcomes[-1],
+        cpu_s=sum(each.cpu_s for each in outcomes),
+        counters=dict(sum((Counter(each.counters) for each in outcomes), Counter())),
+        settings=whole.as_dict(),
+    )
 
 
 def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
@@ -53,7 +74,11 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
     try:
         with silent():
             finished = bool(
-                mbs.SolveDynamic(_settings(plan), solverType=exu.DynamicSolverType.GeneralizedAlpha)
+                mbs.SolveDynamic(
+                    _settings(plan),
+                    solverType=exu.DynamicSolverType.GeneralizedAlpha,
+                    updateInitialValues=True,  # the next plan begins there
+                )
             )
     except exu.ExudynError as error:
         finished, cause = False, error.__cause__  # what a force in Python raised, or None
@@ -114,10 +139,10 @@ def _settings(plan: SolverPlan) -> "exudyn.SimulationSettings":
     settings.parallel.numberOfThreads = 1
     settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
     settings.solution.file.write = False
-    settings.solution.sensors.writePeriod = plan.end_time / plan.steps
+    settings.solution.sensors.writePeriod = (plan.end_time - plan.start_time) / plan.steps
 
     time = settings.timeIntegration
-    time.startTime, time.endTime, time.numberOfSteps = 0.0, plan.end_time, plan.steps
+    time.startTime, time.endTime, time.numberOfSteps = plan.start_time, plan.end_time, plan.steps
     time.adaptiveStep, time.minimumStepSize = plan.adaptive_step, plan.minimum_step
     time.stepInformation = time.verboseMode = 0
     time.computeLoadsJacobian = 0

@@ -86,7 +86,7 @@ class Fidelity(Table):
         18, "general contact: rows of spheres along the face width", "choice", ge=2, le=2000
     )
     zone_ratio: Number = parameter(
-        0.1, "friction zone over the smallest sliding speed of the teeth", "choice", gt=0, le=1
+        0.001, "friction zone over the smallest sliding speed of the teeth", "choice", gt=0, le=1
     )
 
     @computed_field  # type: ignore[prop-decorator]

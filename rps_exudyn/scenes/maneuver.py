@@ -1,7 +1,8 @@
 """A maneuver: one motion of the rig under one load. What every scene is made of."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 
 import numpy as np
 
@@ -13,7 +14,9 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import Drive, DrivenBody, Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.settled_start import Approach
 
-LEAST_PER_CYCLE = 400  # steps, so that the sinusoid passes its ends in many of them
+LEAST_PER_CYCLE = 200  # steps of a swing
+YIELDING = 3e-3  # pinion angle after a turn over which friction turns about, in most gears less [rad]
+STEPS_OF_YIELDING = 25  # steps over that angle: the angle at which the gear runs again to 0.5 %
 RUN_IN = np.deg2rad(0.5)  # pinion angle turned before the record starts, at least
 
 
@@ -26,10 +29,25 @@ class StepLimits:
 
 
 @dataclass(frozen=True)
-class Maneuver:
-    """A motion in even time steps, recorded after a run-in, so that what the start stirs up has died.
+class Piece:
+    """Consecutive steps of a maneuver, each divided into as many parts."""
 
-    A steady one begins settled, whatever the gear came with (`solvers.settled_start`).
+    before: int  # steps of the maneuver before it
+    steps: int
+    parts: int
+
+    @property
+    def instants(self) -> np.ndarray:
+        """Ends of the parts, in steps of the maneuver from its start."""
+        return self.before + np.arange(1, self.steps * self.parts + 1) / self.parts
+
+
+@dataclass(frozen=True)
+class Maneuver:
+    """A motion in time steps, recorded after a run-in, so that what the start stirs up has died.
+
+    A steady one begins settled, whatever the gear came with (`solvers.settled_start`). Steps are even but
+    where some are divided.
     """
 
     drive: Drive
@@ -41,11 +59,22 @@ class Maneuver:
     pulse: Pulse | None = None
     approach: Approach | None = None  # None: the gear rests where it starts
     closes: bool = False  # its record covers whole periods of the gear
+    divided: tuple[int, ...] = ()  # into how many parts each step of run-in and record; (): none is
 
     @property
     def time(self) -> np.ndarray:
         """Instants from the start of the run-in to the end of the record [s]."""
-        return self.time_step * np.arange(self.lead + self.steps + 1)
+        ends = np.concatenate([[0.0], *(piece.instants for piece in self.pieces())])
+        return self.time_step * ends
+
+    def pieces(self) -> Iterator["Piece"]:
+        """Yield the stretches of even steps, one after the other."""
+        parts = self.divided or (1,) * (self.lead + self.steps)
+        done = 0
+        for part, alike in groupby(parts):
+            steps = len(list(alike))
+            yield Piece(done, steps, part)
+            done += steps
 
     @property
     def record_start(self) -> float:
@@ -132,7 +161,8 @@ def maneuvers_of_test(
 def swing_maneuver(gear: SteeringGear, step_angle: float) -> Maneuver:
     """Return sinusoidal steering about the test's start angle.
 
-    Steps are of `step_angle` [rad] where it is fastest.
+    Steps are of `step_angle` [rad] where it is fastest; after each turn, where friction turns about over an
+    angle that hardly depends on the steering, they are divided.
 
     Raises:
         InputError: it leaves the rack's teeth.
@@ -143,7 +173,20 @@ def swing_maneuver(gear: SteeringGear, step_angle: float) -> Maneuver:
     drive = Swing("pinion", test.start_angle, test.amplitude, test.direction * test.speed)
     per_cycle = 4 * int(np.ceil(max(drive.period * test.speed / step_angle, LEAST_PER_CYCLE) / 4))
     time_step = drive.period / per_cycle
-    return Maneuver(drive, time_step, int(np.ceil(RUN_IN / test.speed / time_step)), per_cycle * test.cycles)
+    lead, steps = int(np.ceil(RUN_IN / test.speed / time_step)), per_cycle * test.cycles
+    divided = _divided_after_turns(drive, per_cycle, lead + steps)
+    return Maneuver(drive, time_step, lead, steps, divided=divided)
+
+
+def _divided_after_turns(drive: Swing, per_cycle: int, steps: int) -> tuple[int, ...]:
+    """Return into how many parts the steps of a swing are divided; a turn lies at the end of a step."""
+    yielding = float(np.sqrt(2 * YIELDING / drive.amplitude))  # phase from a turn, about which A phase^2 / 2
+    phase = 2 * np.pi / per_cycle
+    parts = max(1, int(np.ceil(STEPS_OF_YIELDING * phase / yielding)))
+    near = int(np.ceil(min(yielding, np.pi / 2) / phase))
+    after_turn = (np.arange(steps) - per_cycle // 4) % (per_cycle // 2)
+    turned = np.arange(steps) >= per_cycle // 4
+    return tuple(np.where(turned & (after_turn < near), parts, 1).tolist())
 
 
 def whole_periods(gear: SteeringGear, angle: float) -> int | None:

@@ -73,3 +73,14 @@ def unresolved_vibration(fidelity: Fidelity, signals: Signals, signal: str, plac
         "the steps do not resolve, so that its peak to peak is left out; lower fidelity.step_angle, or "
         "choose the fidelity quasi-static, which knows no vibration"
     )
+
+
+def wide_zone(fidelity: Fidelity, numbers: str, widest: float) -> str:
+    """Return a remark on numbers that depend on the friction zone, in which what should rest creeps, where
+    its ratio is above the widest with which they are right; or ""."""
+    if fidelity.solver == "closed-form" or fidelity.zone_ratio <= widest:
+        return ""
+    return (
+        f"{numbers} on the friction zone, in which what should rest creeps: fidelity.zone_ratio is "
+        f"{fidelity.zone_ratio:.3g}, at most {widest:g} does not matter"
+    )

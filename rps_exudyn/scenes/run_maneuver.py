@@ -23,13 +23,15 @@ from rps_exudyn.scenes.run_options import DEFAULT, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined
 from rps_exudyn.solvers.adaptive_path import adaptive_path
 from rps_exudyn.solvers.closed_form import closed_form
-from rps_exudyn.solvers.drive import Steady, travel_per_radian
+from rps_exudyn.solvers.drive import Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS, EquilibriumPath, PathInterrupted
 from rps_exudyn.solvers.gear_forces import following_inertia, gear_forces
 from rps_exudyn.solvers.path_follower import TOLERANCE
 from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
 from rps_exudyn.solvers.settled_start import settled_path
 
+SHORTEST_STEP = 1e-7  # of the dynamics [s] ...
+SHORTEST_AT_TURNS = 1e-9  # ... where all friction turns about at once
 LEAST_FORCE = 10.0  # of which a tolerance is a fraction [N]
 STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drifts less is settled
 CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
@@ -73,7 +75,7 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
     """Integrate the equations of motion in Exudyn."""
     from rps_exudyn.multibody.model import build_model
     from rps_exudyn.multibody.recorder import Recorder
-    from rps_exudyn.multibody.solve import SolverPlan, solve
+    from rps_exudyn.multibody.solve import SolverPlan, solve_one_after_another
 
     load, approach = maneuver.rack_load, maneuver.approach
     model = build_model(
@@ -83,14 +85,23 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
         return SceneRun(_lost(maneuver, model.start, Outcome(Status.OK)))
     recorder = Recorder(model).attach()
     model.mbs.Assemble()
-    steps = maneuver.lead + maneuver.steps
     tolerance = fidelity.tolerance * max(gear.yoke.preload, LEAST_FORCE)
-    plan = SolverPlan(end_time=steps * maneuver.time_step, steps=steps, absolute_tolerance=tolerance)
+    plans = [
+        SolverPlan(
+            start_time=piece.before * maneuver.time_step,
+            end_time=(piece.before + piece.steps) * maneuver.time_step,
+            steps=piece.steps * piece.parts,
+            absolute_tolerance=tolerance,
+            minimum_step=SHORTEST_AT_TURNS if isinstance(maneuver.drive, Swing) else SHORTEST_STEP,
+        )
+        for piece in maneuver.pieces()
+    ]
     interrupted = False
     try:
-        outcome = solve(model.mbs, plan)
+        outcome = solve_one_after_another(model.mbs, plans)
     except KeyboardInterrupt:
-        outcome = Outcome(Status.TIMEOUT, f"interrupted at {recorder.reached:.4g} s of {plan.end_time:.4g} s")
+        end = plans[-1].end_time
+        outcome = Outcome(Status.TIMEOUT, f"interrupted at {recorder.reached:.4g} s of {end:.4g} s")
         interrupted = True
     record = recorder.record()
     model.release()

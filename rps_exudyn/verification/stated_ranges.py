@@ -110,7 +110,7 @@ FIDELITY: Mapping[str, Range] = {
     "generators": Whole(20, 320),
     "profile_samples": Whole(12, 60),
     "axial_samples": Whole(8, 40),
-    "zone_ratio": Logarithmic(0.01, 1),
+    "zone_ratio": Logarithmic(0.001, 1),
 }
 
 
