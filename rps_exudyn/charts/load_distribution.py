@@ -61,7 +61,7 @@ def _densest(axes: Axes, loads: LoadDistribution) -> None:
         chosen = loads.side == side
         np.maximum.at(largest, loads.instant[chosen], loads.load[chosen])
         axes.plot(angle, NEWTON_PER_MILLIMETRE * largest, color=colour, label=FLANKS[side])
-    axes.set_ylabel("largest load [N/mm]")
+    axes.set_ylabel("largest load\n[N/mm]")
     axes.set_ylim(0, None)
     style.legend_above(axes)
 

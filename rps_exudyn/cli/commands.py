@@ -315,19 +315,20 @@ def collect(folder: Path, /, *, out: Path | None = None) -> int:
 
 
 @app.command
-def report(*paths: Path, out: Path | None = None) -> int:
+def report(*paths: Path, out: Path | None = None, contact: Flag = False) -> int:
     """Write one HTML page about studies and results: what was run, effects, best, worst and failed cases.
 
     Args:
         paths: folders that `study` wrote, also half-finished ones, and HDF5 files that `run` wrote.
         out: page (.html); without it report.html in the study's folder, or a page beside the only file.
+        contact: add loads of the lines of contact, shares of the teeth and contact pattern to each result.
     """
     from rps_exudyn.report.report import SUFFIXES, default_name, write_report
 
     if not paths:
         raise InputError("report needs at least one study's folder or result's file.")
     out = check_writable(out or default_name(paths), SUFFIXES)
-    write_report(paths, out)
+    write_report(paths, out, contact)
     print(f"written: {out}")
     return DONE
 

@@ -5,23 +5,28 @@ from pathlib import Path
 
 from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.report.blocks import Article
+from rps_exudyn.report.blocks import Article, Section
 from rps_exudyn.report.html import page
 from rps_exudyn.report.result_page import result_article, side_by_side
 from rps_exudyn.report.study_page import study_article
-from rps_exudyn.results.result import load
+from rps_exudyn.results.result import Result, load
 from rps_exudyn.study.store import Store
 
 SUFFIXES = (".html", ".htm")
 
 
-def write_report(paths: Sequence[str | Path], out: str | Path) -> None:
+def write_report(paths: Sequence[str | Path], out: str | Path, contact: bool = False) -> None:
     """Write the page about studies (folders) and results (files).
+
+    Args:
+        paths: folders and files.
+        out: the page.
+        contact: adds loads and pattern of the contact to each result.
 
     Raises:
         InputError: a path that is neither, damaged, or of another format; or `out` cannot be written.
     """
-    articles = _articles([Path(path) for path in paths])
+    articles = _articles([Path(path) for path in paths], contact)
     text = page(" · ".join(article.title for article in articles), articles)
     with replacing(out) as partial:
         partial.write_text(text, encoding="utf-8", errors="replace")
@@ -34,7 +39,7 @@ def default_name(paths: Sequence[Path]) -> Path:
     return paths[0] / "report.html" if paths[0].is_dir() else paths[0].with_suffix(".html")
 
 
-def _articles(paths: Sequence[Path]) -> list[Article]:
+def _articles(paths: Sequence[Path], contact: bool) -> list[Article]:
     """The articles; all paths are opened before anything is drawn, so that all mistakes are reported."""
     problems: list[str] = []
     opened = {}
@@ -48,6 +53,16 @@ def _articles(paths: Sequence[Path]) -> list[Article]:
     results = {path: content for path, content in opened.items() if not isinstance(content, Store)}
     articles = [side_by_side(results)] if len(results) > 1 else []
     return articles + [
-        study_article(content) if isinstance(content, Store) else result_article(content, path)
+        study_article(content)
+        if isinstance(content, Store)
+        else result_article(content, path, _more(content, contact))
         for path, content in opened.items()
     ]
+
+
+def _more(result: Result, contact: bool) -> list[Section]:
+    if not contact:
+        return []
+    from rps_exudyn.report.contact_section import contact_section  # loads the compiled contact
+
+    return [contact_section(result)]

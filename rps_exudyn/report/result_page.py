@@ -1,6 +1,6 @@
 """The article about one result of any scene, and the comparison of several side by side."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -19,14 +19,15 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import SCENE_NAMES
 
 
-def result_article(result: Result, path: Path) -> Article:
-    """Outcome, curves, parameters and provenance of a result in the file `path`."""
+def result_article(result: Result, path: Path, more: Sequence[Section] = ()) -> Article:
+    """Outcome, curves, what else was asked for, parameters and provenance of a result in the file `path`."""
     return Article(
         title=f"{result.scene} · {path.name}",
         lead=f"fidelity {result.fidelity['name']} · status {result.status} · {result.provenance['date']}",
         sections=[
             Section("Outcome", list(_outcome(result))),
             Section("Curves", list(_curves(result))),
+            *more,
             Section("Parameters", list(_parameters(result))),
             Section("Provenance", [provenance_facts(result.provenance), Code(_commands(path))]),
         ],

@@ -4,6 +4,8 @@ The numbers of finite elements are those of a three-dimensional model of element
 of the pinion on their core, a rack bar with seven teeth), converged to 0.05 % in the mean torque.
 """
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,8 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.flank_element import flank_element
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.report.contact_section import contact_section
+from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.verification.population import random_gears
 
@@ -96,6 +100,25 @@ def test_loads_of_a_picture_add_up_to_the_recorded_forces(guided: Result) -> Non
     assert loads.force_on(1) == pytest.approx(guided["mesh_normal_force_coast"])
     assert np.nanmin(loads.largest_share(-1)) > 0.5  # at most two lines of a side carry
     assert len(load_figure(guided).axes) == 4
+
+
+def test_page_says_the_loads_of_both_flanks(guided: Result) -> None:
+    """The table has the recorded forces; one tooth of a side carries between half of its load and all."""
+    *pictures, grid = contact_section(guided).blocks
+    assert [len(block.pictures) for block in pictures] == [1, 1]
+    for row, name in zip(grid.rows, ("mesh_normal_force_drive", "mesh_normal_force_coast"), strict=True):
+        assert row[1] == f"{guided[name].max():.4g} N"
+        least, most = row[-1].removesuffix(" %").split(" to ")
+        assert 50 <= float(least) < float(most) == 100
+
+
+def test_page_says_why_there_are_no_loads(guided: Result) -> None:
+    full = dataclasses.replace(guided, fidelity=guided.fidelity | {"mesh": "general-contact"})
+    failed = dataclasses.replace(guided, status=Status.DIVERGED)
+    area = dataclasses.replace(guided, gear=guided.gear.replace({"mesh.law": "area"}))
+    for result, words in ((full, "general-contact"), (failed, "failed"), (area, "no load per length")):
+        *_, block = contact_section(result).blocks
+        assert words in block.text
 
 
 def test_load_test_has_the_efficiency_and_the_transmission_error_of_finite_elements() -> None:
