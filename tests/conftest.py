@@ -40,6 +40,8 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "geometry/test_rigid_mesh.py",
     "geometry/test_shaping.py",
     "geometry/test_solids.py",
+    "smoke/test_animation.py",
+    "smoke/test_animation_in_browser.py",
     "smoke/test_cluster.py",
     "smoke/test_one_entry.py",
     "smoke/test_report.py",

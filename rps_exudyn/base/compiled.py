@@ -29,6 +29,7 @@ KERNEL_SOURCES = (
     "mesh_contact/*.py",
     "forces/*.py",
     "verification/seat_cells.py",
+    "animation/raster.py",
 )
 
 

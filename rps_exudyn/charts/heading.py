@@ -4,7 +4,9 @@ from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
+from rps_exudyn.base.units import mm
 from rps_exudyn.charts import style
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result
@@ -25,3 +27,11 @@ def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str
 def scene_of(result: Result) -> str:
     """The scene's name in words, for instance "Load test"."""
     return result.scene.replace("-", " ").capitalize()
+
+
+def about(result: Result) -> str:
+    """What was simulated in one line: gear, preload, speed, fidelity."""
+    gear = result.gear
+    speed = next(item for item in SteeringGear.declared_at("test.speed")).show(gear.test.speed)
+    size = f"{gear.pinion.teeth} teeth, module {mm(gear.pinion.normal_module)}"
+    return f"{size} · preload {gear.yoke.preload:g} N · {speed} · fidelity {result.fidelity['name']}"

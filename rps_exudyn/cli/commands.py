@@ -1,4 +1,5 @@
-"""The commands of `rps-exudyn`: run, study, show, diff, rerun, geometry, describe, collect, report.
+"""The commands of `rps-exudyn`: run, study, show, diff, rerun, geometry, describe, collect, report,
+animate.
 
 Exit status: 0 done; 1 the simulation failed (its file says how); 2 wrong input, one sentence for each problem
 on standard error. What a command needs is imported by the command, so that `--help` and `describe` are quick.
@@ -330,6 +331,22 @@ def report(*paths: Path, out: Path | None = None, contact: Flag = False) -> int:
     out = check_writable(out or default_name(paths), SUFFIXES)
     write_report(paths, out, contact)
     print(f"written: {out}")
+    return DONE
+
+
+@app.command
+def animate(file: Path, /, *, out: Path | None = None, view: str = "gear", apart: Flag = False) -> int:
+    """Show the motion of a result in three dimensions: a page to turn and play, a film, or a still.
+
+    Args:
+        file: HDF5 file that `run` or `study` wrote.
+        out: page (.html), film (.gif, .mp4) or still (.png, .webp); without it a page beside the file.
+        view: where film and still look from: gear, mesh, along-the-pinion or whole-rack; a page has them all.
+        apart: the parts taken apart, in film and still; a page has a slider for it.
+    """
+    from rps_exudyn.cli.animate_command import do_animate
+
+    do_animate(file, out, view, apart)
     return DONE
 
 

@@ -1,12 +1,5 @@
-"""The report in a real browser: no request, no error, readable on a phone, whole in print.
+"""The report in a real browser (conftest.py): no request, no error, readable on a phone, whole in print."""
 
-Needs Chromium, as the operating system's package or playwright's own; without it these tests are skipped, or
-fail where the environment says CI=true.
-"""
-
-import os
-import shutil
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -18,19 +11,6 @@ from rps_exudyn.results.result import Result
 
 PHONE, DESKTOP = {"width": 360, "height": 740}, {"width": 1280, "height": 900}
 POINTS = [{"preload": 110.0 + 7 * at, "friction": 0.1 + 0.01 * (at % 3)} for at in range(12)]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[sync_api.Browser]:
-    installed = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    with sync_api.sync_playwright() as playwright:
-        try:
-            started = playwright.chromium.launch(executable_path=installed, args=["--no-sandbox"])
-        except sync_api.Error as error:
-            give_up = pytest.fail if os.environ.get("CI") == "true" else pytest.skip
-            give_up(f"no browser: {str(error).splitlines()[0]}")
-        yield started
-        started.close()
 
 
 @pytest.fixture
