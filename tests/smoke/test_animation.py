@@ -161,7 +161,7 @@ def test_film_of_a_pitch_repeats_itself(
     assert command(["animate", "r.h5", "--out", "r.gif"]).status == 0
     with Image.open(tmp_path / "r.gif") as picture:
         assert (picture.n_frames, picture.size) == (3, (200, 120))
-    assert command(["animate", "r.h5", "--out", "r.png", "--apart", "--view", "mesh"]).status == 0
+    assert command(["animate", "r.h5", "--out", "r.png", "--apart", "--view", "gear"]).status == 0
     with Image.open(tmp_path / "r.png") as picture:
         assert (np.ptp(np.asarray(picture), axis=2) > 60).sum() > 500  # bodies and arrows have colours
     monkeypatch.setenv("PATH", "")
