@@ -25,6 +25,7 @@ from rps_exudyn.mesh_contact.teeth_data import TeethData, teeth_data
 from rps_exudyn.parameters.gear import SteeringGear
 
 GEAR = SteeringGear().replace({"mesh.law": "area"})
+TIP = {"pinion.tip_diameter": "18.2 mm"}  # which would follow from the helix angle
 ANGLES = np.linspace(0, np.pi / 3, 25)[:-1]
 PRESS = 12e-6  # by which the rack is pressed into the mesh [m]
 
@@ -57,8 +58,8 @@ CASES: dict[str, tuple[dict[str, object], tuple[float, float, float]]] = {
         {"pinion.profile_shift": 0.65, "pinion.tip_diameter": "17.6 mm"},
         (0, 0, 0),
     ),
-    "helix 0": ({"pinion.helix_angle": 0.0, "rack.tooth_angle": 0.0}, (0, 0, 0)),
-    "parallel axes": ({"pinion.helix_angle": "10 deg"}, (0, 0, 0)),
+    "helix 0": ({"pinion.helix_angle": 0.0, "rack.tooth_angle": 0.0, **TIP}, (0, 0, 0)),
+    "parallel axes": ({"pinion.helix_angle": "10 deg", **TIP}, (0, 0, 0)),
 }
 
 

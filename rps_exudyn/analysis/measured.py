@@ -23,6 +23,7 @@ from rps_exudyn.analysis.passes import Signals, common_angles, longest_pass, pas
 from rps_exudyn.analysis.torque import describe_torque
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.spelling import respelled
 from rps_exudyn.results.quantities import SIGNALS
 
 COLUMNS = ("pinion_angle", "pinion_torque")
@@ -129,7 +130,7 @@ def _column(path: str | Path, line: int, header: list[str], name: str) -> tuple[
 def _value(path: str | Path, line: int, row: list[str], index: int) -> float:
     cell = row[index].strip() if index < len(row) else ""
     try:
-        value = float(cell)
+        value = float(respelled(cell))
     except ValueError:
         value = np.nan
     if not np.isfinite(value):

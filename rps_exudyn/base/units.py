@@ -5,8 +5,11 @@ Inside the package every number is SI. Text from a TOML file or the command line
 """
 
 import re
+from contextlib import suppress
 from functools import cache
 from typing import TYPE_CHECKING
+
+from rps_exudyn.base.spelling import respelled
 
 if TYPE_CHECKING:
     import pint
@@ -52,7 +55,13 @@ def to_si(value: object, si_unit: str) -> float:
     except OverflowError:
         raise ValueError("is too large a number") from None
     try:
-        parts = _QUANTITY.fullmatch(str(value))
+        text = respelled(str(value))
+    except ValueError as error:
+        raise ValueError(f"is {short(repr(value))}, with {error}") from None
+    with suppress(ValueError):
+        return float(text)
+    try:
+        parts = _QUANTITY.fullmatch(text)
         if parts is None:
             raise ValueError("not a number and its unit")
         unit = re.sub(r"[.·]", "*", parts["unit"]).replace("°", "deg")

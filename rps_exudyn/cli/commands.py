@@ -1,5 +1,5 @@
 """The commands of `rps-exudyn`: run, study, show, diff, rerun, geometry, describe, collect, report,
-animate.
+animate, explore.
 
 Exit status: 0 done; 1 the simulation failed (its file says how); 2 wrong input, one sentence for each problem
 on standard error. What a command needs is imported by the command, so that `--help` and `describe` are quick.
@@ -347,6 +347,23 @@ def animate(file: Path, /, *, out: Path | None = None, view: str = "gear", apart
     from rps_exudyn.cli.animate_command import do_animate
 
     do_animate(file, out, view, apart)
+    return DONE
+
+
+@app.command
+def explore(
+    *, gear: GearOptions = PAPER_GEAR, host: str = "127.0.0.1", port: int = 0, browser: bool = True
+) -> int:
+    """Serve a page with sliders on this machine: torque, losses, geometry and limits while they are dragged.
+
+    Args:
+        host: address to listen at; another than this machine's own lets others compute here.
+        port: its port; 0 takes a free one.
+        browser: open the page in the browser.
+    """
+    from rps_exudyn.cli.explore_command import do_explore
+
+    do_explore(gear.load(), host, port, browser)
     return DONE
 
 

@@ -263,7 +263,7 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         InputError: the file cannot be read or is no TOML.
     """
     try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        return tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))  # spreadsheets begin with a mark
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror or error}.") from None
     except UnicodeDecodeError:

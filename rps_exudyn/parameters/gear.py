@@ -4,11 +4,14 @@ Sources: "paper" (Kamble & Saha state it), "inferred" (follows from what the pap
 (usual practice; no source).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from html import escape
-from typing import Literal
+from typing import Any, Literal, Self
+
+from pydantic import model_validator
 
 from rps_exudyn.base.units import mm
+from rps_exudyn.parameters import derived
 from rps_exudyn.parameters.declaration import (
     DEG,
     Acceleration,
@@ -64,10 +67,15 @@ class Pinion(Table):
     profile_shift: Number = parameter(
         1.0, "profile shift coefficient x (1: all-addendum, dedendum b = 0)", "paper", gt=-1, lt=2
     )
-    tip_diameter: Length = parameter("18.2 mm", "tip diameter d_a", "inferred", gt=0)
+    tip_diameter: Length = parameter(
+        "18.2 mm", "tip diameter d_a; not given: from the teeth", "inferred", gt=0
+    )
     face_width: Length = parameter("14 mm", "face width b", "estimate", gt=0)
     shaft_diameter: Length = parameter(
-        "11 mm", "diameter of the shaft that carries the gear", "estimate", gt=0
+        "11 mm",
+        "diameter of the shaft that carries the gear; not given: from the root diameter",
+        "estimate",
+        gt=0,
     )
     shaft_length: Length = parameter("160 mm", "length of the shaft", "estimate", gt=0)
     runout: Length = parameter(
@@ -115,7 +123,10 @@ class Rack(Table):
     )
     bar_diameter: Length = parameter("24 mm", "diameter of the bar", "estimate", gt=0)
     reference_height: Length = parameter(
-        "8.5 mm", "height of the reference line above the bar's axis", "estimate", gt=0
+        "8.5 mm",
+        "height of the reference line above the bar's axis; not given: from module and bar",
+        "estimate",
+        gt=0,
     )
     length: Length = parameter("650 mm", "length of the bar", "estimate", gt=0)
     travel: Length = parameter("140 mm", "travel lock to lock", "paper", gt=0)
@@ -279,6 +290,23 @@ class SteeringGear(Table):
     bearing: Bearing = Bearing()
     mesh: Mesh = Mesh()
     test: Test = Test()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _completed(cls, tables: Any) -> Any:
+        """What follows from other parameters and is not given (`parameters.derived`)."""
+        return derived.completed(tables) if isinstance(tables, Mapping) else tables
+
+    @classmethod
+    def from_tables(
+        cls, tables: Mapping[str, Any], settings: Mapping[str, object] | None = None, where: str = ""
+    ) -> Self:
+        """Build it from nested dictionaries; parameters that follow from others follow the settings.
+
+        Raises:
+            InputError: parameters that are wrong (all of them at once).
+        """
+        return super().from_tables(derived.without_followers(tables, settings or {}), settings, where)
 
     def conflicts(self) -> Iterator[Problem]:
         """Yield parameters that do not fit each other."""

@@ -13,6 +13,7 @@ from rps_exudyn.gears.basic_rack import pointed_radius, undercut_limit
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.report import check_gear
 from rps_exudyn.gears.trochoid import form_point
+from rps_exudyn.parameters.derived import DERIVED
 from rps_exudyn.parameters.gear import SteeringGear
 
 RANGES = {
@@ -73,6 +74,7 @@ def _random_gear(rng: np.random.Generator) -> SteeringGear:
     drawn |= {path: float(rng.uniform(*limits)) for path, limits in ERRORS.items() if rng.random() < 0.5}
     drawn["mesh.stiffness"] = float(np.exp(rng.uniform(*np.log(STIFFNESS))))
     shift_margin, fraction = rng.uniform(0.02, 0.5), rng.uniform(0.5, 0.9)
+    drawn = {path: SteeringGear().value_at(path) for path in DERIVED} | drawn  # not those that follow
     base = SteeringGear().replace({**drawn, "pinion.teeth": int(rng.integers(*TEETH, endpoint=True))})
     shifted = base.replace({"pinion.profile_shift": undercut_limit(GearPair.of(base)) + shift_margin})
     pair = GearPair.of(shifted)

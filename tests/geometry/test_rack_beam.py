@@ -21,6 +21,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 pytestmark = pytest.mark.quick
 
 GEAR = SteeringGear()
+HEIGHT = {"rack.reference_height": "8.5 mm"}  # which would follow from the module
 SOLID = {"free": ((232.9, 632.2, 1257.6), (255.3, 702.0, 1366.0)), "cantilever": (28.776e-3, 27.459e-3)}
 FREE_FREE = np.array([4.730040745, 7.853204624, 10.995607838])  # roots of cos(x) cosh(x) = 1
 
@@ -110,9 +111,9 @@ def test_root_section_is_a_circle_cut_by_a_chord() -> None:
         ({"rack.tooth_angle": "40 deg"}, 1.1186, 1.0310),
         ({"pinion.pressure_angle": "30 deg"}, 1.1292, 1.0353),
         ({"pinion.pressure_angle": "15 deg", "basic_rack.fillet_radius": 0.2}, 1.0649, 1.0181),
-        ({"basic_rack.addendum": 0.7, "basic_rack.dedendum": 1.0}, 1.0675, 1.0182),
+        ({"basic_rack.addendum": 0.7, "basic_rack.dedendum": 1.0, **HEIGHT}, 1.0675, 1.0182),
         ({"rack.reference_height": "6 mm"}, 1.1096, 1.0385),
-        ({"pinion.normal_module": "2.5 mm", "pinion.tip_diameter": "24 mm"}, 1.1106, 1.0304),
+        ({"pinion.normal_module": "2.5 mm", "pinion.tip_diameter": "24 mm", **HEIGHT}, 1.1106, 1.0304),
         ({"rack.bar_diameter": "24.9 mm", "rack.reference_height": "10 mm"}, 1.0627, 1.0125),
     ],
 )

@@ -1,0 +1,175 @@
+"""The page to explore: every state of its sliders has an answer, and nobody else gets one."""
+
+import http.client
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from threading import Thread
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright import sync_api
+
+import rps_exudyn as rps
+from rps_exudyn.explore import answer as answers
+from rps_exudyn.explore.answer import answer
+from rps_exudyn.explore.server import Explorer
+from rps_exudyn.explore.sliders import SLIDERS, Slider, settings_of
+
+GEAR = rps.SteeringGear()
+JSON = {"Content-Type": "application/json"}
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Explorer]:
+    with Explorer(GEAR) as started:
+        Thread(target=started.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
+        yield started
+        started.shutdown()
+
+
+def asked(server: Explorer, method: str, path: str, body: Any = None, **headers: str) -> tuple[int, bytes]:
+    link = http.client.HTTPConnection("127.0.0.1", server.server_address[1], timeout=60)
+    content = body if isinstance(body, str | None) else json.dumps(body)
+    link.request(method, path, content, {**(JSON if body is not None else {}), **headers})
+    reply = link.getresponse()
+    found = reply.status, reply.read()
+    link.close()
+    return found
+
+
+def test_curve_is_that_of_the_command(server: Explorer) -> None:
+    status, content = asked(server, "POST", "/curve", {"state": {"yoke.preload": 400}, "number": 1})
+    result = rps.run("free-pinion-torque", GEAR.replace({"yoke.preload": 400}), fidelity="quasi-static")
+    found = json.loads(content)
+    assert status == 200
+    np.testing.assert_allclose(found["torque"], result["pinion_torque"], atol=1e-6)  # as it is rounded
+    assert sum(found["losses"].values()) == pytest.approx(100, abs=0.1)
+
+
+def test_what_follows_from_a_slider_follows(server: Explorer) -> None:
+    """Teeth alone: the tip diameter goes with them, and the gear file says so."""
+    status, content = asked(server, "POST", "/gear", {"state": {"pinion.teeth": 8, "pinion.runout": 12}})
+    assert status == 200
+    Path("gear.toml").write_bytes(content)
+    gear = rps.SteeringGear.from_toml("gear.toml")
+    assert gear == GEAR.replace({"pinion.teeth": 8, "pinion.runout": "12 um"})
+    assert gear.pinion.tip_diameter > 0.022
+
+
+@pytest.fixture(autouse=True)
+def empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def test_random_states_have_values_or_sentences() -> None:
+    """Results of benchmarks/explorer.py say it of 1000 states; here of some, and of every end of a slider."""
+    rng = np.random.default_rng(4)
+    drawn = [{s.path: float(np.round(rng.uniform(s.low, s.high), 6)) for s in SLIDERS} for _ in range(12)]
+    ends = [{slider.path: end} for slider in SLIDERS for end in (slider.low, slider.high)]
+    for state in [*drawn, *ends]:
+        found = answer(GEAR, state)
+        json.dumps(found, allow_nan=False)
+        problems = found.get("problems", [])
+        assert problems or len(found["torque"]) > 10
+        assert all(text.endswith(".") for text in problems)
+
+
+@pytest.mark.parametrize("slider", SLIDERS, ids=lambda slider: slider.path)
+def test_slider_at_its_start_is_the_gear(slider: Slider) -> None:
+    assert slider.low <= slider.of(GEAR) <= slider.high
+    same = GEAR.replace({slider.path: slider.value(slider.of(GEAR))})
+    assert same.value_at(slider.path) == pytest.approx(GEAR.value_at(slider.path), rel=1e-9)
+
+
+def test_a_solver_that_breaks_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object) -> None:
+        raise ZeroDivisionError("by zero")
+
+    monkeypatch.setattr(answers, "simulate", broken)
+    assert answer(GEAR, {}) == {"problems": ["This state cannot be computed: ZeroDivisionError: by zero."]}
+
+
+@pytest.mark.parametrize(
+    ("state", "sentence"),
+    [
+        ({"yoke.preload": 2000}, "yoke.preload is 2000; it must be from 0 to 1000."),
+        ({"yoke.preload": "300"}, "yoke.preload is '300'; it must be a number."),
+        ({"yoke.preload": float("nan")}, "yoke.preload is nan; it must be from 0 to 1000."),
+        ({"test.turns": 5}, "test.turns is no slider of this page."),
+        ([], "the state is no table of sliders."),
+    ],
+)
+def test_other_states_are_refused(state: Any, sentence: str) -> None:
+    with pytest.raises(rps.InputError, match=sentence.replace(".", r"\.")):
+        settings_of(state)
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "body", "headers", "status"),
+    [
+        ("GET", "/", None, {"Host": "rebound.example"}, 421),  # an address that was made to point here
+        ("POST", "/curve", {"state": {}}, {"Host": "rebound.example:80"}, 421),
+        (
+            "POST",
+            "/curve",
+            {"state": {}},
+            {"Content-Type": "text/plain"},
+            415,
+        ),  # as forms of other sites send
+        ("GET", "/../../etc/passwd", None, {}, 404),
+        ("GET", "/answer.py", None, {}, 404),
+        ("POST", "/shutdown", {"state": {}}, {}, 404),
+        ("POST", "/curve", "no json", {}, 400),
+        ("POST", "/curve", [1], {}, 400),
+        ("POST", "/curve", {"state": {"x": "y" * 30_000}}, {}, 400),
+        ("POST", "/gear", {"state": {"yoke.preload": -1}}, {}, 422),
+        ("DELETE", "/", None, {}, 501),
+    ],
+)
+def test_nothing_else_is_served(
+    server: Explorer, method: str, path: str, body: Any, headers: dict[str, str], status: int
+) -> None:
+    assert asked(server, method, path, body, **headers)[0] == status
+
+
+def test_only_this_machine_is_listened_to(server: Explorer) -> None:
+    assert server.server_address[0] == "127.0.0.1"
+    assert server.address.startswith("http://127.0.0.1:")
+
+
+def test_only_the_last_state_of_a_tab_is_computed(server: Explorer) -> None:
+    assert "torque" in server.computed({}, "a tab", 5)
+    assert server.computed({}, "a tab", 4) == {"stale": True}
+    assert "torque" in server.computed({}, "another", 1)
+
+
+def test_page_in_a_browser(browser: sync_api.Browser, server: Explorer) -> None:
+    for viewport in ({"width": 390, "height": 800}, {"width": 1280, "height": 900}):
+        page = browser.new_page(viewport=viewport)  # type: ignore[arg-type]
+        said: list[str] = []
+        asked_for: list[str] = []
+        page.on("console", lambda message, said=said: said.append(message.text))
+        page.on("pageerror", lambda error, said=said: said.append(str(error)))
+        page.on("request", lambda request, asked_for=asked_for: asked_for.append(request.url))
+        page.goto(server.address)
+        page.locator("#chart polyline.now").wait_for()
+        before = page.locator("#chart polyline.now").get_attribute("points")
+        slider = page.get_by_label("yoke preload")
+        slider.focus()
+        for _ in range(5):
+            page.keyboard.press("ArrowRight")
+        page.locator("#chart polyline.start").wait_for()
+        page.get_by_text("preload 350 N").first.wait_for()
+        assert page.locator("#chart polyline.now").get_attribute("points") != before
+        assert slider.get_attribute("aria-valuetext") == "350 N"
+        page.get_by_label("pinion profile shift").fill("0.2")
+        page.locator("#problems p").first.wait_for()  # undercut: a sentence, and the old curve pales
+        assert "nearest" in page.locator("#problems").inner_text()
+        page.get_by_role("button", name="Back to the start").click()
+        page.locator("#problems p").first.wait_for(state="detached")
+        assert said == []
+        assert all(url.startswith((server.address, "data:")) for url in asked_for)
+        assert page.evaluate("document.documentElement.scrollWidth") <= viewport["width"]
+        page.close()
