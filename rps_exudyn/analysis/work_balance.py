@@ -12,6 +12,7 @@ PLACES = {
     "seat": ("work_seat_friction",),
     "bush": ("work_bush_friction",),
     "bearing": ("work_bearing_friction",),
+    "rack": ("work_rack_damping",),
 }
 """Place where work is lost -> its signals."""
 

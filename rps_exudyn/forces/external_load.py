@@ -42,9 +42,9 @@ def dead_force(q, v, data):  # type: ignore[no-untyped-def]
     return out
 
 
-def end_load(load: float, place: float) -> ForceElement:
-    """A load [N] that pulls the bar's end at `place` [m] towards -X."""
-    data = DeadForceData((-load, 0.0, 0.0), place)
+def end_load(load: float, across: tuple[float, float], place: float) -> ForceElement:
+    """A load [N] that pulls the bar's end at `place` [m] towards -X, and a force (along Y, Z) [N] across."""
+    data = DeadForceData((-load, *across), place)
     return ForceElement("load", ("rack",), dead_force, data, ("load_force",))
 
 

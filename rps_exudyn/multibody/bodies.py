@@ -8,6 +8,7 @@ from rps_exudyn.gears import solids
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.inertia import six_moments
 from rps_exudyn.multibody.steering_model import SteeringModel
+from rps_exudyn.solvers.equilibrium import SIZE
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 
 if TYPE_CHECKING:
@@ -23,6 +24,8 @@ def add_bodies(model: SteeringModel) -> None:
     _add_rack(model, solids.rack_solid(gear), axis)
     _add_plunger(model, solids.plunger_solid(gear), axis)
     _add_yokenut(model, solids.yokenut_solid(gear), axis)
+    if model.modes:
+        _add_modes(model)
 
 
 def _add_pinion(model: SteeringModel, solid: "Solid") -> None:
@@ -75,6 +78,21 @@ def _add_plunger(model: SteeringModel, solid: "Solid", axis: list[float]) -> Non
             referencePosition=axis,
             referenceRotation=ALONG_Y,
             visualization=VObjectMass1D(graphicsData=_graphics(solid, "orange", ALONG_Y.T)),
+        )
+    )
+
+
+def _add_modes(model: SteeringModel) -> None:
+    """Add the node of the rack's modes of bending; the object of the gear's forces has their masses."""
+    from exudyn.itemInterface import NodeGenericODE2
+
+    place, rate = (rows[0, SIZE:] for rows in (model.start.coordinates, model.start.rates))
+    model.nodes["modes"] = model.mbs.AddNode(
+        NodeGenericODE2(
+            numberOfODE2Coordinates=model.modes,
+            referenceCoordinates=np.zeros(model.modes),
+            initialCoordinates=place,
+            initialCoordinates_t=rate,
         )
     )
 

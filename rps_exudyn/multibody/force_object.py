@@ -1,4 +1,4 @@
-"""A force element as an Exudyn object: a massless `ObjectGenericODE2`.
+"""A force element as an Exudyn object: an `ObjectGenericODE2`, massless but for modes of bending.
 
 Unlike a connector between separated markers it carries its own lever arms, so moments balance exactly.
 """
@@ -28,21 +28,32 @@ def add_forces(
     data: Any,
     size: int,
     tangent: Callable[..., Any] | None = None,
+    *,
+    mass: np.ndarray | None = None,
+    applied: Callable[[float], np.ndarray] | None = None,
 ) -> Any:
-    """Add a massless object with a compiled force law over the coordinates of some nodes.
+    """Add an object with a compiled force law over the coordinates of some nodes.
 
     Args:
         kernel: (q, v, data) -> the forces (size,), and possibly more behind them.
         data: the law's constants; unpacking many takes long, a `Handle` on them does not.
         tangent: (q, v, data, factor_q, factor_v) -> factor_q dF/dq + factor_v dF/dv, shape (size, size);
             without it Exudyn takes differences through Python.
+        mass: of these coordinates besides that of their bodies, shape (size, size); none by default.
+        applied: forces (size,) at a time [s] that act besides.
     """
     from exudyn.itemInterface import ObjectGenericODE2, VObjectGenericODE2
 
     def force(mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]) -> np.ndarray:
         return kernel(np.asarray(q), np.asarray(v), data)[:size]
 
-    functions: dict[str, Any] = {"forceUserFunction": force}
+    def force_with_applied(
+        mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]
+    ) -> np.ndarray:
+        assert applied is not None
+        return np.asarray(force(mbs, t, item, q, v) + applied(t))
+
+    functions: dict[str, Any] = {"forceUserFunction": force if applied is None else force_with_applied}
     if tangent is not None:
         derivative = tangent
 
@@ -55,7 +66,7 @@ def add_forces(
     return mbs.AddObject(
         ObjectGenericODE2(
             nodeNumbers=list(nodes),
-            massMatrix=np.zeros((size, size)),
+            massMatrix=np.zeros((size, size)) if mass is None else mass,
             **functions,
             visualization=VObjectGenericODE2(show=False),
         )

@@ -17,6 +17,7 @@ What acts between them are the force elements of `forces` and `mesh_contact`, th
 moves pinion or rack; the model starts in static equilibrium, so there is nothing to settle.
 """
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,9 +34,10 @@ from rps_exudyn.multibody.general_contact import add_general_contacts, add_tange
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.bent_bar import BentBar
 from rps_exudyn.solvers.drive import Drive, Steady
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, stacked, tangent
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, stacked
 from rps_exudyn.solvers.settled_start import Approach, settled_path
 
 if TYPE_CHECKING:
@@ -145,10 +147,31 @@ def _add_forces_one_by_one(model: SteeringModel) -> None:
 
 def _add_forces_together(model: SteeringModel) -> None:
     """Add all forces of the gear in one compiled object, with its Jacobian."""
-    kernel, data = model.forces.dynamics
+    forces, bar = model.forces, model.forces.bar
     bodies = [body for body in COORDINATE_BLOCKS if body in model.nodes]
-    nodes = [model.nodes[body] for body in bodies]
-    add_forces(model.mbs, nodes, kernel, data, len(stacked(bodies)), tangent(kernel))
+    of_bodies, modes = len(stacked(bodies)), model.modes
+    applied: Callable[[float], np.ndarray] | None = None
+    if model.pulse is not None and bar is not None and modes:
+        applied = _pulse_on_modes(model.pulse, bar, of_bodies)
+    add_forces(
+        model.mbs,
+        [model.nodes[body] for body in model.stack],
+        *forces.dynamics,
+        of_bodies + modes,
+        forces.dynamics_tangent,
+        mass=np.diag(np.repeat([0.0, 1.0], [of_bodies, modes])),
+        applied=applied,
+    )
+
+
+def _pulse_on_modes(pulse: Pulse, bar: BentBar, before: int) -> Callable[[float], np.ndarray]:
+    """Return the pulse's forces on the modes over time, behind zeros on `before` other coordinates."""
+    by_force = np.vstack([np.zeros((before, 3)), bar.on_modes(pulse.place)])
+
+    def forces(time: float) -> np.ndarray:
+        return np.asarray(by_force @ pulse.force(time))
+
+    return forces
 
 
 def _add_sensors(model: SteeringModel) -> None:

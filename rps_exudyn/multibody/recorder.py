@@ -8,6 +8,7 @@ import numpy as np
 from rps_exudyn.forces.bush import stored_in_chain
 from rps_exudyn.forces.external_load import axis_velocity
 from rps_exudyn.multibody.steering_model import SteeringModel
+from rps_exudyn.solvers.equilibrium import SIZE
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.record import Record
 
@@ -71,23 +72,30 @@ class Recorder:
         energy = 0.5 * np.einsum("ti,ij,tj->t", rates, mass, rates)
         if model.segments:
             energy += stored_in_chain(model.gear, model.forces.chain, coordinates[:, model.segment_columns()])
-        columns = model.columns([name for name in COORDINATE_BLOCKS if name in model.nodes])
+        columns, bar = model.columns(model.stack), model.forces.bar
+        places, speeds = (np.ascontiguousarray(rows[:, columns]) for rows in (coordinates, rates))
+        if bar is not None:
+            energy += bar.elastic_energy(places)
         return Record(
             model.forces.elements,
             time,
-            np.ascontiguousarray(coordinates[:, columns]),
-            np.ascontiguousarray(rates[:, columns]),
+            places,
+            speeds,
             # the multiplier is the gear's force on the driven coordinate
             -model.drive.sign * drive,
             model.drive.body,
             energy,
             contact=None if model.contacts is None else np.array([step.mesh for step in self.steps]),
-            pulse_power=self._pulse_power(time, coordinates, rates),
+            pulse_power=self._pulse_power(time, places, speeds),
+            bar=bar,
         )
 
     def _pulse_power(self, time: np.ndarray, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray | None:
-        pulse, columns = self.model.pulse, self.model.columns(["rack"])
+        pulse, bar, rack = self.model.pulse, self.model.forces.bar, COORDINATE_BLOCKS["rack"]
         if pulse is None:
             return None
-        motions = zip(time, coordinates[:, columns], rates[:, columns], strict=True)
-        return np.array([pulse.force(t) @ axis_velocity(q, v, pulse.place) for t, q, v in motions])
+        motions = zip(coordinates[:, rack], rates[:, rack], strict=True)
+        velocity = np.array([axis_velocity(q, v, pulse.place) for q, v in motions])
+        if bar is not None:
+            velocity += rates[:, SIZE:] @ bar.on_modes(pulse.place)
+        return np.einsum("ti,ti->t", np.array([pulse.force(t) for t in time]), velocity)

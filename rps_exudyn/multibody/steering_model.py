@@ -14,6 +14,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import GearForces
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 
 if TYPE_CHECKING:
     import exudyn
@@ -48,7 +49,18 @@ class SteeringModel:
     def coordinates(self, name: str) -> slice:
         """Return where a body's coordinates stand in the system's vector; the system must be assembled."""
         start = self.mbs.GetNodeODE2Index(self.nodes[name])
-        return slice(start, start + COORDINATES[name])
+        size = self.modes if name == "modes" else COORDINATES[name]
+        return slice(start, start + size)
+
+    @property
+    def modes(self) -> int:
+        """Return the number of modes with which the rack bends; their node is "modes"."""
+        return 0 if self.forces.bar is None else self.forces.bar.modes
+
+    @property
+    def stack(self) -> list[str]:
+        """Return the bodies of the model in the order in which the kernels stack their coordinates."""
+        return [name for name in (*COORDINATE_BLOCKS, "modes") if name in self.nodes]
 
     def columns(self, bodies: Sequence[str]) -> np.ndarray:
         """Return the same for several bodies, one after the other."""

@@ -40,8 +40,10 @@ class Fidelity(Table):
         "how the yoke presses: a plunger on its seat, or spring and stop on the rack itself",
         "choice",
     )
-    rack: Literal["free", "guided"] = parameter(
-        "free", "how the rack moves: in all six freedoms, or along X and Y only", "choice"
+    rack: Literal["free", "guided", "flexible"] = parameter(
+        "free",
+        "how the rack moves: rigid in all six freedoms, rigid along X and Y only, or bending",
+        "choice",
     )
     solver: Literal["generalized-alpha", "equilibrium", "closed-form"] = parameter(
         "generalized-alpha", "how the motion is found", "choice"
@@ -163,6 +165,18 @@ def _conflicts(chosen: Fidelity) -> Iterator[Problem]:
             f"fidelity.bush is {chosen.bush}, but fidelity.rack is guided, whose bush only drags: "
             "leave it condensed.",
         )
+    if chosen.rack == "flexible" and chosen.bush in CHAINS:
+        yield Problem(
+            ("rack", "bush"),
+            f"fidelity.bush is {chosen.bush}, but fidelity.rack is flexible, whose bush is condensed to its "
+            "exact stiffness: leave it condensed.",
+        )
+    if chosen.rack == "flexible" and chosen.mesh == "general-contact":
+        yield Problem(
+            ("rack", "mesh"),
+            "fidelity.mesh is general-contact, but fidelity.rack is flexible, and Exudyn's contact knows rigid "
+            "bodies only: choose fidelity.mesh = flank.",
+        )
     for choice, solver, understood, reason in _SOLVER_LIMITS:
         value = getattr(chosen, choice)
         if chosen.solver == solver and value not in understood:
@@ -181,6 +195,7 @@ _SOLVER_LIMITS = (
         ("condensed",),
         "whose formulas know of the bush only its drag: leave it condensed",
     ),
+    ("rack", "closed-form", ("free", "guided"), "whose formulas know no bending"),
     (
         "bush",
         "equilibrium",

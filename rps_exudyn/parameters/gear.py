@@ -134,6 +134,10 @@ class Rack(Table):
     youngs_modulus: Pressure = parameter(
         "206 GPa", "Young's modulus of the bar, where it bends", "estimate", gt=0
     )
+    modes: Count = parameter(
+        8, "modes of bending in each plane, where the rack is flexible", "estimate", ge=0, le=40
+    )
+    modal_damping: Number = parameter(0.01, "damping ratio of these modes", "estimate", ge=0, lt=1)
     bow: Length = parameter(
         0.0,
         "bow: height of the bent bar over the chord of its toothed part, in the middle",

@@ -110,6 +110,12 @@ SIGNALS = {
     "rack_roll": _tilt("rotation of the rack about X"),
     "rack_yaw": _tilt("rotation of the rack about Y"),
     "rack_pitch": _tilt("rotation of the rack about Z"),
+    "rack_end_y": _length(
+        "displacement of the bar's axis at its end beside the pinion along Y, where the bar bends or is bent"
+    ),
+    "rack_end_z": _length("the same along Z"),
+    "rack_bush_y": _deflection("displacement of the bar's axis in the bush along Y, likewise"),
+    "rack_bush_z": _deflection("the same along Z"),
     "plunger_displacement": _deflection(
         "displacement of the plunger along Y, towards the yokenut, from its rest position"
     ),
@@ -135,6 +141,8 @@ SIGNALS = {
     ),
     "work_bush_friction": _energy("work lost to the bush's drag from the start of recording"),
     "work_bearing_friction": _energy("work lost to the pinion's bearings from the start of recording"),
+    "work_rack_damping": _energy("work lost to the damping of a flexible rack from the start of recording"),
+    "bending_energy": _energy("elastic energy of a flexible rack's bending; part of stored_energy"),
     "stored_energy": _energy(
         "kinetic energy, and elastic energy of springs and contacts, from the start of recording"
     ),
@@ -212,6 +220,7 @@ SUMMARY = {
     "loss_share_seat": _ratio("work lost between plunger and rack, of all work lost"),
     "loss_share_bush": _ratio("work lost in the bush, of all work lost"),
     "loss_share_bearing": _ratio("work lost in the pinion's bearings, of all work lost"),
+    "loss_share_rack": _ratio("work lost to the damping of a flexible rack, of all work lost"),
     "energy_residual": _ratio(
         "(work_drive + work_load - work lost - change of stored_energy) / the wider range of both"
     ),

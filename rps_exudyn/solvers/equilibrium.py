@@ -20,7 +20,7 @@ from rps_exudyn.solvers.drive import Drive, travel_per_radian
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.path_follower import TOLERANCE, backward_difference, follower
 
-SIZE = 8  # coordinates of pinion, rack and plunger
+SIZE = 8  # coordinates of pinion, rack and plunger; modes of a flexible rack follow
 CHARACTERISTIC_LENGTHS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0])  # coordinates to lengths [m]
 
 SETTLING_STEPS = 600
@@ -35,10 +35,22 @@ JUMP = 0.5  # of the contact's forces where its quadrature changes [N]: an equil
 class Balance(NamedTuple):
     """Forces to be balanced."""
 
-    force: Callable[..., Any]  # (q, v, data) -> (8,), a kernel of `gear_kernel`
+    force: Callable[..., Any]  # (q, v, data) -> (n,), a kernel of `gear_kernel` or `flexible_kernel`
     data: Any
     locked: tuple[int, ...] = ()  # coordinates that are held at zero
     inertia: tuple[float, float] = (0.0, 0.0)  # of what follows the drive: pinion [kg m^2] and rack [kg]
+    modes: int = 0  # of the rack's bending
+
+    @property
+    def size(self) -> int:
+        """Return the number of coordinates n, with those of the modes."""
+        return SIZE + self.modes
+
+    @property
+    def lengths(self) -> np.ndarray:
+        """Return what turns the coordinates into lengths, shape (n,) [m]; a mode moves a bar of one kilogram
+        by about its coordinate."""
+        return np.append(CHARACTERISTIC_LENGTHS, np.ones(self.modes))
 
 
 @dataclass(frozen=True)
@@ -58,10 +70,10 @@ class EquilibriumPath:
     """Equilibria along a drive's motion; arrays have one row per instant, up to the first without one."""
 
     time: np.ndarray  # (n,) [s]
-    coordinates: np.ndarray  # (n, 8) pinion, rack, plunger
-    rates: np.ndarray  # (n, 8)
-    forces: np.ndarray  # (n, 8) generalised forces; that on the driven coordinate the drive overcomes
-    applied: np.ndarray  # (n, 8) the part of them that is inertia
+    coordinates: np.ndarray  # (n, 8 or more) pinion, rack, plunger, modes of the rack's bending
+    rates: np.ndarray  # the same
+    forces: np.ndarray  # generalised forces; that on the driven coordinate the drive overcomes
+    applied: np.ndarray  # the part of them that is inertia
     evaluations: int  # of the gear's forces
     iterations: int
     tangents: int
@@ -107,21 +119,21 @@ class PathInterrupted(KeyboardInterrupt):
         self.path = path
 
 
-def steady_rates(pair: GearPair, speed: float) -> np.ndarray:
-    """Return the rates of steady turning at pinion speed [rad/s], shape (8,)."""
-    rates = np.zeros(SIZE)
+def steady_rates(pair: GearPair, speed: float, size: int = SIZE) -> np.ndarray:
+    """Return the rates of steady turning at pinion speed [rad/s], shape (size,)."""
+    rates = np.zeros(size)
     rates[COORDINATE_BLOCKS["pinion"]] = -speed
     rates[COORDINATE_BLOCKS["rack"].start] = pair.gain * speed
     return rates
 
 
-def starting_guess(pair: GearPair, angle: float) -> np.ndarray:
-    """Return coordinates near the equilibrium at pinion angle `angle` [rad]: the rack follows the runout,
-    pressed a little into the mesh."""
+def starting_guess(pair: GearPair, angle: float, size: int = SIZE) -> np.ndarray:
+    """Return coordinates near the equilibrium at pinion angle `angle` [rad], shape (size,): the rack follows
+    the runout, pressed a little into the mesh, and does not bend."""
     phase = angle + pair.runout_angle
     lift = pair.axis_offset + pair.runout * np.cos(phase)
     swing = pair.runout * np.sin(phase) * np.cos(pair.beta_p) / np.cos(pair.beta_r)
-    guess = np.zeros(SIZE)
+    guess = np.zeros(size)
     guess[COORDINATE_BLOCKS["pinion"]] = -angle
     guess[COORDINATE_BLOCKS["rack"]][:2] = pair.gain * angle + swing, lift - TYPICAL_APPROACH
     guess[COORDINATE_BLOCKS["plunger"]] = lift
@@ -129,12 +141,12 @@ def starting_guess(pair: GearPair, angle: float) -> np.ndarray:
 
 
 def inertia_forces(balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray) -> np.ndarray:
-    """Return the inertia forces on the coordinates, of a pinion and a rack that follow the drive, (n, 8).
+    """Return the inertia forces on the coordinates, of a pinion and a rack that follow the drive, (t, n).
 
     To first order both follow at the gear's gain: what their elastic deflection changes in that is left out.
     """
     turning = drive.acceleration(time) / travel_per_radian(drive.body, pair.gain)
-    forces = np.zeros((len(time), SIZE))
+    forces = np.zeros((len(time), balance.size))
     forces[:, COORDINATE_BLOCKS["pinion"].start] = balance.inertia[0] * turning
     forces[:, COORDINATE_BLOCKS["rack"].start] = -balance.inertia[1] * pair.gain * turning
     return forces
@@ -152,10 +164,10 @@ def equilibrium_path(
         PathInterrupted: Ctrl-C; it carries the path until then.
     """
     fixed = {drive.coordinate, *balance.locked}
-    free = np.array([i for i in range(SIZE) if i not in fixed])
+    free = np.array([i for i in range(balance.size) if i not in fixed])
     rows = _Rows.along(balance, pair, drive, np.asarray(time, dtype=float))
     angle, speed = drive.pinion_angle(pair.gain, time[0]), drive.pinion_speed(pair.gain, time[0])
-    guess, steady = starting_guess(pair, angle), steady_rates(pair, speed)
+    guess, steady = starting_guess(pair, angle, balance.size), steady_rates(pair, speed, balance.size)
     guess[list(balance.locked)] = 0.0
     rows.coordinates[0, free], rows.rates[0, free] = guess[free], steady[free]
 
@@ -169,7 +181,7 @@ def equilibrium_path(
             state = rows.coordinates, rows.rates, rows.forces, rows.applied
             end = min(found + PIECE, len(rows.time))
             found, *more, residual = follower(balance.force)(
-                found, rows.time[:end], drive.coordinate, free, CHARACTERISTIC_LENGTHS, *state, balance.data
+                found, rows.time[:end], drive.coordinate, free, balance.lengths, *state, balance.data
             )
             counts += more
             if found == end < len(rows.time):
@@ -204,15 +216,15 @@ class _Rows:
 
     time: np.ndarray  # (n,) [s]
     asked: np.ndarray  # (n,)
-    coordinates: np.ndarray  # (n, 8); the driven one is given
+    coordinates: np.ndarray  # one row each; the driven one is given
     rates: np.ndarray
     forces: np.ndarray
-    applied: np.ndarray  # (n, 8) what acts besides the gear's forces, and counts among them
+    applied: np.ndarray  # what acts besides the gear's forces, and counts among them
 
     @classmethod
     def along(cls, balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray) -> "_Rows":
         """The driven coordinate at its places, all others at zero."""
-        coordinates, rates, forces = (np.zeros((len(time), SIZE)) for _ in range(3))
+        coordinates, rates, forces = (np.zeros((len(time), balance.size)) for _ in range(3))
         coordinates[:, drive.coordinate] = drive.sign * drive.place(time)
         rates[:, drive.coordinate] = drive.sign * drive.rate(time)
         applied = inertia_forces(balance, pair, drive, time)
@@ -271,7 +283,7 @@ def _settled_guess(
         q[free] = place
         return np.asarray(balance.force(q, v, balance.data)[free]) + applied[free]
 
-    return settled(unbalanced, guess[free], CHARACTERISTIC_LENGTHS[free])[0]
+    return settled(unbalanced, guess[free], balance.lengths[free])[0]
 
 
 def _search(
@@ -293,7 +305,7 @@ def _search(
         coordinates[k].copy(),
         rates[k].copy(),
         coordinates[0].copy(),
-        CHARACTERISTIC_LENGTHS[free],
+        balance.lengths[free],
     )
     per_time, ahead = 1 / (time[1] - time[0]), coordinates[0] + (time[1] - time[0]) * rates[0]
     if k > 1:

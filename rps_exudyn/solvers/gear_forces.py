@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from rps_exudyn.base.compiled import Handle
 from rps_exudyn.forces import bearing, external_load, sliding_fit, yoke
 from rps_exudyn.forces.bush import Chain, adams_chain, bush_chain
@@ -17,9 +19,18 @@ from rps_exudyn.mesh_contact.sampled_contact import sampled_element
 from rps_exudyn.mesh_contact.spheres import contact_data
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar, bent_bar
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.equilibrium import Balance, static_approach
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, GearData, Kernel, chain_gear_force, gear_force
+from rps_exudyn.solvers.flexible_kernel import FlexibleData, flexible_gear_force, flexible_tangent
+from rps_exudyn.solvers.gear_kernel import (
+    COORDINATE_BLOCKS,
+    GearData,
+    Kernel,
+    chain_gear_force,
+    gear_force,
+    tangent,
+)
 
 RACK = COORDINATE_BLOCKS["rack"].start
 PLUNGER = COORDINATE_BLOCKS["plunger"].start
@@ -50,6 +61,7 @@ class GearForces:
     chain: Chain
     friction_zone: float  # [m/s]
     locked: tuple[int, ...]  # coordinates of the stack that are held at zero
+    bar: BentBar | None  # of the rack, where it bends or is not straight
 
     @property
     def elements(self) -> list[ForceElement]:
@@ -60,19 +72,32 @@ class GearForces:
     @property
     def statics(self) -> Balance:
         """Compiled sum of all forces on pinion, rack and plunger, with the bush condensed."""
-        kernel = gear_force(self.mesh.kernel, self.seat.kernel)
-        return Balance(kernel, self._data(self.condensed_fit), self.locked)
+        total = gear_force if self.bar is None else flexible_gear_force
+        kernel = total(self.mesh.kernel, self.seat.kernel)
+        modes = 0 if self.bar is None else self.bar.modes
+        return Balance(kernel, self._data(self.condensed_fit), self.locked, modes=modes)
 
     @property
     def dynamics(self) -> tuple[Kernel, Handle]:
         """Compiled sum of all forces, with the bush as modelled."""
-        total = chain_gear_force if "segment" in self.fit.bodies else gear_force
+        if self.bar is not None:
+            total = flexible_gear_force
+        else:
+            total = chain_gear_force if "segment" in self.fit.bodies else gear_force
         return total(self.mesh.kernel, self.seat.kernel), self._data(self.fit)
+
+    @property
+    def dynamics_tangent(self) -> Kernel:
+        """Compiled tangent of `dynamics`, a function as `gear_kernel.tangent` returns."""
+        if self.bar is not None:
+            return flexible_tangent(self.mesh.kernel, self.seat.kernel)
+        return tangent(self.dynamics[0])
 
     def _data(self, fit: ForceElement) -> Handle:
         parts = {name: getattr(self, name) for name in GearData._fields} | {"fit": fit}
         data = {name: part.data if part else NOTHING[name] for name, part in parts.items()}
-        return Handle(GearData(**data))
+        gear = GearData(**data)
+        return Handle(gear if self.bar is None else FlexibleData(gear, self.bar.data))
 
 
 def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) -> GearForces:
@@ -92,7 +117,9 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         "rigid": lambda: sliding_fit.rigid_fit(gear, friction_zone=zone),
     }
     fit = (
-        fits[fidelity.bush]() if fidelity.rack == "free" else sliding_fit.loose_fit(gear, friction_zone=zone)
+        sliding_fit.loose_fit(gear, friction_zone=zone)
+        if fidelity.rack == "guided"
+        else fits[fidelity.bush]()
     )
     with_plunger = fidelity.yoke == "body"
     if with_plunger:
@@ -100,6 +127,10 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         seat = yoke.seat(gear, friction_zone=zone, rest_gap=rest_gap)
     else:
         seat = yoke_as_force(gear, friction_zone=zone, approach=approach)
+    load = load_at_end(gear, rack_load) if rack_load or gear.rack.side_force else None
+    places = {"mesh": (0.0, ALONG_BAR), "seat": (0.0, ALONG_BAR), "bush": (fit.data.station, ALONG_BAR)}
+    if load is not None:
+        places["load"] = (load.data.place, ON_BAR)
     return GearForces(
         mesh=mesh_element(gear, fidelity, zone),
         seat=seat,
@@ -107,18 +138,26 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         nut=yoke.nut_contact(gear) if with_plunger else None,
         bearing=bearing.bearing(gear, friction_zone=fidelity.zone_ratio * gear.test.speed),
         fit=fit,
-        load=external_load.end_load(rack_load, RackBar.of(gear).x_min) if rack_load else None,
+        load=load,
         weight=rack_weight(gear) if gear.installation.gravity else None,
         condensed_fit=condensed if "segment" in fit.bodies else fit,
         chain=chain,
         friction_zone=zone,
         locked=(*(GUIDED if fidelity.rack == "guided" else ()), *(() if with_plunger else (PLUNGER,))),
+        bar=bent_bar(gear, fidelity, places),
     )
 
 
 def following_inertia(gear: SteeringGear) -> tuple[float, float]:
     """Return what follows the drive: the pinion's moment of inertia [kg m^2] and the rack's mass [kg]."""
     return pinion_inertia(gear), rack_solid(gear).mass_properties.mass
+
+
+def load_at_end(gear: SteeringGear, rack_load: float) -> ForceElement:
+    """Return the load [N] along -X and the side force at the rack's end beside the pinion."""
+    rack = gear.rack
+    across = rack.side_force * np.cos(rack.side_angle), rack.side_force * np.sin(rack.side_angle)
+    return external_load.end_load(rack_load, (float(across[0]), float(across[1])), RackBar.of(gear).x_min)
 
 
 def rack_weight(gear: SteeringGear) -> ForceElement:

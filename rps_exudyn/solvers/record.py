@@ -17,6 +17,7 @@ from rps_exudyn.forces.force_element import (
     FRICTION_POWER,
     ForceElement,
 )
+from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import SETTLED, EquilibriumPath, Start
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, along, stacked
@@ -28,6 +29,7 @@ WORK = {
     "work_bush_friction",
     "work_bearing_friction",
 }
+AT_MESH = (0.0, ALONG_BAR)  # where mesh and yoke stand
 # Signals of what is not prescribed, in the order of the coordinates
 COORDINATES = ("rack_y", "rack_z", "rack_roll", "rack_yaw", "rack_pitch", "plunger_displacement")
 # Signal -> the output of a force element that it shows
@@ -49,7 +51,7 @@ class Record:
 
     elements: list[ForceElement]
     time: np.ndarray  # [s]
-    coordinates: np.ndarray  # (n, 8 or 14) stacked as in `gear_kernel`
+    coordinates: np.ndarray  # (n, .) stacked as in `gear_kernel` or `flexible_kernel`
     rates: np.ndarray  # the same
     drive: np.ndarray  # torque on the pinion [N m] or force on the rack [N], in the sense of travel along +X
     driven: str  # body on which it acts
@@ -58,6 +60,7 @@ class Record:
     pulse_power: np.ndarray | None = None  # of what shakes the rack [W]
     settled: bool = False  # whether a tooth pitch was turned before
     start: Start = SETTLED  # what it remembers of how the gear came there
+    bar: BentBar | None = None  # of the rack, where it bends or is not straight
 
     def since(self, time: float) -> "Record":
         """Return what comes after a time [s]: the part that begins with the last step until then.
@@ -77,25 +80,48 @@ class Record:
         return self.rates[:, COORDINATE_BLOCKS[body]]
 
     def outputs(self, element: ForceElement) -> np.ndarray:
-        """Return an element's output at every step: forces, energy terms, own values; shape (n, .)."""
-        columns = stacked(element.bodies)
-        q, v = (np.ascontiguousarray(rows[:, columns]) for rows in (self.coordinates, self.rates))
+        """Return an element's output at every step: forces, energy terms, own values; shape (n, .).
+
+        Forces on a rack that bends are those on the local pose.
+        """
+        q, v = (np.ascontiguousarray(rows) for rows in self.seen_by(element))
         return np.asarray(along(element.kernel)(q, v, element.data))
 
+    def seen_by(self, element: ForceElement) -> tuple[np.ndarray, np.ndarray]:
+        """Return coordinates and rates of an element's bodies, (n, .) each: of a rack that bends those of a
+        straight one that touches it there."""
+        place = self.bar.places.get(element.name) if self.bar is not None else None
+        coordinates, rates = (self.coordinates, self.rates) if place is None else self.straightened(place)
+        columns = stacked(element.bodies)
+        return coordinates[:, columns], rates[:, columns]
 
-def record_of_path(elements: list[ForceElement], path: EquilibriumPath, drive: Drive) -> Record:
+    def straightened(self, place: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+        """Return coordinates and rates with those of a straight rack that touches the bar at a place."""
+        if self.bar is None:
+            return self.coordinates, self.rates
+        coordinates, rates, rack = self.coordinates.copy(), self.rates.copy(), COORDINATE_BLOCKS["rack"]
+        coordinates[:, rack], rates[:, rack] = self.bar.poses(self.coordinates, self.rates, place)
+        return coordinates, rates
+
+
+def record_of_path(
+    elements: list[ForceElement], path: EquilibriumPath, drive: Drive, bar: BentBar | None = None
+) -> Record:
     """Return the record of equilibria along a drive's motion.
 
     Their kinetic energy is the work that was done against the inertia of what follows the drive.
     """
     overcome = -drive.sign * path.forces[:, drive.coordinate]
     energy = _work(-np.einsum("ti,ti->t", path.applied, path.rates), path.time)
-    return Record(elements, path.time, path.coordinates, path.rates, overcome, drive.body, energy)
+    if bar is not None:
+        energy = energy + bar.elastic_energy(path.coordinates)
+    return Record(elements, path.time, path.coordinates, path.rates, overcome, drive.body, energy, bar=bar)
 
 
 def signals_of(record: Record) -> dict[str, np.ndarray]:
     """Return all signals of a run, by the names of `quantities`."""
-    time, rack = record.time, record.of("rack")
+    time, (places, _) = record.time, record.straightened(AT_MESH)
+    rack = places[:, COORDINATE_BLOCKS["rack"]]
     lift = axis_at_pitch_point(rack)
     drive = "pinion_torque" if record.driven == "pinion" else "rack_force"
     speed = -record.rates[:, 0] if record.driven == "pinion" else record.rates[:, 1]
@@ -135,7 +161,7 @@ def signals_of(record: Record) -> dict[str, np.ndarray]:
     if "mesh_normal_force_drive" in signals:
         signals["mesh_normal_force"] = signals["mesh_normal_force_drive"] + signals["mesh_normal_force_coast"]
     signals["stored_energy"] = energy - energy[0]
-    return signals
+    return signals | _of_bent_bar(record)
 
 
 def _over_edges(record: Record, mesh: ForceElement, out: np.ndarray) -> np.ndarray:
@@ -144,11 +170,34 @@ def _over_edges(record: Record, mesh: ForceElement, out: np.ndarray) -> np.ndarr
     What the teeth's forces take from the bodies, and neither store, rub off nor damp: the contact laws press
     along the normal only, so that material which enters or leaves loaded does so without a force.
     """
-    rates = record.rates[:, stacked(mesh.bodies)]
+    rates = record.seen_by(mesh)[1]
     taken = -np.einsum("ti,ti->t", out[:, : mesh.size], rates)
     energy_terms = out[:, mesh.size : mesh.size + ENERGY_TERMS]
     lost = taken - energy_terms[:, FRICTION_POWER] - energy_terms[:, DAMPING_POWER]
     return _work(lost, record.time) - (energy_terms[:, ELASTIC_ENERGY] - energy_terms[0, ELASTIC_ENERGY])
+
+
+def _of_bent_bar(record: Record) -> dict[str, np.ndarray]:
+    """Signals of a bar that bends or is not straight; {} of any other."""
+    bar = record.bar
+    if bar is None:
+        return {}
+    end = _displaced(record, bar.end, (bar.end, ON_BAR))
+    station, _ = bar.places["bush"]
+    in_bush = _displaced(record, station - record.of("rack")[:, 0], (station, ALONG_BAR))
+    signals = {"rack_end_y": end[:, 0], "rack_end_z": end[:, 1], "rack_bush_y": in_bush[:, 0]}
+    signals |= {"rack_bush_z": in_bush[:, 1]}
+    if bar.modes:
+        signals["bending_energy"] = bar.elastic_energy(record.coordinates)
+        signals["work_rack_damping"] = _work(bar.damping_power(record.rates), record.time)
+    return signals
+
+
+def _displaced(record: Record, station: np.ndarray | float, place: tuple[float, float]) -> np.ndarray:
+    """Displacement of the bar's axis along Y and Z at a station [m], shape (n, 2)."""
+    rack = record.straightened(place)[0][:, COORDINATE_BLOCKS["rack"]]
+    _, b, c = rack[:, 3:].T
+    return rack[:, 1:3] + np.column_stack([station * np.sin(c) * np.cos(b), -station * np.sin(b)])
 
 
 def axis_at_pitch_point(rack: np.ndarray) -> np.ndarray:

@@ -83,7 +83,7 @@ class _Search:
                 found.append(path)
                 if len(found) > 1:
                     differ = _difference(found[-2], path, self.drive)
-                    if _alike(found[-2], path, self.drive, self.pair, pitches):
+                    if self.alike(found[-2], path, pitches):
                         return self.with_teeth(path, pitches)
             elif (lost := lost + 1) == MOST_LOST:
                 break
@@ -108,6 +108,15 @@ class _Search:
                 break
         return path
 
+    def alike(self, a: EquilibriumPath, b: EquilibriumPath, pitches: float) -> bool:
+        """Tell whether two paths, b from `pitches` back, end at the same place under the same force."""
+        fine = pitches > FINE_FROM
+        if not fine and _rolling(b) > ROLLING:
+            return False
+        travel = self.pair.gain * 2 * np.pi / self.pair.teeth
+        apart = np.abs((a.coordinates[-1] - b.coordinates[-1]) * self.balance.lengths).max() / travel
+        return max(_difference(a, b, self.drive), float(apart)) <= (ALIKE_FINE if fine else ALIKE)
+
     def with_teeth(self, path: EquilibriumPath, pitches: float) -> EquilibriumPath:
         """Return a settled path with the difference to what the rack's teeth before the start allow."""
         pitch, toothed = self.approach.pitch, self.approach.toothed
@@ -125,16 +134,6 @@ def _difference(a: EquilibriumPath, b: EquilibriumPath, drive: Drive) -> float:
     forces = [path.forces[:, drive.coordinate] for path in (a, b)]
     largest = max(float(np.abs(force).max()) for force in forces)
     return abs(float(forces[0][-1] - forces[1][-1])) / largest if largest else 0.0
-
-
-def _alike(a: EquilibriumPath, b: EquilibriumPath, drive: Drive, pair: GearPair, pitches: float) -> bool:
-    """Tell whether two paths, b from `pitches` back, end at the same place under the same force."""
-    fine = pitches > FINE_FROM
-    if not fine and _rolling(b) > ROLLING:
-        return False
-    travel = pair.gain * 2 * np.pi / pair.teeth
-    apart = float(np.abs((a.coordinates[-1] - b.coordinates[-1]) * CHARACTERISTIC_LENGTHS).max()) / travel
-    return max(_difference(a, b, drive), apart) <= (ALIKE_FINE if fine else ALIKE)
 
 
 def _rolling(path: EquilibriumPath) -> float:

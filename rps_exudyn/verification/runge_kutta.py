@@ -20,6 +20,8 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.solvers.drive import Drive, Steady
+from rps_exudyn.solvers.bent_bar import BentBar
+from rps_exudyn.solvers.equilibrium import SIZE
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, GearData, Kernel
 from rps_exudyn.solvers.record import Record, signals_of
 
@@ -28,7 +30,7 @@ from rps_exudyn.solvers.record import Record, signals_of
 class FreeMotion:
     """A driven gear for integration: where it starts, which coordinates move freely, masses and forces.
 
-    Coordinates and rates are those of all coordinate blocks, (8,); prescribed ones follow their rate.
+    Coordinates and rates are those of all coordinate blocks and modes, (n,); prescribed ones follow their rate.
     """
 
     elements: list[ForceElement]
@@ -36,11 +38,12 @@ class FreeMotion:
     place: np.ndarray  # at time 0, in equilibrium
     rate: np.ndarray
     moving: np.ndarray  # coordinates that nothing prescribes
-    mass: np.ndarray  # (8, 8) at the start
-    force: Kernel  # (q, v, data) -> (8,)
+    mass: np.ndarray  # (n, n) at the start
+    force: Kernel  # (q, v, data) -> (n,)
     data: GearData
     bar: MassProperties
     pulse: Pulse | None = None
+    bent: BentBar | None = None
 
     @classmethod
     def of(
@@ -54,10 +57,10 @@ class FreeMotion:
         solve(model.mbs, SolverPlan(end_time=1e-6, steps=1))  # so that the masses are there
         mass = np.array(model.mbs.sys["dynamicSolver"].GetSystemMassMatrix())
         moving = np.array([i for i in range(q.size) if i not in (drive.coordinate, *model.forces.locked)])
-        elements = model.forces.elements
+        elements, bent = model.forces.elements, model.forces.bar
         model.release()
         bar = rack_solid(gear).mass_properties
-        return cls(elements, drive, q, v, moving, mass, force, data, bar, pulse)
+        return cls(elements, drive, q, v, moving, mass, force, data, bar, pulse, bent)
 
     def inverse_mass(self, q: np.ndarray) -> np.ndarray:
         """Inverse mass matrix of the moving coordinates, (m, m); the rack's masses turn with it."""
@@ -66,11 +69,13 @@ class FreeMotion:
         return np.asarray(np.linalg.inv(turned[np.ix_(self.moving, self.moving)]))
 
     def acceleration(self, t: float, q: np.ndarray, v: np.ndarray, inverse: np.ndarray) -> np.ndarray:
-        """Accelerations of all coordinates, (8,); those of the drive for the prescribed ones."""
+        """Accelerations of all coordinates, (n,); those of the drive for the prescribed ones."""
         forces, rack = np.array(self.force(q, v, self.data)), COORDINATE_BLOCKS["rack"]
         if self.pulse is not None and (shake := self.pulse.force(t)).any():
             dead = DeadForceData((shake[0], shake[1], shake[2]), self.pulse.place)
             forces[rack] += dead_force(q[rack], v[rack], dead)[:6]
+            if self.bent is not None:
+                forces[SIZE:] += self.bent.on_modes(self.pulse.place) @ shake
         forces[rack] -= centrifugal(q[rack][3:], v[rack][3:], self.bar)
         a, short = np.zeros(q.size), 1e-6  # [s]
         if not isinstance(self.drive, Steady):
@@ -85,7 +90,7 @@ class FreeMotion:
         driven = np.array([self.force(*state, self.data)[self.drive.coordinate] for state in states])
         no_energy = np.zeros(times.size)  # kinetic energy is not needed
         overcome = -self.drive.sign * driven
-        return Record(self.elements, times, places, rates, overcome, self.drive.body, no_energy)
+        return Record(self.elements, times, places, rates, overcome, self.drive.body, no_energy, bar=self.bent)
 
 
 def explicit_motion(
@@ -129,7 +134,7 @@ def centrifugal(angles: np.ndarray, rates: np.ndarray, body: MassProperties) -> 
 def runge_kutta(
     motion: FreeMotion, rate: np.ndarray, step: float, steps: int, keep: int = 1
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times (n,), places and rates (n, 8) from the motion's place and a `rate`; every `keep`-th step [s]."""
+    """Times (n,), places and rates (n, .) from the motion's place and a `rate`; every `keep`-th step [s]."""
     acceleration, q, v = motion.acceleration, motion.place, rate
     kept = [(0.0, q, v)]
     for k in range(steps):
