@@ -25,6 +25,7 @@ from numba.experimental import structref
 KERNEL_SOURCES = (
     "base/compiled.py",
     "solvers/gear_kernel.py",
+    "solvers/flexible_kernel.py",
     "solvers/path_follower.py",
     "mesh_contact/*.py",
     "forces/*.py",

@@ -17,7 +17,7 @@ import numpy as np
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.mean_depth import mean_depth
 from rps_exudyn.mesh_contact.spheres import sphere_radius
-from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.fidelity import CHAINS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 
 STEPS_PER_PITCH = 2  # fewer cannot show the tooth frequency; after_run sees whether more are needed
@@ -53,6 +53,7 @@ def breaches(gear: SteeringGear, fidelity: Fidelity, *, steady: bool) -> Iterato
         return
     if steady:
         yield from _tooth_pitch_resolved(gear, fidelity)
+    yield from _straight_where_rigid(gear, fidelity)
     yield from _contact_integrated(gear, fidelity)
     yield from _spheres_deep_enough(gear, fidelity)
 
@@ -73,6 +74,16 @@ def _tooth_pitch_resolved(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Br
             {"step_angle": float(pitch / REPAIRED_STEPS_PER_PITCH)},
             "{:.4g} deg",
         )
+
+
+def _straight_where_rigid(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
+    """No bow where a part knows straight bars only."""
+    chain, contact = fidelity.bush in CHAINS, fidelity.mesh == "general-contact"
+    if gear.rack.bow and (chain or contact):
+        part = "fidelity.mesh = general-contact" if contact else f"fidelity.bush = {fidelity.bush}"
+        repair = ({"bush": "condensed"} if chain else {}) | ({"mesh": "flank"} if contact else {})
+        why = f"{part}, which knows straight bars only,"
+        yield Breach("rack.bow", 1e6 * gear.rack.bow, 0.0, why, repair, "{:.4g} um")
 
 
 def _contact_integrated(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:

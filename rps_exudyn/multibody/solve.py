@@ -33,6 +33,7 @@ class SolverPlan:
     absolute_tolerance: float = 0.01  # of Newton's method, on the root mean square of the residual [N, N m]
     relative_tolerance: float = 1e-12  # on the residual over that of the step's first guess
     max_iterations: int = 20
+    contractivity: float = 0.5  # residual over that before, above which Newton's method takes a new Jacobian
     discontinuous_tolerance: float = 1e-4
     adaptive_step: bool = True
     minimum_step: float = 1e-7  # [s]
@@ -152,7 +153,7 @@ def _settings(plan: SolverPlan) -> "exudyn.SimulationSettings":
 
     newton = time.newton
     newton.useModifiedNewton = True
-    newton.maxIterations, newton.modifiedNewtonContractivity = plan.max_iterations, 0.5
+    newton.maxIterations, newton.modifiedNewtonContractivity = plan.max_iterations, plan.contractivity
     newton.relativeTolerance, newton.absoluteTolerance = plan.relative_tolerance, plan.absolute_tolerance
     newton.numericalDifferentiation.doSystemWideDifferentiation = False
     newton.numericalDifferentiation.forODE2 = False

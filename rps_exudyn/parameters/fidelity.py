@@ -40,9 +40,10 @@ class Fidelity(Table):
         "how the yoke presses: a plunger on its seat, or spring and stop on the rack itself",
         "choice",
     )
-    rack: Literal["free", "guided", "flexible"] = parameter(
-        "free",
-        "how the rack moves: rigid in all six freedoms, rigid along X and Y only, or bending",
+    rack: Literal["by-scene", "free", "guided", "flexible"] = parameter(
+        "by-scene",
+        "how the rack moves: rigid in all six freedoms, rigid along X and Y only, or bending; by-scene: "
+        "bending where the scene needs it, else free",
         "choice",
     )
     solver: Literal["generalized-alpha", "equilibrium", "closed-form"] = parameter(
@@ -120,6 +121,12 @@ class Fidelity(Table):
         """Yield choices that are each fine alone, but not together."""
         return _conflicts(self)
 
+    def with_bending(self) -> Self:
+        """Return the choices of a scene that needs a flexible rack: it bends unless another is chosen, or is
+        part of a model that knows rigid ones only."""
+        can = self.mesh != "general-contact" and self.bush not in CHAINS
+        return self.replace({"rack": "flexible"}) if self.rack == "by-scene" and can else self
+
     @classmethod
     def declared(cls) -> Iterator[Declared]:
         """Yield all choices; the preset is where they came from, and not one of them."""
@@ -195,7 +202,7 @@ _SOLVER_LIMITS = (
         ("condensed",),
         "whose formulas know of the bush only its drag: leave it condensed",
     ),
-    ("rack", "closed-form", ("free", "guided"), "whose formulas know no bending"),
+    ("rack", "closed-form", ("by-scene", "free", "guided"), "whose formulas know no bending"),
     (
         "bush",
         "equilibrium",

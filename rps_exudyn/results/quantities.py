@@ -194,6 +194,9 @@ SUMMARY = {
         "largest minus smallest rack displacement ahead of gain x pinion angle, in one direction"
     ),
     "transmission_error_first_order": _deflection("amplitude of its harmonic once per revolution"),
+    "rack_end_deflection": _length(
+        "largest displacement across X of the bar's end beside the pinion, where the bar bends"
+    ),
     "rack_lift_range": _deflection("largest minus smallest rack_y"),
     "rack_roll_range": _tilt("largest minus smallest rack_roll"),
     "rack_yaw_range": _tilt("largest minus smallest rack_yaw"),

@@ -193,8 +193,10 @@ def whole_periods(gear: SteeringGear, angle: float) -> int | None:
     """Return how many periods of the gear an angle [rad] covers; None if not a whole number.
 
     Every tooth is alike, so that the curve repeats with the tooth pitch; errors that single out a tooth
-    or a direction of the pinion make it repeat with the turn.
+    or a direction of the pinion make it repeat with the turn. Along a bar that is not straight it does not.
     """
+    if gear.rack.bow:
+        return None
     alike = gear.pinion.runout == 0 and gear.pinion.pitch_error == 0
     periods = angle / (2 * np.pi) * (gear.pinion.teeth if alike else 1)
     return round(periods) if periods > 0.5 and abs(periods - round(periods)) < 1e-9 * periods else None

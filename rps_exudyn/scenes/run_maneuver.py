@@ -34,6 +34,7 @@ SHORTEST_STEP = 1e-7  # of the dynamics [s] ...
 SHORTEST_AT_TURNS = 1e-9  # ... where all friction turns about at once
 LEAST_FORCE = 10.0  # of which a tolerance is a fraction [N]
 STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drifts less is settled
+SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
 CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
 
 
@@ -92,6 +93,7 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
             end_time=(piece.before + piece.steps) * maneuver.time_step,
             steps=piece.steps * piece.parts,
             absolute_tolerance=tolerance,
+            contractivity=SHAKEN if maneuver.pulse is not None and model.modes else SolverPlan.contractivity,
             minimum_step=SHORTEST_AT_TURNS if isinstance(maneuver.drive, Swing) else SHORTEST_STEP,
         )
         for piece in maneuver.pieces()

@@ -118,6 +118,8 @@ def beyond_formulas(gear: SteeringGear) -> str:
         "installation.angle_error": gear.installation.angle_error,
         "installation.axis_offset": gear.installation.axis_offset,
         "installation.gravity": gear.installation.gravity,
+        "rack.bow": gear.rack.bow,
+        "rack.side_force": gear.rack.side_force,
         "pinion.tip_relief": pinion.tip_relief,
         "pinion.crowning": pinion.crowning,
         "pinion.pitch_error": pinion.pitch_error,

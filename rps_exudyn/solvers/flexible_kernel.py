@@ -183,7 +183,9 @@ def flexible_gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
         station = gear.fit.station - q[1]
         sections = bar_sections(station, bar)
         pose = local_pose(q, v, sections, station, -1.0, bar)
-        add_to_bar(total, held_fit_force(pose[POSE], pose[RATE], gear.fit), pose, sections, station, -1.0, bar)
+        add_to_bar(
+            total, held_fit_force(pose[POSE], pose[RATE], gear.fit), pose, sections, station, -1.0, bar
+        )
         if gear.load.place != 0:
             station = gear.load.place
             sections = bar_sections(station, bar)

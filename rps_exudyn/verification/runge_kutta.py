@@ -19,8 +19,8 @@ from rps_exudyn.multibody.solve import SolverPlan, solve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.scene_run import Signals
-from rps_exudyn.solvers.drive import Drive, Steady
 from rps_exudyn.solvers.bent_bar import BentBar
+from rps_exudyn.solvers.drive import Drive, Steady
 from rps_exudyn.solvers.equilibrium import SIZE
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, GearData, Kernel
 from rps_exudyn.solvers.record import Record, signals_of
@@ -90,7 +90,9 @@ class FreeMotion:
         driven = np.array([self.force(*state, self.data)[self.drive.coordinate] for state in states])
         no_energy = np.zeros(times.size)  # kinetic energy is not needed
         overcome = -self.drive.sign * driven
-        return Record(self.elements, times, places, rates, overcome, self.drive.body, no_energy, bar=self.bent)
+        return Record(
+            self.elements, times, places, rates, overcome, self.drive.body, no_energy, bar=self.bent
+        )
 
 
 def explicit_motion(

@@ -48,6 +48,8 @@ ERRORS: dict[str, Range] = {
 PARTS: dict[str, Range] = {
     "rack.reference_height": Share(Even(0.35, 0.92), lambda drawn: _radius_below_teeth(drawn)),
     "rack.travel": Even(0.06, 0.2),
+    "rack.modes": Whole(1, 10),
+    "rack.modal_damping": Logarithmic(1e-3, 0.1),
     "rack.bow": Seldom(0.3, Even(0, 0.3e-3)),
     "rack.bow_angle": Even(0, 2 * np.pi),
     "rack.side_force": Seldom(0.2, Even(-200, 200)),
@@ -99,7 +101,7 @@ FIDELITY: Mapping[str, Range] = {
     ),
     "bush": Choice({"condensed": 7, "rigid": 1, "chain": 1, "adams-chain": 1}),
     "yoke": Choice({"body": 9, "force": 1}),
-    "rack": Choice({"free": 9, "guided": 1}),
+    "rack": Choice({"by-scene": 9, "guided": 1, "flexible": 2}),
     # formulas have no error of method: what they leave out is said where they stand
     "solver": Choice({"equilibrium": 1, "generalized-alpha": 1, "closed-form": 0}),
     "step_angle": Logarithmic(0.1 * DEG, 15 * DEG),

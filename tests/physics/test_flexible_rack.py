@@ -1,0 +1,224 @@
+"""A rack that bends, or is not straight: laws of the modes beside the rigid body, and known numbers.
+
+The reference numbers of the impact are those of an independent model: 8 + 8 modes of a Timoshenko bar fitted to
+three-dimensional finite elements, integrated on its own; half its step agrees to 0.03 %.
+"""
+
+import numpy as np
+import pytest
+
+import rps_exudyn as rps
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.forces.bush import bush_chain, housing_station, lateral_stiffness
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.rack_beam import RackBeam
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result
+from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS, starting_guess, steady_rates
+from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
+
+GEAR = SteeringGear()
+PITCH = 1 / GEAR.pinion.teeth  # [turns]
+RIGID = Fidelity.preset("quasi-static").replace({"rack": "free"})
+FLEXIBLE = RIGID.replace({"rack": "flexible"})
+BENT = {"rack.bow": "0.3 mm", "rack.bow_angle": "90 deg", "rack.modes": 4}
+
+
+def turned(settings: dict[str, object], fidelity: Fidelity = FLEXIBLE, turns: float = PITCH) -> Result:
+    """The pinion turned over some tooth pitches, all right."""
+    gear = GEAR.replace({"test.turns": turns, **settings})
+    result = rps.run("free-pinion-torque", gear, fidelity=fidelity)
+    assert result.status is Status.OK, result.message
+    return result
+
+
+@pytest.fixture(scope="module")
+def straight() -> Result:
+    return turned({}, RIGID)
+
+
+# --- no bending --------------------------------------------------------------------------------------
+@pytest.mark.parametrize("solver", ["equilibrium", "generalized-alpha"])
+def test_without_modes_a_flexible_rack_is_the_rigid_one_to_the_last_bit(solver: str) -> None:
+    rigid, none = (
+        turned({"rack.modes": 0}, model.replace({"solver": solver}), PITCH / 4) for model in (RIGID, FLEXIBLE)
+    )
+    assert rigid.signals.keys() == none.signals.keys()
+    for name, values in rigid.signals.items():
+        assert np.array_equal(values, none[name]), name
+
+
+def test_a_stiff_flexible_rack_is_the_rigid_one(straight: Result) -> None:
+    """EI x 1e4 bends 1e-4 of the 0.2 % by which a steel bar moves the mean: 0.02 % are generous."""
+    stiff = turned({"rack.youngs_modulus": 1e4 * GEAR.rack.youngs_modulus})
+    assert stiff.summary["torque_mean"] == pytest.approx(straight.summary["torque_mean"], rel=2e-4)
+    np.testing.assert_allclose(stiff["pinion_torque"], straight["pinion_torque"], rtol=2e-4)
+
+
+# --- laws of the modes -------------------------------------------------------------------------------
+@pytest.fixture(scope="module")
+def bent() -> GearForces:
+    return gear_forces(GEAR.replace(BENT), FLEXIBLE, rack_load=500.0)
+
+
+def scattered(forces: GearForces, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """A state near steady turning, the bar bent by some micrometres."""
+    rng, size, pair = np.random.default_rng(seed), forces.statics.size, GearPair.of(GEAR)
+    q, v = starting_guess(pair, 0.4, size), steady_rates(pair, GEAR.test.speed, size)
+    q[0] = -0.4
+    q[2:8] += 2e-6 * rng.standard_normal(6) / CHARACTERISTIC_LENGTHS[2:]
+    q[8:] += 5e-6 * rng.standard_normal(size - 8)
+    v[8:] += 1e-4 * rng.standard_normal(size - 8)
+    return q, v
+
+
+@pytest.mark.parametrize("factors", [(1.0, 0.0), (0.0, 1.0)])
+def test_chain_rule_gives_the_tangent(bent: GearForces, factors: tuple[float, float]) -> None:
+    """Against central differences of the whole force. Entries count over the square root of the diagonal's, so
+    that each coordinate has its own size; forward differences of a contact with kinks leave 1e-3."""
+    (force, data), tangent = bent.dynamics, bent.dynamics_tangent
+    for seed in range(3):
+        q, v = scattered(bent, seed)
+        found = tangent(q, v, data, *factors)
+        expected = np.empty_like(found)
+        steps = 1e-9 / bent.statics.lengths
+        for j, step in enumerate(steps):
+            dq, dv = factors[0] * np.eye(len(q))[j] * step, factors[1] * np.eye(len(q))[j] * 100 * step
+            rise = force(q + dq, v + dv, data) - force(q - dq, v - dv, data)
+            expected[:, j] = rise / (2 * (factors[0] + 100 * factors[1]) * step)
+        size = np.sqrt(np.abs(np.diag(expected)))
+        size = np.maximum(size, 1e-3 * size.max())
+        assert np.abs((found - expected) / np.outer(size, size)).max() < 2e-3
+
+
+def test_forces_are_the_work_of_the_laws_on_the_local_pose(bent: GearForces) -> None:
+    """Power of the generalised forces = power of each law at the bar's pose where it acts, of the bar's
+    elasticity and damping: what the chain rule to the modes, and along the bar, must keep. To rounding."""
+    from rps_exudyn.solvers.record import Record
+
+    force, data = bent.dynamics
+    assert bent.bar is not None
+    for seed in range(5):
+        q, v = scattered(bent, seed)
+        v[1:8] += np.random.default_rng(seed).standard_normal(7) * 1e-3
+        rows = q[None], v[None]
+        record = Record(bent.elements, np.zeros(1), *rows, np.zeros(1), "pinion", np.zeros(1), bar=bent.bar)
+        power = 0.0
+        for element in bent.elements:
+            _, rates = record.seen_by(element)
+            power += float(record.outputs(element)[0, : element.size] @ rates[0])
+        elastic = float((bent.bar.data.stiffness * q[8:]) @ v[8:])
+        power -= elastic + float(bent.bar.damping_power(rows[1])[0])
+        assert float(force(q, v, data) @ v) == pytest.approx(power, rel=1e-9)
+
+
+def test_local_pose_moves_as_its_rates_say(bent: GearForces) -> None:
+    """Central differences of the pose seen by the bush along a motion, the bar sliding through it."""
+    assert bent.bar is not None
+    q, v = scattered(bent, 1)
+    before, here, after = (
+        bent.bar.poses((q + s * v)[None], v[None], bent.bar.places["bush"]) for s in (-1e-4, 0, 1e-4)
+    )
+    np.testing.assert_allclose((after[0] - before[0]) / 2e-4, here[1], atol=1e-9)
+
+
+# --- deflection --------------------------------------------------------------------------------------
+def deflection_of_beam(plane: int, force: float) -> float:
+    """Deflection of the end beside the pinion under a force across the bar there, by the nodes of the whole
+    beam: held at X = 0, and by the stiffness of the bush."""
+    beam = RackBeam.of(GEAR).elements(plane)
+    stiffness, _ = beam.matrices()
+    chain = bush_chain(GEAR)
+    station = float(housing_station(GEAR, chain.end_station))
+    bush = lateral_stiffness(chain)[np.ix_([0, 3], [0, 3]) if plane == 0 else np.ix_([1, 2], [1, 2])]
+    bush = bush * (1 if plane == 0 else np.array([[1, -1], [-1, 1]]))  # about y against the slope in z
+    for place, held in ((station, bush), (0.0, np.diag([1e12, 0.0]))):
+        i = int(np.argmin(np.abs(beam.nodes - place)))
+        s = place - beam.nodes[i]
+        carry = np.array([[1.0, s], [0.0, 1.0]])  # a rigid arm from the nearest node
+        stiffness[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] += carry.T @ held @ carry
+    load = np.zeros(len(stiffness))
+    load[0] = force
+    return float(np.linalg.solve(stiffness, load)[0])
+
+
+@pytest.mark.parametrize(("angle", "plane"), [("0 deg", 0), ("90 deg", 1)])
+def test_side_force_bends_the_bar_as_a_beam_on_its_supports(angle: str, plane: int) -> None:
+    """10 N more at the end of a gear that hardly rubs: nodes of the whole beam against eight modes. What holds
+    the bar at the mesh yields as well, and holds its slope, by 4 % of the deflection."""
+    slippery = {"mesh.friction": 0.001, "yoke.friction": 0.0, "bush.drag": 0.0, "test.turns": PITCH / 12}
+    settings = {**slippery, "rack.side_angle": angle}
+    name = "rack_end_y" if plane == 0 else "rack_end_z"
+    ends = [
+        turned({**settings, "rack.side_force": force}, turns=PITCH / 12)[name].mean() for force in (0.0, 10.0)
+    ]
+    assert ends[1] - ends[0] == pytest.approx(deflection_of_beam(plane, 10.0), rel=0.05)
+
+
+# --- a bar that is not straight -------------------------------------------------------------------------
+@pytest.mark.parametrize("rack", ["free", "flexible"])
+def test_work_balances_along_a_bent_bar(rack: str) -> None:
+    """0.2 %, over half a turn: sliding along the bow stores and gives back, and does no work besides."""
+    result = turned(BENT, RIGID.replace({"rack": rack}), turns=0.5)
+    assert abs(result.summary["energy_residual"]) < 2e-3
+
+
+def test_a_bar_that_bends_yields_to_its_bow() -> None:
+    """Bush and mesh pull a bent bar straight: a stiff one swings its torque more."""
+    swing = {rack: turned(BENT, RIGID.replace({"rack": rack}), turns=0.5) for rack in ("free", "flexible")}
+    rigid, flexible = (swing[rack]["rack_bush_z"] for rack in ("free", "flexible"))
+    assert np.ptp(flexible) < np.ptp(rigid)
+
+
+# --- impact ----------------------------------------------------------------------------------------------
+@pytest.fixture(scope="module")
+def impact() -> Result:
+    result = rps.run("yoke-impact", GEAR, pulse_period="7.5 ms")
+    assert result.status is Status.OK, result.message
+    return result
+
+
+def test_impact_has_the_numbers_of_an_independent_model(impact: Result) -> None:
+    """Impulse, root mean square and displacement of the end within 1 %, the first peak within 3 %."""
+    time, force = impact["time"], impact["yokenut_force"]
+    first = time <= 7.5e-3 + 1e-9
+    time, force = time[first], force[first]
+    assert np.trapezoid(force, time) == pytest.approx(10.3, rel=0.01)
+    assert np.sqrt(np.trapezoid(force**2, time) / 7.5e-3) == pytest.approx(1890, rel=0.01)
+    assert np.abs(impact["rack_end_y"][first]).max() == pytest.approx(6.01e-3, rel=0.01)
+    assert force.max() == pytest.approx(3645, rel=0.03)
+
+
+def test_impact_accounts_for_the_energy_of_bending(impact: Result) -> None:
+    """0.2 % of the pulse's work; the bar stores most of it for a while, and its damping takes some."""
+    assert abs(impact.summary["energy_residual"]) < 2e-3
+    assert impact["bending_energy"].max() > 0.5 * impact["work_load"].max()
+    assert 0 < impact["work_rack_damping"][-1] < impact["work_load"].max()
+    assert (np.diff(impact["work_rack_damping"]) >= 0).all()
+
+
+def test_a_rigid_rack_says_what_it_misses() -> None:
+    rigid = rps.run("yoke-impact", GEAR, fidelity=Fidelity().replace({"rack": "free"}), pulse_period="5 ms")
+    assert rigid.status is Status.OK
+    assert "fidelity.rack" in rigid.message
+    assert "rack_end_y" not in rigid.signals
+
+
+# --- what cannot be ----------------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    "choice", [{"mesh": "general-contact"}, {"bush": "chain"}, {"solver": "closed-form"}]
+)
+def test_flexible_rack_where_the_model_knows_rigid_ones_only_is_refused(choice: dict[str, str]) -> None:
+    with pytest.raises(InputError, match=r"fidelity\.rack"):
+        Fidelity().replace({"rack": "flexible", **choice})
+
+
+@pytest.mark.parametrize("choice", [{"mesh": "general-contact"}, {"bush": "chain"}])
+def test_bow_where_the_model_knows_straight_bars_only_is_not_run(choice: dict[str, str]) -> None:
+    result = rps.run(
+        "free-pinion-torque", GEAR.replace({"rack.bow": "0.1 mm"}), fidelity=Fidelity().replace(choice)
+    )
+    assert result.status is Status.INVALID
+    assert "rack.bow is 100 um" in result.message
