@@ -1,6 +1,7 @@
 """External forces on the rack: a load at its end, its weight, a pulse."""
 
 from dataclasses import dataclass
+from math import pi, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -66,10 +67,14 @@ class Pulse:
 
     def force(self, time: float) -> np.ndarray:
         """Force at a time from the first pulse on [s], shape (3,) [N]."""
+        return np.multiply(self.share(time), self.peak)
+
+    def share(self, time: float) -> float:
+        """Return the force at a time over its peak."""
         number, since = divmod(time, self.period)
         if time < 0 or number >= self.count or since >= self.duration:
-            return np.zeros(3)
-        return np.sin(np.pi * since / self.duration) * np.array(self.peak)
+            return 0.0
+        return sin(pi * since / self.duration)
 
 
 def axis_velocity(q: np.ndarray, v: np.ndarray, place: float) -> np.ndarray:

@@ -181,8 +181,8 @@ def _conflicts(chosen: Fidelity) -> Iterator[Problem]:
     if chosen.rack == "flexible" and chosen.mesh == "general-contact":
         yield Problem(
             ("rack", "mesh"),
-            "fidelity.mesh is general-contact, but fidelity.rack is flexible, and Exudyn's contact knows rigid "
-            "bodies only: choose fidelity.mesh = flank.",
+            "fidelity.mesh is general-contact, but fidelity.rack is flexible, and it knows only rigid "
+            "bodies: choose fidelity.mesh = flank.",
         )
     for choice, solver, understood, reason in _SOLVER_LIMITS:
         value = getattr(chosen, choice)

@@ -46,7 +46,8 @@ class BentBar:
 
     def on_modes(self, station: float) -> np.ndarray:
         """Return the forces on the modes per force along X, Y, Z on a station of the bar, shape (m, 3)."""
-        shapes, in_y = bar_sections(station, self.data)[0, : self.modes], self.data.in_y
+        lift, turn = bar_sections(station, self.data)[:2, : self.modes]
+        shapes, in_y = lift + station * turn, self.data.in_y
         forces = np.zeros((self.modes, 3))
         forces[:in_y, 1], forces[in_y:, 2] = shapes[:in_y], shapes[in_y:]
         return forces

@@ -1,8 +1,8 @@
 """The gear's forces with a bar that is bent: the laws of straight racks, at the bar's pose where they act.
 
-Modes of the free bar, eta, stand behind the coordinates of `gear_kernel`: [pinion, rack (6), plunger, eta (m)].
+Modes of the free bar, eta, stand behind the coordinates of `gear_kernel`: pinion, rack (6), plunger, eta (m).
 At the station xi of the bar, where an element touches it, the bar is displaced by w = sum(phi eta) + bow and
-turned by theta, in plane y, and likewise by u and psi in plane z. A straight rack that touches there has
+turned by theta in plane y, likewise by u and psi in plane z. A straight rack that touches there has
 
     y' = y + w - xi theta,  c' = c + theta        z' = z + u - xi psi,  b' = b - psi
 
@@ -28,8 +28,10 @@ from rps_exudyn.solvers.gear_kernel import GearData, Kernel
 
 MODES = 8  # where the modes begin in the stack
 
-# Rows of a bar's fields at a station
-SHAPE, SLOPE, TURN, CURVATURE = 0, 1, 2, 3  # w, dw/dxi, theta, dtheta/dxi of a unit of a mode, and of the bow
+# Rows of a bar's fields at its nodes: w, dw/dxi, theta, dtheta/dxi of a unit of each mode, and of the bow
+SHAPE, SLOPE, ROTATION, CURVATURE = 0, 1, 2, 3
+# Rows of its sections: what it lifts and turns a straight rack that touches it, and both by the station
+LIFT, TURN, LIFT_DRIFT, TURN_DRIFT = 0, 1, 2, 3
 # Rows of a local pose
 POSE, RATE, DRIFT = 0, 1, 2  # six coordinates, their rates, their derivatives by the station
 
@@ -54,7 +56,7 @@ class FlexibleData(NamedTuple):
 
 @kernel
 def bar_sections(station, bar):  # type: ignore[no-untyped-def]
-    """Return the fields at a station, shape (4, m + 2), by cubic Hermite interpolation."""
+    """Return rows LIFT .. TURN_DRIFT at a station, shape (4, m + 2), by cubic Hermite interpolation."""
     place = (station - bar.first) / bar.spacing
     i = min(max(int(np.floor(place)), 0), bar.fields.shape[0] - 2)
     t, h = place - i, bar.spacing
@@ -64,15 +66,18 @@ def bar_sections(station, bar):  # type: ignore[no-untyped-def]
     rise, by_a_rise, by_b_rise = 6 * t * (1 - t) / h, (1 - t) * (1 - 3 * t), t * (3 * t - 2)
     sections = np.empty(a.shape)
     for k in range(a.shape[1]):
-        for row in (SHAPE, TURN):
-            value_a, value_b, slope_a, slope_b = a[row, k], b[row, k], a[row + 1, k], b[row + 1, k]
-            sections[row, k] = at_a * value_a + at_b * value_b + by_a * slope_a + by_b * slope_b
-            sections[row + 1, k] = rise * (value_b - value_a) + by_a_rise * slope_a + by_b_rise * slope_b
+        w = at_a * a[SHAPE, k] + at_b * b[SHAPE, k] + by_a * a[SLOPE, k] + by_b * b[SLOPE, k]
+        slope = rise * (b[SHAPE, k] - a[SHAPE, k]) + by_a_rise * a[SLOPE, k] + by_b_rise * b[SLOPE, k]
+        turn = at_a * a[ROTATION, k] + at_b * b[ROTATION, k] + by_a * a[CURVATURE, k] + by_b * b[CURVATURE, k]
+        bend = rise * (b[ROTATION, k] - a[ROTATION, k])
+        bend += by_a_rise * a[CURVATURE, k] + by_b_rise * b[CURVATURE, k]
+        sections[LIFT, k], sections[TURN, k] = w - station * turn, turn
+        sections[LIFT_DRIFT, k], sections[TURN_DRIFT, k] = slope - turn - station * bend, bend
     return sections
 
 
 @kernel
-def local_pose(q, v, sections, station, drifts, bar):  # type: ignore[no-untyped-def]
+def local_pose(q, v, sections, drifts, bar):  # type: ignore[no-untyped-def]
     """Return the pose of a straight rack that touches the bar at a station, rows POSE, RATE and DRIFT.
 
     `drifts` is how fast the station moves over the rack's speed along X: -1, or 0 where it is a point of the
@@ -80,47 +85,41 @@ def local_pose(q, v, sections, station, drifts, bar):  # type: ignore[no-untyped
     """
     m = bar.stiffness.size
     pose = np.zeros((3, 6))
-    pose[POSE], pose[RATE] = q[1:7], v[1:7]
-    moves = drifts * v[1]
+    for i in range(6):
+        pose[POSE, i], pose[RATE, i] = q[1 + i], v[1 + i]
     for plane in range(2):
-        begin, end = (0, bar.in_y) if plane == 0 else (bar.in_y, m)
-        bow = m + plane
-        lift = sections[SHAPE, bow] - station * sections[TURN, bow]
-        turn = sections[TURN, bow]
+        begin, end, bow = (0, bar.in_y, m) if plane == 0 else (bar.in_y, m, m + 1)
+        lift, turn = sections[LIFT, bow], sections[TURN, bow]
+        lift_drift, turn_drift = sections[LIFT_DRIFT, bow], sections[TURN_DRIFT, bow]
         lift_rate = turn_rate = 0.0
-        lift_drift = sections[SLOPE, bow] - turn - station * sections[CURVATURE, bow]
-        turn_drift = sections[CURVATURE, bow]
         for k in range(begin, end):
             eta, eta_rate = q[MODES + k], v[MODES + k]
-            lever = sections[SHAPE, k] - station * sections[TURN, k]
-            lift += lever * eta
+            lift += sections[LIFT, k] * eta
             turn += sections[TURN, k] * eta
-            lift_rate += lever * eta_rate
+            lift_rate += sections[LIFT, k] * eta_rate
             turn_rate += sections[TURN, k] * eta_rate
-            lift_drift += (sections[SLOPE, k] - sections[TURN, k] - station * sections[CURVATURE, k]) * eta
-            turn_drift += sections[CURVATURE, k] * eta
+            lift_drift += sections[LIFT_DRIFT, k] * eta
+            turn_drift += sections[TURN_DRIFT, k] * eta
         across, about, sense = (1, 5, 1.0) if plane == 0 else (2, 4, -1.0)
         pose[POSE, across] += lift
         pose[POSE, about] += sense * turn
-        pose[RATE, across] += lift_rate + lift_drift * moves
-        pose[RATE, about] += sense * (turn_rate + turn_drift * moves)
+        pose[RATE, across] += lift_rate + lift_drift * drifts * v[1]
+        pose[RATE, about] += sense * (turn_rate + turn_drift * drifts * v[1])
         pose[DRIFT, across] = lift_drift
         pose[DRIFT, about] = sense * turn_drift
     return pose
 
 
 @kernel
-def add_to_bar(total, forces, pose, sections, station, drifts, bar):  # type: ignore[no-untyped-def]
+def add_to_bar(total, forces, pose, sections, drifts, bar):  # type: ignore[no-untyped-def]
     """Add forces (6) on a local pose to those on the rack and its modes."""
     for i in range(6):
         total[1 + i] += forces[i]
         total[1] += drifts * forces[i] * pose[DRIFT, i]
-    for k in range(bar.stiffness.size):
-        lever, turn = sections[SHAPE, k] - station * sections[TURN, k], sections[TURN, k]
-        if k < bar.in_y:
-            total[MODES + k] += forces[1] * lever + forces[5] * turn
-        else:
-            total[MODES + k] += forces[2] * lever - forces[4] * turn
+    for k in range(bar.in_y):
+        total[MODES + k] += forces[1] * sections[LIFT, k] + forces[5] * sections[TURN, k]
+    for k in range(bar.in_y, bar.stiffness.size):
+        total[MODES + k] += forces[2] * sections[LIFT, k] - forces[4] * sections[TURN, k]
 
 
 @kernel
@@ -138,7 +137,7 @@ def local_poses(coordinates, rates, place, drifts, bar):  # type: ignore[no-unty
     for i in range(coordinates.shape[0]):
         q, v = coordinates[i], rates[i]
         station = place + drifts * q[1]
-        poses[i] = local_pose(q, v, bar_sections(station, bar), station, drifts, bar)
+        poses[i] = local_pose(q, v, bar_sections(station, bar), drifts, bar)
     return poses
 
 
@@ -174,24 +173,20 @@ def flexible_gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
 
     def flexible_force(q, v, handle):  # type: ignore[no-untyped-def]
         gear, bar, total = handle.data.gear, handle.data.bar, np.zeros(q.size)
-        station = -q[1]  # mesh and yoke stand at X = 0
-        sections = bar_sections(station, bar)
-        pose = local_pose(q, v, sections, station, -1.0, bar)
+        sections = bar_sections(-q[1], bar)  # mesh and yoke stand at X = 0
+        pose = local_pose(q, v, sections, -1.0, bar)
         forces = contact(with_neighbours(q, pose[POSE]), with_neighbours(v, pose[RATE]), gear)
         total[0], total[7] = forces[0], forces[7]
-        add_to_bar(total, forces[1:7], pose, sections, station, -1.0, bar)
-        station = gear.fit.station - q[1]
-        sections = bar_sections(station, bar)
-        pose = local_pose(q, v, sections, station, -1.0, bar)
-        add_to_bar(
-            total, held_fit_force(pose[POSE], pose[RATE], gear.fit), pose, sections, station, -1.0, bar
-        )
+        add_to_bar(total, forces[1:7], pose, sections, -1.0, bar)
+        sections = bar_sections(gear.fit.station - q[1], bar)
+        pose = local_pose(q, v, sections, -1.0, bar)
+        on_fit = held_fit_force(pose[POSE], pose[RATE], gear.fit)
+        add_to_bar(total, on_fit, pose, sections, -1.0, bar)
         if gear.load.place != 0:
-            station = gear.load.place
-            sections = bar_sections(station, bar)
-            pose = local_pose(q, v, sections, station, 0.0, bar)
+            sections = bar_sections(gear.load.place, bar)
+            pose = local_pose(q, v, sections, 0.0, bar)
             load = dead_force(pose[POSE], pose[RATE], gear.load)
-            add_to_bar(total, load, pose, sections, station, 0.0, bar)
+            add_to_bar(total, load, pose, sections, 0.0, bar)
         add_dead_force(total[1:], q[1:7], gear.weight)  # on the rigid body: it bends no mode of a free bar
         add_elasticity(total, q, v, bar)
         return total
@@ -227,30 +222,27 @@ def local_tangent(force: Kernel) -> Kernel:
 
 
 @kernel
-def pose_by_bar(n, pose, sections, station, drifts, bar):  # type: ignore[no-untyped-def]
+def pose_by_bar(n, pose, sections, drifts, bar):  # type: ignore[no-untyped-def]
     """Return the derivatives of a local pose by all coordinates, shape (6, n)."""
     by = np.zeros((6, n))
     for i in range(6):
         by[i, 1 + i] = 1.0
         by[i, 1] += drifts * pose[DRIFT, i]
-    for k in range(bar.stiffness.size):
-        lever, turn = sections[SHAPE, k] - station * sections[TURN, k], sections[TURN, k]
-        if k < bar.in_y:
-            by[1, MODES + k], by[5, MODES + k] = lever, turn
-        else:
-            by[2, MODES + k], by[4, MODES + k] = lever, -turn
+    for k in range(bar.in_y):
+        by[1, MODES + k], by[5, MODES + k] = sections[LIFT, k], sections[TURN, k]
+    for k in range(bar.in_y, bar.stiffness.size):
+        by[2, MODES + k], by[4, MODES + k] = sections[LIFT, k], -sections[TURN, k]
     return by
 
 
 @kernel
-def add_geometric(result, forces, sections, station, drifts, factor_q, bar):  # type: ignore[no-untyped-def]
+def add_geometric(result, forces, sections, drifts, factor_q, bar):  # type: ignore[no-untyped-def]
     """Add what forces (6) on a local pose change as the station moves along the modes."""
     for k in range(bar.stiffness.size):
-        lift = sections[SLOPE, k] - sections[TURN, k] - station * sections[CURVATURE, k]
         if k < bar.in_y:
-            change = forces[1] * lift + forces[5] * sections[CURVATURE, k]
+            change = forces[1] * sections[LIFT_DRIFT, k] + forces[5] * sections[TURN_DRIFT, k]
         else:
-            change = forces[2] * lift - forces[4] * sections[CURVATURE, k]
+            change = forces[2] * sections[LIFT_DRIFT, k] - forces[4] * sections[TURN_DRIFT, k]
         result[1, MODES + k] += factor_q * drifts * change
         result[MODES + k, 1] += factor_q * drifts * change
 
@@ -266,27 +258,24 @@ def flexible_tangent(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
         gear, bar, n = handle.data.gear, handle.data.bar, q.size
         steps = np.array([1e-8, 1e-9, 1e-9, 1e-9, 1e-8, 1e-8, 1e-8, 1e-9])
         result = np.zeros((n, n))
-        station = -q[1]
-        sections = bar_sections(station, bar)
-        pose = local_pose(q, v, sections, station, -1.0, bar)
+        sections = bar_sections(-q[1], bar)
+        pose = local_pose(q, v, sections, -1.0, bar)
         place, rate = with_neighbours(q, pose[POSE]), with_neighbours(v, pose[RATE])
         by = np.zeros((8, n))
         by[0, 0] = by[7, 7] = 1.0
-        by[1:7] = pose_by_bar(n, pose, sections, station, -1.0, bar)
+        by[1:7] = pose_by_bar(n, pose, sections, -1.0, bar)
         result += by.T @ (of_contact(place, rate, gear, steps, factor_q, factor_v) @ by)
-        add_geometric(result, contact(place, rate, gear)[1:7], sections, station, -1.0, factor_q, bar)
-        station = gear.fit.station - q[1]
-        sections = bar_sections(station, bar)
-        pose = local_pose(q, v, sections, station, -1.0, bar)
-        held = pose_by_bar(n, pose, sections, station, -1.0, bar)
+        add_geometric(result, contact(place, rate, gear)[1:7], sections, -1.0, factor_q, bar)
+        sections = bar_sections(gear.fit.station - q[1], bar)
+        pose = local_pose(q, v, sections, -1.0, bar)
+        held = pose_by_bar(n, pose, sections, -1.0, bar)
         result += held.T @ (of_fit(pose[POSE], pose[RATE], gear.fit, steps[1:7], factor_q, factor_v) @ held)
         on_fit = held_fit_force(pose[POSE], pose[RATE], gear.fit)
-        add_geometric(result, on_fit, sections, station, -1.0, factor_q, bar)
+        add_geometric(result, on_fit, sections, -1.0, factor_q, bar)
         if gear.load.place != 0:
-            station = gear.load.place
-            sections = bar_sections(station, bar)
-            pose = local_pose(q, v, sections, station, 0.0, bar)
-            end = pose_by_bar(n, pose, sections, station, 0.0, bar)
+            sections = bar_sections(gear.load.place, bar)
+            pose = local_pose(q, v, sections, 0.0, bar)
+            end = pose_by_bar(n, pose, sections, 0.0, bar)
             result += end.T @ (of_load(pose[POSE], pose[RATE], gear.load, steps[1:7], factor_q, 0.0) @ end)
         for k in range(bar.stiffness.size):
             result[MODES + k, MODES + k] -= factor_q * bar.stiffness[k] + factor_v * bar.damping[k]

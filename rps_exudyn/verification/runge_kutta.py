@@ -30,7 +30,8 @@ from rps_exudyn.solvers.record import Record, signals_of
 class FreeMotion:
     """A driven gear for integration: where it starts, which coordinates move freely, masses and forces.
 
-    Coordinates and rates are those of all coordinate blocks and modes, (n,); prescribed ones follow their rate.
+    Coordinates and rates are those of all coordinate blocks and modes, (n,); prescribed ones follow their
+    rate.
     """
 
     elements: list[ForceElement]

@@ -1,7 +1,7 @@
 """A rack that bends, or is not straight: laws of the modes beside the rigid body, and known numbers.
 
-The reference numbers of the impact are those of an independent model: 8 + 8 modes of a Timoshenko bar fitted to
-three-dimensional finite elements, integrated on its own; half its step agrees to 0.03 %.
+The reference numbers of the impact are those of an independent model: 8 + 8 modes of a Timoshenko bar fitted
+to three-dimensional finite elements, integrated on its own; half its step agrees to 0.03 %.
 """
 
 import numpy as np
@@ -76,8 +76,8 @@ def scattered(forces: GearForces, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("factors", [(1.0, 0.0), (0.0, 1.0)])
 def test_chain_rule_gives_the_tangent(bent: GearForces, factors: tuple[float, float]) -> None:
-    """Against central differences of the whole force. Entries count over the square root of the diagonal's, so
-    that each coordinate has its own size; forward differences of a contact with kinks leave 1e-3."""
+    """Against central differences of the whole force. Entries count over the square root of the diagonal's,
+    so that each coordinate has its own size; forward differences of a contact with kinks leave 1e-3."""
     (force, data), tangent = bent.dynamics, bent.dynamics_tangent
     for seed in range(3):
         q, v = scattered(bent, seed)
@@ -146,8 +146,8 @@ def deflection_of_beam(plane: int, force: float) -> float:
 
 @pytest.mark.parametrize(("angle", "plane"), [("0 deg", 0), ("90 deg", 1)])
 def test_side_force_bends_the_bar_as_a_beam_on_its_supports(angle: str, plane: int) -> None:
-    """10 N more at the end of a gear that hardly rubs: nodes of the whole beam against eight modes. What holds
-    the bar at the mesh yields as well, and holds its slope, by 4 % of the deflection."""
+    """10 N more at the end of a gear that hardly rubs: nodes of the whole beam against eight modes. What
+    holds the bar at the mesh yields as well, and holds its slope, by 4 % of the deflection."""
     slippery = {"mesh.friction": 0.001, "yoke.friction": 0.0, "bush.drag": 0.0, "test.turns": PITCH / 12}
     settings = {**slippery, "rack.side_angle": angle}
     name = "rack_end_y" if plane == 0 else "rack_end_z"
