@@ -36,6 +36,13 @@ CHANGES = {
     "yoke: force without plunger": Change({"yoke": "force"}),
     "yokenut: none": Change(gear={"yoke.clearance": "9 mm"}),
     "rack: no roll, yaw, pitch, sway": Change({"rack": "guided"}),
+    "rack: rigid": Change({"rack": "free"}),
+    "rack: bending": Change({"rack": "flexible"}),
+    "rack: bow of 0.15 mm along Y": Change(gear={"rack.bow": "0.15 mm"}),
+    "rack: bow of 0.15 mm along Z": Change(gear={"rack.bow": "0.15 mm", "rack.bow_angle": "90 deg"}),
+    "rack: 98 N across its end along Z": Change(
+        gear={"rack.side_force": "98 N", "rack.side_angle": "90 deg"}
+    ),
     "inertia: none (equilibria)": Change({"solver": "equilibrium"}),
     "inertia: pinion twice as heavy": Change(gear={"pinion.density": 2 * SteeringGear().pinion.density}),
     "teeth: pressure per depth": Change(gear={"mesh.law": "area"}),
@@ -88,6 +95,7 @@ class Need:
     scene: str
     metrics: list[Metric]
     gear: dict[str, object] = field(default_factory=dict)
+    fidelity: dict[str, object] = field(default_factory=dict)  # of the everyday model, beside the preset
 
 
 NEEDS = {
@@ -131,7 +139,9 @@ NEEDS = {
             Metric("impact_peak_force", fraction=0.05),
             Metric("impact_impulse", fraction=0.05),
             Metric("impact_duration", fraction=0.1),
+            Metric("impact_force_rms", fraction=0.05),
         ],
+        fidelity={"rack": "flexible"},
     ),
 }
 
@@ -166,7 +176,8 @@ def outcome(need: Need, change: Change) -> Result | str:
     """The run, or why the scene cannot do without what was changed."""
     try:
         gear = SteeringGear().replace(need.gear | change.gear)
-        result = rps.run(need.scene, gear, fidelity=Fidelity.preset("flank").replace(change.fidelity))
+        fidelity = Fidelity.preset("flank").replace(need.fidelity | change.fidelity)
+        result = rps.run(need.scene, gear, fidelity=fidelity)
     except InputError as error:
         return str(error).split(";")[-1].strip()
     return result if result.status is Status.OK else f"{result.status}: {result.message}"

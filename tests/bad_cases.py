@@ -69,5 +69,8 @@ def _made_up() -> Iterator[tuple[str, str, Settings]]:
     yield name, "not run: the deepest contact predicted", STILL | SPHERES | half
     loaded = {"yoke.preload": 2000, "mesh.stiffness": 1e12}
     yield "2 kN on soft teeth", "mesh_penetration", STILL | loaded
+    bowed = {"rack.bow": "0.3 mm"}
+    yield "a bow in general contact", "not run: rack.bow", STILL | SPHERES | bowed
+    yield "a bow in a bush of segments", "not run: rack.bow", {"bush": "chain"} | bowed
     stopped = {"pinion.runout": "60 um", "yoke.clearance": "10 um", "test.turns": 1.0, "step_angle": "40 deg"}
     yield "two samples of 60 um runout per turn", "not run: fidelity.step_angle", STILL | stopped

@@ -166,10 +166,10 @@ def _add_forces_together(model: SteeringModel) -> None:
 
 def _pulse_on_modes(pulse: Pulse, bar: BentBar, before: int) -> Callable[[float], np.ndarray]:
     """Return the pulse's forces on the modes over time, behind zeros on `before` other coordinates."""
-    by_force = np.vstack([np.zeros((before, 3)), bar.on_modes(pulse.place)])
+    at_peak = np.concatenate([np.zeros(before), bar.on_modes(pulse.place) @ pulse.peak])
 
     def forces(time: float) -> np.ndarray:
-        return np.asarray(by_force @ pulse.force(time))
+        return pulse.share(time) * at_peak
 
     return forces
 

@@ -26,9 +26,9 @@ from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.drive import Steady
 
-WIDEST_ZONE = 0.1  # peak and impulse to 0.1 %
+WIDEST_ZONE = 0.1  # peak and impulse to 0.1 %; narrower ones only ask for shorter steps, and are widened
 STEPS_PER_SWING = 20  # of the plunger between seat and yokenut, the fastest motion: forces to 0.1 %
-STEPS_PER_SWING_OF_A_BENDING_RACK = 14  # which is hit less hard at first: forces to 0.05 %
+STEPS_PER_SWING_OF_A_BENDING_RACK = 12  # which is hit less hard at first: forces to 0.05 %
 
 
 def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
@@ -43,6 +43,7 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
             "yoke-impact needs generalized-alpha and body: without inertia nothing hits."
         )
     chosen = fidelity.with_bending()
+    chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE)})
     steps = STEPS_PER_SWING_OF_A_BENDING_RACK if chosen.rack == "flexible" else STEPS_PER_SWING
     run = run_maneuver(gear, chosen, shaken(gear, steps), options)
     zone = wide_zone(fidelity, "the impacts depend", WIDEST_ZONE)

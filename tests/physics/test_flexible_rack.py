@@ -9,9 +9,7 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.forces.bush import bush_chain, housing_station, lateral_stiffness
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.rack_beam import RackBeam
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
@@ -125,36 +123,19 @@ def test_local_pose_moves_as_its_rates_say(bent: GearForces) -> None:
 
 
 # --- deflection --------------------------------------------------------------------------------------
-def deflection_of_beam(plane: int, force: float) -> float:
-    """Deflection of the end beside the pinion under a force across the bar there, by the nodes of the whole
-    beam: held at X = 0, and by the stiffness of the bush."""
-    beam = RackBeam.of(GEAR).elements(plane)
-    stiffness, _ = beam.matrices()
-    chain = bush_chain(GEAR)
-    station = float(housing_station(GEAR, chain.end_station))
-    bush = lateral_stiffness(chain)[np.ix_([0, 3], [0, 3]) if plane == 0 else np.ix_([1, 2], [1, 2])]
-    bush = bush * (1 if plane == 0 else np.array([[1, -1], [-1, 1]]))  # about y against the slope in z
-    for place, held in ((station, bush), (0.0, np.diag([1e12, 0.0]))):
-        i = int(np.argmin(np.abs(beam.nodes - place)))
-        s = place - beam.nodes[i]
-        carry = np.array([[1.0, s], [0.0, 1.0]])  # a rigid arm from the nearest node
-        stiffness[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] += carry.T @ held @ carry
-    load = np.zeros(len(stiffness))
-    load[0] = force
-    return float(np.linalg.solve(stiffness, load)[0])
-
-
-@pytest.mark.parametrize(("angle", "plane"), [("0 deg", 0), ("90 deg", 1)])
-def test_side_force_bends_the_bar_as_a_beam_on_its_supports(angle: str, plane: int) -> None:
-    """10 N more at the end of a gear that hardly rubs: nodes of the whole beam against eight modes. What
-    holds the bar at the mesh yields as well, and holds its slope, by 4 % of the deflection."""
-    slippery = {"mesh.friction": 0.001, "yoke.friction": 0.0, "bush.drag": 0.0, "test.turns": PITCH / 12}
-    settings = {**slippery, "rack.side_angle": angle}
-    name = "rack_end_y" if plane == 0 else "rack_end_z"
+@pytest.mark.parametrize(
+    ("angle", "name", "known"), [("0 deg", "rack_end_y", 258e-6), ("90 deg", "rack_end_z", 179e-6)]
+)
+def test_side_force_of_98_newtons_deflects_the_end_as_known(angle: str, name: str, known: float) -> None:
+    """98 N either way at the end of a gear that hardly rubs, half the way between both. An independent model
+    says 256 to 260 um along Y and 179 um along Z with another contact law and another section of the toothed
+    part, which together are good for 4 %; a rigid rack moves by 16 um."""
+    slippery = {"mesh.friction": 0.001, "yoke.friction": 0.0, "bush.drag": 0.0, "rack.side_angle": angle}
     ends = [
-        turned({**settings, "rack.side_force": force}, turns=PITCH / 12)[name].mean() for force in (0.0, 10.0)
+        turned({**slippery, "rack.side_force": force}, turns=PITCH / 12)[name].mean()
+        for force in (-98.0, 98.0)
     ]
-    assert ends[1] - ends[0] == pytest.approx(deflection_of_beam(plane, 10.0), rel=0.05)
+    assert (ends[1] - ends[0]) / 2 == pytest.approx(known, rel=0.04)
 
 
 # --- a bar that is not straight -------------------------------------------------------------------------
@@ -166,10 +147,11 @@ def test_work_balances_along_a_bent_bar(rack: str) -> None:
 
 
 def test_a_bar_that_bends_yields_to_its_bow() -> None:
-    """Bush and mesh pull a bent bar straight: a stiff one swings its torque more."""
-    swing = {rack: turned(BENT, RIGID.replace({"rack": rack}), turns=0.5) for rack in ("free", "flexible")}
-    rigid, flexible = (swing[rack]["rack_bush_z"] for rack in ("free", "flexible"))
-    assert np.ptp(flexible) < np.ptp(rigid)
+    """Bush, seat and teeth pull a bent bar straight: a stiff one swings its torque more."""
+    rigid, flexible = (
+        turned(BENT, RIGID.replace({"rack": rack}), turns=0.5) for rack in ("free", "flexible")
+    )
+    assert flexible.summary["torque_peak_to_peak"] < rigid.summary["torque_peak_to_peak"]
 
 
 # --- impact ----------------------------------------------------------------------------------------------
