@@ -198,23 +198,25 @@ def flexible_gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
 @cache
 def local_tangent(force: Kernel) -> Kernel:
     """Forward differences of a law over its own coordinates: (q, v, data, steps, factor_q, factor_v) ->
-    factor_q dF/dq + factor_v dF/dv, shape (n, n); `steps` (n,) as in `gear_kernel.tangent`.
-
-    Both at once, as in a step of the solver, which moves a coordinate and its rate together.
-    """
+    factor_q dF/dq + factor_v dF/dv, shape (n, n); `steps` (n,) as in `gear_kernel.tangent`."""
 
     def differences(q, v, data, steps, factor_q, factor_v):  # type: ignore[no-untyped-def]
         n = q.size
         result, here = np.zeros((n, n)), force(q, v, data)
         place, rate = q.copy(), v.copy()
         for j in range(n):
-            share = steps[j] / factor_q if factor_q != 0 else 100 * steps[j] / factor_v
-            place[j] += share * factor_q
-            rate[j] += share * factor_v
-            moved = force(place, rate, data)
-            for i in range(n):
-                result[i, j] = (moved[i] - here[i]) / share
-            place[j], rate[j] = q[j], v[j]
+            if factor_q != 0:
+                place[j] += steps[j]
+                moved = force(place, v, data)
+                place[j] = q[j]
+                for i in range(n):
+                    result[i, j] += factor_q / steps[j] * (moved[i] - here[i])
+            if factor_v != 0:
+                rate[j] += 100 * steps[j]
+                moved = force(q, rate, data)
+                rate[j] = v[j]
+                for i in range(n):
+                    result[i, j] += factor_v / (100 * steps[j]) * (moved[i] - here[i])
         return result
 
     return kernel_over(differences, force)
