@@ -71,7 +71,7 @@ def expected(plan: ScenePlan) -> Expected:
     """Return the right figures of a plan of any scene."""
     try:
         if plan.scene == "yoke-impact":
-            return _shaken(plan)
+            return _shaken(replace(plan, fidelity=plan.fidelity.with_bending()))
         if plan.scene == "reversal":
             return _swung(plan)
         return _turned(plan)
@@ -221,7 +221,8 @@ def _motion(
     condensed = plan.fidelity.replace({"bush": "condensed"} if "segment" in forces.fit.bodies else {})
     motion = FreeMotion.of(plan.gear, condensed, Steady("pinion", 0.0, 0.0), pulse)
     kernel, data = forces.statics.force, forces.statics.data
-    moving = np.array([i for i in range(8) if i not in (drive.coordinate, *forces.locked)])
+    held = {drive.coordinate, *forces.locked}
+    moving = np.array([i for i in range(forces.statics.size) if i not in held])
     return replace(
         motion,
         elements=[],

@@ -14,7 +14,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.scenes.yoke_impact import shaken
+from rps_exudyn.scenes.yoke_impact import WIDEST_ZONE, shaken
 from rps_exudyn.verification.runge_kutta import explicit_motion
 from rps_exudyn.verification.runs import SceneReference, curve_of, run_scene
 from rps_exudyn.verification.slow_swing import slow_swing
@@ -62,7 +62,9 @@ def slowly(fidelity: Fidelity) -> Method:
     return method
 
 
-SHAKEN = Fidelity.preset("flank").replace({**STRIPS, "tolerance": 1e-6})
+SHAKEN = Fidelity.preset("flank").replace(
+    {**STRIPS, "tolerance": 1e-6, "rack": "flexible", "zone_ratio": WIDEST_ZONE}
+)
 
 
 def explicitly(step: float) -> Method:
