@@ -185,8 +185,8 @@ def test_impact_accounts_for_the_energy_of_bending(impact: Result) -> None:
     ],
 )
 def test_impact_is_that_of_a_bar_of_nodes(settings: dict[str, object]) -> None:
-    """`verification.nodal_bar`: no rigid body, no modes, no Exudyn. Eight modes for all of them, a mass centre
-    on the axis and other steps leave 1 % of where the end is, and 2 % of what reaches the yokenut."""
+    """`verification.nodal_bar`: no rigid body, no modes, no Exudyn. Eight modes for all of them, a mass
+    centre on the axis and other steps leave 1 % of where the end is, and 2 % of what reaches the yokenut."""
     gear = GEAR.replace({"test.pulse_period": "4 ms", "test.pulse_duration": "4 ms", **settings})
     fidelity = Fidelity().replace({"zone_ratio": 0.1})
     result = rps.run("yoke-impact", gear, fidelity=fidelity)
