@@ -7,6 +7,7 @@ Inside the package every number is SI. Text from a TOML file or the command line
 import re
 from contextlib import suppress
 from functools import cache
+from math import pi
 from typing import TYPE_CHECKING
 
 from rps_exudyn.base.spelling import respelled
@@ -22,17 +23,43 @@ _QUANTITY = re.compile(
     rf"\s*(?P<unit>(?:1\s*/\s*|/\s*)?{_UNIT}(?:(?:\s*[*/.·]\s*|\s+){_UNIT}){{0,7}})\s*",
 )
 
+# SI unit -> unit -> factor, of most texts: loading pint and its registry takes as long as a fast model's run
+_COMMON: dict[str, dict[str, float]] = {
+    "": {"": 1.0, "%": 0.01},
+    "m": {"m": 1.0, "cm": 0.01, "mm": 1e-3, "um": 1e-6, "µm": 1e-6},
+    "m/s": {"m/s": 1.0, "mm/s": 1e-3},
+    "m/s^2": {"m/s^2": 1.0},
+    "rad": {"rad": 1.0, "mrad": 1e-3, "deg": pi / 180},
+    "rad/s": {"rad/s": 1.0, "rpm": 2 * pi / 60},
+    "s": {"s": 1.0, "ms": 1e-3},
+    "kg": {"kg": 1.0, "g": 1e-3},
+    "kg/m^3": {"kg/m^3": 1.0},
+    "N": {"N": 1.0, "kN": 1e3},
+    "N*s": {"N*s": 1.0},
+    "N*m": {"N*m": 1.0, "N*mm": 1e-3},
+    "J": {"J": 1.0},
+    "N/m": {"N/m": 1.0, "N/mm": 1e3},
+    "N/m^2": {"N/m^2": 1.0, "N/mm/um": 1e9},
+    "N/m^3": {"N/m^3": 1.0},
+    "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9},
+}
+
 
 @cache
 def _registry() -> "pint.UnitRegistry":
-    import pint  # takes 0.2 s to load: only when text with a unit turns up
+    import pint
 
     return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
 
 
-@cache
 def factor(unit: str, si_unit: str) -> float:
     """The number of `si_unit` in one `unit`, for instance 0.001 for ("mm", "m")."""
+    common = _COMMON.get(si_unit, {}).get(unit)
+    return _factor_by_pint(unit, si_unit) if common is None else common
+
+
+@cache
+def _factor_by_pint(unit: str, si_unit: str) -> float:
     return float(_registry().Quantity(1.0, unit).to(si_unit).magnitude)
 
 
@@ -65,6 +92,8 @@ def to_si(value: object, si_unit: str) -> float:
         if parts is None:
             raise ValueError("not a number and its unit")
         unit = re.sub(r"[.·]", "*", parts["unit"]).replace("°", "deg")
+        if common := _COMMON.get(si_unit, {}).get(re.sub(r"\s*([*/])\s*|\s+", _operator, unit)):
+            return float(parts["number"]) * common
         quantity = _registry().Quantity(float(parts["number"]), f"1{unit}" if unit[0] == "/" else unit)
         if _misleading(str(quantity.units), si_unit):
             raise ValueError(f"{quantity.units} are not meant")
@@ -74,6 +103,11 @@ def to_si(value: object, si_unit: str) -> float:
             f"is {short(repr(value))}, which is no quantity in {si_unit or 'plain numbers'}; "
             f"write for instance {_example(si_unit)}"
         ) from error
+
+
+def _operator(match: re.Match[str]) -> str:
+    """Write an operator between units without blanks; blanks alone multiply."""
+    return match[1] or "*"
 
 
 def show(value: float, si_unit: str, display: str) -> str:

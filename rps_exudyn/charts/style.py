@@ -47,9 +47,6 @@ REFERENCE_LINE: Any = {"color": COLOURS["reference"], "linewidth": 1, "linestyle
 
 BAND: Any = {"color": COLOURS["reference"], "alpha": 0.15, "linewidth": 0, "zorder": 0}
 
-PICTURES = (".png", ".svg", ".pdf")
-"""File types a chart can be saved as."""
-
 
 def panels(heights: list[float], width: float = 8.0) -> tuple[Figure, list[Axes]]:
     """A figure of panels one below the other with a common abscissa, and their axes; sizes in inches."""

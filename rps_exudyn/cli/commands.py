@@ -114,7 +114,7 @@ def run(
 
     limit = replace(TimeLimit.of(time_limit), begun=began) if time_limit is not None else None
     from rps_exudyn.analysis.measured import read_measured_torque
-    from rps_exudyn.charts.style import PICTURES
+    from rps_exudyn.charts.file_types import PICTURES
     from rps_exudyn.results.outcome import Interrupted
     from rps_exudyn.simulate.run import simulate
 
@@ -199,7 +199,7 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Flag =
     """
     from rps_exudyn.analysis.comparison import compare
     from rps_exudyn.charts.comparison import draw_comparison
-    from rps_exudyn.charts.style import PICTURES
+    from rps_exudyn.charts.file_types import PICTURES
     from rps_exudyn.cli import printed
     from rps_exudyn.results.result import load
 
@@ -260,8 +260,8 @@ def geometry(
         force: build the gear even if it is undercut.
         json: print the report as JSON.
     """
+    from rps_exudyn.charts.file_types import PICTURES
     from rps_exudyn.charts.geometry import draw_geometry
-    from rps_exudyn.charts.style import PICTURES
     from rps_exudyn.cli import printed
     from rps_exudyn.gears.export import FORMATS, export_solids
     from rps_exudyn.gears.report import geometry_report

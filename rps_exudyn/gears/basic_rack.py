@@ -13,8 +13,8 @@ The pinion's cutter has the shape of the *spaces* of this rack: its tip is the r
 """
 
 import numpy as np
-from scipy.optimize import brentq
 
+from rps_exudyn.base.roots import bracketed_root
 from rps_exudyn.gears.gear_pair import GearPair
 
 
@@ -113,6 +113,8 @@ def tip_radius_for_crest(pair: GearPair, width: float) -> float:
     outside = pair.base_radius
     while crest_width(pair, outside) > width:
         outside *= 1.2
-    return float(
-        brentq(lambda radius: crest_width(pair, radius) - width, pair.base_radius, outside, xtol=1e-15)
-    )
+
+    def wider(radius: float) -> float:
+        return crest_width(pair, radius) - width
+
+    return bracketed_root(wider, pair.base_radius, outside, tolerance=1e-15)

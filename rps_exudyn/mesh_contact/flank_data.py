@@ -5,8 +5,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import roots_jacobi
 
+from rps_exudyn.base.quadrature import gauss_jacobi
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
@@ -152,7 +152,7 @@ def jacobi_rules(n: int, exponent: float) -> np.ndarray:
     """
     rules = np.empty((4, 2, n))
     for rule, low, high in zip(rules, (0, exponent, 0, exponent), (0, 0, exponent, exponent), strict=True):
-        x, w = roots_jacobi(n, high, low)  # weight function (1 - x)^high (1 + x)^low
+        x, w = gauss_jacobi(n, high, low)  # weight function (1 - x)^high (1 + x)^low
         rule[:] = (1 + x) / 2, w / ((1 - x) ** high * (1 + x) ** low) / 2
     rules.flags.writeable = False
     return rules

@@ -13,8 +13,8 @@ depth, or F' = c' d. Pressed in, the rack's tips end the contact further down, a
 from collections.abc import Callable
 
 import numpy as np
-from scipy.optimize import brentq
 
+from rps_exudyn.base.roots import bracketed_root
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.gears.trochoid import form_point
@@ -42,7 +42,7 @@ def mean_depth(gear: SteeringGear) -> float:
     def missing(depth: float) -> float:
         return load - mean_load(pair, depth, law)
 
-    return DEEPEST if missing(DEEPEST) > 0 else float(brentq(missing, 0.0, DEEPEST, xtol=1e-10))
+    return DEEPEST if missing(DEEPEST) > 0 else bracketed_root(missing, 0.0, DEEPEST, tolerance=1e-10)
 
 
 def mean_load(pair: GearPair, depth: float, law: Callable[[float, np.ndarray], np.ndarray]) -> float:

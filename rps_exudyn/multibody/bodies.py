@@ -14,6 +14,12 @@ from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 if TYPE_CHECKING:
     from rps_exudyn.gears.polyhedron import Solid
 
+COLOURS = {  # by their names in CSS, as red, green and blue
+    "steelblue": (70 / 255, 130 / 255, 180 / 255),
+    "grey": (128 / 255, 128 / 255, 128 / 255),
+    "orange": (1.0, 165 / 255, 0.0),
+    "darkgrey": (169 / 255, 169 / 255, 169 / 255),
+}
 ALONG_Y = np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0]])  # ObjectMass1D moves along its local x
 
 
@@ -122,7 +128,6 @@ def _start(model: SteeringModel, body: str) -> tuple[np.ndarray, np.ndarray]:
 def _graphics(solid: "Solid", color: str, rotation: np.ndarray | None = None) -> list[Any]:
     """Graphics data of a body, its solid turned by `rotation` (3, 3)."""
     from exudyn import graphics
-    from matplotlib.colors import to_rgba
 
     points = solid.vertices if rotation is None else solid.vertices @ rotation.T
-    return [graphics.FromPointsAndTrigs(points, solid.faces, color=list(to_rgba(color)))]
+    return [graphics.FromPointsAndTrigs(points, solid.faces, color=[*COLOURS[color], 1.0])]

@@ -3,9 +3,9 @@
 from time import process_time
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.quadrature import integral_from_start
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -56,7 +56,7 @@ def _turned(gear: SteeringGear, maneuver: Maneuver) -> Signals:
     signals = _mean_signals(gear, maneuver, angle, rate, dict.fromkeys((-1, 1), maneuver.rack_load))
     # what the runout does to friction turns with the direction, what it stores in the spring does not
     signals["pinion_torque"] += np.sign(rate) * cosine * np.cos(phase) + sine * np.sin(phase)
-    signals["work_drive"] = cumulative_trapezoid(signals["pinion_torque"] * rate, time, initial=0.0)
+    signals["work_drive"] = integral_from_start(signals["pinion_torque"] * rate, time)
     return signals
 
 
@@ -68,7 +68,7 @@ def _pushed(gear: SteeringGear, maneuver: Maneuver) -> Signals:
     signals = _mean_signals(gear, maneuver, place / gain, rate / gain, loads)
     del signals["pinion_torque"]  # nothing but friction acts on the pinion
     signals["rack_force"] = np.where(rate > 0, force[1], force[-1])
-    signals["work_drive"] = cumulative_trapezoid(signals["rack_force"] * rate, time, initial=0.0)
+    signals["work_drive"] = integral_from_start(signals["rack_force"] * rate, time)
     return signals
 
 
@@ -83,7 +83,7 @@ def _mean_signals(
         return np.where(rate > 0, getattr(states[1], name), getattr(states[-1], name))
 
     def lost(name: str) -> np.ndarray:
-        return cumulative_trapezoid(mean(name) * np.abs(rate), time, initial=0.0)
+        return integral_from_start(mean(name) * np.abs(rate), time)
 
     signals = {
         "time": time - time[0],

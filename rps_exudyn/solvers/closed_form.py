@@ -18,10 +18,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rps_exudyn.analysis.efficiency import LoadTest
 from rps_exudyn.base.quadrature import gauss_legendre
+from rps_exudyn.base.roots import bracketed_root
 from rps_exudyn.forces.bush import bush_chain, housing_station, lateral_stiffness
 from rps_exudyn.forces.yoke import seat_wedge_factor
 from rps_exudyn.gears.gear_pair import GearPair
@@ -254,7 +254,7 @@ def pushing_force(gear: SteeringGear, direction: int, load: float = 0.0) -> floa
         return mean_state(gear, direction, load - force).torque
 
     scale = (1.0 + abs(mean_state(gear, direction, load).torque)) / gain
-    return float(brentq(torque, load - 10 * scale, load + 10 * scale, xtol=1e-9))
+    return bracketed_root(torque, load - 10 * scale, load + 10 * scale, tolerance=1e-9)
 
 
 @dataclass(frozen=True)

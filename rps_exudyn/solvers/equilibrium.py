@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
@@ -301,6 +300,8 @@ def _search(
 
     Fills row k and returns the residual [N].
     """
+    from scipy.optimize import least_squares  # takes long to load, and hardly any path needs it
+
     q, v, base, levers = (
         coordinates[k].copy(),
         rates[k].copy(),

@@ -8,8 +8,8 @@ therefore evidence.
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
 
+from rps_exudyn.base.quadrature import integral_from_start
 from rps_exudyn.forces.force_element import (
     DAMPING_POWER,
     ELASTIC_ENERGY,
@@ -237,4 +237,4 @@ def _work(power: np.ndarray, time: np.ndarray) -> np.ndarray:
     """Integral of a power [W] from the start [J]; of an empty record an empty one."""
     if not time.size:
         return np.zeros(0)
-    return np.asarray(cumulative_trapezoid(power, time, initial=0.0))
+    return integral_from_start(power, time)
