@@ -12,6 +12,7 @@ import sys
 import tempfile
 from collections.abc import Callable
 from functools import cache
+from io import BytesIO
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
@@ -19,11 +20,14 @@ from typing import Any
 import numba
 import numpy as np
 from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.environment import Environment, _rebuild_env, lookup_environment
+from numba.core.runtime.nrt import rtsys
 from numba.experimental import structref
 
 # What compiled code is made of: the kernels, and the constants and NamedTuples that they read
 KERNEL_SOURCES = (
     "base/compiled.py",
+    "base/linear.py",
     "solvers/gear_kernel.py",
     "solvers/flexible_kernel.py",
     "solvers/path_follower.py",
@@ -78,7 +82,28 @@ class _CheckedFile(IndexDataCacheFile):
         if hashlib.sha256(content).digest() != checksum:
             _report_damage()
             raise OSError("damaged")  # taken for a missing file
-        return pickle.loads(content)
+        return _Unpickler(BytesIO(content)).load()
+
+
+class _Unpickler(pickle.Unpickler):
+    """Reads compiled code without the modules of numba that it was made by: it runs without them."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        if (module, name) == (_rebuild_env.__module__, _rebuild_env.__name__):
+            return _environment
+        return super().find_class(module, name)
+
+
+def _environment(module: str, constants: list[Any], name: str) -> Environment:
+    """The constants of a compiled function; of its module no more than what is loaded."""
+    known = lookup_environment(name)
+    if known is None:
+        loaded = sys.modules.get(module)
+        known = Environment({"__name__": module} if loaded is None else vars(loaded))
+        known.consts[:] = constants
+        known.env_name = name
+        Environment._memo[name] = known
+    return known
 
 
 @cache
@@ -101,6 +126,16 @@ class _Cache(FunctionCache):
         super().__init__(function)
         stamp = self._impl.locator.get_source_stamp()
         self._cache_file = _CheckedFile(self._cache_path, self._impl.filename_base, stamp)
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return what the cache holds for a signature, or None.
+
+        numba makes ready all that it knows of array functions before; what is compiled already needs none of
+        it.
+        """
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:
         return sig, codegen.magic_tuple()

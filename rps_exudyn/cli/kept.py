@@ -27,7 +27,6 @@ def keep(
     ... A result that cannot be written there goes to the folder of temporary files.
     """
     from rps_exudyn.base.atomic import number_existing
-    from rps_exudyn.charts.scene import draw
     from rps_exudyn.results.outcome import Status
 
     try:
@@ -41,11 +40,22 @@ def keep(
     if not result.signals:
         return [out], False
     try:
-        draw(result, plot, measured)
+        _draw(result, plot, measured)
     except (OSError, ValueError) as error:  # also what matplotlib makes of a strange environment
         say(f"the picture is missing: {error}")
         return [out], True
     return [out, plot], False
+
+
+def _draw(result: "Result", plot: Path, measured: "MeasuredTorque | None") -> None:
+    """Draw the picture; the result is safe by then."""
+    import matplotlib.artist
+
+    # matplotlib documents each class when it is loaded, which takes a third of that; a command shows none of it
+    matplotlib.artist.kwdoc = lambda artist: ""  # type: ignore[assignment]
+    from rps_exudyn.charts.scene import draw
+
+    draw(result, plot, measured)
 
 
 def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Path], bool]:

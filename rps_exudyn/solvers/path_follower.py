@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.compiled import kernel, kernel_over
+from rps_exudyn.base.linear import inverse
 
 Kernel = Callable[..., Any]
 
@@ -138,7 +139,7 @@ def inverse_tangent_of(force: Kernel) -> Kernel:
             for i in range(n):
                 tangent[i, j] = (moved[free[i]] - r[free[i]]) / step
             trial[free[j]] = q[free[j]]
-        return np.linalg.inv(tangent)
+        return inverse(tangent)
 
     return kernel_over(inverse_tangent, force)
 

@@ -1,0 +1,68 @@
+"""What replaces heavy imports gives their numbers: units, roots, integrals and rules."""
+
+import numpy as np
+import pytest
+from scipy.integrate import cumulative_trapezoid
+from scipy.optimize import brentq
+from scipy.special import roots_jacobi
+
+from rps_exudyn.base import units
+from rps_exudyn.base.quadrature import gauss_jacobi, integral_from_start
+from rps_exudyn.base.roots import bracketed_root
+
+
+@pytest.mark.parametrize(
+    ("si_unit", "unit"),
+    [(si_unit, unit) for si_unit in units._COMMON for unit in units._COMMON[si_unit] if unit],
+)
+def test_common_units_are_those_of_pint_bit_for_bit(si_unit: str, unit: str) -> None:
+    registry, meant = units._registry(), si_unit or "dimensionless"
+    for number in (1.0, 1.83, -0.3, 7e-5, 2e13):
+        by_pint = float(registry.Quantity(number, unit).to(meant).magnitude)
+        assert units.to_si(f"{number!r} {unit}", si_unit) == by_pint
+    assert units.factor(unit, si_unit) == float(registry.Quantity(1.0, unit).to(meant).magnitude)
+
+
+@pytest.mark.parametrize("text", ["0.1 deg", "3 rad", "2 mm"])
+def test_angles_and_lengths_are_no_plain_numbers(text: str) -> None:
+    with pytest.raises(ValueError, match="is no quantity in plain numbers"):
+        units.to_si(text, "")
+
+
+def test_roots_are_those_of_scipy_bit_for_bit() -> None:
+    random, compared = np.random.default_rng(1), 0
+    while compared < 200:
+        factors, (low, high) = random.normal(size=5), sorted(random.uniform(-3, 3, 2))
+
+        def curve(x: float, factors: np.ndarray = factors) -> float:
+            return float(np.polyval(factors, x) + factors[0] * np.sin(7 * x))
+
+        if curve(low) * curve(high) < 0:
+            compared += 1
+            for tolerance in (1e-15, 1e-10, 1e-4):
+                root = bracketed_root(curve, low, high, tolerance=tolerance)
+                assert root == brentq(curve, low, high, xtol=tolerance)
+
+
+def test_ends_without_a_root_between_them_are_refused() -> None:
+    with pytest.raises(ValueError, match="both ends have one sign"):
+        bracketed_root(lambda x: x * x + 1, -1.0, 2.0, tolerance=1e-9)
+    with pytest.raises(ValueError, match="not a number"):
+        bracketed_root(lambda x: float("nan"), -1.0, 2.0, tolerance=1e-9)
+
+
+@pytest.mark.parametrize("n", [1, 2, 4, 9])
+@pytest.mark.parametrize(("high", "low"), [(0.0, 0.0), (1.5, 0.0), (0.0, 1.0), (1.5, 1.5)])
+def test_rules_are_those_of_scipy(n: int, high: float, low: float) -> None:
+    """To rounding, which grows with the number of nodes."""
+    x, w = gauss_jacobi(n, high, low)
+    expected_x, expected_w = roots_jacobi(n, high, low)
+    np.testing.assert_allclose(x, expected_x, atol=1e-14)
+    np.testing.assert_allclose(w, expected_w, rtol=1e-13)
+
+
+def test_integral_is_that_of_scipy_bit_for_bit() -> None:
+    time = np.sort(np.random.default_rng(2).uniform(0, 3, 50))
+    assert (
+        integral_from_start(np.sin(time), time) == cumulative_trapezoid(np.sin(time), time, initial=0)
+    ).all()
