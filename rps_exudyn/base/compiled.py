@@ -1,149 +1,19 @@
-"""Compiled kernels: numba's `njit`, cached on disk, and never stale.
+"""Compiled kernels: numba's `njit` with the cache of `kernel_cache`."""
 
-numba notices a change in a kernel's own file but not in the kernels of other files that it calls; a
-stale cache then runs yesterday's physics. So the cache's folder carries a fingerprint of all sources that
-kernels are made of: any change there gives a new, empty cache.
-"""
-
-import hashlib
-import os
-import pickle
-import sys
-import tempfile
 from collections.abc import Callable
-from functools import cache
-from io import BytesIO
 from operator import attrgetter
-from pathlib import Path
 from typing import Any
 
 import numba
-import numpy as np
-from numba.core.caching import FunctionCache, IndexDataCacheFile
-from numba.core.environment import Environment, _rebuild_env, lookup_environment
-from numba.core.runtime.nrt import rtsys
+from numba.core.registry import CPUDispatcher
 from numba.experimental import structref
 
-# What compiled code is made of: the kernels, and the constants and NamedTuples that they read
-KERNEL_SOURCES = (
-    "base/compiled.py",
-    "base/linear.py",
-    "solvers/gear_kernel.py",
-    "solvers/flexible_kernel.py",
-    "solvers/path_follower.py",
-    "mesh_contact/*.py",
-    "forces/*.py",
-    "verification/seat_cells.py",
-    "animation/raster.py",
-)
-
-
-def fingerprint(package: Path) -> str:
-    """Hash of everything in a package's folder that compiled kernels depend on, and of their compiler."""
-    digest = hashlib.sha256(f"numba {numba.__version__}, numpy {np.__version__}".encode())
-    for pattern in KERNEL_SOURCES:
-        for source in sorted(package.glob(pattern)):
-            digest.update(source.relative_to(package).as_posix().encode() + b"\0" + source.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def _cache_root() -> Path:
-    chosen = (
-        os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    )
-    root = Path(chosen) / "rps_exudyn"
-    try:
-        root.mkdir(parents=True, exist_ok=True)
-    except OSError:  # no home that can be written to, as in some containers
-        root = Path(tempfile.gettempdir()) / "rps_exudyn"
-    return root
-
-
-numba.config.CACHE_DIR = str(_cache_root() / fingerprint(Path(__file__).parents[1]))
-
-
-class _CheckedFile(IndexDataCacheFile):
-    """numba's files with a checksum: what is damaged is reported once, compiled anew and replaced."""
-
-    def _load_index(self) -> Any:
-        try:
-            return super()._load_index()
-        except Exception:  # whatever pickle makes of damaged bytes
-            _report_damage()
-            return {}
-
-    def _save_data(self, name: str, data: Any) -> None:
-        content = self._dump(data)
-        with self._open_for_write(self._data_path(name)) as file:
-            file.write(hashlib.sha256(content).digest() + content)
-
-    def _load_data(self, name: str) -> Any:
-        checksum, content = (data := Path(self._data_path(name)).read_bytes())[:32], data[32:]
-        if hashlib.sha256(content).digest() != checksum:
-            _report_damage()
-            raise OSError("damaged")  # taken for a missing file
-        return _Unpickler(BytesIO(content)).load()
-
-
-class _Unpickler(pickle.Unpickler):
-    """Reads compiled code without the modules of numba that it was made by: it runs without them."""
-
-    def find_class(self, module: str, name: str) -> Any:
-        if (module, name) == (_rebuild_env.__module__, _rebuild_env.__name__):
-            return _environment
-        return super().find_class(module, name)
-
-
-def _environment(module: str, constants: list[Any], name: str) -> Environment:
-    """The constants of a compiled function; of its module no more than what is loaded."""
-    known = lookup_environment(name)
-    if known is None:
-        loaded = sys.modules.get(module)
-        known = Environment({"__name__": module} if loaded is None else vars(loaded))
-        known.consts[:] = constants
-        known.env_name = name
-        Environment._memo[name] = known
-    return known
-
-
-@cache
-def _report_damage() -> None:
-    print(
-        f"rps-exudyn: the cache of compiled kernels in {numba.config.CACHE_DIR} is damaged; "
-        "what is missing is compiled again.",
-        file=sys.stderr,
-    )
-
-
-class _Cache(FunctionCache):
-    """numba's cache without a kernel's closure in its key, and with `_CheckedFile`.
-
-    That key is new in every process when the closure holds other kernels. What it guards against, changed
-    sources, the folder's fingerprint covers.
-    """
-
-    def __init__(self, function: Callable[..., Any]) -> None:
-        super().__init__(function)
-        stamp = self._impl.locator.get_source_stamp()
-        self._cache_file = _CheckedFile(self._cache_path, self._impl.filename_base, stamp)
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return what the cache holds for a signature, or None.
-
-        numba makes ready all that it knows of array functions before; what is compiled already needs none of
-        it.
-        """
-        rtsys.initialize(target_context)
-        with self._guard_against_spurious_io_errors():
-            return self._load_overload(sig, target_context)
-
-    def _index_key(self, sig: Any, codegen: Any) -> Any:
-        return sig, codegen.magic_tuple()
+from rps_exudyn.base.kernel_cache import KernelCache
 
 
 def _compiled(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
     dispatcher = numba.njit(function, error_model="numpy", **options)
-    dispatcher._cache = _Cache(function)
+    dispatcher._cache = KernelCache(function)
     return dispatcher
 
 
@@ -152,13 +22,34 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     return _compiled(function)
 
 
+def apart(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A kernel that is not compiled again into each of its callers: for much code, which few calls run."""
+    dispatcher = _compiled(function)
+    dispatcher._cache.stand_apart(dispatcher)
+    return dispatcher
+
+
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     """A kernel that its callers absorb: for functions whose call would cost more than their work.
 
     Multiply-adds are not fused: where a compiler fuses them depends on what it inlines, and the process that
-    compiles would round otherwise than those that load its kernels.
+    compiles would round otherwise than those that load its kernels. Called from Python it runs uncompiled:
+    what unpacks its arguments would take longer to compile than the function.
     """
-    return _compiled(function, forceinline=True)
+    dispatcher = _compiled(function, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+    dispatcher.__class__ = _WithinKernels
+    return dispatcher
+
+
+class _WithinKernels(CPUDispatcher):  # type: ignore[misc]
+    """Knows compiled code that only compiled code can call."""
+
+    def add_overload(self, cres: Any) -> None:
+        """Keep what was compiled from calls by Python, which would go to nowhere."""
+        self.overloads[tuple(cres.signature.args)] = cres
+
+    def _compile_for_args(self, *arguments: Any) -> Any:
+        return self.py_func  # what is called then
 
 
 def kernel_over(function: Callable[..., Any], *kernels: Callable[..., Any]) -> Callable[..., Any]:
@@ -168,7 +59,7 @@ def kernel_over(function: Callable[..., Any], *kernels: Callable[..., Any]) -> C
     """
     name = "_".join([function.__name__, *(kernel.__name__ for kernel in kernels)])
     function.__name__ = function.__qualname__ = name
-    return _compiled(function)
+    return apart(function)
 
 
 @structref.register

@@ -51,7 +51,7 @@ def _draw(result: "Result", plot: Path, measured: "MeasuredTorque | None") -> No
     """Draw the picture; the result is safe by then."""
     import matplotlib.artist
 
-    # matplotlib documents each class when it is loaded, which takes a third of that; a command shows none of it
+    # matplotlib documents each class when it is loaded, for a third of that time; a command shows none of it
     matplotlib.artist.kwdoc = lambda artist: ""  # type: ignore[assignment]
     from rps_exudyn.charts.scene import draw
 

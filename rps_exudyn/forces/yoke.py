@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import kernel
+from rps_exudyn.base.compiled import apart, kernel
 from rps_exudyn.base.quadrature import gauss_legendre
 from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.forces.friction import coulomb
@@ -108,7 +108,7 @@ def seat_points(gap, slope, data):  # type: ignore[no-untyped-def]
     return points
 
 
-@kernel
+@apart
 def seat_force(q, v, data):  # type: ignore[no-untyped-def]
     """Penalty contact of the seat with the back of the bar; q = rack (6), plunger (1).
 

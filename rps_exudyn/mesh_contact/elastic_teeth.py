@@ -8,7 +8,7 @@ bending cancels, which laws without it miss.
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inlined, kernel
+from rps_exudyn.base.compiled import apart, inlined
 from rps_exudyn.mesh_contact.flank_line import (
     DAMPING_LOSS,
     DEEPEST,
@@ -29,7 +29,7 @@ from rps_exudyn.mesh_contact.wrench import WRENCH_SIZE
 GUESS = 20e9  # load per length and depth with which the solution begins [N/m^2]
 
 
-@kernel
+@apart
 def teeth_contact(angle, rate, position, rotation, velocity, spin, data):  # type: ignore[no-untyped-def]
     """The mesh contact kernel of law "teeth", see `wrench`; `data` from `teeth_data`."""
     out, flank = np.zeros(WRENCH_SIZE), data.flank

@@ -24,7 +24,7 @@ GeneralContact). Loads act normal to the rack's plane, at points of the pinion's
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inlined, kernel
+from rps_exudyn.base.compiled import apart, inlined
 from rps_exudyn.mesh_contact.flank_generator import press_area
 from rps_exudyn.mesh_contact.flank_line import (
     DEEPEST,
@@ -64,7 +64,7 @@ SHALLOW = 0.9  # a crest less deep than this share of another holds no deeper pl
 FINE = 200  # where all is integrated along generators
 
 
-@kernel
+@apart
 def flank_contact(angle, rate, position, rotation, velocity, spin, data):  # type: ignore[no-untyped-def]
     """The mesh contact kernel, see `wrench`; `data` from `flank_data.pack`."""
     out, sums = np.zeros(WRENCH_SIZE), np.empty(SUMS)

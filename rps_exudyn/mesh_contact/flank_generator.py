@@ -7,13 +7,13 @@ interval with exact ends; that holds for strips of any width.
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inlined, kernel
+from rps_exudyn.base.compiled import apart, inlined, kernel
 from rps_exudyn.mesh_contact.flank_line import press, surplus
 
 REACH = 0.35  # contact is sought within this angle of a line's crest [rad]
 
 
-@kernel
+@apart
 def press_area(coarse, generators, band, line, side, data, sums):  # type: ignore[no-untyped-def]
     """Add the loads of one line's area within a band of the flank: midpoint rule across the generators.
 

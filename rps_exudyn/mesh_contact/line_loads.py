@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import kernel
+from rps_exudyn.base.compiled import apart
 from rps_exudyn.forces.rigid_motion import rotation_matrix
 from rps_exudyn.mesh_contact.elastic_teeth import solve_loads
 from rps_exudyn.mesh_contact.flank_data import pack
@@ -33,7 +33,7 @@ def loads_data(gear: SteeringGear) -> TeethData:
     return teeth_data(gear, pack(gear, along=STATIONS, across=1))
 
 
-@kernel
+@apart
 def line_loads(angle, position, tilt, data):  # type: ignore[no-untyped-def]
     """Return `LineLoads` at rest; pinion's turn [rad], rack's reference point (3,) [m], angles (3,) [rad]."""
     still, flank = np.zeros(3), data.flank

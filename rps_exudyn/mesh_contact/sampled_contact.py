@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import kernel
+from rps_exudyn.base.compiled import apart, kernel
 from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.forces.friction import coulomb
 from rps_exudyn.forces.rigid_motion import cross, dot, rotation_matrix, spin_map, times
@@ -43,7 +43,7 @@ def angle_from_mesh(angle, space, spaces):  # type: ignore[no-untyped-def]
     return turned - 2 * np.pi * np.round(turned / (2 * np.pi))
 
 
-@kernel
+@apart
 def sampled_wrench(angle, rate, position, rotation, velocity, spin, data):  # type: ignore[no-untyped-def]
     """Contact of all samples near the mesh; see `wrench` for arguments and result."""
     out = np.zeros(WRENCH_SIZE)

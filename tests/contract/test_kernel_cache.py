@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import rps_exudyn
-from rps_exudyn.base.compiled import KERNEL_SOURCES, fingerprint
+from rps_exudyn.base.kernel_cache import KERNEL_SOURCES, fingerprint
 
 PACKAGE = Path(rps_exudyn.__file__).parent
 
@@ -70,7 +70,7 @@ def test_all_that_kernels_read_is_covered() -> None:
     assert seen > 50
 
 
-MAKERS = {"kernel", "inlined", "kernel_over"}
+MAKERS = {"kernel", "apart", "inlined", "kernel_over"}
 
 
 def _used_by_kernels(tree: ast.AST) -> set[str]:
