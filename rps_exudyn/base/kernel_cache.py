@@ -64,6 +64,12 @@ def _cache_root() -> Path:
 
 numba.config.CACHE_DIR = str(_cache_root() / fingerprint(Path(__file__).parents[1]))
 
+
+def cache_folder() -> Path:
+    """Return the folder of the compiled kernels of this version."""
+    return Path(numba.config.CACHE_DIR)
+
+
 before_compiling: list[Callable[[str], None]] = []
 """Called with a kernel's name before it is compiled, not where it is loaded."""
 

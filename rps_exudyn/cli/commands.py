@@ -92,6 +92,7 @@ def run(
     measured: Path | None = None,
     robust: Flag = False,
     time_limit: str | None = None,
+    progress: Flag = False,
     json: Flag = False,
 ) -> int:
     """Simulate one scene: print a summary, write an HDF5 file and a picture.
@@ -108,6 +109,7 @@ def run(
         robust: where the run fails or its plan is refused, take the next safer settings, and say which.
         time_limit: for instance "20 s": the run is ended after it, whatever it does then (starting, compiling
             and settling count); what it has recorded is kept.
+        progress: tell on standard error how far a long run is, as a terminal is told anyway.
         json: print the summary as JSON.
     """
     from rps_exudyn.simulate.time_limit import TimeLimit
@@ -115,6 +117,7 @@ def run(
     limit = replace(TimeLimit.of(time_limit), begun=began) if time_limit is not None else None
     from rps_exudyn.analysis.measured import read_measured_torque
     from rps_exudyn.charts.file_types import PICTURES
+    from rps_exudyn.cli.progress import shown_progress
     from rps_exudyn.results.outcome import Interrupted
     from rps_exudyn.simulate.run import simulate
 
@@ -125,7 +128,7 @@ def run(
     curve = read_measured_torque(measured) if measured else None
     model = chosen.fidelity if accuracy is None else preset
     try:
-        with redirect_stdout(sys.stderr):  # what libraries say; standard output is for the result
+        with redirect_stdout(sys.stderr), shown_progress(progress):  # standard output is for the result
             result = simulate(
                 scene, chosen.steering_gear, model, accuracy=accuracy, robust=robust, time_limit=limit
             )
@@ -228,6 +231,7 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
     """
     from rps_exudyn.analysis.rerun import differing_numbers, largest_difference
     from rps_exudyn.cli import printed
+    from rps_exudyn.cli.progress import shown_progress
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.results.result import load
     from rps_exudyn.simulate.run import simulate
@@ -235,7 +239,7 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
     if out and check_writable(out, RESULT_FILES).resolve() == file.resolve():
         raise InputError(f"--out {out} is the result that is simulated again; name another file.")
     old = load(file)
-    with redirect_stdout(sys.stderr):
+    with redirect_stdout(sys.stderr), shown_progress(asked=False):
         new = simulate(old.scene, old.gear, Fidelity.from_tables(old.fidelity, where=str(file)))
     if out:
         new.save(out)

@@ -10,12 +10,12 @@ from typing import Any
 
 from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.progress import duration
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.study.cases import count_of
 from rps_exudyn.study.collected import SUFFIXES, write_table
 from rps_exudyn.study.estimate import estimate
 from rps_exudyn.study.messages import Group, groups
-from rps_exudyn.study.progress import duration
 from rps_exudyn.study.runner import StudyWork, Tally, run_study
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.study_file import read_study

@@ -89,16 +89,16 @@ def build_model(
 
 def _add_drive(model: SteeringModel) -> None:
     """Prescribe a coordinate of pinion or rack by a rheonomic constraint."""
-    drive = model.drive
+    place_at, rate_at = model.drive.of_time
 
     def place(mbs: Any, t: float, item: int, offset: float) -> float:
-        return drive.sign * float(drive.place(t))
+        return place_at(t)
 
     def rate(mbs: Any, t: float, item: int, offset: float) -> float:
-        return drive.sign * float(drive.rate(t))
+        return rate_at(t)
 
     model.constraint = _constrain(
-        model, drive.coordinate, offsetUserFunction=place, offsetUserFunction_t=rate
+        model, model.drive.coordinate, offsetUserFunction=place, offsetUserFunction_t=rate
     )
 
 

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rps_exudyn.base.progress import reached
 from rps_exudyn.forces.bush import stored_in_chain
 from rps_exudyn.forces.external_load import axis_velocity
 from rps_exudyn.multibody.steering_model import SteeringModel
@@ -29,6 +30,7 @@ class Recorder:
 
     model: SteeringModel
     steps: list[Step] = field(default_factory=list)
+    end: float = np.inf  # of the run, of which progress is told [s]
 
     def attach(self) -> "Recorder":
         """Hook into the model's time steps; return itself."""
@@ -54,6 +56,7 @@ class Recorder:
             mbs.sys["dynamicSolver"].ComputeODE2RHS(mbs)
             mesh = self.model.contacts.force()[self.model.columns(["pinion", "rack"])]
         self.steps.append(Step(t, coordinates, rates, drive, mesh))
+        reached(t / self.end, lambda: self.model.drive.shown(t))
         return True
 
     @property

@@ -12,6 +12,7 @@ from time import process_time
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.progress import begin_part
 from rps_exudyn.checks.memory import check_memory
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -61,7 +62,8 @@ def run_maneuvers(
 ) -> SceneRun:
     """Make one after the other until one fails, and join them to one record."""
     runs: list[SceneRun] = []
-    for maneuver in maneuvers:
+    for number, maneuver in enumerate(maneuvers):
+        begin_part(number, len(maneuvers))
         try:
             runs.append(run_maneuver(gear, fidelity, maneuver, options))
         except Interrupted as interrupt:
@@ -177,7 +179,7 @@ def _along_equilibria(
         findings={"residual": path.residual, "rescues": path.rescues, "angles": path.time.size},
     )
     if interrupted:
-        message = f"interrupted at {_shown(maneuver, path.time[-1])}"
+        message = f"interrupted at {maneuver.drive.shown(path.time[-1])}"
         outcome = replace(outcome, status=Status.TIMEOUT, message=message)
     elif not path.converged:
         outcome = _lost(maneuver, path, outcome)
@@ -213,17 +215,9 @@ def _finished(
 
 def _lost(maneuver: Maneuver, path: EquilibriumPath, outcome: Outcome) -> Outcome:
     """The outcome of a maneuver whose path ends where it found no equilibrium."""
-    place = _shown(maneuver, path.lost_at or 0.0)
+    place = maneuver.drive.shown(path.lost_at or 0.0)
     message = f"no equilibrium was found at {place}, {path.residual:.3g} N remain unbalanced"
     return replace(outcome, status=Status.NO_CONVERGENCE, message=message)
-
-
-def _shown(maneuver: Maneuver, time: float) -> str:
-    """The drive's place at an instant, for messages."""
-    place = float(maneuver.drive.place(time))
-    if maneuver.drive.body == "pinion":
-        return f"{np.degrees(place):.4g} deg"
-    return f"{1e3 * place:.4g} mm of rack travel"
 
 
 SOLVERS: dict[str, Callable[[SteeringGear, Fidelity, Maneuver, RunOptions], SceneRun]] = {

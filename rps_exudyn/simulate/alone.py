@@ -3,6 +3,7 @@
 It reads one task as one line of JSON from standard input and answers on standard output:
 
     {"place": "..."}                    where the run is, for the case that it is ended there
+    {"progress": {...}}                 how far it is
     {"status", ..., "content"}          the case's row, and the bytes of its file
 """
 
@@ -12,6 +13,7 @@ import queue
 import signal
 import threading
 from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any
 
 from rps_exudyn.simulate.worker import private_output, read_lines
@@ -30,7 +32,10 @@ def main() -> None:
 
     say({"place": "in compiled code"})
     _tell_of_compiling(say)
-    row, content = CaseRunner().run(task)
+    from rps_exudyn.base.progress import following
+
+    with following(lambda progress: say({"progress": asdict(progress)})):
+        row, content = CaseRunner().run(task)
     say(row | {"content": base64.b64encode(content).decode()})
 
 

@@ -18,6 +18,7 @@ from contextlib import suppress
 from time import monotonic
 from typing import Any
 
+from rps_exudyn.base.progress import Progress, passed_on
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Status
@@ -127,6 +128,9 @@ class _Child:
                     self._process.wait(1.0)
                 return None
             answer = json.loads(line)
+            if "progress" in answer:
+                passed_on(Progress(**answer["progress"]))
+                continue
             if "place" not in answer:
                 return dict(answer)
             self.place = answer["place"]

@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import Any
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.progress import Listener, following
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import Result
@@ -32,6 +33,7 @@ def run(
     accuracy: str | None = None,
     robust: bool = False,
     time_limit: str | float | None = None,
+    progress: Listener | None = None,
     **test: Any,
 ) -> Result:
     """Simulate a scene; look at the result's `status` before you use its numbers.
@@ -47,6 +49,7 @@ def run(
         robust: takes the next safer settings where the run fails; `result.findings["tries"]` lists them.
         time_limit: ends the run after this time [s], or for instance "20 s", whatever it does then; its
             status is `timeout`, and what it has recorded is kept.
+        progress: called now and then with a `base.progress.Progress`, from the third second of a run on.
         test: settings of the test, for instance turns=1.
 
     Raises:
@@ -63,7 +66,8 @@ def run(
     gear = gear or SteeringGear()
     if test:
         gear = gear.replace({f"test.{name}": value for name, value in test.items()})
-    return simulate(scene, gear, fidelity, accuracy=accuracy, robust=robust, time_limit=limit)
+    with following(progress):
+        return simulate(scene, gear, fidelity, accuracy=accuracy, robust=robust, time_limit=limit)
 
 
 def simulate(

@@ -5,6 +5,7 @@ rack moves along +X.
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -37,6 +38,19 @@ class Drive(ABC):
     @abstractmethod
     def acceleration(self, time: np.ndarray | float) -> np.ndarray:
         """Return the rate's time derivative at given times [s], of their shape."""
+
+    @property
+    def of_time(self) -> tuple[Callable[[float], float], Callable[[float], float]]:
+        """Place and rate of the driven coordinate as functions of an instant [s]."""
+        sign = self.sign
+        return (lambda t: sign * float(self.place(t))), (lambda t: sign * float(self.rate(t)))
+
+    def shown(self, time: float) -> str:
+        """Return the place at an instant [s] for a reader, for instance "123 deg"."""
+        place = float(self.place(time))
+        if self.body == "pinion":
+            return f"{np.degrees(place):.4g} deg"
+        return f"{1e3 * place:.4g} mm of rack travel"
 
     @property
     def coordinate(self) -> int:
@@ -76,6 +90,12 @@ class Steady(Drive):
     def rate(self, time: np.ndarray | float) -> np.ndarray:
         """Return the speed, constant."""
         return np.full_like(np.asarray(time, dtype=float), self.speed)
+
+    @property
+    def of_time(self) -> tuple[Callable[[float], float], Callable[[float], float]]:
+        """Place and rate of the driven coordinate as functions of an instant [s], of plain numbers."""
+        start, speed = self.sign * float(self.start), self.sign * float(self.speed)
+        return (lambda t: start + speed * t), (lambda t: speed)
 
     def acceleration(self, time: np.ndarray | float) -> np.ndarray:
         """Return zeros."""

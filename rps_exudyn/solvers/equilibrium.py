@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.progress import reached
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.drive import Drive, travel_per_radian
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
@@ -183,6 +184,9 @@ def equilibrium_path(
                 found, rows.time[:end], drive.coordinate, free, balance.lengths, *state, balance.data
             )
             counts += more
+            if found and rows.time[-1] > 0:
+                place = rows.time[found - 1]
+                reached(place / rows.time[-1], lambda place=place: drive.shown(place))
             if found == end < len(rows.time):
                 continue
             unbalanced = max(unbalanced, residual if found == len(rows.time) else 0.0)

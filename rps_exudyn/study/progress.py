@@ -10,6 +10,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColum
 from rich.text import Text
 
 from rps_exudyn.base.atomic import append
+from rps_exudyn.base.progress import duration
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.study.description import Case, Description
 from rps_exudyn.study.store import CaseRow
@@ -60,10 +61,3 @@ class _Rate(ProgressColumn):
         rate = f"{speed:.3g} cases/s" if speed >= 1 else f"{1 / speed:.3g} s/case"
         left = "" if task.finished else f", {duration((task.remaining or 0) / speed)} left"
         return Text(rate + left)
-
-
-def duration(seconds: float) -> str:
-    """A duration as text: "45 s", "12 min", "3.5 h"."""
-    if seconds < 90:
-        return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

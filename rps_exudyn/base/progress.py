@@ -1,0 +1,98 @@
+"""How far a run is: told to a listener while it goes on, from wherever the solver is.
+
+    with following(lambda progress: print(progress.sentence)):
+        rps.run(...)
+
+A run that takes less than `FIRST` seconds tells nothing.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from time import monotonic
+
+FIRST, INTERVAL = 2.0, 0.5  # [s] until the first word, and between words
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a run is."""
+
+    place: str  # angle or travel that is reached, for instance "123 deg"
+    fraction: float  # of the whole run, 0 to 1
+    elapsed: float  # since the run began [s]
+    left: float  # expected until its end [s]
+
+    @property
+    def sentence(self) -> str:
+        """Return what is reached and the time left, for instance "123 deg, 34 %, 5 s left"."""
+        return f"{self.place}, {100 * self.fraction:.0f} %, {duration(self.left)} left"
+
+
+Listener = Callable[[Progress], None]
+
+
+@dataclass
+class _Following:
+    """A listener, and which part of which run it follows."""
+
+    listener: Listener
+    began: float = field(default_factory=monotonic)
+    told: float = 0.0
+    solving: float | None = None  # when the first step was done
+    part: int = 0
+    parts: int = 1
+
+    def reached(self, fraction: float, place: Callable[[], str]) -> None:
+        """Tell it, unless it is too early."""
+        now = monotonic()
+        if self.solving is None:
+            self.solving = now
+        if now - self.began < FIRST or now - self.told < INTERVAL:
+            return
+        self.told = now
+        whole = min(max((self.part + fraction) / self.parts, 1e-9), 1.0)
+        left = (now - self.solving) * (1 / whole - 1)
+        self.listener(Progress(place(), whole, now - self.began, left))
+
+
+_following: ContextVar[_Following | None] = ContextVar("following", default=None)
+
+
+@contextmanager
+def following(listener: Listener | None) -> Iterator[None]:
+    """Tell a listener how far the runs of a block are; None leaves it to the listener there is."""
+    if listener is None:
+        yield
+        return
+    before = _following.set(_Following(listener))
+    try:
+        yield
+    finally:
+        _following.reset(before)
+
+
+def begin_part(part: int, parts: int) -> None:
+    """Note that one part of a run of several begins, the first of them 0."""
+    if (follower := _following.get()) is not None:
+        follower.part, follower.parts = part, parts
+
+
+def reached(fraction: float, place: Callable[[], str]) -> None:
+    """Note how much of the present part is done, and the place, which is asked for where it is told."""
+    if (follower := _following.get()) is not None:
+        follower.reached(fraction, place)
+
+
+def passed_on(progress: Progress) -> None:
+    """Tell the listener what another process tells of its run."""
+    if (follower := _following.get()) is not None:
+        follower.listener(progress)
+
+
+def duration(seconds: float) -> str:
+    """A duration as text: "45 s", "12 min", "3.5 h"."""
+    if seconds < 90:
+        return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

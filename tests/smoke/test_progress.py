@@ -1,0 +1,65 @@
+"""A long run tells how far it is: to a callback, in a terminal's line, from a process of its own; a short one nothing."""
+
+import numpy as np
+import pytest
+
+from rps_exudyn.base import progress
+from rps_exudyn.base.progress import Progress, begin_part, following, passed_on, reached
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """A clock whose time is set by hand [s]."""
+    now = [100.0]
+    monkeypatch.setattr(progress, "monotonic", lambda: now[0])
+    return now
+
+
+def test_time_left_follows_from_what_is_done(clock: list[float]) -> None:
+    told: list[Progress] = []
+    with following(told.append):
+        reached(0.0, lambda: "0 deg")
+        clock[0] += 4
+        reached(0.25, lambda: "90 deg")
+    assert told == [Progress("90 deg", 0.25, 4.0, 12.0)]
+    assert told[0].sentence == "90 deg, 25 %, 12 s left"
+
+
+def test_short_runs_tell_nothing_and_long_ones_not_every_step(clock: list[float]) -> None:
+    told: list[Progress] = []
+    with following(told.append):
+        for step in range(100):
+            clock[0] += 0.1
+            reached(step / 100, str)
+    first, last = told[0], told[-1]
+    assert first.elapsed >= progress.FIRST
+    assert np.diff([each.elapsed for each in told]).min() >= progress.INTERVAL - 1e-9
+    assert len(told) == pytest.approx((10 - progress.FIRST) / progress.INTERVAL, abs=2)
+    assert last.fraction > first.fraction
+
+
+def test_parts_count_as_shares_of_the_whole(clock: list[float]) -> None:
+    told: list[Progress] = []
+    with following(told.append):
+        reached(0.0, str)
+        begin_part(1, 2)
+        clock[0] += 3
+        reached(0.5, str)
+    assert told[0].fraction == 0.75
+
+
+def test_what_another_process_tells_is_passed_on() -> None:
+    told: list[Progress] = []
+    there = Progress("1 deg", 0.5, 3.0, 3.0)
+    with following(told.append):
+        passed_on(there)
+    passed_on(there)  # to nobody
+    assert told == [there]
+
+
+def test_listener_ends_with_its_block(clock: list[float]) -> None:
+    told: list[Progress] = []
+    with following(told.append):
+        clock[0] += 9
+    reached(0.5, str)
+    assert not told
