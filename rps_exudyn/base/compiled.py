@@ -11,7 +11,7 @@ from numba.experimental import structref
 from rps_exudyn.base.kernel_cache import KernelCache
 
 
-def _compiled(function: Callable[..., Any], **options: Any) -> Callable[..., Any]:
+def _compiled(function: Callable[..., Any], **options: Any) -> Any:
     dispatcher = numba.njit(function, error_model="numpy", **options)
     dispatcher._cache = KernelCache(function)
     return dispatcher
@@ -41,7 +41,7 @@ def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     return dispatcher
 
 
-class _WithinKernels(CPUDispatcher):  # type: ignore[misc]
+class _WithinKernels(CPUDispatcher):
     """Knows compiled code that only compiled code can call."""
 
     def add_overload(self, cres: Any) -> None:

@@ -52,7 +52,7 @@ def _draw(result: "Result", plot: Path, measured: "MeasuredTorque | None") -> No
     import matplotlib.artist
 
     # matplotlib documents each class when it is loaded, for a third of that time; a command shows none of it
-    matplotlib.artist.kwdoc = lambda artist: ""  # type: ignore[assignment]
+    matplotlib.artist.kwdoc = lambda artist: ""
     from rps_exudyn.charts.scene import draw
 
     draw(result, plot, measured)

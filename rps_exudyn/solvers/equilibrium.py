@@ -9,6 +9,7 @@ instant they are those of steady motion: rack and pinion move at the gear's gain
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -185,8 +186,7 @@ def equilibrium_path(
             )
             counts += more
             if found and rows.time[-1] > 0:
-                place = rows.time[found - 1]
-                reached(place / rows.time[-1], lambda place=place: drive.shown(place))
+                reached(rows.time[found - 1] / rows.time[-1], partial(drive.shown, rows.time[found - 1]))
             if found == end < len(rows.time):
                 continue
             unbalanced = max(unbalanced, residual if found == len(rows.time) else 0.0)

@@ -1,4 +1,4 @@
-"""A long run tells how far it is: to a callback, in a terminal's line, from a process of its own; a short one nothing."""
+"""A long run tells a listener how far it is, also from a process of its own; a short one tells nothing."""
 
 import numpy as np
 import pytest
