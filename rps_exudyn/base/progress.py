@@ -38,7 +38,7 @@ class _Following:
     """A listener, and which part of which run it follows."""
 
     listener: Listener
-    began: float = field(default_factory=monotonic)
+    began: float = field(default_factory=lambda: monotonic())
     told: float = 0.0
     solving: float | None = None  # when the first step was done
     part: int = 0

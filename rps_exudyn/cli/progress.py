@@ -5,7 +5,7 @@ In a terminal it is one line that is written over; elsewhere, where asked for, o
 
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from time import monotonic
 
 CLEAR = "\r\x1b[K"
@@ -42,7 +42,7 @@ def shown_progress(asked: bool) -> Iterator[None]:
     line = _Line()
     wanted = asked or sys.stderr.isatty()
     listener = (lambda progress: line.write(progress.sentence)) if wanted else None
-    with following(listener), _compiling_told(line, wanted):
+    with following(listener), _compiling_told(line) if wanted else nullcontext():
         try:
             yield
         finally:
@@ -50,8 +50,8 @@ def shown_progress(asked: bool) -> Iterator[None]:
 
 
 @contextmanager
-def _compiling_told(line: _Line, wanted: bool) -> Iterator[None]:
-    """Say once that kernels are compiled and where they are kept; count them where progress is shown."""
+def _compiling_told(line: _Line) -> Iterator[None]:
+    """Say once that kernels are compiled and where they are kept, then count them."""
     from rps_exudyn.base.kernel_cache import before_compiling, cache_folder
 
     begun, done = monotonic(), 0
@@ -62,8 +62,7 @@ def _compiling_told(line: _Line, wanted: bool) -> Iterator[None]:
             sentence = "the first run compiles its kernels, which takes a while; later ones load them from"
             print(f"rps-exudyn: {sentence} {cache_folder()}.", file=sys.stderr, flush=True)
         done += 1
-        if wanted:
-            line.write(f"{done} functions compiled in {monotonic() - begun:.0f} s")
+        line.write(f"{done} functions compiled in {monotonic() - begun:.0f} s")
 
     before_compiling.append(tell)
     try:
