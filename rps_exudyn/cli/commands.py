@@ -184,7 +184,7 @@ def show(file: Path, /, *, json: Flag = False) -> int:
         file: HDF5 file that `run` wrote.
         json: print it as JSON.
     """
-    from rps_exudyn.results.result import load
+    from rps_exudyn.study.blocks import load
 
     _print_result(load(file), json)
     return DONE
@@ -204,7 +204,7 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Flag =
     from rps_exudyn.charts.comparison import draw_comparison
     from rps_exudyn.charts.file_types import PICTURES
     from rps_exudyn.cli import printed
-    from rps_exudyn.results.result import load
+    from rps_exudyn.study.blocks import load
 
     if plot:
         check_writable(plot, PICTURES)
@@ -233,8 +233,8 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
     from rps_exudyn.cli import printed
     from rps_exudyn.cli.progress import shown_progress
     from rps_exudyn.parameters.fidelity import Fidelity
-    from rps_exudyn.results.result import load
     from rps_exudyn.simulate.run import simulate
+    from rps_exudyn.study.blocks import load
 
     if out and check_writable(out, RESULT_FILES).resolve() == file.resolve():
         raise InputError(f"--out {out} is the result that is simulated again; name another file.")

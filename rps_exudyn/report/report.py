@@ -9,7 +9,8 @@ from rps_exudyn.report.blocks import Article, Section
 from rps_exudyn.report.html import page
 from rps_exudyn.report.result_page import result_article, side_by_side
 from rps_exudyn.report.study_page import study_article
-from rps_exudyn.results.result import Result, load
+from rps_exudyn.results.result import Result
+from rps_exudyn.study.blocks import load
 from rps_exudyn.study.store import Store
 
 SUFFIXES = (".html", ".htm")
@@ -45,7 +46,7 @@ def _articles(paths: Sequence[Path], contact: bool) -> list[Article]:
     opened = {}
     for path in paths:
         try:
-            opened[path] = Store.open(path) if path.is_dir() else load(path)
+            opened[path] = Store.open(path) if path.is_dir() else load(Path(path))
         except InputError as error:
             problems += error.problems
     if problems:

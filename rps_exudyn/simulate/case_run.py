@@ -10,6 +10,7 @@ import numba
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.block import CaseRecord
 from rps_exudyn.results.case_file import FileForms, Keep, kept
 from rps_exudyn.results.outcome import Interrupted, Status
 from rps_exudyn.results.result import Result, failed
@@ -46,7 +47,7 @@ class CaseRunner:
         self._forms.content(kept(result, _keep(task)))
 
     def run(self, task: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
-        """Return the case's row for the index, and the bytes of its file."""
+        """Return the case's row for the index, and the bytes of its file or, if asked for, of its record."""
         result = kept(_outcome(task), _keep(task))
         row = {
             "status": result.status.value,
@@ -55,6 +56,8 @@ class CaseRunner:
             "wall_s": result.wall_s,
             "summary": dict(result.summary),
         }
+        if task.get("form") == "record":
+            return row, CaseRecord.of(task["hash"], result).to_bytes()
         return row, self._forms.content(result)
 
 

@@ -11,10 +11,10 @@ which.
 
 import warnings
 from collections.abc import Callable, Iterable
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-import h5py
 import numpy as np
 from xarray import Coordinates, Dataset, Variable
 from xarray.backends import BackendArray
@@ -30,6 +30,7 @@ from rps_exudyn.base.hdf5 import opened
 from rps_exudyn.results.case_file import Keep
 from rps_exudyn.results.quantities import SIGNALS, Quantity
 from rps_exudyn.results.result import FILETYPE, VERSION
+from rps_exudyn.study.blocks import Blocks
 from rps_exudyn.study.description import Description
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable, Column, axis_quantity
@@ -194,16 +195,24 @@ def _lengths(paths: list[Path], keep: Keep) -> dict[str, int]:
     return longest
 
 
-def _read_signals(path: Path, names: Iterable[str], read: Callable[[h5py.Dataset], T]) -> dict[str, T]:
+def _read_signals(path: Path, names: Iterable[str], read: Callable[[Any], T]) -> dict[str, T]:
     """What `read` finds in signals of a case's file; of one that is gone or damaged nothing, with a
     warning."""
     try:
+        if not path.exists() and (blocks := _blocks(path.parent.parent / "blocks")).home_of(path.stem):
+            signals = blocks.block_of(path.stem).signals(path.stem)
+            return {name: read(signals[name]) for name in names if name in signals}
         with opened(path, FILETYPE, "result", VERSION) as file:
             group = file["signals"]
             return {name: read(group[name]) for name in names if name in group}
     except InputError as error:
         warnings.warn(f"{error} Its signals are nan.", stacklevel=2)
         return {}
+
+
+@lru_cache(maxsize=4)
+def _blocks(folder: Path) -> Blocks:
+    return Blocks(folder)
 
 
 def _attributes(quantity: Quantity) -> dict[str, str]:

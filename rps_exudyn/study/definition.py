@@ -28,6 +28,7 @@ class Study:
     seed: int
     time_limit: float  # [s]
     keep: Keep
+    blocks: bool | None = None  # whether cases are kept in blocks; None: if they are many
 
     @property
     def name(self) -> str:

@@ -15,6 +15,7 @@ from pathlib import Path
 
 from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.results.block import CaseRecord
 from rps_exudyn.results.case_file import FileForms
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.provenance import provenance
@@ -97,7 +98,8 @@ def run_study(work: StudyWork, run: Run, workers_write: bool) -> Tally:
 
 def _run(work: StudyWork, run: Run, workers_write: bool) -> Tally:
     store = work.store
-    store.make_folders()
+    in_blocks = store.in_blocks(work.study.blocks)
+    store.make_folders(in_blocks)
     with store.locked():
         work = replace(work, missing=_missing(work.study, store))  # another runner may have worked until now
         skipped = store.skipped
@@ -105,14 +107,18 @@ def _run(work: StudyWork, run: Run, workers_write: bool) -> Tally:
         log, forms = store.path / "study.log", FileForms()
         log_line(log, f"{len(work.missing)} of {len(work.description.hashes)} cases to be done")
         by_hash = {case.hash: case for case in work.missing}
-        tasks = (_task(work, case, workers_write) for case in work.missing)
-        with bar(len(work.missing)) as count:
-            for done in run(tasks):
-                case = by_hash[done.task["hash"]]
-                row = _stored(work, case, done, forms)
-                store.add_to_index(case, row)
-                log_line(log, case_line(work.description, case, row))
-                count(row.status)
+        form = "file" if workers_write else "content"
+        tasks = (_task(work, case, "record" if in_blocks else form) for case in work.missing)
+        try:
+            with bar(len(work.missing)) as count:
+                for done in run(tasks):
+                    case = by_hash[done.task["hash"]]
+                    row = _stored(work, case, done, forms)
+                    store.add_to_index(case, row)
+                    log_line(log, case_line(work.description, case, row))
+                    count(row.status)
+        finally:
+            store.blocks.flush()
         store.rebuild_index()
         store.write_description()
         rows = list(store.rows())
@@ -131,7 +137,9 @@ def _begin(work: StudyWork) -> None:
     store.rebuild_index()
 
 
-def _task(work: StudyWork, case: Case, write: bool) -> Task:
+def _task(work: StudyWork, case: Case, form: str) -> Task:
+    """A case as a process gets it; `form` is what becomes of its result: a "file", or what comes back: the
+    file's "content", or a "record"."""
     setup = setup_of(work.study, case)
     return {
         "hash": case.hash,
@@ -139,7 +147,8 @@ def _task(work: StudyWork, case: Case, write: bool) -> Task:
         "gear": setup.model_dump(exclude={"fidelity"}),
         "fidelity": setup.fidelity.model_dump(),
         "keep": asdict(work.description.signals),
-        "path": str(work.store.path_of(case.hash).resolve()) if write else None,
+        "path": str(work.store.path_of(case.hash).resolve()) if form == "file" else None,
+        "form": form,
     }
 
 
@@ -149,7 +158,11 @@ def _stored(work: StudyWork, case: Case, done: Done, forms: FileForms) -> CaseRo
     if answer is None:
         return _stored_failure(work, case, done, forms)
     if "content" in answer:
-        work.store.save(case.hash, b64decode(answer["content"]))
+        content = b64decode(answer["content"])
+        if done.task["form"] == "record":
+            work.store.blocks.add(CaseRecord.from_bytes(content))
+        else:
+            work.store.save(case.hash, content)
     return CaseRow(
         hash=case.hash,
         status=Status(answer["status"]),
@@ -166,5 +179,8 @@ def _stored_failure(work: StudyWork, case: Case, done: Done, forms: FileForms) -
     result = result_of_ended_process(
         done, work.description.scene, setup.steering_gear, setup.fidelity, work.study.time_limit
     )
-    work.store.save(case.hash, forms.content(result))
+    if done.task["form"] == "record":
+        work.store.save_in_block(case.hash, result)
+    else:
+        work.store.save(case.hash, forms.content(result))
     return CaseRow.of(case.hash, result)

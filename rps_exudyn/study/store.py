@@ -1,11 +1,11 @@
-"""A study's folder: its description, one result file per finished case, and an index that can be rebuilt.
+"""A study's folder: its description, its finished cases, and an index that can be rebuilt.
 
     DIR/study.toml   the study file, verbatim      DIR/cases/HASH.h5  one `Result` file per case
     DIR/study.json   the `Description`             DIR/index.csv      one row per finished case, a cache
-    DIR/study.log    one line per finished case
+    DIR/study.log    one line per finished case    DIR/blocks/        of large studies: many cases in a file
 
-A case's file is complete or absent. Other files in cases/ are not touched; files of cases that cannot be read
-are listed in `Store.skipped` and count as not done.
+A case's file, or block, is complete or absent. Other files in cases/ are not touched; files that cannot be
+read are listed in `Store.skipped`, and their cases count as not done.
 """
 
 import csv
@@ -21,13 +21,16 @@ from typing import TextIO
 
 from rps_exudyn.base.atomic import append, check_writable, number_existing, replacing
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.results.block import CaseRecord, summaries
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result, load
+from rps_exudyn.study.blocks import Blocks
 from rps_exudyn.study.description import Case, Description
 
 FIXED_COLUMNS = ("hash", "status", "message", "cpu_s", "wall_s", "bytes", "modified_ns")
-BEGUN = {".lock", "cases", "study.toml"}  # what a runner that was stopped at its start may leave
+MANY = 2000  # cases, from which they are kept in blocks unless the study says otherwise
+BEGUN = {".lock", "cases", "blocks", "study.toml"}  # what a runner that was stopped at its start may leave
 
 
 @dataclass(frozen=True)
@@ -54,8 +57,9 @@ class Store:
     def __init__(self, path: Path, description: Description) -> None:
         self.path = path
         self.description = description
+        self.blocks = Blocks(path / "blocks")
         self.skipped: list[tuple[Path, str]] = []
-        """Files in cases/ that cannot be used, each with a sentence; filled by `rows` and `results`."""
+        """Files in cases/ and blocks/ that cannot be used, and why; filled by `rows` and `results`."""
 
     @classmethod
     def open(cls, path: str | Path) -> "Store":
@@ -86,17 +90,25 @@ class Store:
                 number_existing(aside := path.with_suffix(".set-aside"))
                 path.replace(aside)
 
-    def make_folders(self) -> None:
-        """Make the folder and its cases/.
+    def in_blocks(self, asked: bool | None) -> bool:
+        """Tell whether cases go to blocks: as the folder was begun, else as asked, else by their number."""
+        if self.blocks.exist:
+            return True
+        if next((self.path / "cases").glob("*.h5"), None) is not None:
+            return False
+        return len(self.description.hashes) >= MANY if asked is None else asked
+
+    def make_folders(self, in_blocks: bool = False) -> None:
+        """Make the folder and its cases/, or blocks/.
 
         Raises:
             InputError: they cannot be made or written to.
         """
         try:
-            (self.path / "cases").mkdir(parents=True, exist_ok=True)
+            (folder := self.path / ("blocks" if in_blocks else "cases")).mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"{self.path} cannot be written: {error.strerror or error}.") from None
-        check_writable(self.path / "cases" / "any.h5")
+        check_writable(folder / "any.h5")
 
     def write_description(self) -> None:
         """Write study.json."""
@@ -115,8 +127,12 @@ class Store:
         Raises:
             InputError: the file is missing, damaged, or another case's.
         """
-        result = load(self.path_of(case.hash))
-        self._check_content(self.path_of(case.hash), case, result)
+        path = self.path_of(case.hash)
+        if not path.exists() and (home := self.blocks.home_of(case.hash)) is not None:
+            path, result = home, self.blocks.result(case.hash)
+        else:
+            result = load(path)
+        self._check_content(path, case, result)
         return result
 
     def save(self, case_hash: str, content: bytes) -> None:
@@ -128,21 +144,35 @@ class Store:
         with replacing(self.path_of(case_hash)) as partial:
             partial.write_bytes(content)
 
+    def save_in_block(self, case_hash: str, result: Result) -> None:
+        """Add a result to the next block.
+
+        Raises:
+            InputError: the block is full and cannot be written.
+        """
+        self.blocks.add(CaseRecord.of(case_hash, result))
+
     def rows(self) -> Iterator[tuple[Case, CaseRow]]:
         """Every finished case once, in the order of the design, failed simulations too.
 
         A row comes from the index if that has the file's size and time of change, else from the file.
         """
-        index = self._read_index()
-        for case, stamp in self._cases_with_files():
-            with self._skipping(case):
-                yield case, index.get((case.hash, *stamp)) or CaseRow.of(case.hash, self.result(case))
+        index, files = self._read_index(), self._files()
+        in_blocks = self._rows_in_blocks()
+        for case in self.description.hashes.values():
+            if (stamp := files.get(case.hash)) is not None:
+                with self._skipping(case):
+                    yield case, index.get((case.hash, *stamp)) or CaseRow.of(case.hash, self.result(case))
+            elif case.hash in in_blocks:
+                yield case, in_blocks[case.hash]
 
     def results(self) -> Iterator[tuple[Case, Result]]:
         """Every finished case with its signals, one at a time."""
-        for case, _ in self._cases_with_files():
-            with self._skipping(case):
-                yield case, self.result(case)
+        files, in_blocks = self._files(), self._rows_in_blocks()
+        for case in self.description.hashes.values():
+            if case.hash in files or case.hash in in_blocks:
+                with self._skipping(case):
+                    yield case, self.result(case)
 
     @contextmanager
     def _skipping(self, case: Case) -> Iterator[None]:
@@ -151,17 +181,27 @@ class Store:
         except InputError as error:
             self.skipped.append((self.path_of(case.hash), " ".join(error.problems)))
 
-    def _cases_with_files(self) -> list[tuple[Case, tuple[int, int]]]:
-        """Cases in the order of the design, each with its file's size and time of change."""
+    def _files(self) -> dict[str, tuple[int, int]]:
+        """Hash -> size and time of change of each case's file; begins `skipped` anew."""
         self.skipped = []
         try:
             with os.scandir(self.path / "cases") as entries:
                 files = (item for item in entries if not item.name.startswith("."))  # not half written
-                stamps = {item.name: _stamp(item.stat()) for item in files}
+                return {item.name[:-3]: _stamp(item.stat()) for item in files if item.name.endswith(".h5")}
         except FileNotFoundError:
-            return []
-        hashes = self.description.hashes
-        return [(hashes[key], stamps[f"{key}.h5"]) for key in hashes if f"{key}.h5" in stamps]
+            return {}
+
+    def _rows_in_blocks(self) -> dict[str, CaseRow]:
+        """Hash -> row of the cases in blocks."""
+        found: dict[str, CaseRow] = {}
+        for path in self.blocks.paths:
+            try:
+                for case_hash, status, message, cpu_s, wall_s, summary in summaries(path):
+                    text = " ".join(message.split())
+                    found[case_hash] = CaseRow(case_hash, status, text, cpu_s, wall_s, summary)
+            except InputError as error:
+                self.skipped.append((path, " ".join(error.problems)))
+        return found
 
     def _check_content(self, path: Path, case: Case, result: Result) -> None:
         """Check that a file under a case's name holds that case."""
@@ -185,7 +225,8 @@ class Store:
 
     def rebuild_index(self) -> None:
         """Write index.csv anew from cases/, and from itself where its rows still hold."""
-        rows = list(self.rows())
+        files = self._files()
+        rows = [(case, row) for case, row in self.rows() if case.hash in files]
         with (
             replacing(self.path / "index.csv") as partial,
             partial.open("w", encoding="utf-8", newline="") as file,
@@ -195,7 +236,9 @@ class Store:
                 file.write(self._line(case, row))
 
     def add_to_index(self, case: Case, row: CaseRow) -> None:
-        """Append the row of a case."""
+        """Append the row of a case that has a file of its own; blocks are their own index."""
+        if not self.path_of(case.hash).exists():
+            return
         append(self.path / "index.csv", self._line(case, row))
 
     def _line(self, case: Case, row: CaseRow) -> str:
@@ -249,7 +292,7 @@ class Store:
 
     def _remove_partial_files(self) -> None:
         """Remove what a killed runner left half written."""
-        for name in ("cases/.*.h5", ".study.*.json", ".index.*.csv"):
+        for name in ("cases/.*.h5", "blocks/.*.h5", ".study.*.json", ".index.*.csv"):
             for partial in self.path.glob(name):
                 with suppress(OSError):
                     partial.unlink()

@@ -94,6 +94,7 @@ class _StudyKeys(Keys):
             seed=self.whole(content, "seed", 0, 0, 2**32 - 1),
             time_limit=self.time_limit(content),
             keep=self.keep(self.table(content, "keep")),
+            blocks=self.blocks(self.table(content, "keep")),
         )
 
     def scene(self, content: Mapping[str, Any]) -> str:
@@ -162,9 +163,16 @@ class _StudyKeys(Keys):
             self.wrong("time_limit", f"is {shown(given)}; it must be more than 0 s and finite.")
         return limit
 
+    def blocks(self, content: Mapping[str, Any]) -> bool | None:
+        blocks = content.get("blocks")
+        if blocks is None or isinstance(blocks, bool):
+            return blocks
+        self.wrong("keep.blocks", f"is {shown(blocks)}; it must be true or false.")
+        return None
+
     def keep(self, content: Mapping[str, Any]) -> Keep:
-        for key in content.keys() - {"signals", "samples"}:
-            self.wrong(f"keep.{key}", "is no key of keep; there are signals, samples.")
+        for key in content.keys() - {"signals", "samples", "blocks"}:
+            self.wrong(f"keep.{key}", "is no key of keep; there are signals, samples, blocks.")
         samples = self.whole(content, "samples", 2, 2, 10**9) if "samples" in content else None
         signals = content.get("signals", "all")
         if signals in ("all", "none"):

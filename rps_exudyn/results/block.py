@@ -1,0 +1,201 @@
+"""A block of cases in one HDF5 file: numbers as columns, texts compressed, every chunk with a checksum.
+
+    content = packed([CaseRecord.of("0123456789abcdef", result), ...])
+    block = Block.read(path)
+    block.summaries(), block.result("0123456789abcdef")
+
+docs/hdf5-format.md describes the file. A case in it is the same result as in a file of its own.
+"""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from rps_exudyn.base.hdf5 import file_image, opened
+from rps_exudyn.base.seal import sealed
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results import provenance as origin
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import GROUPS
+from rps_exudyn.results.result import Result, attributes_of
+
+FILETYPE = "rps_exudyn-block"
+VERSION = (1, 0)
+"""Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
+
+TABLES = ("summary", "counters", "geometry")
+TEXTS = ("scene", "status", "message", "parameters", "fidelity", "solver", "findings", *origin.FIELDS)
+TIMES = ("cpu_s", "wall_s")
+FILTERS: dict[str, Any] = {"fletcher32": True, "shuffle": True, "compression": "gzip", "compression_opts": 1}
+
+
+@dataclass(frozen=True, eq=False)
+class CaseRecord:
+    """A result taken apart: what a process hands over, and a block holds."""
+
+    hash: str
+    attributes: Mapping[str, Any]
+    tables: Mapping[str, Mapping[str, float]]
+    signals: Mapping[str, np.ndarray]
+
+    @classmethod
+    def of(cls, case_hash: str, result: Result) -> "CaseRecord":
+        """The record of a result."""
+        attributes = {name: value for name, value in attributes_of(result).items() if name in TEXTS + TIMES}
+        tables = {group: dict(getattr(result, group)) for group in TABLES}
+        return cls(case_hash, attributes, tables, result.signals)
+
+    def to_bytes(self) -> bytes:
+        """A line of JSON, and the signals' numbers behind it."""
+        names, values = list(self.signals), [np.asarray(each, dtype="<f8") for each in self.signals.values()]
+        head = {"hash": self.hash, "attributes": self.attributes, "tables": self.tables, "signals": names}
+        return b"\n".join([json.dumps(head).encode(), b"".join(each.tobytes() for each in values)])
+
+    @classmethod
+    def from_bytes(cls, content: bytes) -> "CaseRecord":
+        """The record in its bytes."""
+        line, _, numbers = content.partition(b"\n")
+        head = json.loads(line)
+        names = head["signals"]
+        values = np.frombuffer(numbers, dtype="<f8").reshape(len(names), -1) if names else np.empty((0, 0))
+        signals = dict(zip(names, values, strict=True))
+        return cls(head["hash"], head["attributes"], head["tables"], signals)
+
+
+def packed(records: Sequence[CaseRecord]) -> bytes:
+    """Return the bytes of the block's file with its checksum."""
+    return sealed(file_image(lambda file: _fill(file, records)))
+
+
+def _fill(file: h5py.File, records: Sequence[CaseRecord]) -> None:
+    file.attrs.update({"filetype": FILETYPE, "version": np.array(VERSION)})
+    _put(file, "hash", np.array([record.hash.encode() for record in records]))
+    for name in TEXTS:
+        texts = [str(record.attributes[name]).encode() for record in records]
+        _put(file, f"attributes/{name}", np.array([text + b"." for text in texts]))  # HDF5 strips zeros
+    for name in TIMES:
+        _put(file, f"attributes/{name}", np.array([float(record.attributes[name]) for record in records]))
+    for group in TABLES:
+        _put_table(file.create_group(group), [record.tables[group] for record in records])
+    _put_signals(file.create_group("signals"), [record.signals for record in records])
+
+
+def _put(group: h5py.Group, name: str, values: np.ndarray) -> None:
+    filters = FILTERS | {"chunks": values.shape} if values.size else {}
+    group.create_dataset(name, data=values, **filters)
+
+
+def _put_table(group: h5py.Group, rows: Sequence[Mapping[str, float]]) -> None:
+    """One column for each name; whole numbers stay whole, and a case may lack a number."""
+    for name in dict.fromkeys(name for row in rows for name in row):
+        has = np.array([name in row for row in rows])
+        whole = all(isinstance(row[name], int) for row in rows if name in row)
+        column = np.array([row.get(name, 0) for row in rows], dtype=np.int64 if whole else float)
+        _put(group, name, column)
+        if not has.all():
+            _put(group, f"{name} known", has)
+
+
+def _put_signals(group: h5py.Group, cases: Sequence[Mapping[str, np.ndarray]]) -> None:
+    """One row for each case, padded with nan; `length` says how many of them count."""
+    lengths = {name: [len(case.get(name, ())) for case in cases] for case in cases for name in case}
+    for name, counts in lengths.items():
+        rows = np.full((len(cases), max(counts)), np.nan)
+        for row, case in zip(rows, cases, strict=True):
+            values = case.get(name, np.zeros(0))
+            row[: len(values)] = values
+        _put(group, name, rows)
+        _put(group, f"{name} length", np.array(counts))
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """The content of a block's file, in memory."""
+
+    path: Path
+    places: Mapping[str, int]  # hash -> row
+    columns: Mapping[str, Mapping[str, np.ndarray]]  # group -> name -> (cases,) or (cases, samples)
+
+    @classmethod
+    def read(cls, path: Path, groups: Sequence[str] = ("attributes", *TABLES, "signals")) -> "Block":
+        """The block in a file, or only some groups of it.
+
+        Raises:
+            InputError: no such file, no block, damaged, or of another format version.
+        """
+        with opened(path, FILETYPE, "block of cases", VERSION) as file:
+            places = {name.decode(): row for row, name in enumerate(file["hash"][()].tolist())}
+            columns = {group: {name: data[()] for name, data in file[group].items()} for group in groups}
+            for name, values in ((name, each) for group in columns.values() for name, each in group.items()):
+                if len(values) != len(places):
+                    raise ValueError(f"{name} has {len(values)} rows for {len(places)} cases")
+            return cls(path, places, columns)
+
+    def text(self, name: str, row: int) -> str:
+        """A text of a case."""
+        return str(self.columns["attributes"][name][row][:-1].decode())
+
+    def number(self, name: str, row: int) -> float:
+        """CPU or elapsed time of a case [s]."""
+        return float(self.columns["attributes"][name][row])
+
+    def table(self, group: str, row: int) -> dict[str, float]:
+        """The numbers of a case, by the names of `quantities`, in the order of their declaration."""
+        columns = self.columns[group]
+        return {
+            name: columns[name][row].item()
+            for name in GROUPS[group]
+            if name in columns and columns.get(f"{name} known", _ALL)[row]
+        }
+
+    def signals(self, case_hash: str) -> dict[str, np.ndarray]:
+        """The signals of a case, each of its own length."""
+        row, columns = self.places[case_hash], self.columns["signals"]
+        lengths = {name: columns[f"{name} length"][row] for name in GROUPS["signals"] if name in columns}
+        return {name: columns[name][row, :length] for name, length in lengths.items() if length}
+
+    def result(self, case_hash: str) -> Result:
+        """The whole result of a case."""
+        row = self.places[case_hash]
+        return Result(
+            scene=self.text("scene", row),
+            gear=SteeringGear.from_tables(json.loads(self.text("parameters", row)), where=str(self.path)),
+            fidelity=json.loads(self.text("fidelity", row)),
+            solver=json.loads(self.text("solver", row)),
+            findings=json.loads(self.text("findings", row)),
+            status=Status(self.text("status", row)),
+            message=self.text("message", row),
+            signals=self.signals(case_hash),
+            summary=self.table("summary", row),
+            counters=self.table("counters", row),
+            geometry=self.table("geometry", row),
+            cpu_s=self.number("cpu_s", row),
+            wall_s=self.number("wall_s", row),
+            provenance={name: self.text(name, row) for name in origin.FIELDS},
+        )
+
+
+class _Always:
+    def __getitem__(self, row: int) -> bool:
+        return True
+
+
+_ALL: Any = _Always()
+
+
+def summaries(path: Path) -> Iterator[tuple[str, Status, str, float, float, dict[str, float]]]:
+    """Yield hash, status, message, CPU and elapsed time [s] and summary of each case of a block.
+
+    Raises:
+        InputError: as `Block.read`.
+    """
+    block = Block.read(path, ("attributes", "summary"))
+    for case_hash, row in block.places.items():
+        status, message = Status(block.text("status", row)), block.text("message", row)
+        times = block.number("cpu_s", row), block.number("wall_s", row)
+        yield case_hash, status, message, *times, block.table("summary", row)

@@ -1,0 +1,112 @@
+"""The folder of a large study's blocks: DIR/blocks/00000.h5, each with up to `CASES` cases.
+
+A block is written whole when it is full, or when the runner ends; a runner that is killed loses no more than
+the block that it was filling. Where a case stands in several blocks, the last one counts.
+"""
+
+from collections import OrderedDict
+from pathlib import Path
+
+from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.results import result as results
+from rps_exudyn.results.block import Block, CaseRecord, packed
+from rps_exudyn.results.result import Result
+
+CASES = 512  # in a block: 1e5 cases are 196 files
+IN_MEMORY = 4  # blocks read whole
+
+
+class Blocks:
+    """The blocks in one study's folder, and those cases that wait for the next one."""
+
+    def __init__(self, folder: Path, cases: int = CASES) -> None:
+        self.folder = folder
+        self._cases = cases
+        self._waiting: dict[str, CaseRecord] = {}
+        self._homes: dict[str, Path] | None = None
+        self._read: OrderedDict[Path, Block] = OrderedDict()
+
+    @property
+    def exist(self) -> bool:
+        """Tell whether the study keeps its cases in blocks."""
+        return self.folder.is_dir()
+
+    @property
+    def paths(self) -> list[Path]:
+        """Files of the blocks, in the order in which they were written."""
+        return sorted(path for path in self.folder.glob("*.h5") if path.stem.isdigit())
+
+    def add(self, record: CaseRecord) -> None:
+        """Take a case; write the block if that fills it.
+
+        Raises:
+            InputError: the block cannot be written; its cases wait on.
+        """
+        self._waiting[record.hash] = record
+        if len(self._waiting) >= self._cases:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write the cases that wait.
+
+        Raises:
+            InputError: the block cannot be written.
+        """
+        if not self._waiting:
+            return
+        last = max((int(path.stem) for path in self._numbered()), default=-1)
+        with replacing(self.folder / f"{last + 1:05d}.h5") as partial:
+            partial.write_bytes(packed(list(self._waiting.values())))
+        self._waiting.clear()
+        self._homes = None
+
+    def _numbered(self) -> list[Path]:
+        """All files whose names are taken, also those set aside."""
+        return [path for path in self.folder.glob("[0-9]*") if path.stem.split(".")[0].isdigit()]
+
+    def home_of(self, case_hash: str) -> Path | None:
+        """Return the file that holds a case, None if there is none."""
+        if self._homes is None:
+            self._homes = {}
+            for path in self.paths:
+                try:
+                    self._homes |= dict.fromkeys(Block.read(path, ()).places, path)
+                except InputError:  # `rows` names it
+                    continue
+        return self._homes.get(case_hash)
+
+    def block_of(self, case_hash: str) -> Block:
+        """Return the block that holds a case; the last few are kept in memory.
+
+        Raises:
+            InputError: no block holds it, or the one that does is damaged.
+        """
+        path = self.home_of(case_hash)
+        if path is None:
+            raise InputError(f"{self.folder} holds no case {case_hash}.")
+        if path not in self._read:
+            self._read[path] = Block.read(path)
+            if len(self._read) > IN_MEMORY:
+                self._read.popitem(last=False)
+        return self._read[path]
+
+    def result(self, case_hash: str) -> Result:
+        """Return a case's whole result.
+
+        Raises:
+            InputError: as `block_of`.
+        """
+        return self.block_of(case_hash).result(case_hash)
+
+
+def load(path: Path) -> Result:
+    """Read a result from its file, or from the block that holds DIR/cases/HASH.h5 in a study of blocks.
+
+    Raises:
+        InputError: no such file or case, not a result, damaged, or of a newer format.
+    """
+    blocks = Blocks(path.parent.parent / "blocks")
+    if path.exists() or path.parent.name != "cases" or not blocks.exist:
+        return results.load(path)
+    return blocks.result(path.stem)
