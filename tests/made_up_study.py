@@ -75,7 +75,7 @@ def make_study(
     store.write_description()
     for at, case in enumerate(described.cases):
         if at not in set(pending):
-            made = _result_of(described, case, result)
+            made = result_of(described, case, result)
             made = dataclasses.replace(made, message=remarks.get(at, ""))
             if at in failed:
                 made = dataclasses.replace(made, status=Status.DIVERGED, message=failed[at])
@@ -83,7 +83,8 @@ def make_study(
     return folder
 
 
-def _result_of(described: Description, case: Case, result: Result) -> Result:
+def result_of(described: Description, case: Case, result: Result) -> Result:
+    """What the made-up gear does in a case."""
     settings = described.settings(case)
     mean = torque({"preload": settings["yoke.preload"], "friction": settings["mesh.friction"]})
     return dataclasses.replace(

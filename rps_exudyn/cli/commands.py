@@ -22,6 +22,7 @@ from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.kept import keep, naming, say
 from rps_exudyn.cli.options import GearOptions, SetupOptions
+from rps_exudyn.cli.progress import shown_progress
 from rps_exudyn.scenes import SCENE_NAMES
 
 if TYPE_CHECKING:
@@ -76,8 +77,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return INTERRUPTED
 
 
-PAPER_GEAR = GearOptions()
-PAPER_SETUP = SetupOptions()
+PAPER_GEAR, PAPER_SETUP = GearOptions(), SetupOptions()
 
 
 @app.command
@@ -117,7 +117,6 @@ def run(
     limit = replace(TimeLimit.of(time_limit), begun=began) if time_limit is not None else None
     from rps_exudyn.analysis.measured import read_measured_torque
     from rps_exudyn.charts.file_types import PICTURES
-    from rps_exudyn.cli.progress import shown_progress
     from rps_exudyn.results.outcome import Interrupted
     from rps_exudyn.simulate.run import simulate
 
@@ -231,7 +230,6 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
     """
     from rps_exudyn.analysis.rerun import differing_numbers, largest_difference
     from rps_exudyn.cli import printed
-    from rps_exudyn.cli.progress import shown_progress
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.simulate.run import simulate
     from rps_exudyn.study.blocks import load

@@ -8,10 +8,11 @@ docs/hdf5-format.md describes the file. A case in it is the same result as in a 
 """
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import repeat
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import h5py
 import numpy as np
@@ -188,14 +189,35 @@ class _Always:
 _ALL: Any = _Always()
 
 
-def summaries(path: Path) -> Iterator[tuple[str, Status, str, float, float, dict[str, float]]]:
-    """Yield hash, status, message, CPU and elapsed time [s] and summary of each case of a block.
+class Summary(NamedTuple):
+    """A case of a block without its signals."""
+
+    hash: str
+    status: Status
+    message: str
+    cpu_s: float
+    wall_s: float
+    summary: dict[str, float]
+
+
+def summaries(path: Path) -> list[Summary]:
+    """Return the outcome and the numbers of every case of a block, read column by column.
 
     Raises:
         InputError: as `Block.read`.
     """
-    block = Block.read(path, ("attributes", "summary"))
-    for case_hash, row in block.places.items():
-        status, message = Status(block.text("status", row)), block.text("message", row)
-        times = block.number("cpu_s", row), block.number("wall_s", row)
-        yield case_hash, status, message, *times, block.table("summary", row)
+    with opened(path, FILETYPE, "block of cases", VERSION) as file:
+        hashes = [name.decode() for name in file["hash"][()].tolist()]
+        about = {name: file["attributes"][name][()].tolist() for name in ("status", "message", *TIMES)}
+        columns = {name: data[()].tolist() for name, data in file["summary"].items()}
+    statuses = [Status(text[:-1].decode()) for text in about["status"]]
+    messages = [text[:-1].decode() for text in about["message"]]
+    numbers: list[dict[str, float]] = [{} for _ in hashes]
+    for name in GROUPS["summary"]:
+        if name in columns:
+            known = columns.get(f"{name} known", repeat(True))
+            for row, value, there in zip(numbers, columns[name], known, strict=False):
+                if there:
+                    row[name] = value
+    rows = zip(hashes, statuses, messages, about["cpu_s"], about["wall_s"], numbers, strict=True)
+    return [Summary(*row) for row in rows]

@@ -24,7 +24,8 @@ class Blocks:
         self.folder = folder
         self._cases = cases
         self._waiting: dict[str, CaseRecord] = {}
-        self._homes: dict[str, Path] | None = None
+        self._homes: dict[str, Path] = {}
+        self._seen = 0  # when the folder had changed, as far as `_homes` knows
         self._read: OrderedDict[Path, Block] = OrderedDict()
 
     @property
@@ -59,7 +60,7 @@ class Blocks:
         with replacing(self.folder / f"{last + 1:05d}.h5") as partial:
             partial.write_bytes(packed(list(self._waiting.values())))
         self._waiting.clear()
-        self._homes = None
+        self._seen = 0
 
     def _numbered(self) -> list[Path]:
         """All files whose names are taken, also those set aside."""
@@ -67,8 +68,10 @@ class Blocks:
 
     def home_of(self, case_hash: str) -> Path | None:
         """Return the file that holds a case, None if there is none."""
-        if self._homes is None:
-            self._homes = {}
+        if not self.exist:
+            return None
+        if (changed := self.folder.stat().st_mtime_ns) != self._seen:
+            self._homes, self._seen = {}, changed
             for path in self.paths:
                 try:
                     self._homes |= dict.fromkeys(Block.read(path, ()).places, path)

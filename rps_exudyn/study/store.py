@@ -196,9 +196,9 @@ class Store:
         found: dict[str, CaseRow] = {}
         for path in self.blocks.paths:
             try:
-                for case_hash, status, message, cpu_s, wall_s, summary in summaries(path):
-                    text = " ".join(message.split())
-                    found[case_hash] = CaseRow(case_hash, status, text, cpu_s, wall_s, summary)
+                for case in summaries(path):
+                    case = case._replace(message=" ".join(case.message.split()))
+                    found[case.hash] = CaseRow(*case)
             except InputError as error:
                 self.skipped.append((path, " ".join(error.problems)))
         return found
