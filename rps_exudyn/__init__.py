@@ -16,16 +16,38 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rps_exudyn.analysis.measured import compare_with_measured, read_measured_torque
     from rps_exudyn.base.errors import InputError
+    from rps_exudyn.multibody.model import build_model
+    from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.parameters.gear import SteeringGear
+    from rps_exudyn.results.outcome import Status
     from rps_exudyn.results.result import Result, load
     from rps_exudyn.simulate.run import run
     from rps_exudyn.study.dataset import open_study, study_frame
 
-__all__ = ["InputError", "Result", "SteeringGear", "load", "open_study", "run", "study_frame"]
+__all__ = [
+    "Fidelity",
+    "InputError",
+    "Result",
+    "Status",
+    "SteeringGear",
+    "build_model",
+    "compare_with_measured",
+    "load",
+    "open_study",
+    "read_measured_torque",
+    "run",
+    "study_frame",
+]
 
 _HOME = {
+    "Fidelity": "parameters.fidelity",
     "InputError": "base.errors",
+    "Status": "results.outcome",
+    "build_model": "multibody.model",
+    "compare_with_measured": "analysis.measured",
+    "read_measured_torque": "analysis.measured",
     "SteeringGear": "parameters.gear",
     "Result": "results.result",
     "load": "results.result",

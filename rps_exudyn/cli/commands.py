@@ -1,5 +1,6 @@
 """The commands of `rps-exudyn`: run, study, show, diff, rerun, geometry, describe, collect, report,
-animate, explore.
+animate,
+view, explore, init, doctor.
 
 Exit status: 0 done; 1 the simulation failed (its file says how); 2 wrong input, one sentence for each problem
 on standard error. What a command needs is imported by the command, so that `--help` and `describe` are quick.
@@ -39,6 +40,8 @@ app = App(
     version=lambda: version("rps-exudyn"),
     suppress_keyboard_interrupt=False,  # `main` reports which files remain
 )
+
+app.register_install_completion_command(add_to_startup=False)
 
 began = monotonic()
 """When the command began, from which its time limit runs."""
@@ -350,6 +353,45 @@ def animate(file: Path, /, *, out: Path | None = None, view: str = "gear", apart
 
     do_animate(file, out, view, apart)
     return DONE
+
+
+@app.command
+def view(file: Path, /) -> int:
+    """Play the gear of a result in Exudyn's own viewer, where there is a display.
+
+    Args:
+        file: HDF5 file that `run` wrote; its motion is computed anew.
+    """
+    from rps_exudyn.cli.view_command import do_view
+
+    do_view(file)
+    return DONE
+
+
+@app.command
+def init(folder: Path = Path(), /) -> int:
+    """Write what to begin with: the paper's gear, the shipped studies and examples; existing files stay.
+
+    Args:
+        folder: where; without it the current folder.
+    """
+    from rps_exudyn.cli.init_command import do_init
+
+    for path in do_init(folder):
+        print(f"written: {path}")
+    return DONE
+
+
+@app.command
+def doctor(*, clear_cache: Flag = False) -> int:
+    """Tell whether this installation computes what it should, and where it keeps what.
+
+    Args:
+        clear_cache: remove the compiled kernels first; they are compiled again when needed.
+    """
+    from rps_exudyn.cli.doctor_command import do_doctor
+
+    return DONE if do_doctor(clear_cache) else FAILED
 
 
 @app.command

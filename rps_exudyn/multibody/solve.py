@@ -76,7 +76,7 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
         with silent():
             finished = bool(
                 mbs.SolveDynamic(
-                    _settings(plan),
+                    settings_of(plan),
                     solverType=exu.DynamicSolverType.GeneralizedAlpha,
                     updateInitialValues=True,  # the next plan begins there
                 )
@@ -131,8 +131,8 @@ def silent() -> Iterator[None]:
         exu.config.printToConsole, exu.config.suppressWarnings = before
 
 
-def _settings(plan: SolverPlan) -> "exudyn.SimulationSettings":
-    """Translate the plan into Exudyn's settings. What decides a result is set here even where it is the
+def settings_of(plan: SolverPlan) -> "exudyn.SimulationSettings":
+    """Translate a plan into Exudyn's settings. What decides a result is set here even where it is the
     default: defaults change between releases."""
     import exudyn as exu
 

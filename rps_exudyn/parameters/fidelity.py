@@ -146,7 +146,7 @@ class Fidelity(Table):
 
 def unknown_preset(name: str) -> str:
     """Return the sentence about a preset that does not exist."""
-    return f"--fidelity is {name!r}; it must be one of {', '.join(PRESETS)}."
+    return f"fidelity is {name!r}; it must be one of {', '.join(PRESETS)}."
 
 
 def preset_table(name: str) -> dict[str, Any]:

@@ -108,7 +108,7 @@ def choose(scene: str, gear: SteeringGear, wanted: float, preset: str | None = N
         known = [each for each in known if each.preset != "quasi-static"]
     if not known:
         measured = ", ".join(sorted({each.preset for each in table.settings}))
-        raise InputError(f"--fidelity is {preset}; for {scene} accuracies are known of {measured}.")
+        raise InputError(f"fidelity is {preset}; for {scene} accuracies are known of {measured}.")
     enough = [each for each in known if each.promised <= wanted]
     if not enough:
         best = min(each.promised for each in known)

@@ -31,7 +31,20 @@ def test_quick_commands_load_nothing_heavy(arguments: list[str]) -> None:
 def test_public_names_are_there_when_used() -> None:
     assert {name: getattr(rps_exudyn, name).__name__ for name in rps_exudyn.__all__} == {
         name: name
-        for name in ("InputError", "Result", "SteeringGear", "load", "open_study", "run", "study_frame")
+        for name in (
+            "Fidelity",
+            "InputError",
+            "Result",
+            "Status",
+            "SteeringGear",
+            "build_model",
+            "compare_with_measured",
+            "load",
+            "open_study",
+            "read_measured_torque",
+            "run",
+            "study_frame",
+        )
     }
 
 

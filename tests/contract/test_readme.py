@@ -14,8 +14,16 @@ from shell import Command
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-CHECKS = ("ruff check", "ruff format", "mypy ", "lint-imports --no-logo", "python -m")
-TOOLS = ("pip", "python", "ruff", "mypy", "lint-imports")
+CHECKS = (
+    "ruff check",
+    "ruff format",
+    "mypy ",
+    "lint-imports --no-logo",
+    "mkdocs build",
+    "pip wheel",
+    "python -m",
+)
+TOOLS = ("pip", "python", "ruff", "mypy", "lint-imports", "mkdocs", "rps-exudyn")
 
 
 def command_line(name: str) -> str:
@@ -40,7 +48,7 @@ def bare(tmp_path: Path) -> Path:
     shutil.copy(ROOT / "README.md", tmp_path)
     (tmp_path / "broken").touch()
     stand_in = '#!/bin/sh\necho "${0##*/} $*"\nif grep -qx "${0##*/} $1" broken; then exit 3; fi\n'
-    fill = f"mkdir -p .venv/bin; for tool in {' '.join(TOOLS)}; do cp stand-in .venv/bin/$tool; done\n"
+    fill = f"mkdir -p $3/bin; for tool in {' '.join(TOOLS)}; do cp stand-in $3/bin/$tool; done\n"
     for name, script in {"stand-in": stand_in, "python3": stand_in + fill, "chromium": stand_in}.items():
         (tmp_path / name).write_text(script)
         (tmp_path / name).chmod(0o755)
@@ -63,6 +71,11 @@ def test_ci_checks_everything_and_ends_with_the_printed_command(bare: Path) -> N
         "ruff format --check .",
         "mypy ",
         "lint-imports --no-logo",
+        "mkdocs build -q",
+        "pip wheel -q --no-deps -w build/wheel .",
+        "pip install -q --no-deps --target build/installed build/wheel/rps_exudyn-*.whl",
+        "rps-exudyn init build/begun",
+        "rps-exudyn geometry --gear build/begun/gears/paper.toml",
         "python3 -m venv .venv",
         "pip install -q -e .[test]",
         "python -m pytest -q",
@@ -84,17 +97,28 @@ def test_ci_types_the_benchmarks_too(bare: Path) -> None:
 
 
 # --- what the README says --------------------------------------------------------------------------
-def test_readme_lists_every_command(command: Command) -> None:
-    listed = re.findall(r"^\| `rps-exudyn (\w+)", README, re.M)
+def test_page_lists_every_command(command: Command) -> None:
+    page = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
+    listed = re.findall(r"^\| `rps-exudyn (\w+)", page, re.M)
     assert sorted(listed) == sorted(name for name in commands.app if not name.startswith("-"))
 
 
 def test_layout_lists_the_folders_from_the_ground_up() -> None:
-    listed = re.findall(r"^      (\w+)/ ", README[README.index("## Layout") :], re.M)
+    page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    listed = re.findall(r"^      (\w+)/ ", page[page.index("## Layout") :], re.M)
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     layers = settings["tool"]["importlinter"]["contracts"][0]["layers"]
     assert sorted(listed) == sorted(layers)
     assert listed == layers[::-1]
+
+
+def test_readme_fits_three_screens() -> None:
+    """Of 50 lines each, tables and pictures included."""
+    assert len(README.splitlines()) <= 150
+    assert "Developing a virtual prototype of a rack and pinion steering system" in README
+    pictures = re.findall(r"!\[.+\]\((.+)\)", README)
+    assert len(pictures) == 2
+    assert all((ROOT / picture).exists() for picture in pictures)
 
 
 def test_example_runs_as_printed(
@@ -108,7 +132,6 @@ def test_example_runs_as_printed(
         return made_up_result
 
     monkeypatch.setattr("rps_exudyn.run", simulated, raising=False)
-    (tmp_path / "studies").symlink_to(ROOT / "studies")
     monkeypatch.chdir(tmp_path)
     exec(re.findall(r"```python\n(import rps_exudyn.+?)```", README, re.S)[0], {})
     assert asked["gear"].yoke.preload == 400

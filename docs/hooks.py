@@ -1,0 +1,92 @@
+"""What mkdocs does besides: pages outside docs/, links between them, tables made from the declarations."""
+
+import posixpath
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from mkdocs.structure.files import File, Files
+
+ROOT = Path(__file__).parents[1]
+PAGES = ("CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff")
+LINK = re.compile(r"(!?\[[^\]]*\])\((?!https?:|#|mailto:)([^)\s#]+)(#[^)\s]*)?\)")
+COLUMNS = ("parameter", "value", "allowed", "meaning", "source")
+SUFFIXES = (".md", ".png", ".svg", ".webp", ".csv", ".json")
+
+
+def on_files(files: Files, config: Any) -> Files:
+    """Add published numbers and the project's own pages to the site."""
+    found = [ROOT / name for name in PAGES]
+    found += [path for path in (ROOT / "results").rglob("*") if path.suffix in SUFFIXES]
+    for path in found:
+        files.append(File.generated(config, path.relative_to(ROOT).as_posix(), abs_src_path=str(path)))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Any, files: Files, **_: Any) -> str:
+    """Fill in generated tables; lead links to where the files stand in the site."""
+    for name, rows in GENERATED.items():
+        markdown = markdown.replace(f"<!-- generated: {name} -->", "\n".join(rows()))
+    uri = page.file.src_uri
+    place = uri if uri.startswith(("results/", *PAGES)) else f"docs/{uri}"
+    markdown = markdown.replace('--8<-- "README.md:3"', _readme()) if uri == "index.md" else markdown
+    place = "README.md" if uri == "index.md" else place
+
+    def led(found: re.Match[str]) -> str:
+        text, target, anchor = found[1], found[2], found[3] or ""
+        from_root = posixpath.normpath(posixpath.join(posixpath.dirname(place), target))
+        in_site = from_root.removeprefix("docs/")
+        if files.get_file_from_path(in_site) is None:
+            return text.strip("![]")  # a file of the code: its name is enough
+        return f"{text}({posixpath.relpath(in_site, posixpath.dirname(uri) or '.')}{anchor})"
+
+    return LINK.sub(led, markdown)
+
+
+def _readme() -> str:
+    return (ROOT / "README.md").read_text(encoding="utf-8").split("\n", 2)[2]
+
+
+def _parameters() -> Iterator[str]:
+    from rps_exudyn.parameters.setup import Setup
+
+    setup, table = Setup(), ""
+    for item in Setup.declared():
+        head = item.path.rpartition(".")[0]
+        if head != table:
+            yield from (
+                "",
+                f"## {head}",
+                "",
+                "| parameter | value | allowed | meaning | source |",
+                "|---|---|---|---|---|",
+            )
+            table = head
+        cells = (
+            f"`{item.path}`",
+            item.show(setup.value_at(item.path)),
+            item.allowed,
+            item.meaning,
+            item.source,
+        )
+        yield f"| {' | '.join(str(cell).replace('|', '/') for cell in cells)} |"
+
+
+def _quantities() -> Iterator[str]:
+    from rps_exudyn.results.quantities import GROUPS
+
+    for group, quantities in GROUPS.items():
+        yield from ("", f"## {group}", "", "| name | unit | definition |", "|---|---|---|")
+        for name, quantity in quantities.items():
+            yield f"| `{name}` | {quantity.unit or '1'} | {quantity.long_name.replace('|', '/')} |"
+
+
+def _own_model() -> Iterator[str]:
+    """The example without its beginning, as a block of code."""
+    script = (ROOT / "studies" / "examples" / "own_exudyn_model.py").read_text(encoding="utf-8")
+    yield from ("```python", script[script.index("gear = ") :].rstrip(), "```")
+
+
+GENERATED = {"parameters": _parameters, "quantities": _quantities, "own_exudyn_model": _own_model}
+"""Mark in a page -> lines that stand in its place."""

@@ -1,0 +1,104 @@
+"""The command `doctor`: whether this installation computes what it should, and where it keeps what."""
+
+import json
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from time import perf_counter, process_time
+
+from rps_exudyn.base.atomic import check_writable
+from rps_exudyn.base.errors import InputError
+
+PUBLISHED = 0.6196
+"""Mean free pinion torque of the default gear by `quasi-static` [N m], as the README states it."""
+AGREES = 1e-4  # half a unit of the last digit stated
+
+
+def do_doctor(clear_cache: bool) -> bool:
+    """Print what was found; return whether all is well.
+
+    Raises:
+        InputError: the cache cannot be removed.
+    """
+    import numba
+
+    cache = Path(numba.config.CACHE_DIR).parent
+    if clear_cache:
+        _clear(cache)
+    well = True
+    for name, text, fine in (*_versions(), *_machine(), *_places(cache), _reference()):
+        print(f"{'ok ' if fine else 'NO '} {name:<18} {text}")
+        well &= fine
+    return well
+
+
+def _versions() -> Iterator[tuple[str, str, bool]]:
+    from rps_exudyn.results import provenance
+
+    yield "rps-exudyn", f"{provenance.package_version()} {provenance.git_hash()}".strip(), True
+    libraries = json.loads(provenance.library_versions())
+    yield "libraries", ", ".join(f"{name} {number}" for name, number in libraries.items()), True
+
+
+def _machine() -> Iterator[tuple[str, str, bool]]:
+    import numba
+
+    from rps_exudyn.results import provenance
+
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    yield "machine", provenance.machine(), True
+    yield (
+        "threads",
+        f"{usable} usable; a run takes one, a study one a process (numba {numba.config.NUMBA_NUM_THREADS})",
+        True,
+    )
+    display = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or os.name == "nt"
+    yield (
+        "display",
+        "there is one: rps-exudyn view works" if display else "none: animate instead of view",
+        True,
+    )
+
+
+def _places(cache: Path) -> Iterator[tuple[str, str, bool]]:
+    files = [file for file in cache.rglob("*") if file.is_file()]
+    size = sum(file.stat().st_size for file in files) / 1e6
+    yield "compiled kernels", f"{cache}, {size:.0f} MB; rps-exudyn doctor --clear-cache removes them", True
+    for name, folder in (("cache is writable", cache), ("folder is writable", Path.cwd())):
+        try:
+            check_writable(folder / "rps-exudyn-doctor.tmp")
+        except InputError as error:
+            yield name, " ".join(error.problems), False
+        else:
+            yield name, str(folder), True
+
+
+def _reference() -> tuple[str, str, bool]:
+    """The default gear's torque, against the published one."""
+    from rps_exudyn.results.outcome import Status
+    from rps_exudyn.simulate.run import run
+
+    began, cpu = perf_counter(), process_time()
+    result = run("free-pinion-torque", fidelity="quasi-static")
+    took = (
+        f"{perf_counter() - began:.2g} s, {process_time() - cpu:.2g} s of CPU time with loading or compiling"
+    )
+    if result.status is not Status.OK:
+        return "reference run", f"{result.status}: {result.message}", False
+    torque = result.summary["torque_mean"]
+    fine = abs(torque / PUBLISHED - 1) < AGREES
+    return "reference run", f"{torque:.5f} N m, published {PUBLISHED} N m; {took}", fine
+
+
+def _clear(cache: Path) -> None:
+    if cache.name != "rps_exudyn":  # never another's folder
+        raise InputError(f"{cache} is not removed: it is no cache of this package.")
+    with suppress(FileNotFoundError):
+        try:
+            shutil.rmtree(cache)
+        except PermissionError as error:
+            raise InputError(f"{cache} cannot be removed: {error.strerror}.") from None
+    cache.mkdir(parents=True, exist_ok=True)
+    print(f"removed: {cache}")

@@ -1,0 +1,50 @@
+"""The command `init`: a folder to begin with, from the gear and the studies that come with the package."""
+
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.errors import InputError
+
+if TYPE_CHECKING:
+    from importlib.resources.abc import Traversable
+
+MEASURED = """\
+# Your measured torque: replace the two lines below by your own, in either direction or both.
+# rps-exudyn run --gear gears/paper.toml --measured measured.csv
+pinion_angle [deg]; pinion_torque [N m]
+"""
+SUFFIXES = (".toml", ".py")
+
+
+def do_init(folder: Path) -> list[Path]:
+    """Write gear, studies, examples and the head of a measured curve; existing files stay.
+
+    Raises:
+        InputError: a folder that cannot be written.
+    """
+    written = []
+    for source, name in [*_templates(files("rps_exudyn") / "templates"), (None, Path("measured.csv"))]:
+        target = folder / name
+        if target.exists():
+            continue
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{target.parent} cannot be written: {error.strerror}.") from None
+        with replacing(target) as partial:
+            partial.write_text(MEASURED if source is None else source.read_text(encoding="utf-8"), "utf-8")
+        written.append(target)
+    return written
+
+
+def _templates(folder: "Traversable", below: Path = Path()) -> "list[tuple[Traversable | None, Path]]":
+    """All files of a folder of the package that are text for users, with their places in it."""
+    found: list[tuple[Traversable | None, Path]] = []
+    for item in sorted(folder.iterdir(), key=lambda each: each.name):
+        if item.is_dir():
+            found += _templates(item, below / item.name)
+        elif item.name.endswith(SUFFIXES):
+            found.append((item, below / item.name))
+    return found

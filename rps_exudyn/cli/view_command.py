@@ -1,0 +1,37 @@
+"""The command `view`: the gear in Exudyn's own viewer, where there is a display."""
+
+import os
+import sys
+from pathlib import Path
+
+from rps_exudyn.base.errors import InputError
+
+
+def do_view(file: Path) -> None:
+    """Open the viewer with the result's gear and motion; it stays until the user closes it.
+
+    Raises:
+        InputError: no display, or a result whose gear no Exudyn model is made of.
+    """
+    from rps_exudyn.parameters.fidelity import Fidelity
+    from rps_exudyn.results.result import load
+
+    result = load(file)
+    if not has_display():
+        raise InputError(
+            "there is no display for Exudyn's viewer; "
+            f"rps-exudyn animate {file} makes a page for any browser."
+        )
+    fidelity = Fidelity.from_tables(result.fidelity, where=str(file))
+    if fidelity.solver != "generalized-alpha":
+        fidelity = Fidelity.preset("flank")
+    from rps_exudyn.simulate.viewer import show_model
+
+    show_model(result.gear, fidelity)
+
+
+def has_display() -> bool:
+    """Tell whether windows can be opened here."""
+    return sys.platform in ("win32", "darwin") or bool(
+        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    )

@@ -1,0 +1,73 @@
+"""What a newcomer does first: a folder to begin with, the doctor, an Exudyn system taken over."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import rps_exudyn as rps
+from rps_exudyn.cli import doctor_command
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.study.study_file import read_study
+from shell import Command
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_init_writes_what_the_package_ships_and_keeps_what_is_there(command: Command) -> None:
+    Path("preload.toml").write_text("mine")
+    answer = command(["init"])
+    assert answer.status == 0
+    assert "written: measured.csv" in answer.out
+    assert Path("preload.toml").read_text() == "mine"
+    shipped = {path.relative_to(ROOT / "studies") for path in (ROOT / "studies").rglob("*.toml")}
+    assert set(Path().rglob("*.toml")) == shipped
+    assert rps.SteeringGear.from_toml("gears/paper.toml") == rps.SteeringGear()
+    read_study("friction.toml")
+    assert command(["init"]).out == ""
+
+
+def test_doctor_runs_a_reference(command: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    answer = command(["doctor"])
+    assert answer.status == 0
+    assert re.search(r"ok  reference run +0\.6196\d N m, published 0\.6196 N m", answer.out)
+    assert f"ok  folder is writable {tmp_path}" in answer.out
+    monkeypatch.setattr(doctor_command, "PUBLISHED", 0.62)
+    wrong = command(["doctor"])
+    assert (wrong.status, "NO  reference run" in wrong.out) == (1, True)
+
+
+def test_doctor_removes_its_own_cache_only(tmp_path: Path) -> None:
+    (tmp_path / "rps_exudyn" / "kernels").mkdir(parents=True)
+    (tmp_path / "other").mkdir()
+    doctor_command._clear(tmp_path / "rps_exudyn")
+    assert list((tmp_path / "rps_exudyn").iterdir()) == []
+    with pytest.raises(rps.InputError, match="it is no cache of this package"):
+        doctor_command._clear(tmp_path / "other")
+
+
+def test_exudyn_system_can_be_taken_over() -> None:
+    """The bar moves by gain times speed, whatever pulls: the drive is prescribed, the teeth are stiff.
+
+    Micrometres of yield within 0.2 s make less than 1 %; the example's own sensor tells it.
+    """
+    script = ROOT / "studies" / "examples" / "own_exudyn_model.py"
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
+    gear = rps.SteeringGear()
+    expected = 1e3 * GearPair.of(gear).gain * gear.test.speed
+    speed, by_gain = (float(each) for each in re.findall(r"([\d.]+) mm/s", done.stdout))
+    assert by_gain == pytest.approx(expected, rel=1e-3)
+    assert speed == pytest.approx(expected, rel=0.01)
+
+
+def test_viewer_needs_a_display(
+    command: Command, monkeypatch: pytest.MonkeyPatch, made_up_result: rps.Result
+) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    made_up_result.save("r.h5")
+    answer = command(["view", "r.h5"])
+    assert answer.status == 2
+    assert "rps-exudyn animate r.h5 makes a page for any browser" in answer.err
