@@ -61,7 +61,7 @@ class SetupOptions(GearOptions):
     yoke: str | None = None
     """How the yoke presses, likewise: body, force."""
     rack: str | None = None
-    """How the rack moves, likewise: free, guided."""
+    """How the rack moves, likewise: by-scene, free, guided, flexible."""
     solver: str | None = None
     """How the motion is found, likewise: generalized-alpha, equilibrium, closed-form."""
 
