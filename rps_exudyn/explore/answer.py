@@ -32,7 +32,7 @@ SIZES = (
     "tip_diameter",
     "root_diameter",
     "undercut_margin",
-    "tip_thickness",
+    "crest_width",
 )
 Answer = dict[str, Any]
 
@@ -56,7 +56,7 @@ def answer(gear: SteeringGear, state: Any) -> Answer:
         return {"problems": list(error.problems)}
     except Exception as error:  # whatever a state nobody has tried does to a solver: the page goes on
         return {"problems": [f"This state cannot be computed: {type(error).__name__}: {error}."]}
-    numbers = report.as_dict()
+    numbers = {name: getattr(report, name, None) for name in SIZES}  # without masses, which need solids
     shown = {
         "gear": repr(chosen).strip("<>"),
         "geometry": {
