@@ -56,13 +56,11 @@ def answer(gear: SteeringGear, state: Any) -> Answer:
         return {"problems": list(error.problems)}
     except Exception as error:  # whatever a state nobody has tried does to a solver: the page goes on
         return {"problems": [f"This state cannot be computed: {type(error).__name__}: {error}."]}
-    numbers = {name: getattr(report, name, None) for name in SIZES}  # without masses, which need solids
     shown = {
         "gear": repr(chosen).strip("<>"),
         "geometry": {
-            words(name): GEOMETRY[name].show(numbers[name])
-            for name in SIZES
-            if isinstance(numbers.get(name), int | float)
+            words(name): GEOMETRY[name].show(getattr(report, name))
+            for name in SIZES  # without masses, which need solids
         },
         "warnings": list(report.warnings),
     }
