@@ -11,7 +11,8 @@ import numpy as np
 from rps_exudyn.base.compiled import inlined, kernel
 from rps_exudyn.forces.bush import RIGID_END, Chain, housing_station, lateral_stiffness
 from rps_exudyn.forces.force_element import ForceElement
-from rps_exudyn.forces.friction import coulomb
+from rps_exudyn.forces.friction import BRISTLE, Law, bristle, clear, coulomb, law_of, stored, stribeck
+from rps_exudyn.forces.memory import Memory
 from rps_exudyn.forces.rigid_motion import (
     Vector,
     cross,
@@ -36,6 +37,7 @@ class FitData(NamedTuple):
     radius: float  # at which rolling rubs [m]
     station: float  # X of the fit in the housing [m]
     lever: float  # from the carrier's reference point to the fit along X [m]
+    law: Law
 
 
 class Held(NamedTuple):
@@ -78,7 +80,14 @@ def fit_loads(carrier, rack, data):  # type: ignore[no-untyped-def]
     slide = dot(minus(of_rack, of_carrier), rack.axis)
     roll = data.radius * dot(minus(rack.spin, carrier.spin), rack.axis)
     speed = np.sqrt(slide**2 + roll**2)
-    rub = coulomb(1.0, data.drag, speed, data.zone)
+    law, held = data.law, 0.0
+    if law.kind == BRISTLE:
+        clear(law.place, law)
+        drag, turning, lost = bristle(1.0, slide, roll, law.place, data.drag, law)
+        held = stored(law.place, data.drag, law)
+    else:
+        rub = coulomb(1.0, data.drag, speed, data.zone) * stribeck(speed, law)
+        drag, turning, lost = rub * slide, rub * roll, rub * speed**2
 
     k = data.stiffness
     y, z, b, c = offset[1], offset[2], tilt[1], tilt[2]
@@ -89,14 +98,14 @@ def fit_loads(carrier, rack, data):  # type: ignore[no-untyped-def]
     # across the tilted bar, so that sliding along it does no work against the load
     p_x = -(p_y * rack.axis[1] + p_z * rack.axis[2]) / rack.axis[0]
     return FitLoads(
-        minus((-p_x, -p_y, -p_z), scaled(rub * slide, rack.axis)),
-        minus((0.0, -m_y, -m_z), scaled(rub * roll * data.radius, rack.axis)),
+        minus((-p_x, -p_y, -p_z), scaled(drag, rack.axis)),
+        minus((0.0, -m_y, -m_z), scaled(turning * data.radius, rack.axis)),
         plus(lever_carrier, offset),
         lever_rack,
-        0.5 * (y * p_y + z * p_z + b * m_y + c * m_z),
-        rub * speed**2,
+        0.5 * (y * p_y + z * p_z + b * m_y + c * m_z) + held,
+        lost,
         np.sqrt(p_y**2 + p_z**2),
-        rub * slide,
+        drag,
     )
 
 
@@ -143,35 +152,39 @@ FIT_OUTPUTS = ("bush_lateral_force", "bush_drag")
 LATERAL = [1, 2, 4, 5]  # of x y z, about x y z
 
 
-def chain_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float) -> ForceElement:
+def chain_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float, memory: Memory) -> ForceElement:
     """The rack in the last segment of a chain: the last half piece is the fit's elasticity."""
     stiffness, lever = np.diag(chain.end[LATERAL]), -(chain.end_station - chain.centres[-1])
-    data = _data(gear, stiffness, chain.end_station, friction_zone)._replace(lever=lever)
+    data = _data(gear, stiffness, chain.end_station, friction_zone, memory)._replace(lever=lever)
     return ForceElement("bush", ("segment", "rack"), fit_force, data, FIT_OUTPUTS)
 
 
-def condensed_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float) -> ForceElement:
+def condensed_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float, memory: Memory) -> ForceElement:
     """The rack in the chain's exact static stiffness, seen at the place of the fit.
 
     Axial stretch and twist of the bush are left out: only the drag loads them.
     """
-    return _held_fit(_data(gear, lateral_stiffness(chain), chain.end_station, friction_zone))
+    return _held_fit(_data(gear, lateral_stiffness(chain), chain.end_station, friction_zone, memory))
 
 
-def rigid_fit(gear: SteeringGear, *, friction_zone: float) -> ForceElement:
+def rigid_fit(gear: SteeringGear, *, friction_zone: float, memory: Memory) -> ForceElement:
     """The rack in a bush that does not yield: stiff in place of rigid, at the bush's free end."""
-    return _held_fit(_data(gear, np.diag(RIGID_END[LATERAL]), gear.bush.length, friction_zone))
+    return _held_fit(_data(gear, np.diag(RIGID_END[LATERAL]), gear.bush.length, friction_zone, memory))
 
 
-def loose_fit(gear: SteeringGear, *, friction_zone: float) -> ForceElement:
+def loose_fit(gear: SteeringGear, *, friction_zone: float, memory: Memory) -> ForceElement:
     """A fit that drags but does not hold, for a rack that is guided otherwise."""
-    return _held_fit(_data(gear, np.zeros((4, 4)), gear.bush.length, friction_zone))
+    return _held_fit(_data(gear, np.zeros((4, 4)), gear.bush.length, friction_zone, memory))
 
 
-def _data(gear: SteeringGear, stiffness: np.ndarray, station: float, friction_zone: float) -> FitData:
+def _data(
+    gear: SteeringGear, stiffness: np.ndarray, station: float, friction_zone: float, memory: Memory
+) -> FitData:
     """The fit at a station of the chain [m]."""
     radius, at = gear.rack.bar_diameter / 2, housing_station(gear, station)
-    return FitData(stiffness, gear.bush.drag, friction_zone, radius, at, lever=0.0)
+    return FitData(
+        stiffness, gear.bush.drag, friction_zone, radius, at, lever=0.0, law=law_of(gear.bush, memory)
+    )
 
 
 def _held_fit(data: FitData) -> ForceElement:

@@ -18,7 +18,18 @@ import numpy as np
 from rps_exudyn.base.compiled import apart, kernel
 from rps_exudyn.base.quadrature import gauss_legendre
 from rps_exudyn.forces.force_element import ForceElement
-from rps_exudyn.forces.friction import coulomb
+from rps_exudyn.forces.friction import (
+    BRISTLE,
+    Law,
+    bristle,
+    by_load,
+    clear,
+    coulomb,
+    law_of,
+    stored,
+    stribeck,
+)
+from rps_exudyn.forces.memory import Memory
 from rps_exudyn.forces.rigid_motion import on_angles, spin_of, turn_of
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -43,6 +54,7 @@ class SeatData(NamedTuple):
     length: np.ndarray  # the same along the rack
     length_weight: np.ndarray
     points: np.ndarray  # (n, 4) of the whole seat, rows as `seat_points` fills them
+    law: Law
 
 
 # The bar's axis stands at gap + station * slope, both (y, z), against that of the seat.
@@ -108,6 +120,18 @@ def seat_points(gap, slope, data):  # type: ignore[no-untyped-def]
     return points
 
 
+@kernel
+def _whole_load(points, q, axis, data):  # type: ignore[no-untyped-def]
+    """Sum of the seat's normal forces [N]."""
+    total = 0.0
+    for i in range(points.shape[0]):
+        along = (points[i, 2] - q[0]) / axis[0]
+        depth = (q[1] + along * axis[1] - q[6] + data.rest_gap) * points[i, 0]
+        depth += (q[2] + along * axis[2]) * points[i, 1]
+        total += points[i, 3] * max(depth, 0.0)
+    return total
+
+
 @apart
 def seat_force(q, v, data):  # type: ignore[no-untyped-def]
     """Penalty contact of the seat with the back of the bar; q = rack (6), plunger (1).
@@ -122,6 +146,11 @@ def seat_force(q, v, data):  # type: ignore[no-untyped-def]
     gap = (q[1] - q[0] * slope_y - q[6] + data.rest_gap, q[2] - q[0] * slope_z)
     points = seat_points(gap, (slope_y, slope_z), data)
     moment_x = moment_y = moment_z = 0.0
+    law, friction = data.law, data.friction
+    if law.load_exponent != 1.0:
+        friction *= by_load(_whole_load(points, q, (axis_x, axis_y, axis_z), data), law)
+    if law.kind == BRISTLE:
+        clear(law.place, law)
     for i in range(points.shape[0]):
         ny, nz = points[i, 0], points[i, 1]
         # the point of the bar's axis that stands at this station of the housing
@@ -141,8 +170,21 @@ def seat_force(q, v, data):  # type: ignore[no-untyped-def]
         parting = (vx * nx + vy * ny + vz * nz) / (1 + nx * nx)
         vx, vy, vz = vx - parting * nx, vy - parting * ny, vz - parting * nz
         speed = np.sqrt(vx * vx + vy * vy + vz * vz)
-        drag = coulomb(load, data.friction, speed, data.zone)
-        fx, fy, fz = -drag * vx, -drag * vy, -drag * vz
+        if law.kind == BRISTLE:
+            # along the bar's surface and around it
+            size = np.sqrt(1 + nx * nx)
+            drag, turning, lost = bristle(
+                load, (vx - nx * (vy * ny + vz * nz)) / size, vz * ny - vy * nz, law.place, friction, law
+            )
+            fx, fy, fz = (
+                -drag / size,
+                drag * nx * ny / size + turning * nz,
+                drag * nx * nz / size - turning * ny,
+            )
+        else:
+            drag = coulomb(load, friction, speed, data.zone) * stribeck(speed, law)
+            fx, fy, fz = -drag * vx, -drag * vy, -drag * vz
+            lost = drag * speed**2
         px, py, pz = -load * nx, -load * ny, -load * nz
         out[0] += fx + px
         out[1] += fy + py
@@ -152,15 +194,19 @@ def seat_force(q, v, data):  # type: ignore[no-untyped-def]
         moment_y += lz * fx - lx * fz + az * px - lx * pz
         moment_z += lx * fy - ly * fx + lx * py - ay * px
         out[7] += 0.5 * load * depth
-        out[8] += drag * speed**2
+        out[8] += lost
         out[10] += load
         out[11] += load * ny
+    if law.kind == BRISTLE:
+        out[7] += stored(law.place, friction, law)
     out[3], out[4], out[5] = on_angles(turn, (moment_x, moment_y, moment_z))
     out[6] = -out[1]
     return out
 
 
-def seat(gear: SteeringGear, *, friction_zone: float, rest_gap: float) -> ForceElement:
+def seat(
+    gear: SteeringGear, *, friction_zone: float, rest_gap: float, memory: Memory | None = None
+) -> ForceElement:
     """Contact of the plunger's cylindrical seat with the back of the rack.
 
     Its pressure per depth is such that the whole seat has `yoke.seat_stiffness` along the yoke axis.
@@ -188,6 +234,7 @@ def seat(gear: SteeringGear, *, friction_zone: float, rest_gap: float) -> ForceE
         length=s,
         length_weight=ws,
         points=np.column_stack([*normals, np.tile(yoke.seat_length / 2 * s, arc.size), stiffness]),
+        law=law_of(yoke, memory or Memory(), usual_load=yoke.preload * seat_wedge_factor(yoke.seat_angle)),
     )
     return ForceElement("seat", ("rack", "plunger"), seat_force, data, ("seat_normal_force", "seat_force"))
 

@@ -10,7 +10,18 @@ import numpy as np
 
 from rps_exudyn.base.compiled import kernel
 from rps_exudyn.forces.force_element import ForceElement
-from rps_exudyn.forces.friction import coulomb
+from rps_exudyn.forces.friction import (
+    BRISTLE,
+    Law,
+    bristle,
+    by_load,
+    clear,
+    coulomb,
+    law_of,
+    stored,
+    stribeck,
+)
+from rps_exudyn.forces.memory import Memory
 from rps_exudyn.forces.rigid_motion import cross, dot, on_angles, plus, scaled, spin_of, turn_of, vector
 from rps_exudyn.forces.yoke import seat_wedge_factor
 from rps_exudyn.parameters.gear import SteeringGear
@@ -28,6 +39,7 @@ class YokeForceData(NamedTuple):
     zone: float  # friction zone [m/s]
     bar_radius: float  # [m]
     approach: float  # of the rack to the pinion at rest under the preload [m]
+    law: Law
 
 
 @kernel
@@ -47,17 +59,27 @@ def yoke_force(q, v, data):  # type: ignore[no-untyped-def]
     slip = plus(vector(v), cross(spin_of(turn, v[3:6]), back))
     slip = (slip[0], 0.0, slip[2])
     speed = np.sqrt(dot(slip, slip))
-    drag = coulomb(press, data.friction, speed, data.zone)
-    rub = scaled(-drag, slip)
+    law, friction = data.law, data.friction * by_load(press, data.law)
+    if law.kind == BRISTLE:
+        clear(law.place, law)
+        along, across, lost = bristle(press, slip[0], slip[2], law.place, friction, law)
+        rub = (-along, 0.0, -across)
+        kept = stored(law.place, friction, law)
+    else:
+        drag = coulomb(press, friction, speed, data.zone) * stribeck(speed, law)
+        rub, lost, kept = scaled(-drag, slip), drag * speed**2, 0.0
     out[0], out[1], out[2] = plus(load, rub)
     out[3], out[4], out[5] = on_angles(turn, plus(cross(axis, load), cross(back, rub)))
     out[7] = lift * (data.preload + 0.5 * data.rate * lift) + 0.5 * (stop * beyond + data.guide * side**2)
-    out[8] = drag * speed**2
+    out[7] += kept
+    out[8] = lost
     out[10], out[11], out[12] = press, press, stop
     return out
 
 
-def yoke_as_force(gear: SteeringGear, *, friction_zone: float, approach: float) -> ForceElement:
+def yoke_as_force(
+    gear: SteeringGear, *, friction_zone: float, approach: float, memory: Memory
+) -> ForceElement:
     """Spring and stop of the yoke on the rack itself."""
     yoke, phi = gear.yoke, gear.yoke.seat_angle
     data = YokeForceData(
@@ -71,6 +93,7 @@ def yoke_as_force(gear: SteeringGear, *, friction_zone: float, approach: float) 
         zone=friction_zone,
         bar_radius=gear.rack.bar_diameter / 2,
         approach=approach,
+        law=law_of(yoke, memory, usual_load=yoke.preload),
     )
     outputs = ("seat_normal_force", "seat_force", "yokenut_force")
     return ForceElement("seat", ("rack", "plunger"), yoke_force, data, outputs)

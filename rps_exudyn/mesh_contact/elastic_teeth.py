@@ -17,6 +17,7 @@ from rps_exudyn.mesh_contact.flank_line import (
     SUMS,
     add_load,
     add_side,
+    begin_side,
     note_line_load,
     side_of,
 )
@@ -43,7 +44,7 @@ def teeth_contact(angle, rate, position, rotation, velocity, spin, data):  # typ
         return out
     sums, energy = np.empty(SUMS), stored_energy(lines, elastic)
     for side in (drive, coast):
-        sums[:] = 0.0
+        begin_side(side, flank, sums)
         for line in range(n):
             if lines.side[line] == side.sign:
                 _add_loads(lines, line, force, elastic, side, flank, sums)

@@ -35,6 +35,7 @@ from rps_exudyn.mesh_contact.flank_line import (
     band_of,
     band_on_flank,
     bands,
+    begin_side,
     first_tooth,
     formed_point,
     line_of,
@@ -72,7 +73,7 @@ def flank_contact(angle, rate, position, rotation, velocity, spin, data):  # typ
     for sign in (-1.0, 1.0):
         side = side_of(sign, angle, rate, position, rotation, velocity, spin, data)
         first, last, turn = first_tooth(angle, side, data)
-        sums[:] = 0.0
+        begin_side(side, data, sums)
         for tooth in range(first, last + 1):
             line = line_of(tooth, turn, side, data)
             before = sums[LOAD]

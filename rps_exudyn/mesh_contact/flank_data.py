@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.base.quadrature import gauss_jacobi
+from rps_exudyn.forces.friction import Law, law_of
+from rps_exudyn.forces.memory import Memory
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
@@ -48,6 +50,7 @@ class FlankData(NamedTuple):
     normal_z: float
     flank_offset: float  # distance of flank 0 from the origin along its normal
     normal_base_pitch: float
+    gain: float  # rack's travel per radian of the pinion
     tip_depth: float  # the teeth's tips stand at y = -tip_depth
     bar_radius: float
     # contact law
@@ -55,6 +58,7 @@ class FlankData(NamedTuple):
     damping: float
     friction: float
     zone: float
+    law: Law
     line_stiffness: float  # > 0: this law instead of the pressure
     # integration
     along: np.ndarray  # rules (4, 2, n) along a segment of a line
@@ -69,6 +73,7 @@ def pack(
     along: int = ALONG,
     across: int = ACROSS,
     generators: int = 0,
+    memory: Memory | None = None,
 ) -> FlankData:
     """Return the data for the flank contact kernels; the gear's `mesh.law` chooses the contact law.
 
@@ -77,6 +82,7 @@ def pack(
         along: Gauss points along each segment of a contact line, or along each generator.
         across: Gauss points across the contact strip.
         generators: number of generators to integrate over; 0 integrates over strips.
+        memory: where bristles keep their deflection.
 
     Raises:
         ValueError: no involute is left between form and tip circle.
@@ -112,12 +118,15 @@ def pack(
         normal_z=-normal[2],
         flank_offset=pair.normal_base_pitch / 4 + np.sin(pair.alpha_n) * pair.reference_height,
         normal_base_pitch=pair.normal_base_pitch,
+        gain=float(pair.gain),
         tip_depth=pair.reference_height + pair.rack_addendum,
         bar_radius=pair.bar_radius,
         stiffness=mesh.stiffness,
         damping=mesh.damping,
         friction=mesh.friction,
         zone=sliding_zone(gear) if zone is None else zone,
+        # half the preload on each side of the teeth
+        law=law_of(mesh, memory or Memory(), patches=2, usual_load=gear.yoke.preload / abs(2 * normal[1])),
         line_stiffness=line_stiffness(gear) if mesh.law == "line" else 0.0,
         along=jacobi_rules(along, 1.5),
         across=jacobi_rules(across, 1.0),

@@ -6,6 +6,7 @@ from typing import Any
 from rps_exudyn.base.compiled import kernel
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.forces.memory import Memory
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map, times
 from rps_exudyn.mesh_contact.elastic_teeth import teeth_contact
 from rps_exudyn.mesh_contact.flank_contact import flank_contact
@@ -37,15 +38,19 @@ def teeth_force(q, v, data):  # type: ignore[no-untyped-def]
     return on_coordinates(wrench, map_)
 
 
-def flank_element(gear: SteeringGear, *, friction_zone: float, along: int, across: int) -> ForceElement:
+def flank_element(
+    gear: SteeringGear, *, friction_zone: float, along: int, across: int, memory: Memory | None = None
+) -> ForceElement:
     """Contact of the pinion's helicoids with the rack's planes by the gear's law, integrated along lines."""
+    flank = pack(gear, zone=friction_zone, along=along, across=across, memory=memory)
     if gear.mesh.law == "teeth":
-        flank = pack(gear, zone=friction_zone, along=along, across=across)
         return _element(gear, teeth_force, teeth_data(gear, flank))
-    return _element(gear, flank_force, pack(gear, zone=friction_zone, along=along, across=across))
+    return _element(gear, flank_force, flank)
 
 
-def generator_element(gear: SteeringGear, *, friction_zone: float, generators: int) -> ForceElement:
+def generator_element(
+    gear: SteeringGear, *, friction_zone: float, generators: int, memory: Memory | None = None
+) -> ForceElement:
     """The same, integrated generator by generator: slower, with no expansion in it.
 
     Raises:
@@ -56,7 +61,7 @@ def generator_element(gear: SteeringGear, *, friction_zone: float, generators: i
             f"mesh.law is {gear.mesh.law}, but fidelity.mesh = flank-generators knows only area: "
             "set mesh.law = area."
         )
-    return _element(gear, flank_force, pack(gear, zone=friction_zone, generators=generators))
+    return _element(gear, flank_force, pack(gear, zone=friction_zone, generators=generators, memory=memory))
 
 
 def _element(gear: SteeringGear, force: Kernel, data: FlankData | TeethData) -> ForceElement:

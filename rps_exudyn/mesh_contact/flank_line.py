@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.base.compiled import inlined
-from rps_exudyn.forces.friction import coulomb
+from rps_exudyn.forces.friction import BRISTLE, PATCH, bristle, by_load, clear, coulomb, stored, stribeck
 from rps_exudyn.forces.rigid_motion import Vector
 from rps_exudyn.mesh_contact import wrench
 from rps_exudyn.mesh_contact.flank_strip import MARGIN
@@ -273,8 +273,14 @@ def add_load(load, p_r, p_t, z, side, data, sums):  # type: ignore[no-untyped-de
     slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t
     slip_b = affine(side.slip, p_r, p_t, z)
     slip = np.sqrt(slip_r * slip_r + slip_b * slip_b)
-    drag = coulomb(load, data.friction, slip, data.zone)
-    f_r, f_b = drag * slip_r, drag * slip_b
+    if data.law.kind == BRISTLE:
+        w_r, w_b = rolling_slip(p_r, p_t, side, data)
+        along, across = w_r * slip_r + w_b * slip_b, w_r * slip_b - w_b * slip_r
+        f_1, f_2, lost = bristle(load, along, across, patch_of(side, data), data.friction, data.law)
+        f_r, f_b = w_r * f_1 - w_b * f_2, w_b * f_1 + w_r * f_2
+    else:
+        drag = coulomb(load, data.friction, slip, data.zone) * stribeck(slip, data.law)
+        f_r, f_b, lost = drag * slip_r, drag * slip_b, drag * slip * slip
     sums[LOAD] += load
     sums[LOAD_R] += load * p_r
     sums[LOAD_T] += load * p_t
@@ -285,7 +291,47 @@ def add_load(load, p_r, p_t, z, side, data, sums):  # type: ignore[no-untyped-de
     sums[DRAG_B] += f_b
     sums[DRAG_B_R] += f_b * p_r
     sums[DRAG_B_N] += f_b * (side.n_z * z - side.sign * side.n_p * p_t)
-    sums[FRICTION_LOSS] += drag * slip * slip
+    sums[FRICTION_LOSS] += lost
+
+
+@inlined
+def rolling_slip(p_r, p_t, side, data):  # type: ignore[no-untyped-def]
+    """Direction of the slip at a point while pinion and rack run steadily, components along e_r and B.
+
+    Bristles of one side share their deflection against it: it differs from point to point, and what they
+    share must not, or they would lose torque in short steps.
+    """
+    v_e, v_z = data.cos_delta * data.gain, data.sin_delta * data.gain
+    r = side.cos * v_e - p_t
+    b = side.n_z * (p_r - side.sin * v_e) + side.sign * side.n_p * v_z
+    size = np.sqrt(r * r + b * b)
+    return (r / size, b / size) if size > 0 else (1.0, 0.0)
+
+
+@inlined
+def patch_of(side, data):  # type: ignore[no-untyped-def]
+    """Place of one side's bristles in the memory."""
+    return data.law.place + (PATCH if side.sign > 0 else 0)
+
+
+@inlined
+def begin_side(side, data, sums):  # type: ignore[no-untyped-def]
+    """Begin to add up one side's loads."""
+    sums[:] = 0.0
+    if data.law.kind == BRISTLE:
+        clear(patch_of(side, data), data.law)
+
+
+@inlined
+def _end_friction(side, data, sums):  # type: ignore[no-untyped-def]
+    """Give the friction the size that belongs to the side's whole load, and add what its bristles store."""
+    law, factor = data.law, by_load(sums[LOAD], data.law)
+    if factor != 1.0:
+        for i in range(DRAG_R, DRAG_B_N + 1):
+            sums[i] *= factor
+        sums[FRICTION_LOSS] *= factor
+    if law.kind == BRISTLE:
+        sums[ENERGY] += stored(patch_of(side, data), factor * data.friction, law)
 
 
 @inlined
@@ -297,6 +343,7 @@ def note_line_load(load_per_length, q, sums):  # type: ignore[no-untyped-def]
 @inlined
 def add_side(sums, angle, position, side, data, out):  # type: ignore[no-untyped-def]
     """Add one side's loads to `out` (`wrench` layout): line frame -> housing frame."""
+    _end_friction(side, data, sums)
     cd, sd, cos, sin = data.cos_delta, data.sin_delta, side.cos, side.sin
     ecc_e, ecc_y, gx, gy, gz = gear_centre(angle, position, data)
     n_t, n_z = -side.sign * side.n_p, side.n_z  # N, and B = (0, n_z, -n_t)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.forces.memory import NO_MEMORY
 
 if TYPE_CHECKING:
     import exudyn
@@ -31,6 +32,7 @@ def add_forces(
     *,
     mass: np.ndarray | None = None,
     applied: Callable[[float], np.ndarray] | None = None,
+    memory: np.ndarray = NO_MEMORY,
 ) -> Any:
     """Add an object with a compiled force law over the coordinates of some nodes.
 
@@ -41,10 +43,12 @@ def add_forces(
             without it Exudyn takes differences through Python.
         mass: of these coordinates besides that of their bodies, shape (size, size); none by default.
         applied: forces (size,) at a time [s] that act besides.
+        memory: of friction that remembers: told the time at which a step ends.
     """
     from exudyn.itemInterface import ObjectGenericODE2, VObjectGenericODE2
 
     def force(mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]) -> np.ndarray:
+        memory[1, :1] = t
         return kernel(np.asarray(q), np.asarray(v), data)[:size]
 
     def force_with_applied(
@@ -60,6 +64,7 @@ def add_forces(
         def jacobian(
             mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float], fq: float, fv: float
         ) -> np.ndarray:
+            memory[1, :1] = t
             return -derivative(np.asarray(q), np.asarray(v), data, fq, fv)  # of the left-hand side
 
         functions["jacobianUserFunction"] = jacobian

@@ -153,6 +153,10 @@ def _add_forces_together(model: SteeringModel) -> None:
     applied: Callable[[float], np.ndarray] | None = None
     if model.pulse is not None and bar is not None and modes:
         applied = _pulse_on_modes(model.pulse, bar, of_bodies)
+    memory = forces.memory.array
+    if memory.size:
+        memory[:] = model.start.kept[-1]
+        memory[0] = memory[1]
     add_forces(
         model.mbs,
         [model.nodes[body] for body in model.stack],
@@ -161,6 +165,7 @@ def _add_forces_together(model: SteeringModel) -> None:
         forces.dynamics_tangent,
         mass=np.diag(np.repeat([0.0, 1.0], [of_bodies, modes])),
         applied=applied,
+        memory=memory,
     )
 
 

@@ -1,17 +1,22 @@
 """Keeps the motion of a dynamic run in Exudyn, step by step."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from rps_exudyn.base.compiled import Handle
 from rps_exudyn.base.progress import reached
 from rps_exudyn.forces.bush import stored_in_chain
 from rps_exudyn.forces.external_load import axis_velocity
+from rps_exudyn.forces.memory import TIME
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.solvers.equilibrium import SIZE
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, Kernel
 from rps_exudyn.solvers.record import Record
+
+NOTHING = np.zeros(0)
 
 
 class Step(NamedTuple):
@@ -22,6 +27,7 @@ class Step(NamedTuple):
     rates: np.ndarray
     drive: float  # multiplier of the drive's constraint
     mesh: np.ndarray | None  # Exudyn's own contact forces on pinion and rack
+    begun: np.ndarray  # what friction remembered at its begin
 
 
 @dataclass
@@ -55,9 +61,28 @@ class Recorder:
             # Newton's last evaluation was made before its last correction, on the contacts it began with
             mbs.sys["dynamicSolver"].ComputeODE2RHS(mbs)
             mesh = self.model.contacts.force()[self.model.columns(["pinion", "rack"])]
-        self.steps.append(Step(t, coordinates, rates, drive, mesh))
+        self.steps.append(Step(t, coordinates, rates, drive, mesh, self._remembered(t, coordinates, rates)))
         reached(t / self.end, lambda: self.model.drive.shown(t))
         return True
+
+    def _remembered(self, t: float, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray:
+        """Make the end of a step found the begin of the next; return what was the begin."""
+        memory = self.model.forces.memory.array
+        if not memory.size:
+            return NOTHING
+        begun, (kernel, data), columns = memory[0].copy(), self._dynamics, self._columns
+        memory[1, TIME] = t
+        kernel(coordinates[columns], rates[columns], data)
+        memory[0] = memory[1]
+        return begun
+
+    @cached_property
+    def _dynamics(self) -> tuple[Kernel, Handle]:
+        return self.model.forces.dynamics
+
+    @cached_property
+    def _columns(self) -> np.ndarray:
+        return self.model.columns(self.model.stack)
 
     @property
     def reached(self) -> float:
@@ -75,7 +100,7 @@ class Recorder:
         energy = 0.5 * np.einsum("ti,ij,tj->t", rates, mass, rates)
         if model.segments:
             energy += stored_in_chain(model.gear, model.forces.chain, coordinates[:, model.segment_columns()])
-        columns, bar = model.columns(model.stack), model.forces.bar
+        columns, bar, memory = self._columns, model.forces.bar, model.forces.memory.array
         places, speeds = (np.ascontiguousarray(rows[:, columns]) for rows in (coordinates, rates))
         if bar is not None:
             energy += bar.elastic_energy(places)
@@ -91,6 +116,8 @@ class Recorder:
             contact=None if model.contacts is None else np.array([step.mesh for step in self.steps]),
             pulse_power=self._pulse_power(time, places, speeds),
             bar=bar,
+            begun=np.array([step.begun for step in self.steps]) if memory.size else None,
+            memory=memory,
         )
 
     def _pulse_power(self, time: np.ndarray, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray | None:

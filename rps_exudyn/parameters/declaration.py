@@ -77,6 +77,7 @@ ContactStiffness = Annotated[float, Unit("N/m^3", "N/m^3")]
 LineStiffness = Annotated[float, Unit("N/m^2", "N/mm/um", zero="from the gear")]
 Time = Annotated[float, Unit("s", "s")]
 Speed = Annotated[float, Unit("rad/s", "rpm")]
+SlidingSpeed = Annotated[float, Unit("m/s", "mm/s")]
 Acceleration = Annotated[float, Unit("m/s^2", "m/s^2")]
 
 

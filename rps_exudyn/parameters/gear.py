@@ -33,6 +33,7 @@ from rps_exudyn.parameters.declaration import (
     Torque,
     parameter,
 )
+from rps_exudyn.parameters.friction_law import FrictionLaw, LoadedFrictionLaw
 
 STEEPEST_LEAD = 0.01  # lead error over face width [rad]: the flanks' normals are those of the design to 1e-4
 
@@ -182,7 +183,7 @@ class Installation(Table):
     )
 
 
-class Yoke(Table):
+class Yoke(LoadedFrictionLaw):
     """Plunger, its spring, and the yokenut behind it."""
 
     preload: Force = parameter("300 N", "spring force at the rest position", "estimate", ge=0)
@@ -208,7 +209,7 @@ class Yoke(Table):
     )
 
 
-class Bush(Table):
+class Bush(FrictionLaw):
     """The bush that guides the far end of the rack: a hollow cylinder, its far end held by the housing."""
 
     outer_diameter: Length = parameter("30 mm", "outer diameter", "estimate", gt=0)
@@ -226,13 +227,13 @@ class Bush(Table):
     )
 
 
-class Bearing(Table):
+class Bearing(FrictionLaw):
     """The pinion's bearings and seal."""
 
     friction_torque: Torque = parameter("30 N*mm", "constant Coulomb friction torque", "estimate", ge=0)
 
 
-class Mesh(Table):
+class Mesh(LoadedFrictionLaw):
     """Contact of the teeth."""
 
     friction: Number = parameter(0.1, "friction coefficient rack/pinion", "estimate", ge=0, le=1)

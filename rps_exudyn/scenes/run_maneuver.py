@@ -183,7 +183,7 @@ def _along_equilibria(
         outcome = replace(outcome, status=Status.TIMEOUT, message=message)
     elif not path.converged:
         outcome = _lost(maneuver, path, outcome)
-    record = record_of_path(forces.elements, path, drive, forces.bar)
+    record = record_of_path(forces.elements, path, drive, forces.bar, forces.memory.array)
     run = _finished(gear, maneuver, outcome, record, path, forces.friction_zone, options)
     if interrupted:
         raise Interrupted(run)

@@ -16,6 +16,7 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import reached
+from rps_exudyn.forces.memory import NO_MEMORY, begin_step, forget
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.drive import Drive, travel_per_radian
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
@@ -40,6 +41,7 @@ class Balance(NamedTuple):
     data: Any
     locked: tuple[int, ...] = ()  # coordinates that are held at zero
     inertia: tuple[float, float] = (0.0, 0.0)  # of what follows the drive: pinion [kg m^2] and rack [kg]
+    memory: np.ndarray = NO_MEMORY  # of friction that remembers, see `forces.memory`
     modes: int = 0  # of the rack's bending
 
     @property
@@ -75,6 +77,7 @@ class EquilibriumPath:
     rates: np.ndarray  # the same
     forces: np.ndarray  # generalised forces; that on the driven coordinate the drive overcomes
     applied: np.ndarray  # the part of them that is inertia
+    kept: np.ndarray  # (n, 2, .) what friction remembered at the begin and the end of each step
     evaluations: int  # of the gear's forces
     iterations: int
     tangents: int
@@ -103,7 +106,8 @@ class EquilibriumPath:
     def last(self) -> "EquilibriumPath":
         """The path's last instant alone."""
         rows = {
-            name: getattr(self, name)[-1:] for name in ("time", "coordinates", "rates", "forces", "applied")
+            name: getattr(self, name)[-1:]
+            for name in ("time", "coordinates", "rates", "forces", "applied", "kept")
         }
         return replace(self, **rows)
 
@@ -172,6 +176,8 @@ def equilibrium_path(
     guess[list(balance.locked)] = 0.0
     rows.coordinates[0, free], rows.rates[0, free] = guess[free], steady[free]
 
+    forget(balance.memory)
+    balance.memory[1, :1] = time[0]
     counts, rescues, unbalanced, found = np.zeros(3, dtype=int), 0, 0.0, 0
     if led is not None and len(led.time) > 1:
         found, unbalanced, rescues = rows.follow(led), led.residual, led.rescues
@@ -182,7 +188,15 @@ def equilibrium_path(
             state = rows.coordinates, rows.rates, rows.forces, rows.applied
             end = min(found + PIECE, len(rows.time))
             found, *more, residual = follower(balance.force)(
-                found, rows.time[:end], drive.coordinate, free, balance.lengths, *state, balance.data
+                found,
+                rows.time[:end],
+                drive.coordinate,
+                free,
+                balance.lengths,
+                *state,
+                rows.kept,
+                balance.memory,
+                balance.data,
             )
             counts += more
             if found and rows.time[-1] > 0:
@@ -197,7 +211,9 @@ def equilibrium_path(
                 first = rows.coordinates[0], rows.rates[0], rows.applied[0]
                 rows.coordinates[0, free] = _settled_guess(balance, free, *first)
                 continue
+            begin_step(balance.memory, rows.kept[found - 1, 1], rows.time[found])
             residual = _search(balance, free, rows.time, found, *state)
+            rows.kept[found] = balance.memory
             if residual <= JUMP:
                 unbalanced = max(unbalanced, residual)
                 found += 1
@@ -223,6 +239,7 @@ class _Rows:
     rates: np.ndarray
     forces: np.ndarray
     applied: np.ndarray  # what acts besides the gear's forces, and counts among them
+    kept: np.ndarray  # (n, 2, .) what friction remembers
 
     @classmethod
     def along(cls, balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray) -> "_Rows":
@@ -231,12 +248,13 @@ class _Rows:
         coordinates[:, drive.coordinate] = drive.sign * drive.place(time)
         rates[:, drive.coordinate] = drive.sign * drive.rate(time)
         applied = inertia_forces(balance, pair, drive, time)
-        return cls(time, np.ones(len(time), dtype=bool), coordinates, rates, forces, applied)
+        kept = np.zeros((len(time), *balance.memory.shape))
+        return cls(time, np.ones(len(time), dtype=bool), coordinates, rates, forces, applied, kept)
 
     def follow(self, led: EquilibriumPath) -> int:
         """Take over the instants of a path; return how many."""
         found = len(led.time)
-        for name in ("coordinates", "rates", "forces"):
+        for name in ("coordinates", "rates", "forces", "kept"):
             getattr(self, name)[:found] = getattr(led, name)
         return found
 
@@ -255,6 +273,7 @@ class _Rows:
             self.rates[asked],
             self.forces[asked],
             self.applied[asked],
+            self.kept[asked],
             evaluations,
             iterations,
             tangents,

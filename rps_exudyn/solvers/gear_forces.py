@@ -1,14 +1,16 @@
 """All force elements of a gear, as modelled: what `statics` balances and `model` integrates."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from rps_exudyn.base.compiled import Handle
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces import bearing, external_load, sliding_fit, yoke
 from rps_exudyn.forces.bush import Chain, adams_chain, bush_chain
 from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.forces.memory import Memory
 from rps_exudyn.forces.yoke_without_plunger import yoke_as_force
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
@@ -62,6 +64,7 @@ class GearForces:
     friction_zone: float  # [m/s]
     locked: tuple[int, ...]  # coordinates of the stack that are held at zero
     bar: BentBar | None  # of the rack, where it bends or is not straight
+    memory: Memory = field(default_factory=Memory)  # of friction that remembers
 
     @property
     def elements(self) -> list[ForceElement]:
@@ -75,7 +78,7 @@ class GearForces:
         total = gear_force if self.bar is None else flexible_gear_force
         kernel = total(self.mesh.kernel, self.seat.kernel)
         modes = 0 if self.bar is None else self.bar.modes
-        return Balance(kernel, self._data(self.condensed_fit), self.locked, modes=modes)
+        return Balance(kernel, self._data(self.condensed_fit), self.locked, modes=modes, memory=self.memory.array)
 
     @property
     def dynamics(self) -> tuple[Kernel, Handle]:
@@ -94,9 +97,9 @@ class GearForces:
         return tangent(self.dynamics[0])
 
     def _data(self, fit: ForceElement) -> Handle:
-        parts = {name: getattr(self, name) for name in GearData._fields} | {"fit": fit}
+        parts = {name: getattr(self, name) for name in GearData._fields if name != "memory"} | {"fit": fit}
         data = {name: part.data if part else NOTHING[name] for name, part in parts.items()}
-        gear = GearData(**data)
+        gear = GearData(**data, memory=self.memory.array)
         return Handle(gear if self.bar is None else FlexibleData(gear, self.bar.data))
 
 
@@ -106,37 +109,38 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
     The yoke is adjusted so that the preload acts at rest on a gear without runout.
     """
     pair = GearPair.of(gear)
-    zone = fidelity.zone_ratio * pair.least_sliding * gear.test.speed
+    zone, memory = fidelity.zone_ratio * pair.least_sliding * gear.test.speed, Memory()
+    check_friction_laws(gear, fidelity)
     approach = static_approach(gear.yoke.preload, *ideal_mesh(gear, fidelity, zone), pair.axis_offset)
     chain = adams_chain(gear) if fidelity.bush == "adams-chain" else bush_chain(gear)
-    condensed = sliding_fit.condensed_fit(gear, chain, friction_zone=zone)
+    condensed = sliding_fit.condensed_fit(gear, chain, friction_zone=zone, memory=memory)
     fits = {
-        "chain": lambda: sliding_fit.chain_fit(gear, chain, friction_zone=zone),
-        "adams-chain": lambda: sliding_fit.chain_fit(gear, chain, friction_zone=zone),
+        "chain": lambda: sliding_fit.chain_fit(gear, chain, friction_zone=zone, memory=memory),
+        "adams-chain": lambda: sliding_fit.chain_fit(gear, chain, friction_zone=zone, memory=memory),
         "condensed": lambda: condensed,
-        "rigid": lambda: sliding_fit.rigid_fit(gear, friction_zone=zone),
+        "rigid": lambda: sliding_fit.rigid_fit(gear, friction_zone=zone, memory=memory),
     }
     fit = (
-        sliding_fit.loose_fit(gear, friction_zone=zone)
+        sliding_fit.loose_fit(gear, friction_zone=zone, memory=memory)
         if fidelity.rack == "guided"
         else fits[fidelity.bush]()
     )
     with_plunger = fidelity.yoke == "body"
     if with_plunger:
         rest_gap = approach + gear.yoke.preload / gear.yoke.seat_stiffness
-        seat = yoke.seat(gear, friction_zone=zone, rest_gap=rest_gap)
+        seat = yoke.seat(gear, friction_zone=zone, rest_gap=rest_gap, memory=memory)
     else:
-        seat = yoke_as_force(gear, friction_zone=zone, approach=approach)
+        seat = yoke_as_force(gear, friction_zone=zone, approach=approach, memory=memory)
     load = load_at_end(gear, rack_load) if rack_load or gear.rack.side_force else None
     places = {"mesh": (0.0, ALONG_BAR), "seat": (0.0, ALONG_BAR), "bush": (fit.data.station, ALONG_BAR)}
     if load is not None:
         places["load"] = (load.data.place, ON_BAR)
     return GearForces(
-        mesh=mesh_element(gear, fidelity, zone),
+        mesh=mesh_element(gear, fidelity, zone, memory),
         seat=seat,
         spring=yoke.spring(gear) if with_plunger else None,
         nut=yoke.nut_contact(gear) if with_plunger else None,
-        bearing=bearing.bearing(gear, friction_zone=fidelity.zone_ratio * gear.test.speed),
+        bearing=bearing.bearing(gear, friction_zone=fidelity.zone_ratio * gear.test.speed, memory=memory),
         fit=fit,
         load=load,
         weight=rack_weight(gear) if gear.installation.gravity else None,
@@ -145,7 +149,34 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         friction_zone=zone,
         locked=(*(GUIDED if fidelity.rack == "guided" else ()), *(() if with_plunger else (PLUNGER,))),
         bar=bent_bar(gear, fidelity, places),
+        memory=memory,
     )
+
+
+def check_friction_laws(gear: SteeringGear, fidelity: Fidelity) -> None:
+    """Check that the model knows the gear's friction laws.
+
+    Raises:
+        InputError: it does not.
+    """
+    laws = {part: getattr(gear, part).friction_law for part in ("mesh", "yoke", "bush", "bearing")}
+    for part, law in laws.items():
+        if law == "bristle" and fidelity.mesh == "general-contact":
+            raise InputError(
+                f"{part}.friction_law is bristle, but fidelity.mesh = general-contact remembers nothing: "
+                "choose fidelity.mesh = flank."
+            )
+    if "bristle" in laws.values() and (fidelity.rack == "flexible" or gear.rack.bow):
+        part = next(part for part, law in laws.items() if law == "bristle")
+        raise InputError(
+            f"{part}.friction_law is bristle, which a rack that bends or is not straight does not know yet: "
+            "choose fidelity.rack = free and rack.bow = 0."
+        )
+    if laws["mesh"] != "coulomb" and not fidelity.mesh.startswith("flank"):
+        raise InputError(
+            f"mesh.friction_law is {laws['mesh']}, but fidelity.mesh = {fidelity.mesh} knows only coulomb: "
+            "choose fidelity.mesh = flank."
+        )
 
 
 def following_inertia(gear: SteeringGear) -> tuple[float, float]:
@@ -166,13 +197,15 @@ def rack_weight(gear: SteeringGear) -> ForceElement:
     return external_load.weight(bar.mass, gear.installation.gravity, float(bar.centre_of_mass[0]))
 
 
-def mesh_element(gear: SteeringGear, fidelity: Fidelity, zone: float) -> ForceElement:
+def mesh_element(
+    gear: SteeringGear, fidelity: Fidelity, zone: float, memory: Memory | None = None
+) -> ForceElement:
     """Return the contact of the teeth as the fidelity models it; of general contact its compiled samples."""
     if fidelity.mesh == "flank":
         along, across = fidelity.strip_stations, fidelity.strip_points
-        return flank_element(gear, friction_zone=zone, along=along, across=across)
+        return flank_element(gear, friction_zone=zone, along=along, across=across, memory=memory)
     if fidelity.mesh == "flank-generators":
-        return generator_element(gear, friction_zone=zone, generators=fidelity.generators)
+        return generator_element(gear, friction_zone=zone, generators=fidelity.generators, memory=memory)
     if fidelity.mesh == "ratio":
         return ratio_element(gear)
     if fidelity.mesh == "ratio-with-loss":
@@ -184,6 +217,6 @@ def mesh_element(gear: SteeringGear, fidelity: Fidelity, zone: float) -> ForceEl
 
 def ideal_mesh(gear: SteeringGear, fidelity: Fidelity, zone: float) -> tuple[Kernel, Any]:
     """Return kernel and data of the mesh without friction and runout."""
-    ideal = gear.replace({"pinion.runout": 0.0, "mesh.friction": 0.0})
+    ideal = gear.replace({"pinion.runout": 0.0, "mesh.friction": 0.0, "mesh.friction_law": "coulomb"})
     element = mesh_element(ideal, fidelity, zone)
     return element.kernel, element.data

@@ -15,6 +15,7 @@ import numpy as np
 from rps_exudyn.base.compiled import inlined, kernel_over
 from rps_exudyn.forces.bearing import BearingData, bearing_force
 from rps_exudyn.forces.external_load import DeadForceData, add_dead_force
+from rps_exudyn.forces.memory import begin_step, slip_rates
 from rps_exudyn.forces.sliding_fit import FitData, fit_force, held_fit_force
 from rps_exudyn.forces.yoke import NutData, SpringData, nut_force, spring_force
 
@@ -44,6 +45,7 @@ class GearData(NamedTuple):
     fit: FitData
     load: DeadForceData
     weight: DeadForceData
+    memory: np.ndarray  # (2, .) of friction that remembers, see `forces.memory`; (2, 0) without
 
 
 @inlined
@@ -69,6 +71,7 @@ def gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
 
     def force(q, v, handle):  # type: ignore[no-untyped-def]
         data, total = handle.data, np.zeros(8)
+        v = slip_rates(q, v, data.memory)
         mesh = mesh_force(q[0:7], v[0:7], data.mesh)
         seat = seat_force(q[1:8], v[1:8], data.seat)
         _add_all_but_fit(total, mesh, seat, q, v, data)
@@ -84,6 +87,7 @@ def chain_gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
 
     def chain_force(q, v, handle):  # type: ignore[no-untyped-def]
         data, total = handle.data, np.zeros(14)
+        v = slip_rates(q, v, data.memory)
         mesh = mesh_force(q[0:7], v[0:7], data.mesh)
         seat = seat_force(q[1:8], v[1:8], data.seat)
         _add_all_but_fit(total, mesh, seat, q, v, data)
@@ -124,13 +128,19 @@ def tangent(force: Kernel) -> Kernel:
 
 @cache
 def along(force: Kernel) -> Kernel:
-    """A kernel over many states: a function (coordinates (n, .), rates (n, .), data) -> outputs (n, .)."""
+    """A kernel over many states: (coordinates (n, .), rates (n, .), data, time (n,), begun (n, .), memory)
+    -> outputs (n, .).
 
-    def each(coordinates, rates, data):  # type: ignore[no-untyped-def]
+    `begun` are what friction remembers at the begin of the steps that end in the states, (n, 0) if nothing.
+    """
+
+    def each(coordinates, rates, data, time, begun, memory):  # type: ignore[no-untyped-def]
+        begin_step(memory, begun[0], time[0])
         first = force(coordinates[0], rates[0], data)
         out = np.empty((coordinates.shape[0], first.size))
         out[0] = first
         for i in range(1, coordinates.shape[0]):
+            begin_step(memory, begun[i], time[i])
             out[i] = force(coordinates[i], rates[i], data)
         return out
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from rps_exudyn.base.compiled import kernel, kernel_over
 from rps_exudyn.base.linear import inverse
+from rps_exudyn.forces.memory import begin_step
 
 Kernel = Callable[..., Any]
 
@@ -171,23 +172,26 @@ def line_search_of(force: Kernel) -> Kernel:
 
 @cache
 def follower(force: Kernel) -> Kernel:
-    """Compile follow(first, time, driven, free, lengths, coordinates, rates, forces, applied, data) for a law
-    of forces.
+    """Compile follow(first, time, driven, free, lengths, coordinates, rates, forces, applied, kept, memory,
+    data) for a law of forces.
 
     Fills `coordinates`, `rates` and `forces`, all (n, size), from row `first` on: from the rows before it, or
-    from the guess in row 0; the driven coordinate's columns are given. `applied` acts besides and
-    counts among the forces. Returns how many rows are found,
+    from the guess in row 0; the driven coordinate's columns are given. `memory` (2, .) is what the law's
+    friction remembers, `kept` (n, 2, .) what it did at each instant. `applied` acts besides and counts among
+    the forces. Returns how many rows are found,
     evaluations of the forces, iterations, tangents, and the last residual [N].
     """
     inverse_tangent, line_search = inverse_tangent_of(force), line_search_of(force)
 
-    def follow(first, time, driven, free, lengths, coordinates, rates, forces, applied, data):  # type: ignore[no-untyped-def]
+    def follow(first, time, driven, free, lengths, coordinates, rates, forces, applied, kept, memory, data):  # type: ignore[no-untyped-def]
         evaluations, iterations, tangents, n = 0, 0, 0, free.size
         inverse, move = np.empty((n, n)), np.empty(n)
         q, v = coordinates[max(first - 1, 0)].copy(), rates[max(first - 1, 0)].copy()
         base, trial = coordinates[0].copy(), np.empty(q.size)
         norm = np.inf
         for k in range(first, time.size):
+            if k > 0:
+                begin_step(memory, kept[k - 1, 1], time[k])
             per_time = predict(k, time, coordinates, rates, free, base, q)
             q[driven], v[driven] = coordinates[k, driven], rates[k, driven]
             rates_from(q, base, per_time, free, v)
@@ -220,6 +224,10 @@ def follower(force: Kernel) -> Kernel:
             if not norm <= TOLERANCE:
                 return k, evaluations, iterations, tangents, norm
             rates_from(q, base, per_time, free, v)
+            if memory.shape[1] > 0:  # what was evaluated last may have been a trial
+                r = force(q, v, data)
+                add(r, applied[k])
+                kept[k] = memory
             coordinates[k], rates[k], forces[k] = q, v, r
         return time.size, evaluations, iterations, tangents, norm
 

@@ -5,7 +5,8 @@ and what each contact dissipates, independently of the sums that the solver used
 therefore evidence.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from rps_exudyn.forces.force_element import (
     FRICTION_POWER,
     ForceElement,
 )
+from rps_exudyn.forces.memory import NO_MEMORY, PLACES, TIME
 from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import SETTLED, EquilibriumPath, Start
@@ -61,6 +63,8 @@ class Record:
     settled: bool = False  # whether a tooth pitch was turned before
     start: Start = SETTLED  # what it remembers of how the gear came there
     bar: BentBar | None = None  # of the rack, where it bends or is not straight
+    begun: np.ndarray | None = None  # (n, .) what friction remembered at the begin of the steps that end here
+    memory: np.ndarray = field(default_factory=lambda: NO_MEMORY)  # where the elements look for it
 
     def since(self, time: float) -> "Record":
         """Return what comes after a time [s]: the part that begins with the last step until then.
@@ -69,7 +73,10 @@ class Record:
         """
         kept = self.time >= self.time[self.time <= time].max(initial=-np.inf)
         values = {item.name: getattr(self, item.name) for item in fields(self)}
-        return replace(self, **{n: rows[kept] for n, rows in values.items() if isinstance(rows, np.ndarray)})
+        rows = {
+            name: each for name, each in values.items() if isinstance(each, np.ndarray) and name != "memory"
+        }
+        return replace(self, **{name: each[kept] for name, each in rows.items()})
 
     def of(self, body: str) -> np.ndarray:
         """Return the coordinates of one body, shape (n, .)."""
@@ -85,13 +92,24 @@ class Record:
         Forces on a rack that bends are those on the local pose.
         """
         q, v = (np.ascontiguousarray(rows) for rows in self.seen_by(element))
-        return np.asarray(along(element.kernel)(q, v, element.data))
+        begun = np.zeros((len(self.time), 0)) if self.begun is None else self.begun
+        return np.asarray(along(element.kernel)(q, v, element.data, self.time, begun, self.memory))
+
+    @cached_property
+    def slip_rates(self) -> np.ndarray:
+        """Rates with which contacts slip (n, .): the means over the steps where friction remembers."""
+        if self.begun is None:
+            return self.rates
+        before = self.begun[:, PLACES : PLACES + self.coordinates.shape[1]]
+        step = (self.time - self.begun[:, TIME])[:, None]
+        even = (step > 0) & np.isfinite(step)
+        return np.where(even, (self.coordinates - before) / np.where(even, step, 1.0), self.rates)
 
     def seen_by(self, element: ForceElement) -> tuple[np.ndarray, np.ndarray]:
         """Return coordinates and rates of an element's bodies, (n, .) each: of a rack that bends those of a
         straight one that touches it there."""
         place = self.bar.places.get(element.name) if self.bar is not None else None
-        coordinates, rates = (self.coordinates, self.rates) if place is None else self.straightened(place)
+        coordinates, rates = (self.coordinates, self.slip_rates) if place is None else self.straightened(place)
         columns = stacked(element.bodies)
         return coordinates[:, columns], rates[:, columns]
 
@@ -105,7 +123,8 @@ class Record:
 
 
 def record_of_path(
-    elements: list[ForceElement], path: EquilibriumPath, drive: Drive, bar: BentBar | None = None
+    elements: list[ForceElement], path: EquilibriumPath, drive: Drive, bar: BentBar | None = None,
+    memory: np.ndarray = NO_MEMORY,
 ) -> Record:
     """Return the record of equilibria along a drive's motion.
 
@@ -115,7 +134,10 @@ def record_of_path(
     energy = _work(-np.einsum("ti,ti->t", path.applied, path.rates), path.time)
     if bar is not None:
         energy = energy + bar.elastic_energy(path.coordinates)
-    return Record(elements, path.time, path.coordinates, path.rates, overcome, drive.body, energy, bar=bar)
+    record = Record(elements, path.time, path.coordinates, path.rates, overcome, drive.body, energy, bar=bar)
+    if not memory.size:
+        return record
+    return replace(record, begun=np.ascontiguousarray(path.kept[:, 0]), memory=memory)
 
 
 def signals_of(record: Record) -> dict[str, np.ndarray]:

@@ -45,6 +45,13 @@ ERRORS: dict[str, Range] = {
     "installation.gravity": Seldom(0.3, Even(-9.81, 9.81)),
 }
 
+LAWS: dict[str, Range] = {  # others than Coulomb's have plans and references of their own
+    "friction_law": Choice({"coulomb": 1}),
+    "static_ratio": Even(1.0, 1.5),
+    "stribeck_speed": Logarithmic(1e-3, 1e-2),
+    "bristle_damping": Seldom(0.0, Logarithmic(1e-5, 1e-3)),
+}
+
 PARTS: dict[str, Range] = {
     "rack.reference_height": Share(Even(0.35, 0.92), lambda drawn: _radius_below_teeth(drawn)),
     "rack.travel": Even(0.06, 0.2),
@@ -73,6 +80,11 @@ PARTS: dict[str, Range] = {
     "bush.drag": Even(0, 80),
     "bush.distance": Share(Even(0.5, 1.0), lambda drawn: _farthest_bush(drawn)),
     "bearing.friction_torque": Even(0, 0.1),
+    **{
+        f"{part}.{name}": range_
+        for part in ("yoke", "bush", "bearing", "mesh")
+        for name, range_ in LAWS.items()
+    },
     "mesh.law": Choice({"line": 2, "area": 1}),
     "mesh.friction": Even(0.02, 0.3),
     "mesh.stiffness": Logarithmic(3e12, 2e14),
