@@ -157,7 +157,8 @@ def turning_angle(result: Result) -> float:
 
 def test_reversal_angle_of_bristles() -> None:
     """2.2 sum(T delta / arm) / sum T, to 5 %, beyond the angle by which the gear yields elastically, as it
-    does with Coulomb's law. The rack is guided: one that rolls takes a part of the slip with it. 2.2 = ln 9 is what z = 1 - 2 exp(-s / delta) takes from -0.8 to 0.8."""
+    does with Coulomb's law. The rack is guided: one that rolls takes a part of the slip with it.
+    2.2 = ln 9 is what z = 1 - 2 exp(-s / delta) takes from -0.8 to 0.8."""
     result, coulomb = (reversal(law, rack="guided") for law in ("bristle", "coulomb"))
     gained, last = GearPair.of(GEAR).gain, passes(result.signals)[1]
     shaft = GEAR.pinion.shaft_diameter / 2
