@@ -26,11 +26,16 @@ class FrictionLaw(Table):
     stribeck_exponent: Number = parameter(
         2.0, "exponent of the speed in Stribeck's curve", "estimate", ge=0.5, le=4
     )
-    presliding: Length = parameter(
+    bristle_travel: Length = parameter(
         "5 um", "bristle: sliding over which friction turns about, its load over its stiffness", "estimate",
         gt=0, le=1e-3,
     )  # fmt: skip
     bristle_damping: Time = parameter(0.0, "bristle: damping over stiffness", "estimate", ge=0, le=1e-2)
+
+    @property
+    def presliding(self) -> float:
+        """Return the presliding displacement delta [m], the travel of the bristles."""
+        return self.bristle_travel
 
 
 class LoadedFrictionLaw(FrictionLaw):

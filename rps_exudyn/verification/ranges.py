@@ -32,6 +32,7 @@ POWERS = {
     "N/m^2": 0,
     "s": 1,
     "rad/s": -1,
+    "m/s": 0,
     "m/s^2": 0,  # gravity is the Earth's, whatever the gear's size
 }
 """SI unit -> power of the scale s with which its quantities grow in similar gears of the same materials."""

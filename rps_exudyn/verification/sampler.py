@@ -101,6 +101,9 @@ def _drawn_gear(rng: np.random.Generator) -> SteeringGear:
     items = {item.path: item for item in SteeringGear.declared()}
     values = drawn(rng, SteeringGear, GEAR)
     scale = (USUAL_SCALE if rng.random() < USUAL_SHARE else SCALE).draw(rng, values)
+    for path in values:  # the references of plans know Coulomb's law
+        if path.endswith(".friction_law"):
+            values[path] = "coulomb"
     shift, tip = values.pop("pinion.profile_shift"), values.pop("pinion.tip_diameter")
     values["test.turns"] /= values["pinion.teeth"]
     settings = {

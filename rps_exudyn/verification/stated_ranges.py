@@ -45,11 +45,11 @@ ERRORS: dict[str, Range] = {
     "installation.gravity": Seldom(0.3, Even(-9.81, 9.81)),
 }
 
-LAWS: dict[str, Range] = {  # others than Coulomb's have plans and references of their own
-    "friction_law": Choice({"coulomb": 1}),
+LAWS: dict[str, Range] = {
+    "friction_law": Choice({"coulomb": 2, "stribeck": 1, "bristle": 1}),
     "static_ratio": Even(1.0, 1.5),
     "stribeck_speed": Logarithmic(1e-3, 1e-2),
-    "bristle_damping": Seldom(0.0, Logarithmic(1e-5, 1e-3)),
+    "bristle_damping": Seldom(0.5, Logarithmic(1e-5, 1e-3)),
 }
 
 PARTS: dict[str, Range] = {

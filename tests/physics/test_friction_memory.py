@@ -141,7 +141,7 @@ def test_two_points_share_a_patch() -> None:
 def reversal(
     law: str, presliding: str = "10 um", fidelity: str = "quasi-static", rack: str = "free"
 ) -> Result:
-    gear = with_law(friction_law=law, presliding=presliding)
+    gear = with_law(friction_law=law, bristle_travel=presliding)
     result = rps.run("reversal", gear, fidelity=Fidelity.preset(fidelity).replace({"rack": rack}))
     assert result.status is Status.OK, result.message
     return result

@@ -62,7 +62,8 @@ def test_table_without_nested_ones_is_validated_alike() -> None:
         SteeringGear().mesh.replace({"friction": 2, "glue": 1})
     assert caught.value.problems == [
         "friction is 2; it must be at least 0 and at most 1.",
-        "glue is no parameter; there are friction, stiffness, damping, law, line_stiffness.",
+        "glue is no parameter; there are friction_law, static_ratio, stribeck_speed, stribeck_exponent, "
+        "bristle_travel, bristle_damping, load_exponent, friction, stiffness, damping, law, line_stiffness.",
     ]
 
 
