@@ -78,7 +78,9 @@ class GearForces:
         total = gear_force if self.bar is None else flexible_gear_force
         kernel = total(self.mesh.kernel, self.seat.kernel)
         modes = 0 if self.bar is None else self.bar.modes
-        return Balance(kernel, self._data(self.condensed_fit), self.locked, modes=modes, memory=self.memory.array)
+        return Balance(
+            kernel, self._data(self.condensed_fit), self.locked, modes=modes, memory=self.memory.array
+        )
 
     @property
     def dynamics(self) -> tuple[Kernel, Handle]:

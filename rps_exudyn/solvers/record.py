@@ -109,7 +109,9 @@ class Record:
         """Return coordinates and rates of an element's bodies, (n, .) each: of a rack that bends those of a
         straight one that touches it there."""
         place = self.bar.places.get(element.name) if self.bar is not None else None
-        coordinates, rates = (self.coordinates, self.slip_rates) if place is None else self.straightened(place)
+        coordinates, rates = (
+            (self.coordinates, self.slip_rates) if place is None else self.straightened(place)
+        )
         columns = stacked(element.bodies)
         return coordinates[:, columns], rates[:, columns]
 
@@ -123,7 +125,10 @@ class Record:
 
 
 def record_of_path(
-    elements: list[ForceElement], path: EquilibriumPath, drive: Drive, bar: BentBar | None = None,
+    elements: list[ForceElement],
+    path: EquilibriumPath,
+    drive: Drive,
+    bar: BentBar | None = None,
     memory: np.ndarray = NO_MEMORY,
 ) -> Record:
     """Return the record of equilibria along a drive's motion.
