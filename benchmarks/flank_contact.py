@@ -118,7 +118,7 @@ def by_evaluator(names: Sequence[str]) -> Iterator[Row]:
     """Name, cost [us], errors of torque and wrench [%] on the paper's gear."""
     aligned = (0, 0, 0)
     for name in names:
-        data = pack(GEAR, **EVALUATORS[name])
+        data = pack(GEAR, **EVALUATORS[name])  # type: ignore[arg-type]
         yield name, microseconds(states(GEAR, aligned), data), *errors(GEAR, aligned, data)
 
 

@@ -14,19 +14,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import reached
 from rps_exudyn.forces.memory import NO_MEMORY, begin_step, forget
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.drive import Drive, travel_per_radian
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
-from rps_exudyn.solvers.path_follower import TOLERANCE, backward_difference, follower
+from rps_exudyn.solvers.path_follower import backward_difference, follower
+from rps_exudyn.solvers.settling import TYPICAL_APPROACH, settled
 
 SIZE = 8  # coordinates of pinion, rack and plunger; modes of a flexible rack follow
 CHARACTERISTIC_LENGTHS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0])  # coordinates to lengths [m]
 
-SETTLING_STEPS = 600
-TYPICAL_APPROACH = 15e-6  # of the rack under the yoke's preload [m]
 PIECE = 2000  # instants followed at once: Ctrl-C is heard between them
 MAX_RESCUES = 100
 FARTHEST_SEARCH = 1e-4  # of each coordinate from where the path leads [m]
@@ -361,59 +359,3 @@ def _search(
         forces[k] = force(found.x)
     coordinates[k], rates[k] = q, v
     return float(np.abs(found.fun).max())
-
-
-def static_approach(load: float, mesh_force: Callable[..., Any], data: Any, offset: float) -> float:
-    """Return how far a load [N] along -Y presses the guided rack into a frictionless mesh at pinion angle 0
-    [m].
-
-    The rack keeps its direction; it finds its place along X between the flanks by itself. `offset` [m] is
-    where it would stand without load.
-
-    Raises:
-        InputError: the teeth cannot carry the load within the range of their contact law.
-    """
-    if load == 0:
-        return -offset
-    q, still = np.zeros(7), np.zeros(7)
-
-    def unbalanced(place: np.ndarray) -> np.ndarray:
-        q[1:3] = place
-        return np.asarray(mesh_force(q, still, data)[1:3] - np.array([0.0, load]))
-
-    place, rest = settled(unbalanced, np.array([0.0, offset - TYPICAL_APPROACH]), np.ones(2))
-    if rest > 1e-3 * max(load, 1.0):
-        raise InputError(
-            f"yoke.preload is {load:g} N, more than the teeth carry within the range of their contact law, "
-            "by mesh.law and its stiffness."
-        )
-    return float(-place[1])
-
-
-def settled(
-    force: Callable[[np.ndarray], np.ndarray], start: np.ndarray, levers: np.ndarray
-) -> tuple[np.ndarray, float]:
-    """Let the coordinates creep to where the force vanishes; return the place and the residual [N].
-
-    Pseudo-transient continuation: implicit Euler steps of levers^2 dq/dt = force, which cannot overshoot far,
-    longer the smaller the force has become until they are Newton's. `levers` turn rotations into lengths [m].
-    """
-    q, r = start.copy(), force(start)
-    stretch = 1e-9  # [m/N]
-    for _ in range(SETTLING_STEPS):
-        norm = float(np.abs(r / levers).max())
-        if norm <= TOLERANCE / 10:
-            break
-        tangent = np.empty((q.size, q.size))
-        for j, step in enumerate(1e-9 / levers):
-            moved = q.copy()
-            moved[j] += step
-            tangent[:, j] = (force(moved) - r) / step
-        move = np.linalg.lstsq(np.diag(levers**2) / stretch - tangent, r, rcond=None)[0]
-        move *= min(1.0, 20e-6 / float(np.abs(move * levers).max() or 1.0))
-        r_next = force(q + move)
-        growth = norm / float(np.abs(r_next / levers).max() or norm)
-        stretch *= min(max(growth, 1.3), 10.0) if growth > 0.9 else 0.2
-        if growth > 0.2:
-            q, r = q + move, r_next
-    return q, float(np.abs(r / levers).max())

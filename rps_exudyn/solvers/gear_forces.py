@@ -23,7 +23,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar, bent_bar
 from rps_exudyn.solvers.closed_form import closed_form
-from rps_exudyn.solvers.equilibrium import Balance, static_approach
+from rps_exudyn.solvers.equilibrium import Balance
 from rps_exudyn.solvers.flexible_kernel import FlexibleData, flexible_gear_force, flexible_tangent
 from rps_exudyn.solvers.gear_kernel import (
     COORDINATE_BLOCKS,
@@ -33,6 +33,7 @@ from rps_exudyn.solvers.gear_kernel import (
     gear_force,
     tangent,
 )
+from rps_exudyn.solvers.settling import static_approach
 
 RACK = COORDINATE_BLOCKS["rack"].start
 PLUNGER = COORDINATE_BLOCKS["plunger"].start

@@ -27,8 +27,8 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.solvers.equilibrium import static_approach
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
+from rps_exudyn.solvers.settling import static_approach
 from rps_exudyn.verification.equilibria import equilibria
 
 Surface = Callable[[GearPair], np.ndarray]
