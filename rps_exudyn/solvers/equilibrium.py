@@ -8,7 +8,7 @@ instant they are those of steady motion: rack and pinion move at the gear's gain
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -75,7 +75,6 @@ class EquilibriumPath:
     rates: np.ndarray  # the same
     forces: np.ndarray  # generalised forces; that on the driven coordinate the drive overcomes
     applied: np.ndarray  # the part of them that is inertia
-    kept: np.ndarray  # (n, 2, .) what friction remembered at the begin and the end of each step
     evaluations: int  # of the gear's forces
     iterations: int
     tangents: int
@@ -84,6 +83,8 @@ class EquilibriumPath:
     lost_at: float | None  # the first instant without an equilibrium [s]
     begun: float  # the first instant of all [s]
     start: Start = SETTLED
+    # (n, 2, .) what friction remembered at the begin and the end of each step
+    kept: np.ndarray = field(default_factory=lambda: np.zeros((0, 2, 0)))
 
     @property
     def converged(self) -> bool:
@@ -271,7 +272,6 @@ class _Rows:
             self.rates[asked],
             self.forces[asked],
             self.applied[asked],
-            self.kept[asked],
             evaluations,
             iterations,
             tangents,
@@ -279,6 +279,7 @@ class _Rows:
             residual,
             float(self.time[found]) if found < len(self.time) else None,
             float(self.time[0]),
+            kept=self.kept[asked],
         )
 
     def halve(self, k: int, balance: Balance, pair: GearPair, drive: Drive) -> bool:
