@@ -281,6 +281,12 @@ class Test(Table):
     pulse_duration: Time = parameter("5 ms", "yoke-impact: duration of a pulse", "estimate", gt=0, le=1)
     pulse_period: Time = parameter("20 ms", "yoke-impact: from pulse to pulse", "estimate", gt=0, le=10)
     pulses: Count = parameter(1, "yoke-impact: number of pulses", "estimate", ge=1, le=100)
+    play_force: Force = parameter(
+        "98 N", "radial-play: force across the rack at its end, either way", "estimate", gt=0
+    )
+    lift_torque: Torque = parameter(
+        "19.6 N*m", "rack-lift: torque on the pinion, either way, the rack held", "estimate", gt=0
+    )
 
 
 class SteeringGear(Table):

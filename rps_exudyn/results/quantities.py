@@ -102,6 +102,8 @@ SIGNALS = {
     ),
     "rack_force": _force("force that drives the rack along X, where the rig moves the rack"),
     "load_force": _force("force that pulls the rack's end towards -X"),
+    "end_force_y": _force("force of the rig across the rack's end beside the pinion, along Y"),
+    "end_force_z": _force("the same along Z"),
     "rack_displacement": _length("displacement of the rack's reference point along X"),
     "rack_y": _deflection(
         "lift of the bar's axis above the pitch point along Y, away from the pinion, from the design position"
@@ -110,11 +112,9 @@ SIGNALS = {
     "rack_roll": _tilt("rotation of the rack about X"),
     "rack_yaw": _tilt("rotation of the rack about Y"),
     "rack_pitch": _tilt("rotation of the rack about Z"),
-    "rack_end_y": _length(
-        "displacement of the bar's axis at its end beside the pinion along Y, where the bar bends or is bent"
-    ),
+    "rack_end_y": _length("displacement of the bar's axis at its end beside the pinion along Y"),
     "rack_end_z": _length("the same along Z"),
-    "rack_bush_y": _deflection("displacement of the bar's axis in the bush along Y, likewise"),
+    "rack_bush_y": _deflection("displacement of the bar's axis in the bush along Y, where the bar bends or is bent"),
     "rack_bush_z": _deflection("the same along Z"),
     "plunger_displacement": _deflection(
         "displacement of the plunger along Y, towards the yokenut, from its rest position"
@@ -219,6 +219,18 @@ SUMMARY = {
     "impact_speed": Quantity("m/s", "mm/s", "largest speed of the plunger at the beginning of an impact"),
     "impact_contact_share": _ratio("share of the time with contact between plunger and yokenut"),
     "impact_force_rms": _force("root mean square of yokenut_force over the record"),
+    "radial_play_y": _deflection(
+        "radial play: displacement of the rack's end along Y under the largest force along Y, the larger way"
+    ),
+    "radial_play_z": _deflection("the same along Z"),
+    "radial_play_up": _deflection("the same away from the pinion, along Y"),
+    "radial_play_down": _deflection("the same towards the pinion"),
+    "radial_play_side": _deflection("the same along Z"),
+    "radial_play_other_side": _deflection("the same against Z"),
+    "rack_lift": _deflection("rack lift: rise of rack_y under the largest torque, the larger way"),
+    "rack_lift_forward": _deflection("the same, the torque in the sense of the pinion angle"),
+    "rack_lift_backward": _deflection("the same, against it"),
+    "rack_lift_end": _deflection("rise of the rack's end meanwhile, the larger way"),
     "loss_share_mesh": _ratio("work lost between the teeth, of all work lost"),
     "loss_share_seat": _ratio("work lost between plunger and rack, of all work lost"),
     "loss_share_bush": _ratio("work lost in the bush, of all work lost"),

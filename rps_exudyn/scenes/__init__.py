@@ -12,7 +12,15 @@ from rps_exudyn.base.errors import InputError
 if TYPE_CHECKING:
     from rps_exudyn.scenes.scene import Scene
 
-SCENE_NAMES = ("free-pinion-torque", "load-test", "rack-push", "reversal", "yoke-impact")
+SCENE_NAMES = (
+    "free-pinion-torque",
+    "load-test",
+    "rack-push",
+    "reversal",
+    "yoke-impact",
+    "radial-play",
+    "rack-lift",
+)
 """All scenes; each stands in the module of its name. Modules are loaded when their scene is asked for."""
 
 

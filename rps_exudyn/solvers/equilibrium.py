@@ -40,6 +40,7 @@ class Balance(NamedTuple):
     locked: tuple[int, ...] = ()  # coordinates that are held at zero
     inertia: tuple[float, float] = (0.0, 0.0)  # of what follows the drive: pinion [kg m^2] and rack [kg]
     memory: np.ndarray = NO_MEMORY  # of friction that remembers, see `forces.memory`
+    outside: Callable[[np.ndarray], np.ndarray] | None = None  # times (t,) -> generalised forces (t, 8)
     modes: int = 0  # of the rack's bending
 
     @property
@@ -247,6 +248,8 @@ class _Rows:
         coordinates[:, drive.coordinate] = drive.sign * drive.place(time)
         rates[:, drive.coordinate] = drive.sign * drive.rate(time)
         applied = inertia_forces(balance, pair, drive, time)
+        if balance.outside is not None:
+            applied += balance.outside(time)
         kept = np.zeros((len(time), *balance.memory.shape))
         return cls(time, np.ones(len(time), dtype=bool), coordinates, rates, forces, applied, kept)
 

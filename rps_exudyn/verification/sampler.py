@@ -24,7 +24,7 @@ from rps_exudyn.parameters.declaration import Table
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.maneuver import largest_angle, maneuvers_of_test, swing_maneuver
+from rps_exudyn.scenes.maneuver import check_travel, largest_angle, maneuvers_of_test, swing_maneuver
 from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.verification.ranges import Range, range_of, scaled, within
 from rps_exudyn.verification.stability import ScenePlan
@@ -161,7 +161,7 @@ def usual_plan(rng: np.random.Generator, preset: str) -> ScenePlan:
 
 def affordable(gear: SteeringGear, scene: str, fidelity: Fidelity) -> Fidelity:
     """Return the model, in steps as long as a plan can afford."""
-    if scene in ("reversal", "yoke-impact"):
+    if scene in ("reversal", "yoke-impact", "radial-play", "rack-lift"):
         return fidelity
     steps = sum(
         maneuver.lead + maneuver.steps for maneuver in maneuvers_of_test(gear, "pinion", fidelity.step_angle)
@@ -184,6 +184,10 @@ def _steering(gear: SteeringGear) -> None:
     swing_maneuver(gear, COARSE)
 
 
+def _resting(gear: SteeringGear) -> None:
+    check_travel(gear, (gear.test.start_angle,), "test.start_angle")
+
+
 def _shaking(gear: SteeringGear) -> None:
     shaken(gear)
 
@@ -194,5 +198,7 @@ REACHES: dict[str, Callable[[SteeringGear], None]] = {
     "load-test": _loading,
     "reversal": _steering,
     "yoke-impact": _shaking,
+    "radial-play": _resting,
+    "rack-lift": _resting,
 }
 """Scene -> what raises InputError where its test leaves the rack's teeth."""

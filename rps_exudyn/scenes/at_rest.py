@@ -1,0 +1,163 @@
+"""A gear at rest under loads from outside: equilibria one after the other, nothing sliding.
+
+Loads change so slowly that friction creeps away: the gear finds the place that it would find without
+friction, tapped and turned to and fro as a mechanic does before reading the gauge. Time counts the loads
+only.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from time import process_time
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.gears.rack_beam import RackBeam
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Interrupted, Outcome, Status
+from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
+from rps_exudyn.solvers.drive import Drive
+from rps_exudyn.solvers.equilibrium import SIZE, EquilibriumPath, PathInterrupted, equilibrium_path
+from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
+from rps_exudyn.solvers.path_follower import TOLERANCE
+from rps_exudyn.solvers.record import Record, record_of_path, signals_of
+
+PAUSE = 1e4  # from load to load [s]: friction of a rack that moves by 0.1 mm meanwhile is 1e-4 of sliding
+NEEDS_FREE_RACK = ("free", "flexible")
+
+
+@dataclass(frozen=True, eq=False)
+class OutsideLoads:
+    """Loads one after the other: a torque on the pinion and a force across the rack's end beside it."""
+
+    torque: np.ndarray  # (n,) in the sense of the pinion angle [N m]
+    end_force: np.ndarray  # (n, 2) along Y and Z [N]
+
+    @classmethod
+    def of_torque(cls, torque: np.ndarray) -> "OutsideLoads":
+        """Torques on the pinion alone."""
+        return cls(torque, np.zeros((len(torque), 2)))
+
+    @classmethod
+    def of_end_force(cls, force: np.ndarray) -> "OutsideLoads":
+        """Forces (n, 2) on the rack's end alone."""
+        return cls(np.zeros(len(force)), force)
+
+    @property
+    def time(self) -> np.ndarray:
+        """Instants of the loads [s]."""
+        return PAUSE * np.arange(len(self.torque))
+
+    def generalised(self, place: float, bent: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        """Forces on the coordinates over time, shape (t, 8 + m): the force acts at `place` on the bar [m].
+
+        `bent` (2, m) is how far unit modes move that place along Y and Z. Turns of the rack, at most a
+        milliradian, leave the force's lever alone.
+        """
+        size, rack = SIZE + bent.shape[1], COORDINATE_BLOCKS["rack"].start
+        forces = np.zeros((len(self.torque), size))
+        forces[:, COORDINATE_BLOCKS["pinion"].start] = -self.torque  # the coordinate counts about the axis
+        across, sideways = self.end_force.T
+        forces[:, rack + 1], forces[:, rack + 5] = across, place * across
+        forces[:, rack + 2], forces[:, rack + 4] = sideways, -place * sideways
+        forces[:, SIZE:] = self.end_force @ bent
+
+        def at(time: np.ndarray) -> np.ndarray:
+            return np.stack([np.interp(time, self.time, forces[:, i]) for i in range(size)], axis=1)
+
+        return at
+
+
+def to_and_fro(largest: float, steps: int) -> np.ndarray:
+    """Return 0, up to the largest, back through 0 to its negative, and back to 0: 4 `steps` + 1 values."""
+    quarter = np.linspace(0, largest, steps, endpoint=False)
+    back = largest - quarter
+    return np.concatenate([quarter, back, -quarter, -back, [0.0]])
+
+
+def run_at_rest(
+    gear: SteeringGear, fidelity: Fidelity, drive: Drive, loads: OutsideLoads, options: RunOptions
+) -> SceneRun:
+    """Find the equilibria under the loads, the drive's body held; the run has no summary yet.
+
+    Raises:
+        InputError: a model that knows no place of the rack in its guides.
+    """
+    if fidelity.solver == "closed-form" or fidelity.rack not in NEEDS_FREE_RACK:
+        raise InputError(
+            f"fidelity.solver is {fidelity.solver} and fidelity.rack is {fidelity.rack}; how a rack yields "
+            "across its guides needs equilibria of a rack that is free or flexible."
+        )
+    place, start, interrupted = RackBar.of(gear).x_min, process_time(), False
+    forces = gear_forces(gear, fidelity)
+    outside = loads.generalised(place, moved_by_modes(gear, fidelity, place))
+    balance = forces.statics._replace(outside=outside)
+    try:
+        path = equilibrium_path(balance, GearPair.of(gear), drive, loads.time)
+    except PathInterrupted as interrupt:
+        path, interrupted = interrupt.path, True
+    except np.linalg.LinAlgError as error:
+        message = f"the gear yields without resistance: {error}"
+        return SceneRun(Outcome(Status.NO_CONVERGENCE, message))
+    outcome = _outcome(path, loads, process_time() - start, interrupted)
+    if len(path.time) < 2:
+        return SceneRun(outcome)
+    record = record_of_path(forces.elements, path, drive)
+    record = replace(record, energy=np.zeros(len(path.time)), pulse_power=np.zeros(len(path.time)))
+    signals = _signals(record, loads, outside(path.time), place)
+    if outcome.status is Status.OK:
+        outcome = options.check(outcome, gear, record, signals, None)
+    if interrupted:
+        raise Interrupted(SceneRun(outcome, signals))
+    return SceneRun(outcome, signals)
+
+
+def moved_by_modes(gear: SteeringGear, fidelity: Fidelity, place: float) -> np.ndarray:
+    """Return how far unit modes of the bar's bending move a place on it along Y and Z, shape (2, m)."""
+    modes = RackBeam.of(gear).modes(gear.rack.modes if fidelity.rack == "flexible" else 0)
+    shape = modes.at(place)[0] if modes.count else np.zeros(0)
+    return np.stack([np.where(modes.plane == plane, shape, 0.0) for plane in (0, 1)])
+
+
+def _outcome(path: EquilibriumPath, loads: OutsideLoads, cpu_s: float, interrupted: bool) -> Outcome:
+    outcome = Outcome(
+        Status.OK,
+        time_reached=float(path.time[-1]) if path.time.size else 0.0,
+        cpu_s=cpu_s,
+        counters=path.counters,
+        settings={"name": "equilibrium", "tolerance": TOLERANCE},
+        findings={"residual": path.residual, "rescues": path.rescues},
+    )
+    found = len(path.time)
+    if interrupted:
+        return replace(outcome, status=Status.TIMEOUT, message=f"interrupted after {found} loads")
+    if path.converged:
+        return outcome
+    (across, sideways), torque = loads.end_force[found], loads.torque[found]
+    shown = f"{across:.4g} N along Y and {sideways:.4g} N along Z at the rack's end, {torque:.4g} N m"
+    message = f"no equilibrium was found under {shown}; {path.residual:.3g} N remain unbalanced"
+    return replace(outcome, status=Status.NO_CONVERGENCE, message=message)
+
+
+def _signals(record: Record, loads: OutsideLoads, outside: np.ndarray, place: float) -> Signals:
+    """Signals of the record, the loads, the bar's end, and the loads' work along the path."""
+    n = len(record.time)
+    # rates mean nothing where time only counts: works are integrals over them, but for that of the loads
+    signals = {name: values for name, values in signals_of(record).items() if not name.startswith("work_")}
+    steps = np.einsum("ti,ti->t", outside[1:] + outside[:-1], np.diff(record.coordinates, axis=0)) / 2
+    rack = record.of("rack")
+    signals |= {
+        "end_force_y": loads.end_force[:n, 0],
+        "end_force_z": loads.end_force[:n, 1],
+        "work_load": np.concatenate([[0.0], np.cumsum(steps)]),
+    }
+    signals.setdefault("rack_end_y", rack[:, 1] + place * np.sin(rack[:, 5]))
+    signals.setdefault("rack_end_z", rack[:, 2] - place * np.sin(rack[:, 4]))
+    if record.driven == "rack":
+        signals["pinion_torque"] = loads.torque[:n]
+    return signals

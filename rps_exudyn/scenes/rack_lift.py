@@ -1,0 +1,66 @@
+"""Rack lift: a torque on the pinion, the rack held; how far the teeth lift the rack off the pinion.
+
+A mechanic holds the rack, turns the pinion with a given torque and reads how far the bar moves away from the
+pinion. The teeth push it away by torque / s' tan(alpha_n) / cos(beta_r), s' the rack's travel per radian:
+more than the yoke's spring holds, so that the plunger comes to rest on the yokenut and the lift shows its
+clearance.
+"""
+
+import numpy as np
+
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.at_rest import OutsideLoads, run_at_rest, to_and_fro
+from rps_exudyn.scenes.figures import balance
+from rps_exudyn.scenes.maneuver import check_travel
+from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import Scene
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
+from rps_exudyn.solvers.drive import Steady
+
+STEPS = 40  # from no torque to the largest
+
+
+def rack_lift(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
+    """Turn the pinion against the held rack, one way and the other.
+
+    Raises:
+        InputError: a model that knows no place of the rack in its guides, or a start beyond its teeth.
+    """
+    check_travel(gear, (gear.test.start_angle,), "test.start_angle")
+    torque = to_and_fro(gear.test.lift_torque, STEPS)
+    drive = Steady("rack", float(GearPair.of(gear).gain) * gear.test.start_angle, 0.0)
+    run = run_at_rest(gear, fidelity, drive, OutsideLoads.of_torque(torque), options)
+    return run.noting(*remarks(gear, run.signals)).described(
+        lambda signals: {**lift_figures(signals), **balance(signals)}
+    )
+
+
+def lift_figures(signals: Signals) -> dict[str, float]:
+    """Return the lift of the bar's axis above the pitch point under the largest torque each way, the larger
+    of both, and that of the rack's end."""
+    torque, lift, end = (signals[name] for name in ("pinion_torque", "rack_y", "rack_end_y"))
+    figures, largest = {}, float(np.abs(torque).max())
+    for sense, name in ((1, "rack_lift_forward"), (-1, "rack_lift_backward")):
+        turned = np.flatnonzero(torque == sense * largest)
+        if largest and turned.size:
+            figures[name] = float(lift[turned[0]] - lift[0])
+            figures["rack_lift_end"] = max(
+                float(end[turned[0]] - end[0]), figures.get("rack_lift_end", -np.inf)
+            )
+    if len(figures) == 3:
+        figures["rack_lift"] = max(figures["rack_lift_forward"], figures["rack_lift_backward"])
+    return figures
+
+
+SCENE = Scene(
+    name="rack-lift",
+    title="Rack lift: the rack under a torque on the pinion",
+    run=rack_lift,
+    signal="rack_y",
+    figure="rack_lift",
+    chart="lift",
+    revolutions=None,
+)

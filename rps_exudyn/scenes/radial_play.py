@@ -1,0 +1,73 @@
+"""Radial play: a force across the rack's end, the pinion held; how far the end gives way.
+
+A mechanic presses the end of the rack beside the pinion to and fro, across the housing, and reads a gauge
+there. The scene does so away from the pinion and towards it (Y), then sideways (Z), with `test.play_force`
+either way. What gives way is the bar, which bends; the mesh, the yoke's spring and seat, the bush; and the
+clearance behind the plunger, once the force lifts the rack off the pinion.
+"""
+
+import numpy as np
+
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.at_rest import OutsideLoads, run_at_rest, to_and_fro
+from rps_exudyn.scenes.figures import balance
+from rps_exudyn.scenes.maneuver import check_travel
+from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import Scene
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
+from rps_exudyn.solvers.drive import Steady
+
+STEPS = 10  # from no force to the largest
+RIGID = (
+    "fidelity.rack is free: a rigid bar shows only how its guides yield, of the default gear a fifteenth of "
+    "the play; choose flexible"
+)
+
+
+def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
+    """Press the rack's end to and fro along Y, then along Z.
+
+    Raises:
+        InputError: a model that knows no place of the rack in its guides, or a start beyond its teeth.
+    """
+    check_travel(gear, (gear.test.start_angle,), "test.start_angle")
+    force = to_and_fro(gear.test.play_force, STEPS)
+    still = np.zeros_like(force)
+    along = np.concatenate([np.stack([force, still], 1), np.stack([still, force], 1)[1:]])
+    drive = Steady("pinion", gear.test.start_angle, 0.0)
+    run = run_at_rest(gear, fidelity, drive, OutsideLoads.of_end_force(along), options)
+    return run.noting(*remarks(gear, run.signals), "" if fidelity.rack == "flexible" else RIGID).described(
+        lambda signals: {**play_figures(signals), **balance(signals)}
+    )
+
+
+def play_figures(signals: Signals) -> dict[str, float]:
+    """Return how far the rack's end moves from where it rests under the largest force each way, {} of a
+    record that ends before."""
+    figures = {}
+    for axis, names in (("y", ("up", "down")), ("z", ("side", "other_side"))):
+        force, place = signals[f"end_force_{axis}"], signals[f"rack_end_{axis}"]
+        largest = np.abs(force).max()
+        for sense, name in zip((1, -1), names, strict=True):
+            pressed = np.flatnonzero(force == sense * largest)
+            if largest and pressed.size:
+                figures[f"radial_play_{name}"] = float(abs(place[pressed[0]] - place[0]))
+    each = {"y": ("up", "down"), "z": ("side", "other_side")}
+    for axis, names in each.items():
+        ways = [figures[f"radial_play_{name}"] for name in names if f"radial_play_{name}" in figures]
+        if len(ways) == 2:
+            figures[f"radial_play_{axis}"] = max(ways)
+    return figures
+
+
+SCENE = Scene(
+    name="radial-play",
+    title="Radial play: the rack's end under a force across it",
+    run=radial_play,
+    signal="rack_end_y",
+    figure="radial_play_y",
+    chart="play",
+    revolutions=None,
+)

@@ -1,0 +1,89 @@
+"""Gears at rest under loads from outside: radial play and rack lift, against closed forms and energy."""
+
+import numpy as np
+import pytest
+
+import rps_exudyn as rps
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.forces.bush import bush_chain, housing_station
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result
+from rps_exudyn.scenes.at_rest import to_and_fro
+
+GEAR = SteeringGear()
+MODEL = Fidelity.preset("quasi-static")
+
+
+@pytest.fixture(scope="module")
+def play() -> Result:
+    return rps.run("radial-play", GEAR, fidelity=MODEL)
+
+
+@pytest.fixture(scope="module")
+def lift() -> Result:
+    return rps.run("rack-lift", GEAR, fidelity=MODEL)
+
+
+def test_loads_go_to_and_fro_in_even_steps() -> None:
+    expected = [0, 1, 2, 1, 0, -1, -2, -1, 0]
+    np.testing.assert_allclose(to_and_fro(2.0, 2), expected)
+
+
+@pytest.mark.parametrize("name", ["play", "lift"])
+def test_loads_put_in_what_springs_store(name: str, request: pytest.FixtureRequest) -> None:
+    """Nothing is lost at rest: work of the loads = stored energy at every instant. The work is a trapezoidal
+    sum over the loads; where the flank lifts and the nut is reached the force bends, which 1 % covers."""
+    result = request.getfixturevalue(name)
+    assert result.status is Status.OK, result.message
+    work, stored = result["work_load"], result["stored_energy"]
+    assert np.abs(work - stored).max() < 0.01 * stored.max()
+    assert stored.max() > 1e-4
+
+
+def test_gear_comes_back_to_where_it_was(play: Result) -> None:
+    """No friction, no memory: after each cycle of force all is as before; 1e-9 m is what Newton leaves."""
+    half = (len(play["time"]) - 1) // 2
+    for name in ("rack_end_y", "rack_end_z", "plunger_displacement"):
+        np.testing.assert_allclose(play[name][[half, -1]], play[name][0], rtol=0, atol=1e-9)
+
+
+def test_bush_bears_what_the_lever_says(play: Result) -> None:
+    """The bar turns about the pinion: F a beside it against F_bush l, l to where the fit holds the bar. The
+    seat and the teeth, 20 and 14 mm long, bear a tenth of the moment."""
+    before, pressed = play["bush_force"][0], play["bush_force"][10]
+    lever = RackBar.of(GEAR).x_min / housing_station(GEAR, bush_chain(GEAR).end_station)
+    assert pressed - before == pytest.approx(-98 * lever, rel=0.12)
+
+
+def test_lift_is_that_of_the_closed_form(lift: Result) -> None:
+    """lift = clearance + nut's and seat's compression under the separating force, less than which the teeth
+    yield by 1 to 3 um against where the preload had them: within 6 um of 65."""
+    pair, yoke, torque = GearPair.of(GEAR), GEAR.yoke, 19.6
+    push = torque / pair.gain * np.tan(pair.alpha_n) / np.cos(pair.beta_r)
+    assert push == pytest.approx(1300, rel=0.01)
+    on_nut = push - yoke.preload - yoke.spring_rate * yoke.clearance
+    plunger = yoke.clearance + on_nut / yoke.nut_stiffness
+    rack = plunger + (push - yoke.preload) / yoke.seat_stiffness
+    largest = np.argmax(lift["pinion_torque"])
+    assert lift["plunger_displacement"][largest] == pytest.approx(plunger, abs=1.5e-6)
+    assert lift.summary["rack_lift"] == pytest.approx(rack, abs=6e-6)
+
+
+def test_clearance_shows_in_the_lift() -> None:
+    """50 um more clearance, 50 um more lift but for the spring's 2.5 N on the nut's 100 N/um."""
+    lifts = [
+        rps.run("rack-lift", GEAR.replace({"yoke.clearance": gap}), fidelity=MODEL).summary["rack_lift"]
+        for gap in ("50 um", "100 um")
+    ]
+    assert lifts[1] - lifts[0] == pytest.approx(50e-6, rel=0.02)
+
+
+@pytest.mark.parametrize("change", [{"solver": "closed-form"}, {"rack": "guided"}])
+@pytest.mark.parametrize("scene", ["radial-play", "rack-lift"])
+def test_model_that_knows_no_play_is_refused(scene: str, change: dict[str, str]) -> None:
+    with pytest.raises(InputError, match="needs equilibria of a rack"):
+        rps.run(scene, GEAR, fidelity=MODEL.replace(change))
