@@ -114,7 +114,9 @@ SIGNALS = {
     "rack_pitch": _tilt("rotation of the rack about Z"),
     "rack_end_y": _length("displacement of the bar's axis at its end beside the pinion along Y"),
     "rack_end_z": _length("the same along Z"),
-    "rack_bush_y": _deflection("displacement of the bar's axis in the bush along Y, where the bar bends or is bent"),
+    "rack_bush_y": _deflection(
+        "displacement of the bar's axis in the bush along Y, where the bar bends or is bent"
+    ),
     "rack_bush_z": _deflection("the same along Z"),
     "plunger_displacement": _deflection(
         "displacement of the plunger along Y, towards the yokenut, from its rest position"

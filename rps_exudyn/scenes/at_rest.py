@@ -27,8 +27,8 @@ from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.path_follower import TOLERANCE
 from rps_exudyn.solvers.record import Record, record_of_path, signals_of
 
-PAUSE = 1e4  # from load to load [s]: friction of a rack that moves by 0.1 mm meanwhile is 1e-4 of sliding
-NEEDS_FREE_RACK = ("free", "flexible")
+PAUSE = 1e7  # from load to load [s]: friction of a rack that moves by 0.1 mm meanwhile is 1e-5 of sliding
+LOOSE = ("by-scene", "free", "flexible")  # models of a rack that yields across its guides
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +88,7 @@ def run_at_rest(
     Raises:
         InputError: a model that knows no place of the rack in its guides.
     """
-    if fidelity.solver == "closed-form" or fidelity.rack not in NEEDS_FREE_RACK:
+    if fidelity.solver == "closed-form" or fidelity.rack not in LOOSE:
         raise InputError(
             f"fidelity.solver is {fidelity.solver} and fidelity.rack is {fidelity.rack}; how a rack yields "
             "across its guides needs equilibria of a rack that is free or flexible."
@@ -107,8 +107,10 @@ def run_at_rest(
     outcome = _outcome(path, loads, process_time() - start, interrupted)
     if len(path.time) < 2:
         return SceneRun(outcome)
-    record = record_of_path(forces.elements, path, drive)
-    record = replace(record, energy=np.zeros(len(path.time)), pulse_power=np.zeros(len(path.time)))
+    record = record_of_path(forces.elements, path, drive, forces.bar)
+    still = np.zeros(len(path.time))
+    bent = forces.bar.elastic_energy(path.coordinates) if forces.bar else still
+    record = replace(record, energy=bent, pulse_power=still)
     signals = _signals(record, loads, outside(path.time), place)
     if outcome.status is Status.OK:
         outcome = options.check(outcome, gear, record, signals, None)

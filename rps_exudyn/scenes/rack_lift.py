@@ -32,7 +32,7 @@ def rack_lift(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     check_travel(gear, (gear.test.start_angle,), "test.start_angle")
     torque = to_and_fro(gear.test.lift_torque, STEPS)
     drive = Steady("rack", float(GearPair.of(gear).gain) * gear.test.start_angle, 0.0)
-    run = run_at_rest(gear, fidelity, drive, OutsideLoads.of_torque(torque), options)
+    run = run_at_rest(gear, fidelity.with_bending(), drive, OutsideLoads.of_torque(torque), options)
     return run.noting(*remarks(gear, run.signals)).described(
         lambda signals: {**lift_figures(signals), **balance(signals)}
     )

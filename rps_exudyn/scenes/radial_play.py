@@ -21,7 +21,7 @@ from rps_exudyn.solvers.drive import Steady
 
 STEPS = 10  # from no force to the largest
 RIGID = (
-    "fidelity.rack is free: a rigid bar shows only how its guides yield, of the default gear a fifteenth of "
+    "the rack is rigid (fidelity.rack): a rigid bar shows only how its guides yield, of the default gear a fifteenth of "
     "the play; choose flexible"
 )
 
@@ -32,13 +32,14 @@ def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     Raises:
         InputError: a model that knows no place of the rack in its guides, or a start beyond its teeth.
     """
+    chosen = fidelity.with_bending()
     check_travel(gear, (gear.test.start_angle,), "test.start_angle")
     force = to_and_fro(gear.test.play_force, STEPS)
     still = np.zeros_like(force)
     along = np.concatenate([np.stack([force, still], 1), np.stack([still, force], 1)[1:]])
     drive = Steady("pinion", gear.test.start_angle, 0.0)
-    run = run_at_rest(gear, fidelity, drive, OutsideLoads.of_end_force(along), options)
-    return run.noting(*remarks(gear, run.signals), "" if fidelity.rack == "flexible" else RIGID).described(
+    run = run_at_rest(gear, chosen, drive, OutsideLoads.of_end_force(along), options)
+    return run.noting(*remarks(gear, run.signals), "" if chosen.rack == "flexible" else RIGID).described(
         lambda signals: {**play_figures(signals), **balance(signals)}
     )
 

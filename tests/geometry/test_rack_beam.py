@@ -8,8 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.linalg import eigh
+from scipy.linalg import eigh, null_space
 
+from rps_exudyn.forces.bush import bush_chain, housing_station, lateral_stiffness
 from rps_exudyn.gears.bar_bow import BarBow
 from rps_exudyn.gears.bar_section import plain_section, root_section, toothed_section
 from rps_exudyn.gears.rack_bar import RackBar
@@ -85,6 +86,35 @@ def test_cantilever_deflects_as_solid_finite_elements(plane: int) -> None:
     assert deflection == pytest.approx(SOLID["cantilever"][plane], rel=0.005)
 
 
+@pytest.mark.parametrize(
+    ("plane", "deflection", "frequency"), [(0, 2.732e-3, 193.0), (1, 1.924e-3, 214.0)], ids=["y", "z"]
+)
+def test_bar_pinned_at_the_mesh_in_its_bush(plane: int, deflection: float, frequency: float) -> None:
+    """Static deflection of the end under 1 kN and first mode, against a prototype with its own calibration of
+    the bar to the same finite elements: 1 %."""
+    beam, chain = RackBeam.of(GEAR).elements(plane), bush_chain(GEAR)
+    stiffness, mass = beam.matrices()
+    held = lateral_stiffness(chain)[np.ix_(*[((0, 3), (1, 2))[plane]] * 2)]
+    deflected, turned = _at(beam, housing_station(GEAR, chain.end_station))
+    motion = np.stack([deflected, turned if plane == 0 else -turned])  # about Y, sections turn by -psi
+    stiffness += motion.T @ held @ motion
+    free = null_space(_at(beam, 0.0)[0][None])
+    stiffness, mass = free.T @ stiffness @ free, free.T @ mass @ free
+    end = free[0]
+    assert end @ np.linalg.solve(stiffness, 1000 * end) == pytest.approx(deflection, rel=0.01)
+    lowest = eigh(stiffness, mass, eigvals_only=True, subset_by_index=[0, 0])[0]
+    assert np.sqrt(lowest) / (2 * np.pi) == pytest.approx(frequency, rel=0.01)
+
+
+def _at(beam: TimoshenkoBeam, station: float) -> tuple[np.ndarray, np.ndarray]:
+    """Deflection and rotation at a station as rows over the beam's coordinates."""
+    i = int(np.searchsorted(beam.nodes, station)) - 1
+    shape = beam.shape_functions(np.array([(station - beam.nodes[i]) / beam.lengths[i]]))
+    rows = np.zeros((2, 2 * beam.nodes.size))
+    rows[:, 2 * i : 2 * i + 4] = shape.deflection[i, :, 0], shape.rotation[i, :, 0]
+    return rows[0], rows[1]
+
+
 def test_beam_weighs_what_the_solid_weighs() -> None:
     """Mean area of the teeth times their length; the slanted ends of the toothed part are off by 2e-4."""
     beam = RackBeam.of(GEAR)
@@ -122,7 +152,7 @@ def test_teeth_stiffen_as_in_a_periodic_cell_of_solid_elements(change: dict, y: 
     bar = RackBar.of(GEAR.replace(change))
     root, toothed = root_section(bar).second_moments, toothed_section(bar).second_moments
     assert toothed[0] / root[0] == pytest.approx(y, rel=0.015)
-    assert toothed[1] / root[1] == pytest.approx(z, rel=0.015)
+    assert toothed[1] / root[1] == pytest.approx(z, rel=0.025)
 
 
 def test_modes_are_orthonormal_and_free_of_momentum() -> None:
