@@ -11,7 +11,7 @@ import numpy as np
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.at_rest import OutsideLoads, run_at_rest, to_and_fro
+from rps_exudyn.scenes.at_rest import OutsideLoads, bending, run_at_rest, to_and_fro
 from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.maneuver import check_travel
 from rps_exudyn.scenes.remarks import remarks
@@ -32,7 +32,7 @@ def rack_lift(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     check_travel(gear, (gear.test.start_angle,), "test.start_angle")
     torque = to_and_fro(gear.test.lift_torque, STEPS)
     drive = Steady("rack", float(GearPair.of(gear).gain) * gear.test.start_angle, 0.0)
-    run = run_at_rest(gear, fidelity.with_bending(), drive, OutsideLoads.of_torque(torque), options)
+    run = run_at_rest(gear, bending(fidelity), drive, OutsideLoads.of_torque(torque), options)
     return run.noting(*remarks(gear, run.signals)).described(
         lambda signals: {**lift_figures(signals), **balance(signals)}
     )

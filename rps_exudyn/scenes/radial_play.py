@@ -10,7 +10,7 @@ import numpy as np
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.at_rest import OutsideLoads, run_at_rest, to_and_fro
+from rps_exudyn.scenes.at_rest import OutsideLoads, bending, run_at_rest, to_and_fro
 from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.maneuver import check_travel
 from rps_exudyn.scenes.remarks import remarks
@@ -21,8 +21,8 @@ from rps_exudyn.solvers.drive import Steady
 
 STEPS = 10  # from no force to the largest
 RIGID = (
-    "the rack is rigid (fidelity.rack): a rigid bar shows only how its guides yield, of the default gear a fifteenth of "
-    "the play; choose flexible"
+    "the rack is rigid (fidelity.rack): a rigid bar shows only how its guides yield, of the default gear a "
+    "twentieth of the play; choose flexible"
 )
 
 
@@ -32,7 +32,7 @@ def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     Raises:
         InputError: a model that knows no place of the rack in its guides, or a start beyond its teeth.
     """
-    chosen = fidelity.with_bending()
+    chosen = bending(fidelity)
     check_travel(gear, (gear.test.start_angle,), "test.start_angle")
     force = to_and_fro(gear.test.play_force, STEPS)
     still = np.zeros_like(force)

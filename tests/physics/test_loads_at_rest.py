@@ -16,6 +16,7 @@ from rps_exudyn.scenes.at_rest import to_and_fro
 
 GEAR = SteeringGear()
 MODEL = Fidelity.preset("quasi-static")
+RIGID = MODEL.replace({"rack": "free"})
 
 
 @pytest.fixture(scope="module")
@@ -24,8 +25,13 @@ def play() -> Result:
 
 
 @pytest.fixture(scope="module")
+def rigid_play() -> Result:
+    return rps.run("radial-play", GEAR, fidelity=RIGID)
+
+
+@pytest.fixture(scope="module")
 def lift() -> Result:
-    return rps.run("rack-lift", GEAR, fidelity=MODEL)
+    return rps.run("rack-lift", GEAR, fidelity=RIGID)
 
 
 def test_loads_go_to_and_fro_in_even_steps() -> None:
@@ -33,7 +39,7 @@ def test_loads_go_to_and_fro_in_even_steps() -> None:
     np.testing.assert_allclose(to_and_fro(2.0, 2), expected)
 
 
-@pytest.mark.parametrize("name", ["play", "lift"])
+@pytest.mark.parametrize("name", ["play", "rigid_play", "lift"])
 def test_loads_put_in_what_springs_store(name: str, request: pytest.FixtureRequest) -> None:
     """Nothing is lost at rest: work of the loads = stored energy at every instant. The work is a trapezoidal
     sum over the loads; where the flank lifts and the nut is reached the force bends, which 1 % covers."""
@@ -51,10 +57,20 @@ def test_gear_comes_back_to_where_it_was(play: Result) -> None:
         np.testing.assert_allclose(play[name][[half, -1]], play[name][0], rtol=0, atol=1e-9)
 
 
-def test_bush_bears_what_the_lever_says(play: Result) -> None:
+def test_play_of_a_bar_that_bends(play: Result, rigid_play: Result) -> None:
+    """256 to 260 um along Y and 179 um along Z by a prototype with finite elements of the bar and contact law
+    area, which yields 3 to 5 um more than law line does here: 2 %. A rigid bar shows a twentieth."""
+    assert 0.98 * 256e-6 < play.summary["radial_play_y"] < 1.02 * 260e-6
+    assert play.summary["radial_play_z"] == pytest.approx(179e-6, rel=0.02)
+    assert rigid_play.summary["radial_play_y"] < 0.07 * play.summary["radial_play_y"]
+    assert "rigid" in rigid_play.message
+    assert "rigid" not in play.message
+
+
+def test_bush_bears_what_the_lever_says(rigid_play: Result) -> None:
     """The bar turns about the pinion: F a beside it against F_bush l, l to where the fit holds the bar. The
     seat and the teeth, 20 and 14 mm long, bear a tenth of the moment."""
-    before, pressed = play["bush_force"][0], play["bush_force"][10]
+    before, pressed = rigid_play["bush_force"][[0, 10]]
     lever = RackBar.of(GEAR).x_min / housing_station(GEAR, bush_chain(GEAR).end_station)
     assert pressed - before == pytest.approx(-98 * lever, rel=0.12)
 
@@ -76,7 +92,7 @@ def test_lift_is_that_of_the_closed_form(lift: Result) -> None:
 def test_clearance_shows_in_the_lift() -> None:
     """50 um more clearance, 50 um more lift but for the spring's 2.5 N on the nut's 100 N/um."""
     lifts = [
-        rps.run("rack-lift", GEAR.replace({"yoke.clearance": gap}), fidelity=MODEL).summary["rack_lift"]
+        rps.run("rack-lift", GEAR.replace({"yoke.clearance": gap}), fidelity=RIGID).summary["rack_lift"]
         for gap in ("50 um", "100 um")
     ]
     assert lifts[1] - lifts[0] == pytest.approx(50e-6, rel=0.02)
