@@ -147,9 +147,12 @@ def pretty(unit: str) -> str:
 def _misleading(unit: str, si_unit: str) -> bool:
     """Tell whether pint converts the unit only because it takes angles for plain numbers.
 
-    0.1 deg is no friction coefficient, and 1 Hz would become 1 rad/s where 2 pi rad/s is meant.
+    0.1 deg is no friction coefficient, and 1 Hz would become 1 rad/s where 2 pi rad/s is meant, or the other
+    way about.
     """
-    return (not si_unit and unit not in ("dimensionless", "percent")) or "hertz" in unit
+    return (not si_unit and unit not in ("dimensionless", "percent")) or (
+        ("hertz" in unit) != (si_unit == "Hz")
+    )
 
 
 def _example(si_unit: str) -> str:
@@ -160,6 +163,7 @@ def _example(si_unit: str) -> str:
         "N/m": '"50 N/mm"',
         "N*m": '"30 N*mm"',
         "rad/s": '"15 rpm"',
+        "Hz": '"20 Hz"',
         "kg": '"60 g"',
         "s": '"10 ms"',
         "Pa": '"2.6 GPa"',

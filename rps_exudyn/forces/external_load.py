@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import pi, sin
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -55,6 +55,24 @@ def weight(mass: float, gravity: float, place: float) -> ForceElement:
     return ForceElement("weight", ("rack",), dead_force, data, ("weight_force",))
 
 
+class TimedForce(Protocol):
+    """A force over time on a point of the bar's axis, along one direction."""
+
+    @property
+    def peak(self) -> tuple[float, float, float]:
+        """Largest force, in the housing [N]."""
+
+    @property
+    def place(self) -> float:
+        """Along the bar's axis from the rack's reference point [m]."""
+
+    def force(self, time: float) -> np.ndarray:
+        """Force at a time [s], shape (3,), in the housing [N]."""
+
+    def share(self, time: float) -> float:
+        """Return the force at a time over its peak."""
+
+
 @dataclass(frozen=True)
 class Pulse:
     """Half sines of force on a point of the bar's axis, one per period."""
@@ -75,6 +93,26 @@ class Pulse:
         if time < 0 or number >= self.count or since >= self.duration:
             return 0.0
         return sin(pi * since / self.duration)
+
+
+@dataclass(frozen=True)
+class RoadForce:
+    """A force of the road along a tie rod, on a point of the bar's axis: a sine, or its positive halves."""
+
+    peak: tuple[float, float, float]  # in the housing [N]
+    place: float  # along the bar's axis from the rack's reference point [m]
+    frequency: float  # [Hz]
+    phase: float  # at time 0 [rad]
+    halves: bool  # only the positive halves
+
+    def force(self, time: float) -> np.ndarray:
+        """Force at a time [s], shape (3,) [N]."""
+        return np.multiply(self.share(time), self.peak)
+
+    def share(self, time: float) -> float:
+        """Return the force at a time over its peak."""
+        wave = sin(2 * pi * self.frequency * time + self.phase)
+        return max(wave, 0.0) if self.halves else wave
 
 
 def axis_velocity(q: np.ndarray, v: np.ndarray, place: float) -> np.ndarray:

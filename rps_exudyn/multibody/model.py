@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rps_exudyn.forces.bush import resting_segments
-from rps_exudyn.forces.external_load import Pulse
+from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears import solids
 from rps_exudyn.gears.gear_pair import GearPair
@@ -50,7 +50,7 @@ def build_model(
     drive: Drive | None = None,
     *,
     rack_load: float = 0.0,
-    pulse: Pulse | None = None,
+    pulse: TimedForce | None = None,
     approach: Approach | None = None,
 ) -> SteeringModel:
     """Build the gear in a rig, by default turned at its test's speed from the test's start angle.
@@ -123,7 +123,7 @@ def _constrain(model: SteeringModel, coordinate: int, **law: Any) -> Any:
     return model.mbs.AddObject(CoordinateConstraint(markerNumbers=markers, **law))
 
 
-def _add_pulse(model: SteeringModel, pulse: Pulse) -> None:
+def _add_pulse(model: SteeringModel, pulse: TimedForce) -> None:
     from exudyn.itemInterface import LoadForceVector, MarkerBodyPosition
 
     def force(mbs: Any, t: float, load: Any) -> np.ndarray:
@@ -169,7 +169,7 @@ def _add_forces_together(model: SteeringModel) -> None:
     )
 
 
-def _pulse_on_modes(pulse: Pulse, bar: BentBar, before: int) -> Callable[[float], np.ndarray]:
+def _pulse_on_modes(pulse: TimedForce, bar: BentBar, before: int) -> Callable[[float], np.ndarray]:
     """Return the pulse's forces on the modes over time, behind zeros on `before` other coordinates."""
     at_peak = np.concatenate([np.zeros(before), bar.on_modes(pulse.place) @ pulse.peak])
 

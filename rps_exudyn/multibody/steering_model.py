@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rps_exudyn.forces.external_load import Pulse
+from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.forces.force_element import COORDINATES
 from rps_exudyn.multibody.general_contact import GeneralContacts
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -43,7 +43,7 @@ class SteeringModel:
     bodies: dict[str, Any] = field(default_factory=dict)
     sensors: dict[str, Any] = field(default_factory=dict)
     segments: list[Any] = field(default_factory=list)
-    pulse: Pulse | None = None
+    pulse: TimedForce | None = None
     constraint: Any = None
 
     def coordinates(self, name: str) -> slice:

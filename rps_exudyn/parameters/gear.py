@@ -20,6 +20,7 @@ from rps_exudyn.parameters.declaration import (
     Count,
     Density,
     Force,
+    Frequency,
     Length,
     LineStiffness,
     Mass,
@@ -284,6 +285,32 @@ class Test(Table):
     play_force: Force = parameter(
         "98 N", "radial-play: force across the rack at its end, either way", "estimate", gt=0
     )
+    road_force: Force = parameter(
+        "1 kN", "rattle: peak of the road's force along the tie rod at the rack's end", "estimate", gt=0
+    )
+    road_frequency: Frequency = parameter(
+        "20 Hz", "rattle: frequency of the road's force", "estimate", ge=1, le=200
+    )
+    road_angle: Angle = parameter(
+        "10 deg",
+        "rattle: angle of the tie rod to the bar, away from the pinion",
+        "estimate",
+        ge=-90 * DEG,
+        le=90 * DEG,
+    )
+    road_shape: Literal["sine", "half-sine"] = parameter(
+        "sine", "rattle: force of the road both ways, or its positive halves alone", "estimate"
+    )
+    road_cycles: Count = parameter(
+        4, "rattle: cycles recorded after one that settles", "estimate", ge=1, le=1000
+    )
+    road_phases: Count = parameter(
+        2, "rattle: runs that begin at different phases of the force", "estimate", ge=1, le=100
+    )
+    band_low: Frequency = parameter(
+        "100 Hz", "rattle: lower end of the band of the rack's acceleration", "estimate", gt=0
+    )
+    band_high: Frequency = parameter("1 kHz", "rattle: upper end of that band", "estimate", gt=0)
     lift_torque: Torque = parameter(
         "19.6 N*m", "rack-lift: torque on the pinion, either way, the rack held", "estimate", gt=0
     )
@@ -337,6 +364,7 @@ class SteeringGear(Table):
 
 def _conflicts(gear: SteeringGear) -> Iterator[Problem]:
     """Parameters that are each fine alone, but not together."""
+    yield from _test_conflicts(gear.test)
     bush, rack, yoke, pinion = gear.bush, gear.rack, gear.yoke, gear.pinion
     if pinion.shaft_length < pinion.face_width:
         yield Problem(
@@ -386,4 +414,12 @@ def _conflicts(gear: SteeringGear) -> Iterator[Problem]:
             ("bush.distance", "bush.length", "rack.travel", "rack.length"),
             f"bush.distance is {mm(bush.distance)}; it must be at most {mm(farthest)}, or the rack "
             "leaves the bush within half its travel.",
+        )
+
+
+def _test_conflicts(test: Test) -> Iterator[Problem]:
+    if test.band_low >= test.band_high:
+        yield Problem(
+            ("test.band_low", "test.band_high"),
+            f"test.band_low is {test.band_low:g} Hz; it must be below test.band_high = {test.band_high:g} Hz.",
         )

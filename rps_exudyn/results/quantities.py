@@ -102,6 +102,7 @@ SIGNALS = {
     ),
     "rack_force": _force("force that drives the rack along X, where the rig moves the rack"),
     "load_force": _force("force that pulls the rack's end towards -X"),
+    "road_force": _force("force of the road along the tie rod on the rack's end beside the pinion"),
     "end_force_y": _force("force of the rig across the rack's end beside the pinion, along Y"),
     "end_force_z": _force("the same along Z"),
     "rack_displacement": _length("displacement of the rack's reference point along X"),
@@ -233,6 +234,29 @@ SUMMARY = {
     "rack_lift_forward": _deflection("the same, the torque in the sense of the pinion angle"),
     "rack_lift_backward": _deflection("the same, against it"),
     "rack_lift_end": _deflection("rise of the rack's end meanwhile, the larger way"),
+    "rattle_impulse_per_cycle": Quantity(
+        "N*s",
+        "N*s",
+        "rattle: integral of yokenut_force over a cycle of the road's force, mean over the cycles",
+    ),
+    "rattle_force_rms": _force("root mean square of yokenut_force over the cycles recorded"),
+    "rattle_speed_rms": Quantity(
+        "m/s", "mm/s", "root mean square of the plunger's speed at the beginning of its impacts"
+    ),
+    "rattle_energy_per_cycle": _energy(
+        "kinetic energy of the plunger at the beginning of its impacts, sum over a cycle, mean over the cycles"
+    ),
+    "rattle_acceleration_rms": Quantity(
+        "m/s^2",
+        "m/s^2",
+        "root mean square of the acceleration of rack_y in the band from test.band_low to test.band_high",
+    ),
+    "rattle_impacts_per_cycle": _number("number of impacts in a cycle, mean over the phases; chaotic"),
+    "rattle_impacts_scatter": _number("standard deviation of that number over the phases"),
+    "rattle_fastest_impact": Quantity(
+        "m/s", "mm/s", "largest speed of the plunger at an impact, mean over the phases; chaotic"
+    ),
+    "rattle_fastest_scatter": Quantity("m/s", "mm/s", "standard deviation of that speed over the phases"),
     "loss_share_mesh": _ratio("work lost between the teeth, of all work lost"),
     "loss_share_seat": _ratio("work lost between plunger and rack, of all work lost"),
     "loss_share_bush": _ratio("work lost in the bush, of all work lost"),

@@ -20,6 +20,7 @@ SCENE_NAMES = (
     "yoke-impact",
     "radial-play",
     "rack-lift",
+    "rattle",
 )
 """All scenes; each stands in the module of its name. Modules are loaded when their scene is asked for."""
 

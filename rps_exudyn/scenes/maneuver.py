@@ -7,7 +7,7 @@ from itertools import groupby
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.forces.external_load import Pulse
+from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
@@ -56,7 +56,7 @@ class Maneuver:
     steps: int  # steps recorded
     periods: int = 1  # of the gear, all alike, that the record covers
     rack_load: float = 0.0  # pulls the rack's end towards -X [N]
-    pulse: Pulse | None = None
+    pulse: TimedForce | None = None
     approach: Approach | None = None  # None: the gear rests where it starts
     closes: bool = False  # its record covers whole periods of the gear
     divided: tuple[int, ...] = ()  # into how many parts each step of run-in and record; (): none is

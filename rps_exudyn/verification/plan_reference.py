@@ -16,7 +16,7 @@ from math import ceil, nan
 
 import numpy as np
 
-from rps_exudyn.forces.external_load import Pulse
+from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import largest_angle
@@ -214,7 +214,7 @@ def _equilibria(gear: SteeringGear, forces: GearForces, drive: Drive, time: np.n
 
 # --- with inertia ----------------------------------------------------------------------------------
 def _motion(
-    plan: ScenePlan, forces: GearForces, drive: Drive, before: np.ndarray, pulse: Pulse | None = None
+    plan: ScenePlan, forces: GearForces, drive: Drive, before: np.ndarray, pulse: TimedForce | None = None
 ) -> FreeMotion:
     """The gear where equilibria from far before have led it, with the reference's forces."""
     path = _equilibria(plan.gear, forces, drive, before)

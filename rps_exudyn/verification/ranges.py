@@ -33,6 +33,7 @@ POWERS = {
     "s": 1,
     "rad/s": -1,
     "m/s": 0,
+    "Hz": -1,
     "m/s^2": 0,  # gravity is the Earth's, whatever the gear's size
 }
 """SI unit -> power of the scale s with which its quantities grow in similar gears of the same materials."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rps_exudyn.forces.external_load import DeadForceData, Pulse, dead_force
+from rps_exudyn.forces.external_load import DeadForceData, TimedForce, dead_force
 from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears.polyhedron import MassProperties
@@ -43,12 +43,12 @@ class FreeMotion:
     force: Kernel  # (q, v, data) -> (n,)
     data: GearData
     bar: MassProperties
-    pulse: Pulse | None = None
+    pulse: TimedForce | None = None
     bent: BentBar | None = None
 
     @classmethod
     def of(
-        cls, gear: SteeringGear, fidelity: Fidelity, drive: Drive, pulse: Pulse | None = None
+        cls, gear: SteeringGear, fidelity: Fidelity, drive: Drive, pulse: TimedForce | None = None
     ) -> "FreeMotion":
         """Take a gear in its equilibrium; the bush must be condensed."""
         model = build_model(gear, fidelity, drive, pulse=pulse)
@@ -104,7 +104,7 @@ def explicit_motion(
     step: float,
     steps: int,
     keep: int = 1,
-    pulse: Pulse | None = None,
+    pulse: TimedForce | None = None,
 ) -> Signals:
     """Signals of a steadily driven or held gear from its equilibrium; every `keep`-th `step` [s] is kept.
 

@@ -161,7 +161,7 @@ def usual_plan(rng: np.random.Generator, preset: str) -> ScenePlan:
 
 def affordable(gear: SteeringGear, scene: str, fidelity: Fidelity) -> Fidelity:
     """Return the model, in steps as long as a plan can afford."""
-    if scene in ("reversal", "yoke-impact", "radial-play", "rack-lift"):
+    if scene in ("reversal", "yoke-impact", "radial-play", "rack-lift", "rattle"):
         return fidelity
     steps = sum(
         maneuver.lead + maneuver.steps for maneuver in maneuvers_of_test(gear, "pinion", fidelity.step_angle)
@@ -200,5 +200,6 @@ REACHES: dict[str, Callable[[SteeringGear], None]] = {
     "yoke-impact": _shaking,
     "radial-play": _resting,
     "rack-lift": _resting,
+    "rattle": _resting,
 }
 """Scene -> what raises InputError where its test leaves the rack's teeth."""

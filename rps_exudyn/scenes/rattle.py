@@ -1,0 +1,110 @@
+"""Rattle: a road's force along a tie rod shakes the rack's end, the pinion held; the plunger hits the yokenut.
+
+The force is a sine, or its positive halves, at an angle to the bar away from the pinion. One cycle settles, then
+`test.road_cycles` are recorded; the same again for each of `test.road_phases` phases at which the force begins,
+evenly spread over the cycle, because motions with impacts are chaotic (`analysis.rattle`).
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from rps_exudyn.analysis.rattle import Band, describe_rattle, split_at_repeats
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.forces.external_load import RoadForce
+from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.figures import balance
+from rps_exudyn.scenes.maneuver import Maneuver, check_travel
+from rps_exudyn.scenes.run_maneuver import run_maneuvers
+from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import Scene
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
+from rps_exudyn.solvers.drive import Steady
+
+STEPS_PER_SWING = 14  # of the plunger between seat and yokenut, the fastest motion
+STEPS_PER_BAND = 20  # of the fastest vibration in the band of the acceleration
+KEPT = 4  # of so many instants one stays in the result, whose figures come from all of them
+RIGID = (
+    "the rack is rigid (fidelity.rack): forces of impacts are up to twice too large and softer roads rattle; "
+    "choose flexible"
+)
+
+
+def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
+    """Shake the rack along the tie rod and record.
+
+    Raises:
+        InputError: a model without inertia or without a plunger, or a start beyond the rack's teeth.
+    """
+    if fidelity.solver != "generalized-alpha" or fidelity.yoke != "body":
+        raise InputError(
+            f"fidelity.solver is {fidelity.solver} and fidelity.yoke is {fidelity.yoke}; "
+            "rattle needs generalized-alpha and body: without inertia nothing hits."
+        )
+    chosen, test = fidelity.with_bending(), gear.test
+    maneuvers = list(shaken_by_road(gear))
+    run = run_maneuvers(gear, chosen, maneuvers, options)
+    band = Band(test.band_low, test.band_high)
+    described = run.noting("" if chosen.rack == "flexible" else RIGID).described(
+        lambda signals: {
+            **describe_rattle(signals, 1 / test.road_frequency, gear.yoke.plunger_mass, band),
+            **balance(signals),
+        }
+    )
+    return replace(described, signals=_thinned(described.signals, maneuvers))
+
+
+def shaken_by_road(gear: SteeringGear) -> Iterator[Maneuver]:
+    """Yield one maneuver for each phase at which the force begins: one cycle of run-in, then the record.
+
+    Raises:
+        InputError: a start beyond the rack's teeth.
+    """
+    test, yoke = gear.test, gear.yoke
+    check_travel(gear, (test.start_angle,), "test.start_angle")
+    peak = test.road_force * np.array([np.cos(test.road_angle), np.sin(test.road_angle), 0.0])
+    swing = 2 * np.pi * np.sqrt(yoke.plunger_mass / (yoke.seat_stiffness + yoke.nut_stiffness))
+    step = min(swing / STEPS_PER_SWING, 1 / (STEPS_PER_BAND * test.band_high))
+    per_cycle = int(np.ceil(1 / (test.road_frequency * step)))
+    for phase in 2 * np.pi * np.arange(test.road_phases) / test.road_phases:
+        road = RoadForce(
+            tuple(peak.tolist()),
+            RackBar.of(gear).x_min,
+            test.road_frequency,
+            float(phase),
+            test.road_shape == "half-sine",
+        )
+        time_step = 1 / (test.road_frequency * per_cycle)
+        steps = per_cycle * test.road_cycles
+        yield Maneuver(Steady("pinion", test.start_angle, 0.0), time_step, per_cycle, steps, pulse=road)
+
+
+def _thinned(signals: Signals, maneuvers: list[Maneuver]) -> Signals:
+    """Keep some of the instants of each maneuver, and say how large the force was; {} of an empty record."""
+    if not signals:
+        return {}
+    kept: list[Signals] = []
+    for run, maneuver in zip(split_at_repeats(signals), maneuvers, strict=False):
+        instants = np.append(np.arange(0, len(run["time"]) - 1, KEPT), len(run["time"]) - 1)
+        thin = {name: values[instants] for name, values in run.items()}
+        road = maneuver.pulse
+        assert isinstance(road, RoadForce)
+        since = thin["time"] - run["time"][0]  # whole cycles were before
+        thin["road_force"] = np.linalg.norm(road.peak) * np.array([road.share(time) for time in since])
+        kept.append(thin)
+    return {name: np.concatenate([run[name] for run in kept]) for name in kept[0]} if kept else signals
+
+
+SCENE = Scene(
+    name="rattle",
+    title="Rattle: yokenut's force under a road's",
+    run=rattle,
+    signal="yokenut_force",
+    figure="rattle_force_rms",
+    chart="rattle",
+    needs_inertia=True,
+    revolutions=None,
+)
