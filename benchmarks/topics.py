@@ -1,10 +1,15 @@
 """All benchmark topics: name -> topic. A new benchmark is one module and one line here."""
 
 from benchmarks import (
+    bar_section_cell,
     efficiency_map,
     flank_contact,
     free_pinion_torque,
     geometry,
+    rack_beam_elements,
+    rack_bow,
+    rack_deflection,
+    rattle_map,
     scene_needs,
     scenes,
     study_runner,
@@ -29,6 +34,11 @@ TOPICS: dict[str, Topic] = {
     "free_pinion_torque": free_pinion_torque.TOPIC,
     "scenes": scenes.TOPIC,
     "efficiency_map": efficiency_map.TOPIC,
+    "bar_cells": bar_section_cell.TOPIC,
+    "rack_beams": rack_beam_elements.TOPIC,
+    "rattle_map": rattle_map.TOPIC,
+    "rack_deflection": rack_deflection.TOPIC,
+    "rack_bow": rack_bow.TOPIC,
     "scene_needs": scene_needs.TOPIC,
     "accuracy_speed": measured_points.TOPIC,
     "law_and_scaling": law_and_scaling.TOPIC,

@@ -55,6 +55,7 @@ class SeatData(NamedTuple):
     length_weight: np.ndarray
     points: np.ndarray  # (n, 4) of the whole seat, rows as `seat_points` fills them
     law: Law
+    tilt: float  # by which the plunger follows the bar's slope in its bore, at most [rad]
 
 
 # The bar's axis stands at gap + station * slope, both (y, z), against that of the seat.
@@ -121,12 +122,12 @@ def seat_points(gap, slope, data):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _whole_load(points, q, axis, data):  # type: ignore[no-untyped-def]
+def _whole_load(points, q, axis, tilt, data):  # type: ignore[no-untyped-def]
     """Sum of the seat's normal forces [N]."""
     total = 0.0
     for i in range(points.shape[0]):
         along = (points[i, 2] - q[0]) / axis[0]
-        depth = (q[1] + along * axis[1] - q[6] + data.rest_gap) * points[i, 0]
+        depth = (q[1] + along * axis[1] - points[i, 2] * tilt - q[6] + data.rest_gap) * points[i, 0]
         depth += (q[2] + along * axis[2]) * points[i, 1]
         total += points[i, 3] * max(depth, 0.0)
     return total
@@ -144,11 +145,13 @@ def seat_force(q, v, data):  # type: ignore[no-untyped-def]
     axis_x, axis_y, axis_z = turn.axis
     slope_y, slope_z = axis_y / axis_x, axis_z / axis_x
     gap = (q[1] - q[0] * slope_y - q[6] + data.rest_gap, q[2] - q[0] * slope_z)
-    points = seat_points(gap, (slope_y, slope_z), data)
+    # a plunger with play in its bore lies along the bar, until it touches the bore: then it bears a moment
+    tilt = min(max(slope_y, -data.tilt), data.tilt)
+    points = seat_points(gap, (slope_y - tilt, slope_z), data)
     moment_x = moment_y = moment_z = 0.0
     law, friction = data.law, data.friction
     if law.load_exponent != 1.0:
-        friction *= by_load(_whole_load(points, q, (axis_x, axis_y, axis_z), data), law)
+        friction *= by_load(_whole_load(points, q, (axis_x, axis_y, axis_z), tilt, data), law)
     if law.kind == BRISTLE:
         clear(law.place, law)
     for i in range(points.shape[0]):
@@ -156,7 +159,7 @@ def seat_force(q, v, data):  # type: ignore[no-untyped-def]
         # the point of the bar's axis that stands at this station of the housing
         along = (points[i, 2] - q[0]) / axis_x
         ay, az = along * axis_y, along * axis_z
-        depth = (q[1] + ay - q[6] + data.rest_gap) * ny + (q[2] + az) * nz
+        depth = (q[1] + ay - points[i, 2] * tilt - q[6] + data.rest_gap) * ny + (q[2] + az) * nz
         if depth <= 0:
             continue
         load = points[i, 3] * depth
@@ -235,6 +238,7 @@ def seat(
         length_weight=ws,
         points=np.column_stack([*normals, np.tile(yoke.seat_length / 2 * s, arc.size), stiffness]),
         law=law_of(yoke, memory or Memory(), usual_load=yoke.preload * seat_wedge_factor(yoke.seat_angle)),
+        tilt=yoke.bore_clearance / yoke.plunger_length,
     )
     return ForceElement("seat", ("rack", "plunger"), seat_force, data, ("seat_normal_force", "seat_force"))
 

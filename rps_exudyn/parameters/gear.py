@@ -203,6 +203,13 @@ class Yoke(LoadedFrictionLaw):
     plunger_mass: Mass = parameter("60 g", "mass of the plunger", "estimate", gt=0)
     plunger_diameter: Length = parameter("30 mm", "diameter of the plunger", "estimate", gt=0)
     plunger_length: Length = parameter("25 mm", "length of the plunger", "estimate", gt=0)
+    bore_clearance: Length = parameter(
+        0.0,
+        "clearance of the plunger in its bore, in which it tilts; 0: it cannot",
+        "estimate",
+        ge=0,
+        le=1e-3,
+    )
     nut_diameter: Length = parameter("36 mm", "diameter of the yokenut", "estimate", gt=0)
     nut_thickness: Length = parameter("10 mm", "thickness of the yokenut", "estimate", gt=0)
     nut_stiffness: SpringRate = parameter(
@@ -288,9 +295,7 @@ class Test(Table):
     road_force: Force = parameter(
         "1 kN", "rattle: peak of the road's force along the tie rod at the rack's end", "estimate", gt=0
     )
-    road_frequency: Frequency = parameter(
-        "20 Hz", "rattle: frequency of the road's force", "estimate", ge=1, le=200
-    )
+    road_frequency: Frequency = parameter("20 Hz", "rattle: of the road's force", "estimate", ge=1, le=200)
     road_angle: Angle = parameter(
         "10 deg",
         "rattle: angle of the tie rod to the bar, away from the pinion",
@@ -301,12 +306,8 @@ class Test(Table):
     road_shape: Literal["sine", "half-sine"] = parameter(
         "sine", "rattle: force of the road both ways, or its positive halves alone", "estimate"
     )
-    road_cycles: Count = parameter(
-        4, "rattle: cycles recorded after one that settles", "estimate", ge=1, le=1000
-    )
-    road_phases: Count = parameter(
-        2, "rattle: runs that begin at different phases of the force", "estimate", ge=1, le=100
-    )
+    road_cycles: Count = parameter(4, "rattle: cycles recorded, after one more", "estimate", ge=1, le=1000)
+    road_phases: Count = parameter(2, "rattle: runs, begun at phases of the force", "estimate", ge=1, le=100)
     band_low: Frequency = parameter(
         "100 Hz", "rattle: lower end of the band of the rack's acceleration", "estimate", gt=0
     )
@@ -421,5 +422,6 @@ def _test_conflicts(test: Test) -> Iterator[Problem]:
     if test.band_low >= test.band_high:
         yield Problem(
             ("test.band_low", "test.band_high"),
-            f"test.band_low is {test.band_low:g} Hz; it must be below test.band_high = {test.band_high:g} Hz.",
+            f"test.band_low is {test.band_low:g} Hz; it must be below test.band_high = "
+            f"{test.band_high:g} Hz.",
         )

@@ -244,7 +244,7 @@ SUMMARY = {
         "m/s", "mm/s", "root mean square of the plunger's speed at the beginning of its impacts"
     ),
     "rattle_energy_per_cycle": _energy(
-        "kinetic energy of the plunger at the beginning of its impacts, sum over a cycle, mean over the cycles"
+        "kinetic energy of the plunger at the beginning of its impacts, sum over a cycle, mean over cycles"
     ),
     "rattle_acceleration_rms": Quantity(
         "m/s^2",

@@ -1,8 +1,8 @@
-"""Rattle: a road's force along a tie rod shakes the rack's end, the pinion held; the plunger hits the yokenut.
+"""Rattle: a road's force along a tie rod shakes the rack's end, the pinion held; the plunger hits the nut.
 
-The force is a sine, or its positive halves, at an angle to the bar away from the pinion. One cycle settles, then
-`test.road_cycles` are recorded; the same again for each of `test.road_phases` phases at which the force begins,
-evenly spread over the cycle, because motions with impacts are chaotic (`analysis.rattle`).
+The force is a sine, or its positive halves, at an angle to the bar away from the pinion. One cycle settles,
+then `test.road_cycles` are recorded; the same again for each of `test.road_phases` phases at which the force
+begins, evenly spread over the cycle, because motions with impacts are chaotic (`analysis.rattle`).
 """
 
 from collections.abc import Iterator
@@ -24,7 +24,8 @@ from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.drive import Steady
 
-STEPS_PER_SWING = 14  # of the plunger between seat and yokenut, the fastest motion
+WIDEST_ZONE = 0.1  # of friction; narrower ones only ask for shorter steps, and are widened
+STEPS_PER_SWING = 7  # of the plunger between seat and yokenut, the fastest motion: figures to 1 %
 STEPS_PER_BAND = 20  # of the fastest vibration in the band of the acceleration
 KEPT = 4  # of so many instants one stays in the result, whose figures come from all of them
 RIGID = (
@@ -45,6 +46,7 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
             "rattle needs generalized-alpha and body: without inertia nothing hits."
         )
     chosen, test = fidelity.with_bending(), gear.test
+    chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE)})
     maneuvers = list(shaken_by_road(gear))
     run = run_maneuvers(gear, chosen, maneuvers, options)
     band = Band(test.band_low, test.band_high)

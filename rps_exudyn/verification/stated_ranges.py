@@ -69,6 +69,7 @@ PARTS: dict[str, Range] = {
     "yoke.seat_length": Share(Even(0.2, 0.95), lambda drawn: _longest_seat(drawn)),
     "yoke.seat_stiffness": Logarithmic(7e6, 2e9),
     "yoke.plunger_diameter": Share(Even(1.0, 1.6), lambda drawn: drawn["rack.bar_diameter"]),
+    "yoke.bore_clearance": Seldom(0.2, Even(0, 0.1e-3)),
     "yoke.nut_diameter": Share(Even(1.0, 1.4), lambda drawn: drawn["yoke.plunger_diameter"]),
     "yoke.nut_stiffness": Logarithmic(1e6, 1e9),
     "yoke.plunger_mass": Logarithmic(0.02, 0.6),

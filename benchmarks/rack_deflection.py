@@ -1,0 +1,81 @@
+"""The default rack under a force across its end: its line over the bar, to scale and enlarged."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from benchmarks.topic import Topic, save_data
+from rps_exudyn.charts import style
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.gears.rack_beam import RackBeam
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.at_rest import OutsideLoads, moved_by_modes
+from rps_exudyn.solvers.drive import Steady
+from rps_exudyn.solvers.equilibrium import SIZE, equilibrium_path
+from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
+
+FORCE = 98.0  # [N]
+MODEL = Fidelity.preset("quasi-static").replace({"rack": "flexible"})
+ENLARGED = 100.0
+DATA = "deflection.json"
+
+
+def run(folder: Path, force: float = FORCE) -> None:
+    """Compute the bar's line under a force along Y [N] and draw it."""
+    gear = SteeringGear()
+    line = deflected_line(gear, force)
+    save_data(folder / DATA, {"force": force, "station": line[0].tolist(), "deflection": line[1].tolist()})
+    style.save(picture(gear, line, force), folder / "deflected.png")
+
+
+def deflected_line(gear: SteeringGear, force: float) -> np.ndarray:
+    """Stations along the bar and its displacement along Y there from rest, shape (2, n) [m]."""
+    place, bar = RackBar.of(gear).x_min, RackBeam.of(gear)
+    steps = np.stack([np.linspace(0, force, 11), np.zeros(11)], axis=1)
+    loads = OutsideLoads.of_end_force(steps)
+    outside = loads.generalised(place, moved_by_modes(gear, MODEL, place))
+    balance = gear_forces(gear, MODEL).statics._replace(outside=outside)
+    path = equilibrium_path(balance, GearPair.of(gear), Steady("pinion", 0.0, 0.0), loads.time)
+    moved = path.coordinates[-1] - path.coordinates[0]
+    rack, modes = moved[COORDINATE_BLOCKS["rack"]], bar.modes(gear.rack.modes)
+    bent = np.where(modes.plane == 0, moved[SIZE:], 0.0) @ modes.shape
+    return np.stack([modes.nodes, rack[1] + modes.nodes * rack[5] + bent])
+
+
+def picture(gear: SteeringGear, line: np.ndarray, force: float) -> Figure:
+    """The bar with its teeth, the bush, the yoke; both axes to scale, the deflection enlarged."""
+    bar, pair = RackBar.of(gear), GearPair.of(gear)
+    figure, (axes, under) = style.panels([2.2, 2.6])
+    x, enlarged = 1e3 * line[0], 1e3 * ENLARGED * line[1]
+    radius = 1e3 * pair.bar_radius
+    axes.fill_between(x, enlarged - radius, enlarged + radius, color="#9fb6c8", linewidth=0)
+    axes.plot(x, enlarged, color=style.COLOURS["torque"], linewidth=1)
+    teeth = [1e3 * end for end in bar.toothed_ends]
+    axes.plot(teeth, [-radius] * 2, color=style.COLOURS["roll"], linewidth=3)
+    axes.add_patch(_box(1e3 * gear.bush.distance, -1.25 * radius, 1e3 * gear.bush.length, 2.5 * radius))
+    axes.add_patch(_box(-500 * gear.yoke.plunger_diameter, radius, 1e3 * gear.yoke.plunger_diameter, radius))
+    axes.set_aspect("equal")
+    axes.set_ylabel(f"Y [mm], x {ENLARGED:g}")
+    style.line(under, x, line[1], style.SIGNALS["rack_end_y"], "displacement", "torque")
+    under.axvline(0, **style.REFERENCE_LINE)
+    style.abscissa(under, "station along the bar [mm]; mesh and yoke at 0")
+    style.title(figure, f"The default rack under {force:g} N across its end: bar, bush and plunger to scale")
+    return figure
+
+
+def _box(x: float, y: float, width: float, height: float) -> Rectangle:
+    return Rectangle((x, y), width, height, facecolor="none", edgecolor="black", linewidth=1)
+
+
+TOPIC = Topic(
+    "line of the rack under a force across its end",
+    "5 s",
+    "flexible_rack",
+    run,
+    {"force": 50.0},
+)

@@ -1,0 +1,99 @@
+"""Rattle over force and frequency of the road: from which force on the yokenut is hit, and how hard."""
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+import rps_exudyn as rps
+from benchmarks.topic import Topic, load_data, markdown, save_data
+from rps_exudyn.charts import style
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import SUMMARY
+
+FORCES = (500.0, 750.0, 1000.0, 1500.0, 2000.0)  # [N]
+FREQUENCIES = (30.0, 20.0, 10.0)  # [Hz]
+BASE: dict[str, object] = {"rack.modes": 4, "test.road_phases": 1, "test.road_cycles": 1}
+FIGURES = ("rattle_force_rms", "rattle_speed_rms", "rattle_impulse_per_cycle", "rattle_acceleration_rms")
+DATA = "rattle.json"
+
+
+def run(
+    folder: Path, forces: tuple[float, ...] = FORCES, frequencies: tuple[float, ...] = FREQUENCIES
+) -> None:
+    """Shake with these forces [N] at these frequencies [Hz], draw and keep what came out."""
+    cases = []
+    for frequency in frequencies:
+        for force in forces:
+            cases.append(measured(force, frequency))
+            print(cases[-1], flush=True)
+        save_data(folder / DATA, {"cases": cases})
+        style.save(picture(cases), folder / "rattle_map.png")
+
+
+def measured(force: float, frequency: float) -> dict[str, Any]:
+    """One case: the figures of the summary, and the largest force."""
+    road = {"test.road_force": force, "test.road_frequency": frequency}
+    result = rps.run("rattle", SteeringGear().replace({**BASE, **road}))
+    case: dict[str, Any] = {"force": force, "frequency": frequency}
+    if result.status is not Status.OK:
+        return case | {"message": f"{result.status}: {result.message}"}
+    figures = {name: result.summary[name] for name in (*FIGURES, "rattle_impacts_per_cycle")}
+    return case | figures | {"largest": float(result["yokenut_force"].max())}
+
+
+def picture(cases: list[dict[str, Any]]) -> Figure:
+    """RMS of the yokenut's force and of the impact speed over force and frequency; white: no impact."""
+    forces = sorted({case["force"] for case in cases})
+    frequencies = sorted({case["frequency"] for case in cases})
+    with mpl.rc_context({"font.size": 10}):
+        figure = Figure(figsize=(8, 3.6), layout="constrained")
+        panels = figure.subplots(1, 2)
+    for axes, name in zip(panels, FIGURES[:2], strict=True):
+        quantity = SUMMARY[name]
+        shown = np.full((len(forces), len(frequencies)), np.nan)
+        for case in cases:
+            if case.get(name, 0.0) > 0:
+                at = forces.index(case["force"]), frequencies.index(case["frequency"])
+                shown[at] = quantity.displayed(case[name])
+        image = axes.imshow(shown, origin="lower", aspect="auto", cmap="viridis")
+        for (i, j), value in np.ndenumerate(shown):
+            text = "none" if np.isnan(value) else f"{value:.0f}"
+            axes.text(j, i, text, ha="center", va="center", color="black" if np.isnan(value) else "white")
+        axes.set_xticks(range(len(frequencies)), [f"{frequency:g}" for frequency in frequencies])
+        axes.set_yticks(range(len(forces)), [f"{force:g}" for force in forces])
+        axes.set_xlabel("frequency [Hz]")
+        axes.set_ylabel("road force [N]")
+        figure.colorbar(image, ax=axes, label=quantity.axis_label(LABELS[name]))
+    style.title(figure, "Rattle of the default gear, tie rod at 10 deg, clearance 50 µm")
+    return figure
+
+
+LABELS = {"rattle_force_rms": "yokenut force RMS", "rattle_speed_rms": "impact speed RMS"}
+
+
+def rattle_table(folder: Path) -> str:
+    """Figures by frequency and force."""
+    rows = []
+    for case in load_data(folder / DATA)["cases"]:
+        row = [f"{case['frequency']:g}", f"{case['force']:g}"]
+        if "message" in case:
+            rows.append([*row, f"*{case['message']}*", "", "", "", "", ""])
+            continue
+        values = [SUMMARY[name].show(case[name]) for name in FIGURES]
+        rows.append([*row, f"{case['rattle_impacts_per_cycle']:g}", *values, f"{case['largest']:.0f} N"])
+    heads = ["frequency Hz", "force N", "impacts", *(f"`{name}`" for name in FIGURES), "largest force"]
+    return markdown(heads, rows)
+
+
+TOPIC = Topic(
+    "rattle over force and frequency of the road",
+    "2 min",
+    "flexible_rack",
+    run,
+    {"forces": (1500.0,), "frequencies": (100.0,)},
+    {"rattle": rattle_table},
+)

@@ -1,0 +1,135 @@
+"""Rattle: figures of made-up impacts, bands of acceleration, and a short shake of the default gear."""
+
+import numpy as np
+import pytest
+
+import rps_exudyn as rps
+from rps_exudyn.analysis.rattle import Band, describe_rattle, split_at_repeats
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.forces.external_load import RoadForce
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result
+
+GEAR = SteeringGear()
+PERIOD, MASS = 0.05, 0.06
+BAND = Band(100, 1000)
+
+
+def made_up(speeds: tuple[float, ...], lift: float = 0.0, sounding: float = 300.0) -> dict[str, np.ndarray]:
+    """One cycle with impacts of 100 N for 1 ms at evenly spread instants, the plunger approaching at a speed;
+    the rack shakes by `lift` [m] at `sounding` [Hz]."""
+    time = np.linspace(0, PERIOD, 5001)
+    force, plunger = np.zeros_like(time), np.zeros_like(time)
+    for i, speed in enumerate(speeds):
+        begin = 500 + i * 1000
+        force[begin : begin + 101] = 100.0
+        plunger[begin - 200 : begin + 101] = speed * 1e-5 * np.arange(301)
+    shaking = lift * np.sin(2 * np.pi * sounding * time)
+    return {"time": time, "yokenut_force": force, "plunger_displacement": plunger, "rack_y": shaking}
+
+
+def joined(*runs: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    starts = np.arange(len(runs)) * PERIOD
+    parts = [{**run, "time": run["time"] + start} for run, start in zip(runs, starts, strict=True)]
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+@pytest.mark.quick
+def test_figures_of_known_impacts() -> None:
+    """Two and one impacts in two runs of one cycle: impulse 100 N x 1 ms each, half a sample is 1 %."""
+    figures = describe_rattle(joined(made_up((0.1, 0.2)), made_up((0.3,))), PERIOD, MASS, BAND)
+    assert figures["rattle_impacts_per_cycle"] == pytest.approx(1.5)
+    assert figures["rattle_impacts_scatter"] == pytest.approx(0.5)
+    assert figures["rattle_impulse_per_cycle"] == pytest.approx(0.15, rel=0.02)
+    assert figures["rattle_force_rms"] == pytest.approx(np.sqrt(0.03 * 100**2 / 1), rel=0.02)
+    assert figures["rattle_speed_rms"] == pytest.approx(np.sqrt((0.01 + 0.04 + 0.09) / 3))
+    assert figures["rattle_energy_per_cycle"] == pytest.approx(MASS / 4 * (0.01 + 0.04 + 0.09))
+    assert figures["rattle_fastest_impact"] == pytest.approx(0.25)
+    assert figures["rattle_fastest_scatter"] == pytest.approx(0.05)
+
+
+@pytest.mark.quick
+def test_no_impacts_no_rattle() -> None:
+    figures = describe_rattle(made_up(()), PERIOD, MASS, BAND)
+    assert not any(figures.values())
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("sounding", "heard"), [(300.0, True), (40.0, False), (2000.0, False)])
+def test_band_takes_what_lies_in_it(sounding: float, heard: bool) -> None:
+    """RMS of A omega^2 sin is A omega^2 / sqrt 2 inside the band; a Hann window leaks 1e-3 of a tone outside,
+    where omega is higher."""
+    lift = 1e-6
+    figures = describe_rattle(made_up((), lift, sounding), PERIOD, MASS, BAND)
+    whole = lift * (2 * np.pi * sounding) ** 2 / np.sqrt(2)
+    expected = pytest.approx(whole, rel=0.02) if heard else pytest.approx(0, abs=0.05 * whole)
+    assert figures["rattle_acceleration_rms"] == expected
+
+
+@pytest.mark.quick
+def test_record_is_split_where_an_instant_stands_twice() -> None:
+    runs = split_at_repeats(joined(made_up((0.1,)), made_up((0.1,)), made_up((0.1,))))
+    assert [len(run["time"]) for run in runs] == [5001] * 3
+
+
+@pytest.mark.quick
+def test_road_force_is_a_sine_or_its_positive_halves() -> None:
+    whole, halves = (RoadForce((3.0, 4.0, 0.0), -0.18, 20.0, 0.0, half) for half in (False, True))
+    quarter = 1 / 80
+    np.testing.assert_allclose(whole.force(quarter), [3, 4, 0])
+    np.testing.assert_allclose(whole.force(3 * quarter), [-3, -4, 0])
+    np.testing.assert_allclose(halves.force(3 * quarter), 0, atol=1e-15)
+
+
+# --- the gear ----------------------------------------------------------------------------------------
+FAST = {"test.road_frequency": "100 Hz", "test.road_cycles": 2, "test.road_phases": 1, "rack.modes": 4}
+
+
+@pytest.fixture(scope="module")
+def shaken() -> Result:
+    result = rps.run("rattle", GEAR.replace(FAST), fidelity=Fidelity.preset("flank"))
+    assert result.status is Status.OK, result.message
+    return result
+
+
+def test_shaken_gear_rattles(shaken: Result) -> None:
+    """The plunger hits in each cycle; work of the road is stored or lost to 0.2 %; the force's signal is that
+    of the road, 1 kN at 100 Hz."""
+    assert 1 <= shaken.summary["rattle_impacts_per_cycle"] <= 4
+    assert abs(shaken.summary["energy_residual"]) < 2e-3
+    expected = 1000 * np.sin(2 * np.pi * 100 * shaken["time"])
+    np.testing.assert_allclose(shaken["road_force"], expected, atol=1.0)
+
+
+def test_impulse_on_the_nut_is_what_the_plunger_carries_over_whole_cycles(shaken: Result) -> None:
+    """Over whole cycles the plunger's momentum returns: the nut's impulse is the seat's less the spring's. In a
+    motion that repeats but for a few percent, the plunger keeps less than 0.06 kg x 0.3 m/s."""
+    time, yoke = shaken["time"], GEAR.yoke
+    spring = yoke.preload + yoke.spring_rate * shaken["plunger_displacement"]
+    left = np.trapezoid(shaken["seat_force"] - spring - shaken["yokenut_force"], time)
+    assert abs(left) < 0.06 * 0.3
+    assert np.trapezoid(shaken["yokenut_force"], time) > 10 * abs(left)
+
+
+def test_half_the_steps_change_no_promised_figure(shaken: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Impulse, force RMS and speed RMS of steps half as long: 3 %."""
+    monkeypatch.setattr("rps_exudyn.scenes.rattle.STEPS_PER_SWING", 14)
+    finer = rps.run("rattle", GEAR.replace(FAST), fidelity=Fidelity.preset("flank"))
+    for name in ("rattle_impulse_per_cycle", "rattle_force_rms", "rattle_speed_rms"):
+        assert shaken.summary[name] == pytest.approx(finer.summary[name], rel=0.03)
+
+
+@pytest.mark.quick
+def test_model_without_inertia_is_refused() -> None:
+    with pytest.raises(InputError, match="without inertia nothing hits"):
+        rps.run("rattle", GEAR, fidelity="quasi-static")
+
+
+@pytest.mark.quick
+def test_band_upside_down_is_refused() -> None:
+    with pytest.raises(
+        InputError, match=r"test.band_low is 2000 Hz; it must be below test.band_high = 1000 Hz"
+    ):
+        GEAR.replace({"test.band_low": "2 kHz"})
