@@ -43,6 +43,7 @@ CHANGES = {
     "rack: 98 N across its end along Z": Change(
         gear={"rack.side_force": "98 N", "rack.side_angle": "90 deg"}
     ),
+    "plunger: tilts in its bore by 0.1 mm": Change(gear={"yoke.bore_clearance": "0.1 mm"}),
     "inertia: none (equilibria)": Change({"solver": "equilibrium"}),
     "inertia: pinion twice as heavy": Change(gear={"pinion.density": 2 * SteeringGear().pinion.density}),
     "teeth: pressure per depth": Change(gear={"mesh.law": "area"}),
@@ -131,6 +132,22 @@ NEEDS = {
             Metric("lost_motion", absolute=0.5e-6),
             Metric("reversal_angle", fraction=0.1),
         ],
+    ),
+    "radial-play": Need(
+        "radial-play",
+        [Metric("radial_play_y", fraction=0.02), Metric("radial_play_z", fraction=0.02)],
+    ),
+    "rack-lift": Need(
+        "rack-lift", [Metric("rack_lift", fraction=0.02), Metric("rack_lift_end", fraction=0.02)]
+    ),
+    "rattle": Need(
+        "rattle",
+        [
+            Metric("rattle_force_rms", fraction=0.05),
+            Metric("rattle_speed_rms", fraction=0.05),
+            Metric("rattle_impulse_per_cycle", fraction=0.05),
+        ],
+        {"test.road_frequency": "50 Hz", "test.road_phases": 1, "test.road_cycles": 2},
     ),
     "yoke-impact": Need(
         "yoke-impact",
