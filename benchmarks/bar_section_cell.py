@@ -117,7 +117,8 @@ def _element(cell: Cubes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     coupling = sum(weight * nodal.T @ material @ own for _, nodal, own in points)
     stiffness = sum(weight * nodal.T @ material @ nodal for _, nodal, _ in points)
     stiffness = stiffness - coupling @ np.linalg.solve(inner, coupling.T)
-    loads, own_loads, energy = 0.0, 0.0, 0.0
+    shape = 4, len(cell.share)
+    loads, own_loads, energy = np.zeros((*shape, 24)), np.zeros((*shape, 9)), np.zeros((4, 4))
     for point, nodal, own in points:
         imposed = _imposed(cell.centre + point * cell.edge / 2)
         stress = weight * imposed @ material

@@ -13,6 +13,7 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes.at_rest import OutsideLoads, moved_by_modes
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.equilibrium import SIZE, equilibrium_path
@@ -61,7 +62,7 @@ def picture(gear: SteeringGear, line: np.ndarray, force: float) -> Figure:
     axes.add_patch(_box(-500 * gear.yoke.plunger_diameter, radius, 1e3 * gear.yoke.plunger_diameter, radius))
     axes.set_aspect("equal")
     axes.set_ylabel(f"Y [mm], x {ENLARGED:g}")
-    style.line(under, x, line[1], style.SIGNALS["rack_end_y"], "displacement", "torque")
+    style.line(under, x, line[1], SIGNALS["rack_end_y"], "displacement", "torque")
     under.axvline(0, **style.REFERENCE_LINE)
     style.abscissa(under, "station along the bar [mm]; mesh and yoke at 0")
     style.title(figure, f"The default rack under {force:g} N across its end: bar, bush and plunger to scale")

@@ -20,14 +20,12 @@ from rps_exudyn.parameters.declaration import (
     Count,
     Density,
     Force,
-    Frequency,
     Length,
     LineStiffness,
     Mass,
     Number,
     Pressure,
     Problem,
-    Speed,
     SpringRate,
     Table,
     Time,
@@ -35,6 +33,7 @@ from rps_exudyn.parameters.declaration import (
     parameter,
 )
 from rps_exudyn.parameters.friction_law import FrictionLaw, LoadedFrictionLaw
+from rps_exudyn.parameters.rig import Test, conflicts_of_test
 
 STEEPEST_LEAD = 0.01  # lead error over face width [rad]: the flanks' normals are those of the design to 1e-4
 
@@ -259,64 +258,6 @@ class Mesh(LoadedFrictionLaw):
     )
 
 
-class Test(Table):
-    """Motion and load of the rig."""
-
-    __test__ = False  # not a test class of pytest
-
-    speed: Speed = parameter("15 rpm", "speed of the pinion; in reversal the largest", "estimate", gt=0)
-    turns: Number = parameter(1.0, "revolutions recorded", "estimate", ge=0.001)
-    direction: Literal[-1, 1] = parameter(1, "sense of rotation; +1 moves the rack along +X", "estimate")
-    start_angle: Angle = parameter(
-        0.0, "pinion angle from the centre position at which recording starts", "estimate"
-    )
-    path: Literal["one-way", "there-and-back", "lock-to-lock"] = parameter(
-        "one-way",
-        "over the turns; the same and back; or from end to end of the rack's travel and back",
-        "estimate",
-    )
-    load_mass: Mass = parameter("10 kg", "weight at the rack's end in the load test", "paper", ge=0)
-    amplitude: Angle = parameter(
-        "30 deg", "reversal: amplitude of the steering about start_angle", "estimate", gt=0
-    )
-    cycles: Count = parameter(1, "reversal: full cycles", "estimate", ge=1, le=100)
-    pulse_force: Force = parameter(
-        "1.5 kN", "yoke-impact: peak of the half sine of force at the rack's end", "estimate"
-    )
-    pulse_axis: Literal["x", "y", "z"] = parameter(
-        "y", "yoke-impact: direction of the pulse; y lifts the rack off the pinion", "estimate"
-    )
-    pulse_duration: Time = parameter("5 ms", "yoke-impact: duration of a pulse", "estimate", gt=0, le=1)
-    pulse_period: Time = parameter("20 ms", "yoke-impact: from pulse to pulse", "estimate", gt=0, le=10)
-    pulses: Count = parameter(1, "yoke-impact: number of pulses", "estimate", ge=1, le=100)
-    play_force: Force = parameter(
-        "98 N", "radial-play: force across the rack at its end, either way", "estimate", gt=0
-    )
-    road_force: Force = parameter(
-        "1 kN", "rattle: peak of the road's force along the tie rod at the rack's end", "estimate", gt=0
-    )
-    road_frequency: Frequency = parameter("20 Hz", "rattle: of the road's force", "estimate", ge=1, le=200)
-    road_angle: Angle = parameter(
-        "10 deg",
-        "rattle: angle of the tie rod to the bar, away from the pinion",
-        "estimate",
-        ge=-90 * DEG,
-        le=90 * DEG,
-    )
-    road_shape: Literal["sine", "half-sine"] = parameter(
-        "sine", "rattle: force of the road both ways, or its positive halves alone", "estimate"
-    )
-    road_cycles: Count = parameter(4, "rattle: cycles recorded, after one more", "estimate", ge=1, le=1000)
-    road_phases: Count = parameter(2, "rattle: runs, begun at phases of the force", "estimate", ge=1, le=100)
-    band_low: Frequency = parameter(
-        "100 Hz", "rattle: lower end of the band of the rack's acceleration", "estimate", gt=0
-    )
-    band_high: Frequency = parameter("1 kHz", "rattle: upper end of that band", "estimate", gt=0)
-    lift_torque: Torque = parameter(
-        "19.6 N*m", "rack-lift: torque on the pinion, either way, the rack held", "estimate", gt=0
-    )
-
-
 class SteeringGear(Table):
     """A rack-and-pinion steering gear and the test it is put to; the defaults are the paper's gear."""
 
@@ -365,7 +306,7 @@ class SteeringGear(Table):
 
 def _conflicts(gear: SteeringGear) -> Iterator[Problem]:
     """Parameters that are each fine alone, but not together."""
-    yield from _test_conflicts(gear.test)
+    yield from conflicts_of_test(gear.test)
     bush, rack, yoke, pinion = gear.bush, gear.rack, gear.yoke, gear.pinion
     if pinion.shaft_length < pinion.face_width:
         yield Problem(
@@ -415,13 +356,4 @@ def _conflicts(gear: SteeringGear) -> Iterator[Problem]:
             ("bush.distance", "bush.length", "rack.travel", "rack.length"),
             f"bush.distance is {mm(bush.distance)}; it must be at most {mm(farthest)}, or the rack "
             "leaves the bush within half its travel.",
-        )
-
-
-def _test_conflicts(test: Test) -> Iterator[Problem]:
-    if test.band_low >= test.band_high:
-        yield Problem(
-            ("test.band_low", "test.band_high"),
-            f"test.band_low is {test.band_low:g} Hz; it must be below test.band_high = "
-            f"{test.band_high:g} Hz.",
         )

@@ -210,3 +210,16 @@ def test_seat_that_touches_at_its_end_has_a_smooth_tangent() -> None:
         return float(np.abs(np.diff(forces, 2, axis=0)).max())
 
     assert largest_bend(3200) < 0.3 * largest_bend(1600)
+
+
+@pytest.mark.parametrize("slope", [1e-3, 3e-3, -3e-3])
+def test_plunger_tilts_with_the_bar_up_to_its_clearance(slope: float) -> None:
+    """A plunger that may tilt by 0.05 / 25 = 2 mrad bears no moment below, above it that of a plunger that
+    cannot tilt under the rest of the slope. Angles for their sines: 1e-5."""
+    moments = []
+    for clearance, pitch in (("0.05 mm", slope), ("0 mm", np.sign(slope) * max(abs(slope) - 2e-3, 0.0))):
+        element = seat(GEAR.replace({"yoke.bore_clearance": clearance}), friction_zone=1e-5, rest_gap=0.0)
+        q = np.array([0.0, 20e-6, 0.0, 0.0, 0.0, pitch, 0.0])
+        moments.append(element.evaluate(q, np.zeros(7))[5])
+    assert moments[0] == pytest.approx(moments[1], rel=1e-4, abs=1e-5)
+    assert (abs(moments[0]) > 1e-2) == (abs(slope) > 2e-3)

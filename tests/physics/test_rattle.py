@@ -104,8 +104,8 @@ def test_shaken_gear_rattles(shaken: Result) -> None:
 
 
 def test_impulse_on_the_nut_is_what_the_plunger_carries_over_whole_cycles(shaken: Result) -> None:
-    """Over whole cycles the plunger's momentum returns: the nut's impulse is the seat's less the spring's. In a
-    motion that repeats but for a few percent, the plunger keeps less than 0.06 kg x 0.3 m/s."""
+    """Over whole cycles the plunger's momentum returns: the nut's impulse is the seat's less the spring's. In
+    a motion that repeats but for a few percent, the plunger keeps less than 0.06 kg x 0.3 m/s."""
     time, yoke = shaken["time"], GEAR.yoke
     spring = yoke.preload + yoke.spring_rate * shaken["plunger_displacement"]
     left = np.trapezoid(shaken["seat_force"] - spring - shaken["yokenut_force"], time)
@@ -129,7 +129,5 @@ def test_model_without_inertia_is_refused() -> None:
 
 @pytest.mark.quick
 def test_band_upside_down_is_refused() -> None:
-    with pytest.raises(
-        InputError, match=r"test.band_low is 2000 Hz; it must be below test.band_high = 1000 Hz"
-    ):
+    with pytest.raises(InputError, match=r"test.band_low is 2000 Hz; it must be below"):
         GEAR.replace({"test.band_low": "2 kHz"})

@@ -1,0 +1,88 @@
+"""Motion and load of the rig: the parameters of the table `test`."""
+
+from collections.abc import Iterator
+from typing import Literal
+
+from rps_exudyn.parameters.declaration import (
+    DEG,
+    Angle,
+    Count,
+    Force,
+    Frequency,
+    Mass,
+    Number,
+    Problem,
+    Speed,
+    Table,
+    Time,
+    Torque,
+    parameter,
+)
+
+
+class Test(Table):
+    """Motion and load of the rig."""
+
+    __test__ = False  # not a test class of pytest
+
+    speed: Speed = parameter("15 rpm", "speed of the pinion; in reversal the largest", "estimate", gt=0)
+    turns: Number = parameter(1.0, "revolutions recorded", "estimate", ge=0.001)
+    direction: Literal[-1, 1] = parameter(1, "sense of rotation; +1 moves the rack along +X", "estimate")
+    start_angle: Angle = parameter(
+        0.0, "pinion angle from the centre position at which recording starts", "estimate"
+    )
+    path: Literal["one-way", "there-and-back", "lock-to-lock"] = parameter(
+        "one-way",
+        "over the turns; the same and back; or from end to end of the rack's travel and back",
+        "estimate",
+    )
+    load_mass: Mass = parameter("10 kg", "weight at the rack's end in the load test", "paper", ge=0)
+    amplitude: Angle = parameter(
+        "30 deg", "reversal: amplitude of the steering about start_angle", "estimate", gt=0
+    )
+    cycles: Count = parameter(1, "reversal: full cycles", "estimate", ge=1, le=100)
+    pulse_force: Force = parameter(
+        "1.5 kN", "yoke-impact: peak of the half sine of force at the rack's end", "estimate"
+    )
+    pulse_axis: Literal["x", "y", "z"] = parameter(
+        "y", "yoke-impact: direction of the pulse; y lifts the rack off the pinion", "estimate"
+    )
+    pulse_duration: Time = parameter("5 ms", "yoke-impact: duration of a pulse", "estimate", gt=0, le=1)
+    pulse_period: Time = parameter("20 ms", "yoke-impact: from pulse to pulse", "estimate", gt=0, le=10)
+    pulses: Count = parameter(1, "yoke-impact: number of pulses", "estimate", ge=1, le=100)
+    play_force: Force = parameter(
+        "98 N", "radial-play: force across the rack at its end, either way", "estimate", gt=0
+    )
+    road_force: Force = parameter(
+        "1 kN", "rattle: peak of the road's force along the tie rod at the rack's end", "estimate", gt=0
+    )
+    road_frequency: Frequency = parameter("20 Hz", "rattle: of the road's force", "estimate", ge=1, le=200)
+    road_angle: Angle = parameter(
+        "10 deg",
+        "rattle: angle of the tie rod to the bar, away from the pinion",
+        "estimate",
+        ge=-90 * DEG,
+        le=90 * DEG,
+    )
+    road_shape: Literal["sine", "half-sine"] = parameter(
+        "sine", "rattle: force of the road both ways, or its positive halves alone", "estimate"
+    )
+    road_cycles: Count = parameter(4, "rattle: cycles recorded, after one more", "estimate", ge=1, le=1000)
+    road_phases: Count = parameter(2, "rattle: runs, begun at phases of the force", "estimate", ge=1, le=100)
+    band_low: Frequency = parameter(
+        "100 Hz", "rattle: lower end of the band of the rack's acceleration", "estimate", gt=0
+    )
+    band_high: Frequency = parameter("1 kHz", "rattle: upper end of that band", "estimate", gt=0)
+    lift_torque: Torque = parameter(
+        "19.6 N*m", "rack-lift: torque on the pinion, either way, the rack held", "estimate", gt=0
+    )
+
+
+def conflicts_of_test(test: Test) -> Iterator[Problem]:
+    """Yield parameters of the test that are each fine alone, but not together."""
+    if test.band_low >= test.band_high:
+        yield Problem(
+            ("test.band_low", "test.band_high"),
+            f"test.band_low is {test.band_low:g} Hz; it must be below test.band_high = "
+            f"{test.band_high:g} Hz.",
+        )
