@@ -84,7 +84,7 @@ def rattle_table(folder: Path) -> str:
             rows.append([*row, f"*{case['message']}*", "", "", "", "", ""])
             continue
         values = [SUMMARY[name].show(case[name]) for name in FIGURES]
-        rows.append([*row, f"{case['rattle_impacts_per_cycle']:g}", *values, f"{case['largest']:.0f} N"])
+        rows.append([*row, f"{case['rattle_impacts_per_cycle']:.3g}", *values, f"{case['largest']:.0f} N"])
     heads = ["frequency Hz", "force N", "impacts", *(f"`{name}`" for name in FIGURES), "largest force"]
     return markdown(heads, rows)
 
