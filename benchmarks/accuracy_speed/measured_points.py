@@ -28,6 +28,7 @@ from rps_exudyn.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
+from rps_exudyn.scenes.headline import curve_of
 from rps_exudyn.study.cases import describe, setup_of
 from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Axis, Value
@@ -36,7 +37,7 @@ from rps_exudyn.study.table import axis_quantity
 from rps_exudyn.verification.faceted import Surface, faceted_run, largest_deviation, meshed, shaped, spheres
 from rps_exudyn.verification.flywheel import explicit_run
 from rps_exudyn.verification.references import Method, as_run, by_generators, by_strips, moving, reference_of
-from rps_exudyn.verification.runs import SceneReference, curve_of, run_scene
+from rps_exudyn.verification.runs import SceneReference, run_scene
 from rps_exudyn.verification.work_precision import Reference
 
 PLANS = Path(__file__).parent / "plans"

@@ -12,6 +12,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.hdf5 import opened
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -19,7 +20,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.verification.runs import SceneReference, revolutions, run_scene
-from rps_exudyn.verification.work_precision import Curve, Reference
+from rps_exudyn.verification.work_precision import Reference
 
 FILETYPE = "rps_exudyn-work-precision"
 VERSION = (1, 1)

@@ -10,11 +10,12 @@ import csv
 import json
 import multiprocessing
 import multiprocessing.connection
+import os
 from collections import Counter
 from functools import cache
 from math import isfinite, nan
 from pathlib import Path
-from time import process_time
+from time import monotonic, process_time
 from typing import Any
 
 import numpy as np
@@ -35,7 +36,7 @@ from rps_exudyn.verification.stability import ScenePlan
 SEED = 20261122
 PLANS, GEARS = 1000, 300
 PRESETS = ("quasi-static", "flank") * 8 + ("full",)
-TIME_LIMIT = 60.0  # [s] of one plan with its reference
+TIME_LIMIT = 40.0  # [s] of CPU time of one plan with its reference
 WRONG = 0.02  # error of the figure that must not be called ok
 WRONG_RIPPLE = 0.05  # error of the peak-to-peak over the mean, likewise
 RIPPLES = ("torque_peak_to_peak", "push_force_peak_to_peak")
@@ -43,8 +44,9 @@ KERNEL_CHOICES = ("mesh", "bush", "yoke", "rack", "solver")
 DATA = "random_plans.csv"
 COLUMNS = (
     "number", "kind", "verdict", "status", "error", "ripple_error", "reference", "refused", "message",
-    "seconds", "plan",
+    "reference_seconds", "seconds", "plan",
 )  # fmt: skip
+LAW_LEFT = "to which the contact's law holds"  # in the message of a run whose teeth are too deep
 WRONGLY_OK = ("SILENTLY WRONG", "SILENTLY WRONG RIPPLE")
 
 
@@ -62,17 +64,22 @@ def text_of(plan: ScenePlan) -> str:
 
 # --- one plan, in the child -------------------------------------------------------------------------
 def outcome_of(number: int) -> dict[str, Any]:
-    """Outcome of a plan, and its errors."""
+    """Outcome of a plan, and its errors; one that failed and says so needs no reference."""
     plan = plan_of(number)
-    right = expected(plan)
     start = process_time()
     refusal = "; ".join(refused(plan.gear, plan.fidelity, steady=scene_named(plan.scene).steady))
-    found: dict[str, Any] = {"refused": refusal, "reference": right.cause or right.method}
     try:
         result = run_unchecked(plan.scene, plan.gear, plan.fidelity)
     except InputError as error:
-        return found | {"status": "input-error", "message": str(error)}
-    found |= {"status": result.status.value, "message": result.message, "seconds": process_time() - start}
+        return {"refused": refusal, "status": "input-error", "message": str(error)}
+    found: dict[str, Any] = {"refused": refusal, "status": result.status.value}
+    found["message"] = result.message
+    found["seconds"] = process_time() - start
+    if result.status not in (Status.OK, Status.INVALID):
+        return found
+    start = process_time()
+    right = expected(plan)
+    found |= {"reference": right.cause or right.method, "reference_seconds": process_time() - start}
     return found | errors(plan, result, right)
 
 
@@ -126,14 +133,24 @@ class Child:
         self.process.start()
         other.close()
 
+    def _used(self) -> float:
+        """CPU time of the process so far [s]; elapsed time where the system does not tell."""
+        try:
+            fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            return monotonic()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
     def do(self, number: int, limit: float) -> dict[str, Any]:
         """Outcome of a plan, or that it took longer than the limit [s] or ended its process."""
         self.pipe.send(number)
         try:
             self.pipe.recv()
-            if self.pipe.poll(limit):
-                return dict(self.pipe.recv())
-            status, message = "timeout", f"more than {limit:g} s"
+            end = self._used() + limit
+            while self._used() < end:
+                if self.pipe.poll(1.0):
+                    return dict(self.pipe.recv())
+            status, message = "timeout", f"more than {limit:g} s of CPU time"
         except EOFError:
             status, message = "crashed", "its process ended"
         self.process.kill()
@@ -146,6 +163,8 @@ def verdict(row: dict[str, Any]) -> str:
     """Tell whether a plan was right, refused rightly or not, failed, or was silently wrong."""
     if row["status"] == "input-error":
         return "wrong input"
+    if LAW_LEFT in row["message"]:  # of which the reference says nothing, which has the same law
+        return "beyond the contact's law"
     error, ripple = row.get("error", nan), row.get("ripple_error", nan)
     mean_right, ripple_right = abs(error) <= WRONG, not abs(ripple) > WRONG_RIPPLE
     right, sound = mean_right and ripple_right, row["status"] == Status.OK

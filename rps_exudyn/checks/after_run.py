@@ -133,13 +133,23 @@ def friction_developed(signals: dict[str, np.ndarray], zone: float, pair: GearPa
 
 
 def torque_resolved(signals: dict[str, np.ndarray]) -> Failure:
-    """Check that the record's steps are fine enough for its mean: leaving out every second one changes
-    little.
+    """Check that the record's steps are fine enough for its mean."""
+    share = missed_mean(signals)
+    if not share <= RESOLVED_BOUND:
+        steps = len(signals["pinion_angle"]) - 1
+        yield (
+            Status.INVALID,
+            f"the steps are too coarse: {steps} of them, between which up to {share:.1%} of the mean may "
+            f"hide, allowed are {RESOLVED_BOUND:.0%}; lower fidelity.step_angle",
+        )
+
+
+def missed_mean(signals: dict[str, np.ndarray]) -> float:
+    """Return how much of the drive's mean may hide between the steps: leaving out every second one shows it.
 
     The error itself is a third of this difference where torque bends gently, and more where it jumps.
     """
-    force = signals["pinion_torque"] if "pinion_torque" in signals else signals["rack_force"]
-    path = signals["pinion_angle"] if "pinion_torque" in signals else signals["rack_displacement"]
+    force, path = driven_along(signals)
     even = (len(force) - 1) // 2 * 2 + 1
     work = float(np.trapezoid(force[:even], path[:even]))
     missed = abs(work - float(np.trapezoid(force[:even:2], path[:even:2])))
@@ -148,13 +158,16 @@ def torque_resolved(signals: dict[str, np.ndarray]) -> Failure:
         (share for n, share in HIDDEN if len(force) <= n), 0.0
     )
     missed = max(missed, hidden)
-    if not missed <= RESOLVED_BOUND * abs(work) + least_work(signals):
-        yield (
-            Status.INVALID,
-            f"the steps are too coarse: {len(force) - 1} of them, between which up to "
-            f"{missed / abs(work) if work else np.inf:.1%} of the mean may hide, allowed are "
-            f"{RESOLVED_BOUND:.0%}; lower fidelity.step_angle",
-        )
+    beyond = max(missed - least_work(signals), 0.0)
+    return beyond / abs(work) if work else np.inf if beyond else 0.0
+
+
+def driven_along(signals: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the drive's torque [N m] over the pinion's angle [rad], or its force [N] over the rack's place
+    [m]."""
+    if "pinion_torque" in signals:
+        return signals["pinion_torque"], signals["pinion_angle"]
+    return signals["rack_force"], signals["rack_displacement"]
 
 
 def settled(signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
@@ -177,10 +190,11 @@ def start_forgotten(start: Start, signals: dict[str, np.ndarray], gear: Steering
         pitch = 2 * np.pi / gear.pinion.teeth / gear.test.speed
         needed, teeth = start.settles_in / pitch, start.led_over / pitch
         asks = f"in {needed:.3g} tooth pitches" if np.isfinite(needed) else "within any travel tried"
+        ends = f", the rack has teeth for {teeth:.3g} before" if np.isfinite(teeth) else ""
         yield (
             Status.INVALID,
             f"the gear does not settle: {start.unsettled:.1%} of the force at the start depends on where the "
-            f"motion began; forgotten {asks}, the rack has teeth for {teeth:.3g} before",
+            f"motion began; forgotten {asks}{ends}",
         )
 
 
@@ -191,21 +205,26 @@ def rolling_fraction(signals: dict[str, np.ndarray], gear: SteeringGear) -> floa
 
 
 def rolling_followed(signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
-    """Check that the angles are close enough for the rack's rolling.
-
-    Equilibria know its rate by backward differences, half a step late, which moves the mean of a torque that
-    varies.
-    """
-    late = np.abs(np.diff(signals["rack_roll"], 2)).sum() / 2 * gear.rack.bar_diameter / 2
-    share = float(late) / max(float(np.abs(np.diff(signals["rack_displacement"])).sum()), 1e-12)
-    force = signals["pinion_torque"] if "pinion_torque" in signals else signals["rack_force"]
-    varies = min(1.0, float(np.ptp(force)) / max(abs(float(force.mean())), 1e-12))
-    if share * varies > LAG_BOUND:
+    """Check that the angles are close enough for the rack's rolling."""
+    share, matters = rolling_lag(signals, gear)
+    if matters > LAG_BOUND:
         yield (
             Status.INVALID,
             f"the steps are too coarse for the rack's rolling, whose rate they miss by {share:.1%} of its "
             f"travel; lower fidelity.step_angle or choose generalized-alpha",
         )
+
+
+def rolling_lag(signals: dict[str, np.ndarray], gear: SteeringGear) -> tuple[float, float]:
+    """Return by how much equilibria miss the rate of the rack's rolling, over its travel, and the share of
+    the drive's mean that this may move.
+
+    They know the rate by backward differences, half a step late; a torque that does not vary minds little.
+    """
+    late = np.abs(np.diff(signals["rack_roll"], 2)).sum() / 2 * gear.rack.bar_diameter / 2
+    share = float(late) / max(float(np.abs(np.diff(signals["rack_displacement"])).sum()), 1e-12)
+    force, _ = driven_along(signals)
+    return share, share * min(1.0, float(np.ptp(force)) / max(abs(float(force.mean())), 1e-12))
 
 
 def contact_agreed(disagreement: float) -> Failure:

@@ -24,6 +24,7 @@ STEPS_PER_PITCH = 2  # fewer cannot show the tooth frequency; after_run sees whe
 REPAIRED_STEPS_PER_PITCH = 20
 DEEPEST = 1.5  # deepest contact over the mean one, measured on the paper's gear
 LEAST_GENERATORS = 20  # 0.5 % of the torque
+LEAST_STATIONS = {"area": 2, "line": 2, "teeth": 3}  # 3.5 % of the hysteresis by two teeth that bend
 LEAST_ROWS = 8  # of spheres along the face width
 SPACING = 2.5  # of spheres along the profile, over the width of the strip that touches: 1 % of the torque
 
@@ -90,7 +91,7 @@ def _contact_integrated(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Brea
     """Enough lines or spheres that the teeth's contact is an integral and not a few points."""
     limits: dict[str, int] = {}
     if fidelity.mesh == "flank":
-        limits = {"strip_points": 2, "strip_stations": 2}
+        limits = {"strip_points": 2, "strip_stations": LEAST_STATIONS[gear.mesh.law]}
     elif fidelity.mesh == "flank-generators":
         limits = {"generators": LEAST_GENERATORS}
     elif fidelity.mesh == "general-contact":

@@ -138,8 +138,9 @@ def run(
         kept, _ = keep(interrupt.recorded, out, plot, curve)
         where = f"kept in {kept[0]}" if kept else "lost"
         raise KeyboardInterrupt(f"interrupted; what was recorded until then is {where}.") from None
-    if "accuracy" in result.findings:
-        say(result.findings["accuracy"])
+    for finding in ("accuracy", "accuracy_checked"):
+        if finding in result.findings:
+            say(result.findings[finding])
     files, problems = keep(result, out, plot, curve)
     with naming(files):
         _print_result(result, json, files, curve)

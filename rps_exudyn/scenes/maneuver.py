@@ -12,11 +12,12 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import Drive, DrivenBody, Steady, Swing, travel_per_radian
-from rps_exudyn.solvers.settled_start import Approach
+from rps_exudyn.solvers.settled_start import Approach, SteadyApproach, SwingApproach
 
 LEAST_PER_CYCLE = 200  # steps of a swing
 YIELDING = 3e-3  # pinion angle after a turn over which friction turns about, in most gears less [rad]
 STEPS_OF_YIELDING = 25  # steps over that angle: the angle at which the gear runs again to 0.5 %
+LEAST_BEFORE, PER_PITCH_BEFORE = 48, 20  # equilibria over half a cycle that leads to a swing's start
 RUN_IN = np.deg2rad(0.5)  # pinion angle turned before the record starts, at least
 
 
@@ -26,6 +27,7 @@ class StepLimits:
 
     per_period: int = 4  # four see the torque of most gears to a percent
     of_part: int = 8  # of a record that is not made of whole periods: they cost little
+    halvings: int = 4  # at most, where equilibria are too far apart for what they show
 
 
 @dataclass(frozen=True)
@@ -46,8 +48,8 @@ class Piece:
 class Maneuver:
     """A motion in time steps, recorded after a run-in, so that what the start stirs up has died.
 
-    A steady one begins settled, whatever the gear came with (`solvers.settled_start`). Steps are even but
-    where some are divided.
+    It begins settled, whatever the gear came with (`solvers.settled_start`). Steps are even but where some
+    are divided.
     """
 
     drive: Drive
@@ -58,7 +60,7 @@ class Maneuver:
     rack_load: float = 0.0  # pulls the rack's end towards -X [N]
     pulse: TimedForce | None = None
     approach: Approach | None = None  # None: the gear rests where it starts
-    closes: bool = False  # its record covers whole periods of the gear
+    closes: bool = False  # its record covers whole periods of the gear or whole cycles
     divided: tuple[int, ...] = ()  # into how many parts each step of run-in and record; (): none is
 
     @property
@@ -93,6 +95,17 @@ class Maneuver:
     def without_settling(self) -> "Maneuver":
         """Return the same from where the gear first rests, without the equilibria that lead there."""
         return replace(self, approach=None)
+
+    def halved(self, times: int) -> "Maneuver":
+        """Return the same in steps that were halved so many times."""
+        parts = 2**times
+        return replace(
+            self,
+            time_step=self.time_step / parts,
+            lead=self.lead * parts,
+            steps=self.steps * parts,
+            divided=tuple(each for each in self.divided for _ in range(parts)),
+        )
 
     def one_period(self) -> "Maneuver":
         """Return its first period."""
@@ -134,7 +147,7 @@ def steady_maneuver(
         lead,
         per_piece * periods,
         periods,
-        approach=Approach(pitch / gear.test.speed, toothed / gear.test.speed),
+        approach=SteadyApproach(pitch / gear.test.speed, toothed / gear.test.speed),
         closes=whole is not None,
     )
 
@@ -175,7 +188,10 @@ def swing_maneuver(gear: SteeringGear, step_angle: float) -> Maneuver:
     time_step = drive.period / per_cycle
     lead, steps = int(np.ceil(RUN_IN / test.speed / time_step)), per_cycle * test.cycles
     divided = _divided_after_turns(drive, per_cycle, lead + steps)
-    return Maneuver(drive, time_step, lead, steps, divided=divided)
+    swept = 2 * test.amplitude * gear.pinion.teeth / (2 * np.pi)  # tooth pitches in half a cycle
+    before = int(np.ceil(max(LEAST_BEFORE, PER_PITCH_BEFORE * swept)))
+    approach = SwingApproach(drive.period / 2, before)
+    return Maneuver(drive, time_step, lead, steps, approach=approach, closes=True, divided=divided)
 
 
 def _divided_after_turns(drive: Swing, per_cycle: int, steps: int) -> tuple[int, ...]:

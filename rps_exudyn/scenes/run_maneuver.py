@@ -14,6 +14,7 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import begin_part
 from rps_exudyn.checks.memory import check_memory
+from rps_exudyn.checks.needs_finer import needs_finer
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -122,18 +123,30 @@ def by_equilibrium(
     """Go from equilibrium to equilibrium; a curve that repeats is followed over one period only.
 
     It repeats if all periods together drift by little: under its weight a rack tilts more the farther it is
-    out.
+    out. Steps that are too long for what the record shows are halved.
     """
     if maneuver.pulse is not None:
         raise InputError("fidelity.solver is equilibrium, which knows no pulses: choose generalized-alpha.")
-    run = _settled(gear, fidelity, maneuver.one_period(), options)
-    if maneuver.periods == 1 or not run.ok:
-        return run
-    force = run.signals[maneuver.drive.signal]
-    if maneuver.periods * abs(force[-1] - force[0]) > CLOSED * np.abs(force).max():
-        return _settled(gear, fidelity, maneuver, options)
-    findings = {**run.outcome.findings, "periods_alike": maneuver.periods}
-    return SceneRun(replace(run.outcome, findings=findings), repeated(run.signals, maneuver.periods))
+    period, halved = maneuver.one_period(), 0
+    run = _settled(gear, fidelity, period, options)
+    while halved < options.least_steps.halvings and _is_coarse(run, gear, maneuver):
+        halved += 1
+        run = _settled(gear, fidelity, period.halved(halved), options)
+    findings: dict[str, int] = {"halvings": halved} if halved else {}
+    if maneuver.periods > 1 and run.ok:
+        force = run.signals[maneuver.drive.signal]
+        if maneuver.periods * abs(force[-1] - force[0]) > CLOSED * np.abs(force).max():
+            run = _settled(gear, fidelity, maneuver.halved(halved), options)
+        else:
+            findings["periods_alike"] = maneuver.periods
+            run = replace(run, signals=repeated(run.signals, maneuver.periods))
+    return replace(run, outcome=replace(run.outcome, findings={**run.outcome.findings, **findings}))
+
+
+def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver) -> bool:
+    """Tell whether a whole record of steady motion asks for shorter steps."""
+    whole = run.outcome.status in (Status.OK, Status.INVALID)
+    return whole and maneuver.is_steady and bool(run.signals) and needs_finer(run.signals, gear)
 
 
 def _settled(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:

@@ -6,10 +6,11 @@
     plain                the plan is checked, run, and its record is checked
     robust=True          where that fails, the next safer settings (fallback.py)
     time_limit=20.0      the same in a process that is killed after that time (isolated_run.py)
-    accuracy="1%"        by the cheapest model that keeps this error (by_accuracy.py)
+    accuracy="1%"        by the cheapest model that keeps this error (by_accuracy.py, accuracy_kept.py)
 """
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from rps_exudyn.base.errors import InputError
@@ -18,6 +19,7 @@ from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.simulate.accuracy_kept import kept_by
 from rps_exudyn.simulate.by_accuracy import beyond_promise, choose, percent
 from rps_exudyn.simulate.checked_run import run_checked
 from rps_exudyn.simulate.fallback import run_with_fallback
@@ -90,8 +92,10 @@ def simulate(
             raise InputError(
                 "accuracy chooses the model itself; give fidelity by the name of a preset, or leave it out."
             )
-        choice = choose(scene, gear, percent(accuracy), fidelity)
-        result = simulate(scene, gear, choice.fidelity, robust=robust, time_limit=time_limit)
+        wanted = percent(accuracy)
+        choice = choose(scene, gear, wanted, fidelity)
+        limited = partial(simulate, scene, gear, robust=robust, time_limit=time_limit)
+        result = kept_by(limited, scene, gear, choice.fidelity, wanted)
         why = choice.why + beyond_promise(gear, result.signals).removeprefix(beyond_promise(gear))
         return replace(result, findings={**result.findings, "accuracy": why + choice.beside})
     chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity or "flank")

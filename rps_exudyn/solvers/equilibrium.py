@@ -19,15 +19,16 @@ from rps_exudyn.forces.memory import NO_MEMORY, begin_step, forget
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.drive import Drive, travel_per_radian
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
-from rps_exudyn.solvers.path_follower import backward_difference, follower
+from rps_exudyn.solvers.path_follower import TOLERANCE, backward_difference, follower
 from rps_exudyn.solvers.settling import TYPICAL_APPROACH, settled
 
 SIZE = 8  # coordinates of pinion, rack and plunger; modes of a flexible rack follow
 CHARACTERISTIC_LENGTHS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0])  # coordinates to lengths [m]
 
+RESCUING_STEPS = 100  # most rescues take 30 to 80
 PIECE = 2000  # instants followed at once: Ctrl-C is heard between them
-MAX_RESCUES = 100
-FARTHEST_SEARCH = 1e-4  # of each coordinate from where the path leads [m]
+CREEP_PARTS, CREEP_STEPS = 12, 3  # of a tooth pitch, of which a gear that finds no rest makes steps
+MAX_RESCUES = 50
 SHORTEST = 0.01  # of the steps asked for, that between an instant found and one that is not
 JUMP = 0.5  # of the contact's forces where its quadrature changes [N]: an equilibrium may lie on one
 
@@ -134,14 +135,18 @@ def steady_rates(pair: GearPair, speed: float, size: int = SIZE) -> np.ndarray:
 
 def starting_guess(pair: GearPair, angle: float, size: int = SIZE) -> np.ndarray:
     """Return coordinates near the equilibrium at pinion angle `angle` [rad], shape (size,): the rack follows
-    the runout, pressed a little into the mesh, and does not bend."""
+    the runout, pressed a little into the mesh, and does not bend; the plunger, which is adjusted to where the
+    axis is, follows it as well."""
     phase = angle + pair.runout_angle
-    lift = pair.axis_offset + pair.runout * np.cos(phase)
+    runout = pair.runout * np.cos(phase)
     swing = pair.runout * np.sin(phase) * np.cos(pair.beta_p) / np.cos(pair.beta_r)
     guess = np.zeros(size)
     guess[COORDINATE_BLOCKS["pinion"]] = -angle
-    guess[COORDINATE_BLOCKS["rack"]][:2] = pair.gain * angle + swing, lift - TYPICAL_APPROACH
-    guess[COORDINATE_BLOCKS["plunger"]] = lift
+    guess[COORDINATE_BLOCKS["rack"]][:2] = (
+        pair.gain * angle + swing,
+        pair.axis_offset + runout - TYPICAL_APPROACH,
+    )
+    guess[COORDINATE_BLOCKS["plunger"]] = runout
     return guess
 
 
@@ -208,8 +213,10 @@ def equilibrium_path(
                 break
             rescues += 1
             if found == 0:
-                first = rows.coordinates[0], rows.rates[0], rows.applied[0]
-                rows.coordinates[0, free] = _settled_guess(balance, free, *first)
+                begin = _Beginning(balance, free, rows.coordinates[0], rows.rates[0], rows.applied[0])
+                rows.coordinates[0], rows.rates[0] = begin.found(
+                    2 * np.pi / pair.teeth / abs(speed) if speed else 0
+                )
                 continue
             begin_step(balance.memory, rows.kept[found - 1, 1], rows.time[found])
             residual = _search(balance, free, rows.time, found, *state)
@@ -297,17 +304,56 @@ class _Rows:
         return True
 
 
-def _settled_guess(
-    balance: Balance, free: np.ndarray, guess: np.ndarray, rates: np.ndarray, applied: np.ndarray
-) -> np.ndarray:
-    """Free coordinates of a gear that settled from a guess too far off."""
-    q, v = guess.copy(), rates.copy()
+@dataclass(frozen=True)
+class _Beginning:
+    """The search for the first instant of a path where the guess is too far off."""
 
-    def unbalanced(place: np.ndarray) -> np.ndarray:
-        q[free] = place
-        return np.asarray(balance.force(q, v, balance.data)[free]) + applied[free]
+    balance: Balance
+    free: np.ndarray
+    guess: np.ndarray  # (8,)
+    rates: np.ndarray  # (8,) of steady motion
+    applied: np.ndarray  # (8,)
 
-    return settled(unbalanced, guess[free], balance.lengths[free])[0]
+    def found(self, pitch: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return coordinates and rates of a gear that rests beside its steady motion, or else creeps.
+
+        `pitch` is the time in which a tooth pitch is turned [s], 0 of a gear that stands still.
+        """
+        place, residual = self.settled(self.guess[self.free], 0.0)
+        if residual > TOLERANCE and pitch:
+            return self.crept(pitch / CREEP_PARTS)
+        return self.at(place, self.guess[self.free], 0.0)
+
+    def crept(self, step: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the same after implicit Euler steps [s] from the guess, while the drive slides on the spot.
+
+        A rack that is put somewhere askew need not rest anywhere near: friction lets it roll and creep away.
+        What slides across damps it, the more the shorter the step, so that each step has a solution.
+        """
+        before = place = self.guess[self.free]
+        for _ in range(CREEP_STEPS):
+            before = place
+            place, residual = self.settled(before, 1 / step)
+            if residual > TOLERANCE:
+                break
+        return self.at(place, before, 1 / step)
+
+    def settled(self, start: np.ndarray, per_time: float) -> tuple[np.ndarray, float]:
+        """Return the free coordinates that balance, with the rates of coming there from the start, and the
+        residual [N]."""
+        return settled(
+            lambda place: self.unbalanced(place, start, per_time), start, self.balance.lengths[self.free]
+        )
+
+    def unbalanced(self, place: np.ndarray, before: np.ndarray, per_time: float) -> np.ndarray:
+        q, v = self.at(place, before, per_time)
+        return np.asarray(self.balance.force(q, v, self.balance.data) + self.applied)[self.free]
+
+    def at(self, place: np.ndarray, before: np.ndarray, per_time: float) -> tuple[np.ndarray, np.ndarray]:
+        q, v = self.guess.copy(), self.rates.copy()
+        q[self.free] = place
+        v[self.free] += (place - before) * per_time
+        return q, v
 
 
 def _search(
@@ -320,19 +366,12 @@ def _search(
     forces: np.ndarray,
     applied: np.ndarray,
 ) -> float:
-    """Search by least squares within a trust region where Newton's method got stuck between kinks of the
-    forces.
+    """Let the gear creep to the equilibrium that Newton's method did not find: from where the path leads, or
+    else from where it was.
 
     Fills row k and returns the residual [N].
     """
-    from scipy.optimize import least_squares  # takes long to load, and hardly any path needs it
-
-    q, v, base, levers = (
-        coordinates[k].copy(),
-        rates[k].copy(),
-        coordinates[0].copy(),
-        balance.lengths[free],
-    )
+    base, levers = coordinates[0].copy(), balance.lengths[free]
     per_time, ahead = 1 / (time[1] - time[0]), coordinates[0] + (time[1] - time[0]) * rates[0]
     if k > 1:
         per_time = backward_difference(time, coordinates, k, base)
@@ -340,26 +379,19 @@ def _search(
         ahead = coordinates[k - 1] + stretch * (coordinates[k - 1] - coordinates[k - 2])
 
     def force(place: np.ndarray) -> np.ndarray:
-        q[free] = place / levers
-        v[free] = (q[free] - base[free]) * per_time
-        return np.asarray(balance.force(q, v, balance.data)) + applied[k]
+        coordinates[k, free], rates[k, free] = place, (place - base[free]) * per_time
+        return np.asarray(balance.force(coordinates[k], rates[k], balance.data)) + applied[k]
 
-    start = ahead[free] * levers
-    with np.errstate(all="ignore"):  # far from an equilibrium the forces may be of any size
-        try:
-            found = least_squares(
-                lambda place: force(place)[free] / levers,
-                start,
-                bounds=(start - FARTHEST_SEARCH, start + FARTHEST_SEARCH),
-                x_scale=1e-6,
-                diff_step=1e-9,
-                xtol=1e-15,
-                ftol=1e-15,
-                gtol=1e-15,
-                max_nfev=500,
-            )
-        except (ValueError, np.linalg.LinAlgError):  # not finite there, or beyond any number
-            return np.inf
-        forces[k] = force(found.x)
-    coordinates[k], rates[k] = q, v
-    return float(np.abs(found.fun).max())
+    residual = np.inf
+    for start in (ahead, coordinates[k - 1]):
+        with np.errstate(all="ignore"):  # far from an equilibrium the forces may be of any size
+            try:
+                place, residual = settled(
+                    lambda place: force(place)[free], start[free], levers, RESCUING_STEPS
+                )
+            except np.linalg.LinAlgError:  # not finite there
+                continue
+        forces[k] = force(place)
+        if residual <= JUMP:
+            break
+    return residual

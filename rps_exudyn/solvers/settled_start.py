@@ -1,11 +1,13 @@
-"""The settled start: equilibria before the start of a steady motion, until where they began is forgotten.
+"""The settled start: equilibria before the start of a motion, until where they began is forgotten.
 
 Friction lets go of what the gear came with only as it slides. A rack that lies askew creeps into its place
-over a part of a tooth pitch where seat and bush are stiff, over ten pitches and more where they are soft. So
-the motion begins further and further back until two beginnings in a row lead to the same start: the same
-force of the drive, and the same place in every coordinate.
+over a part of a tooth pitch where seat and bush are stiff, over ten pitches and more where they are soft; one
+that is steered to and fro rolls from side to side, and may need some cycles until all are alike. So the
+motion begins further and further back until two beginnings in a row lead to the same start: the same force of
+the drive, and the same place in every coordinate.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,22 +30,73 @@ ALIKE = 5e-4  # of the force and of a pitch's travel: how far two coarse beginni
 ALIKE_FINE = 2e-3  # ... and two of which one is twice as far back: what is left is less than that
 ROLLING = 0.02  # of the rack's travel: a rack that rolls more needs fine steps
 MOST_LOST = 4  # beginnings from which no equilibria lead to the start, until no more are tried
+HALF_CYCLES = (1, 2, 4, 8, 16)  # before the start of a swing at which equilibria begin
 ODD_PARTS = (0.0, 0.3, 0.6)  # of a pitch further back, where no rest is found at the phase of the start
 
 
+class Approach(ABC):
+    """A motion before its start, for as long as it takes to settle.
+
+    Attributes:
+        unit: time in which distances before the start are counted [s].
+        distances: before the start at which equilibria begin, one after the other, in this unit.
+        toothed: time for which the rack has teeth before the start [s].
+    """
+
+    unit: float
+    distances: tuple[int, ...]
+    toothed: float
+
+    @abstractmethod
+    def instants(self, distance: float) -> np.ndarray:
+        """Return the instants of a beginning so far before the start, below 0 [s]."""
+
+    @abstractmethod
+    def allowed(self, distance: float, rolling: float) -> float:
+        """Return how far two beginnings that agree may differ, of the force and of a pitch's travel.
+
+        The later began so far before the start, and the rack rolls by `rolling` of its travel.
+        """
+
+
 @dataclass(frozen=True)
-class Approach:
-    """The steady motion before a start, for as long as it takes to settle."""
+class SteadyApproach(Approach):
+    """Steady motion, in tooth pitches."""
 
-    pitch: float  # time in which a tooth pitch is turned [s]
-    toothed: float  # time for which the rack has teeth before the start [s]
+    unit: float  # time in which a tooth pitch is turned [s]
+    toothed: float
+    distances = DISTANCES
 
-    def instants(self, pitches: float) -> np.ndarray:
-        """Return the instants of a beginning so many tooth pitches back, below 0 [s]."""
-        fine = min(pitches, FINE_PITCHES) if pitches >= FINE_FROM else 0.0
-        far = np.linspace(-pitches, -fine, max(round(COARSE * (pitches - fine)), 1), endpoint=False)
+    def instants(self, distance: float) -> np.ndarray:
+        """Return the instants of a beginning so many tooth pitches back, the last of a far one fine."""
+        fine = min(distance, FINE_PITCHES) if distance >= FINE_FROM else 0.0
+        far = np.linspace(-distance, -fine, max(round(COARSE * (distance - fine)), 1), endpoint=False)
         near = np.linspace(-fine, 0.0, round(FINE * fine), endpoint=False)
-        return self.pitch * np.concatenate([far, near])
+        return self.unit * np.concatenate([far, near])
+
+    def allowed(self, distance: float, rolling: float) -> float:
+        """Return more for fine steps than for coarse ones, of a rack that rolls nothing for coarse ones."""
+        if distance > FINE_FROM:
+            return ALIKE_FINE
+        return ALIKE if rolling <= ROLLING else 0.0
+
+
+@dataclass(frozen=True)
+class SwingApproach(Approach):
+    """Motion to and fro, in half cycles; a beginning lies where the motion is fastest."""
+
+    unit: float  # half a cycle [s]
+    per_half_cycle: int  # equilibria
+    distances = HALF_CYCLES
+    toothed = np.inf
+
+    def instants(self, distance: float) -> np.ndarray:
+        """Return the instants of a beginning so many half cycles back."""
+        return np.linspace(-distance * self.unit, 0.0, round(self.per_half_cycle * distance), endpoint=False)
+
+    def allowed(self, distance: float, rolling: float) -> float:
+        """Return the same for all: a rack that turns about rolls."""
+        return ALIKE
 
 
 def settled_path(
@@ -77,14 +130,14 @@ class _Search:
         from the farthest that leads there; None if only the start itself does."""
         found: list[EquilibriumPath] = []
         lost, differ = 0, 0.0
-        for pitches in (0, *DISTANCES):
-            path = self.begun(pitches)
+        for distance in (0, *self.approach.distances):
+            path = self.begun(distance)
             if path is not None and path.converged:
                 found.append(path)
                 if len(found) > 1:
                     differ = _difference(found[-2], path, self.drive)
-                    if self.alike(found[-2], path, pitches):
-                        return self.with_teeth(path, pitches)
+                    if self.alike(found[-2], path, distance):
+                        return self.with_teeth(path, distance)
             elif (lost := lost + 1) == MOST_LOST:
                 break
         if len(found) < 2:
@@ -93,12 +146,12 @@ class _Search:
             return found[-1]
         return replace(found[-1], start=Start(differ, np.inf, self.approach.toothed))
 
-    def begun(self, pitches: float) -> EquilibriumPath | None:
-        """Return the path to the start from so many tooth pitches before it, or from a part of one more; None
-        where the gear yields without resistance."""
+    def begun(self, distance: float) -> EquilibriumPath | None:
+        """Return the path to the start from so far before it, or from a part of a unit more; None where the
+        gear yields without resistance."""
         path = None
-        for more in ODD_PARTS if pitches else ODD_PARTS[:1]:
-            instants = self.approach.instants(pitches + more) if pitches else np.zeros(0)
+        for more in ODD_PARTS if distance else ODD_PARTS[:1]:
+            instants = self.approach.instants(distance + more) if distance else np.zeros(0)
             time = np.concatenate([instants, self.start])
             try:
                 path = equilibrium_path(self.balance, self.pair, self.drive, time)
@@ -108,25 +161,23 @@ class _Search:
                 break
         return path
 
-    def alike(self, a: EquilibriumPath, b: EquilibriumPath, pitches: float) -> bool:
-        """Tell whether two paths, b from `pitches` back, end at the same place under the same force."""
-        fine = pitches > FINE_FROM
-        if not fine and _rolling(b) > ROLLING:
-            return False
-        travel = self.pair.gain * 2 * np.pi / self.pair.teeth
-        apart = np.abs((a.coordinates[-1] - b.coordinates[-1]) * self.balance.lengths).max() / travel
-        return max(_difference(a, b, self.drive), float(apart)) <= (ALIKE_FINE if fine else ALIKE)
-
-    def with_teeth(self, path: EquilibriumPath, pitches: float) -> EquilibriumPath:
+    def with_teeth(self, path: EquilibriumPath, distance: float) -> EquilibriumPath:
         """Return a settled path with the difference to what the rack's teeth before the start allow."""
-        pitch, toothed = self.approach.pitch, self.approach.toothed
-        if pitches * pitch <= toothed * (1 + 1e-9):
+        needed, toothed = distance * self.approach.unit, self.approach.toothed
+        if needed <= toothed * (1 + 1e-9):
             return path
-        real = self.begun(toothed / pitch)
+        real = self.begun(toothed / self.approach.unit)
         unsettled = 0.0
         if real is not None and real.converged:
             unsettled = _difference(path, real, self.drive)
-        return replace(path, start=Start(unsettled, pitches * pitch, toothed))
+        return replace(path, start=Start(unsettled, needed, toothed))
+
+    def alike(self, a: EquilibriumPath, b: EquilibriumPath, distance: float) -> bool:
+        """Tell whether two paths, b from so far back, end at the same place under the same force."""
+        travel = self.pair.gain * 2 * np.pi / self.pair.teeth
+        apart = np.abs((a.coordinates[-1] - b.coordinates[-1]) * self.balance.lengths).max() / travel
+        differ = max(_difference(a, b, self.drive), float(apart))
+        return differ <= self.approach.allowed(distance, _rolling(b))
 
 
 def _difference(a: EquilibriumPath, b: EquilibriumPath, drive: Drive) -> float:

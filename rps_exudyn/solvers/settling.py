@@ -40,7 +40,10 @@ def static_approach(load: float, mesh_force: Callable[..., Any], data: Any, offs
 
 
 def settled(
-    force: Callable[[np.ndarray], np.ndarray], start: np.ndarray, levers: np.ndarray
+    force: Callable[[np.ndarray], np.ndarray],
+    start: np.ndarray,
+    levers: np.ndarray,
+    steps: int = SETTLING_STEPS,
 ) -> tuple[np.ndarray, float]:
     """Let the coordinates creep to where the force vanishes; return the place and the residual [N].
 
@@ -49,7 +52,7 @@ def settled(
     """
     q, r = start.copy(), force(start)
     stretch = 1e-9  # [m/N]
-    for _ in range(SETTLING_STEPS):
+    for _ in range(steps):
         norm = float(np.abs(r / levers).max())
         if norm <= TOLERANCE / 10:
             break

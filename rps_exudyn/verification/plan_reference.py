@@ -3,6 +3,7 @@
     right = expected(plan)
     right.figure, right.ripple     the number that must be right, and the spread of the signal
     right.cause                    why there are none
+    curve(plan)                    the scene's signal over time, of slow motion
 
 The gear moves from many pitches before the record, as far as its teeth allow, through all of it: no settled
 start of `solvers.equilibrium`, no period that stands for others. The seat is a sum over cells; the teeth's
@@ -16,6 +17,7 @@ from math import ceil, nan
 
 import numpy as np
 
+from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
@@ -24,7 +26,7 @@ from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.solvers.closed_form import GRAVITY
 from rps_exudyn.solvers.drive import Drive, DrivenBody, Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, equilibrium_path
-from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
+from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, tangent
 from rps_exudyn.verification.runge_kutta import FreeMotion, runge_kutta
 from rps_exudyn.verification.seat_cells import cell_seat
@@ -39,10 +41,11 @@ ROLLING = 0.02
 LAST_STEPS, LAST_STEP = 4, 1e-3  # of a pitch, before inertia sets in: for exact rates
 RUN_IN = 0.5  # pitches by Runge-Kutta before the record
 PER_CYCLE = 600  # equilibria of a swing
+CURVE_FINER, CURVE_PER_CYCLE = 2, 1600  # of a curve's steps, and of those of a swing
 GENERATORS = 100
 STATIONS = {"mesh": "flank", "strip_stations": 12, "strip_points": 6}
-PER_FASTEST = 1.0  # Runge-Kutta's step over the time constant of the fastest mode; stable to 2.8
-MOST_EXPLICIT = 4000  # steps; motion that needs more is slow
+PER_FASTEST = 2.0  # Runge-Kutta's step over the time constant of the fastest mode; stable to 2.8
+MOST_EXPLICIT = 3000  # steps; motion that needs more is slow
 
 
 @dataclass(frozen=True)
@@ -120,15 +123,15 @@ class Way:
 
 
 def _ways(plan: ScenePlan) -> list[Way]:
-    """The ways whose mean is the plan's figure."""
+    """The ways of a test, one after the other."""
     test, gear = plan.gear.test, plan.gear
     body: DrivenBody = "rack" if plan.scene == "rack-push" else "pinion"
     first, last = test.start_angle, test.start_angle + test.direction * 2 * np.pi * test.turns
     if test.path == "lock-to-lock":
         lock = float(gear.rack.travel / 2 / GearPair.of(gear).gain)
         first, last = -test.direction * lock, test.direction * lock
-    both = plan.scene == "rack-push" and test.path != "one-way"
-    return [Way(body, first, last), *([Way(body, last, first)] if both else [])]
+    there_and_back = test.path != "one-way"
+    return [Way(body, first, last), *([Way(body, last, first)] if there_and_back else [])]
 
 
 def _turned(plan: ScenePlan) -> Expected:
@@ -136,7 +139,7 @@ def _turned(plan: ScenePlan) -> Expected:
     load = test.direction * GRAVITY * test.load_mass if plan.scene == "load-test" else 0.0
     forces = reference_forces(plan, load)
     means, ripples, methods = [], [], []
-    for way in _ways(plan):
+    for way in _ways(plan)[: None if plan.scene == "rack-push" else 1]:  # whose mean is the figure
         place, force, method = _along(plan, forces, way)
         mean = float(np.trapezoid(force, place) / (place[-1] - place[0]))
         means.append(mean * (way.sense if plan.scene == "rack-push" else 1))
@@ -200,16 +203,50 @@ def _before(gear: SteeringGear, way: Way, end: float, finer: int = 1) -> np.ndar
     return np.concatenate([led[led < last[0] - LAST_STEP * pitch], last[last >= begin]])
 
 
-def _equilibria(gear: SteeringGear, forces: GearForces, drive: Drive, time: np.ndarray) -> EquilibriumPath:
-    """Follow the equilibria at these instants [s].
+def _equilibria(
+    gear: SteeringGear,
+    forces: GearForces,
+    drive: Drive,
+    time: np.ndarray,
+    inertia: tuple[float, float] = (0.0, 0.0),
+) -> EquilibriumPath:
+    """Follow the equilibria at these instants [s], with the inertia of what follows the drive.
 
     Raises:
         NotFoundError: there is none at one of them.
     """
-    path = equilibrium_path(forces.statics, GearPair.of(gear), drive, time)
+    path = equilibrium_path(forces.statics._replace(inertia=inertia), GearPair.of(gear), drive, time)
     if not path.converged:
         raise NotFoundError(f"no equilibrium at {path.lost_at:.4g} s, {path.residual:.3g} N remain")
     return path
+
+
+def curve(plan: ScenePlan) -> Curve:
+    """Return the scene's signal over the time of the rig's motion, in the limit of slow motion.
+
+    Raises:
+        NotFoundError: there is no equilibrium somewhere.
+        LinAlgError: the gear yields without resistance.
+    """
+    if plan.scene == "reversal":
+        swing = _swing(plan)
+        time = np.linspace(-swing.period, swing.period, 2 * CURVE_PER_CYCLE + 1)
+        path = _equilibria(plan.gear, reference_forces(plan), swing, time, following_inertia(plan.gear))
+        kept = time >= 0
+        return Curve(time[kept], -swing.sign * path.forces[kept, swing.coordinate])
+    test = plan.gear.test
+    ways = _ways(plan)
+    if plan.scene == "load-test" and len(ways) == 1:
+        ways.append(Way(ways[0].body, ways[0].last, ways[0].first))
+    load = test.direction * GRAVITY * test.load_mass if plan.scene == "load-test" else 0.0
+    forces, begin, times, values = reference_forces(plan, load), 0.0, [], []
+    for way in ways:
+        along, path = _followed(plan.gear, forces, way, CURVE_FINER)
+        drive = way.drive(plan.gear)
+        times.append(begin + along)
+        values.append(-drive.sign * path.forces[-along.size :, drive.coordinate])
+        begin += float(along[-1])
+    return Curve(np.concatenate(times), np.concatenate(values))
 
 
 # --- with inertia ----------------------------------------------------------------------------------
@@ -248,11 +285,14 @@ def _explicit_step(motion: FreeMotion) -> float:
     return PER_FASTEST / float(np.abs(np.linalg.eigvals(state)).max())
 
 
+def _swing(plan: ScenePlan) -> Swing:
+    test = plan.gear.test
+    return Swing("pinion", test.start_angle, test.amplitude, test.direction * test.speed)
+
+
 def _swung(plan: ScenePlan) -> Expected:
     """The work of a cycle, after two others."""
-    test = plan.gear.test
-    drive = Swing("pinion", test.start_angle, test.amplitude, test.direction * test.speed)
-    forces = reference_forces(plan)
+    drive, forces = _swing(plan), reference_forces(plan)
     cycle = np.linspace(0, drive.period, PER_CYCLE + 1)
     time = np.concatenate([cycle[:-1] - drive.period, cycle])
     motion = _motion(plan, forces, drive, time[: PER_CYCLE + 1])

@@ -12,11 +12,12 @@ from dataclasses import replace
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.headline import curve_of
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.scenes.yoke_impact import WIDEST_ZONE, shaken
 from rps_exudyn.verification.runge_kutta import explicit_motion
-from rps_exudyn.verification.runs import SceneReference, curve_of, run_scene
+from rps_exudyn.verification.runs import SceneReference, run_scene
 from rps_exudyn.verification.slow_swing import slow_swing
 from rps_exudyn.verification.work_precision import agreed_reference
 

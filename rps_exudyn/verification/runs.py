@@ -7,13 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.maneuver import swing_maneuver
+from rps_exudyn.scenes.headline import curve_of
 from rps_exudyn.scenes.run_options import DEFAULT
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.verification.work_precision import Curve, Errors, Reference, curve_errors
+from rps_exudyn.verification.work_precision import Errors, Reference, curve_errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,15 +46,6 @@ class SceneReference:
 def run_scene(scene: str, gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
     """One checked run, whatever its outcome."""
     return scene_named(scene).run(gear, fidelity, DEFAULT)
-
-
-def curve_of(scene: str, signals: Signals, gear: SteeringGear, fidelity: Fidelity, name: str = "") -> Curve:
-    """A signal over the time of the rig's motion, by default the scene's headline signal."""
-    start = 0.0
-    if scene == "reversal":  # recording begins at another phase with every step
-        maneuver = swing_maneuver(gear, fidelity.step_angle)
-        start = maneuver.lead * maneuver.time_step
-    return Curve(start + signals["time"], signals[name or scene_named(scene).signal])
 
 
 def revolutions(scene: str, gear: SteeringGear) -> float:

@@ -16,6 +16,7 @@ from zlib import crc32
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.checks.before_run import LEAST_STATIONS
 from rps_exudyn.gears.basic_rack import pointed_radius, undercut_limit
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.report import check_gear
@@ -144,6 +145,8 @@ def random_plan(rng: np.random.Generator) -> ScenePlan:
     fidelity = random_fidelity(rng, fixed)
     if fidelity.mesh == "flank-generators":
         gear = gear.replace({"mesh.law": "area"})  # the law that knows generators
+    stations = max(fidelity.strip_stations, LEAST_STATIONS[gear.mesh.law])
+    fidelity = fidelity.replace({"strip_stations": stations})
     return ScenePlan(scene, gear, affordable(gear, scene, fidelity))
 
 

@@ -95,7 +95,7 @@ class StabilityMap:
     lines: list[Line]
 
 
-AS_ASKED = StepLimits(per_period=1, of_part=1)  # no finer steps than the fidelity asks for
+AS_ASKED = StepLimits(per_period=1, of_part=1, halvings=0)  # no finer steps than the fidelity asks for
 
 
 def unchecked(plan: ScenePlan) -> Result:

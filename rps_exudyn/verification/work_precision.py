@@ -4,46 +4,20 @@
     reference.uncertainty             # the methods' largest difference, RMS in % of the mean
     curve_errors(record, reference)   # of another record of the same motion
 
-A `Curve` is what a scene records: values over time, in several pieces where maneuvers were joined. Errors are
-in % of the reference's mean size, over the time that both cover. Between its own instants a record is
-interpolated by a cubic spline (`rms`) and by straight lines (`rms_linear`).
+Errors are in % of the reference's mean size, over the time that both curves cover. Between its own instants a
+record is interpolated by a cubic spline (`rms`) and by straight lines (`rms_linear`).
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
+from rps_exudyn.analysis.curve import Curve, both_over_time, rms_difference, size_of
 from rps_exudyn.analysis.harmonics import order_amplitude
 
-EVEN_POINTS = 3601  # of a piece, at which curves are compared
 FAR_ABOVE = 5  # times the floor: errors from which an order is fitted
-
-
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """One signal over time, shape (n,) both; pieces rise in time, between them it jumps back."""
-
-    time: np.ndarray  # [s]
-    values: np.ndarray
-
-    @property
-    def pieces(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Time and values of each piece."""
-        joints = np.flatnonzero(np.diff(self.time) <= 0) + 1
-        return zip(np.split(self.time, joints), np.split(self.values, joints), strict=True)
-
-    def over(self, grids: Sequence[np.ndarray], smooth: bool = True) -> np.ndarray:
-        """Values at given times [s], a grid for each piece, one after the other."""
-        found = []
-        for (time, values), grid in zip(self.pieces, grids, strict=True):
-            if smooth and time.size > 3:
-                found.append(CubicSpline(time, values)(grid))
-            else:
-                found.append(np.interp(grid, time, values))
-        return np.concatenate(found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,23 +57,18 @@ def agreed_reference(methods: Mapping[str, Curve]) -> Reference:
     curve = next(iter(methods.values()))
     size = size_of(curve)
     differences = {
-        f"{a} - {b}": _rms(*_both(methods[b], methods[a]), size) for a, b in combinations(methods, 2)
+        f"{a} - {b}": rms_difference(*both_over_time(methods[b], methods[a]), size)
+        for a, b in combinations(methods, 2)
     }
     return Reference(curve, max(differences.values()), differences)
-
-
-def size_of(curve: Curve) -> float:
-    """Mean magnitude over time, to which errors are related."""
-    area = sum(float(np.trapezoid(np.abs(values), time)) for time, values in curve.pieces)
-    return area / sum(float(time[-1] - time[0]) for time, _ in curve.pieces)
 
 
 def curve_errors(
     record: Curve, reference: Reference, turned: float | None = None, teeth: int | None = None
 ) -> Errors:
     """Errors of a record; of orders too if the pinion turned steadily, by `turned` [rad] in one piece."""
-    own, true = _both(record, reference.curve)
-    linear, _ = _both(record, reference.curve, smooth=False)
+    own, true = both_over_time(record, reference.curve)
+    linear, _ = both_over_time(record, reference.curve, smooth=False)
     size = size_of(reference.curve)
     orders: dict[str, float | None] = {}
     if turned is not None and teeth is not None:
@@ -111,24 +80,12 @@ def curve_errors(
             if None not in amplitudes:
                 orders[name] = 100 * (amplitudes[0] - amplitudes[1]) / size  # type: ignore[operator]
     return Errors(
-        rms=_rms(own, true, size),
-        rms_linear=_rms(linear, true, size),
+        rms=rms_difference(own, true, size),
+        rms_linear=rms_difference(linear, true, size),
         bias=100 * float(np.mean(own) - np.mean(true)) / size,
         peak_to_peak=100 * float(np.ptp(own) - np.ptp(true)) / size,
         **orders,
     )
-
-
-def _both(record: Curve, reference: Curve, smooth: bool = True) -> tuple[np.ndarray, np.ndarray]:
-    """Values of both at even times that both cover, piece by piece."""
-    grids = []
-    for (own, _), (true, _) in zip(record.pieces, reference.pieces, strict=True):
-        grids.append(np.linspace(max(own[0], true[0]), min(own[-1], true[-1]), EVEN_POINTS))
-    return record.over(grids, smooth), reference.over(grids)
-
-
-def _rms(first: np.ndarray, second: np.ndarray, size: float) -> float:
-    return 100 * float(np.sqrt(np.mean((first - second) ** 2))) / size
 
 
 # --- many of them ----------------------------------------------------------------------------------

@@ -10,8 +10,9 @@ import pytest
 from benchmarks.accuracy_speed.convergence import fitted_orders
 from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
 from benchmarks.accuracy_speed.tables import TABLES, front_of, scaling_rows
+from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.verification.work_precision import Curve, Reference
+from rps_exudyn.verification.work_precision import Reference
 
 
 def point(step: float, cost: float, error: float, message: str = "") -> Point:

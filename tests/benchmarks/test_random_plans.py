@@ -8,7 +8,7 @@ import pytest
 from benchmarks.stability import random_plans
 from benchmarks.stability.random_plans import DATA, plan_of, read, text_of, verdict, write
 
-RIGHT = {"status": "ok", "error": 0.001, "ripple_error": 0.01, "refused": ""}
+RIGHT = {"status": "ok", "message": "", "error": 0.001, "ripple_error": 0.01, "refused": ""}
 VERDICTS = {
     "right": {},
     "SILENTLY WRONG": {"error": 0.03},
@@ -20,6 +20,10 @@ VERDICTS = {
     "invalid": {"status": "invalid", "error": 0.1},
     "no-convergence": {"status": "no-convergence", "error": nan},
     "wrong input": {"status": "input-error"},
+    "beyond the contact's law": {
+        "status": "invalid",
+        "message": "above 91 um to which the contact's law holds",
+    },
 }
 
 

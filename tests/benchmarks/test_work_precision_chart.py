@@ -13,10 +13,11 @@ from benchmarks.accuracy_speed.chart import (
     work_precision_figure,
 )
 from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
+from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.law_error import MEASURED
-from rps_exudyn.verification.work_precision import Curve, Reference
+from rps_exudyn.verification.work_precision import Reference
 
 
 def point(label: str, cost: float, rms: float, status: str = "ok") -> Point:

@@ -5,10 +5,11 @@ import pytest
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.headline import curve_of
 from rps_exudyn.simulate.by_accuracy import beyond_promise, choose
 from rps_exudyn.verification.population import random_gears
 from rps_exudyn.verification.references import STRIPS, by_strips
-from rps_exudyn.verification.runs import curve_of, run_scene
+from rps_exudyn.verification.runs import run_scene
 from rps_exudyn.verification.slow_swing import slow_swing
 from rps_exudyn.verification.work_precision import Reference, curve_errors
 

@@ -10,9 +10,11 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.scenes.maneuver import maneuvers_of_test
-from rps_exudyn.solvers.equilibrium import SETTLED, Start, equilibrium_path
+from rps_exudyn.scenes.maneuver import maneuvers_of_test, swing_maneuver
+from rps_exudyn.solvers.drive import Swing
+from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS, SETTLED, Start, equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.path_follower import TOLERANCE
 from rps_exudyn.solvers.settled_start import settled_path
 
 CASES = bad_cases()
@@ -61,6 +63,41 @@ def test_an_ordinary_gear_settles_at_once() -> None:
     path = settled_path(*course, maneuver.approach, np.zeros(1))
     assert path.start == SETTLED
     assert path.begun == pytest.approx(-2 * np.pi / gear.pinion.teeth / gear.test.speed)
+
+
+@pytest.mark.parametrize("model", ["quasi-static", "flank"])
+def test_one_cycle_of_a_swing_is_as_any_other(model: str) -> None:
+    """A rack that is steered by 3 degrees rolls to and fro, and first had to come there: the first cycle's
+    hysteresis was 1.4 % less than the second's. 0.1 %: what a beginning may leave, over twice."""
+    small = SteeringGear().replace({"test.amplitude": "3 deg", "mesh.friction": 0.25, "test.speed": "1 rpm"})
+    first, second = (
+        rps.run("reversal", small, fidelity=model, cycles=cycles).summary["hysteresis_area"]
+        for cycles in (1, 2)
+    )
+    assert first == pytest.approx(second, rel=1e-3)
+
+
+def test_a_gear_that_rests_nowhere_begins_creeping() -> None:
+    """Seat of 25 degrees, soft, the yoke at its nut, much friction: no place of rest exists at the start, as
+    the rack rolls away from any; there is an equilibrium at every instant all the same, each to 1e-3 N."""
+    gear = SteeringGear().replace(
+        {
+            "yoke.seat_angle": "25 deg",
+            "yoke.seat_stiffness": 1e7,
+            "yoke.clearance": "5 um",
+            "mesh.friction": 0.25,
+        }
+    )
+    drive = swing_maneuver(gear, FIDELITY.step_angle).drive
+    assert isinstance(drive, Swing)
+    time = np.linspace(0, drive.period / 2, 60)
+    balance = gear_forces(gear, FIDELITY).statics
+    path = equilibrium_path(balance, GearPair.of(gear), drive, time)
+    assert path.converged
+    free = [i for i in range(8) if i != drive.coordinate]
+    for i in range(len(time)):
+        unbalanced = balance.force(path.coordinates[i], path.rates[i], balance.data)[free]
+        assert np.abs(unbalanced / CHARACTERISTIC_LENGTHS[free]).max() <= TOLERANCE
 
 
 @pytest.mark.quick

@@ -1,0 +1,61 @@
+"""One signal over time, as a scene records it, and how far two such curves lie apart."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+EVEN_POINTS = 3601  # of a piece, at which curves are compared
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A signal over time, shape (n,) both; pieces rise in time, between them it jumps back."""
+
+    time: np.ndarray  # [s]
+    values: np.ndarray
+
+    @property
+    def pieces(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """Time and values of each piece."""
+        joints = np.flatnonzero(np.diff(self.time) <= 0) + 1
+        return zip(np.split(self.time, joints), np.split(self.values, joints), strict=True)
+
+    def over(self, grids: Sequence[np.ndarray], smooth: bool = True) -> np.ndarray:
+        """Values at given times [s], a grid for each piece, one after the other."""
+        found = []
+        for (time, values), grid in zip(self.pieces, grids, strict=True):
+            if smooth and time.size > 3:
+                found.append(CubicSpline(time, values)(grid))
+            else:
+                found.append(np.interp(grid, time, values))
+        return np.concatenate(found)
+
+
+def size_of(curve: Curve) -> float:
+    """Return the mean magnitude over time, to which errors are related."""
+    area = sum(float(np.trapezoid(np.abs(values), time)) for time, values in curve.pieces)
+    return area / sum(float(time[-1] - time[0]) for time, _ in curve.pieces)
+
+
+def both_over_time(record: Curve, reference: Curve, smooth: bool = True) -> tuple[np.ndarray, np.ndarray]:
+    """Return values of both at even times that both cover, piece by piece."""
+    grids = []
+    for (own, _), (true, _) in zip(record.pieces, reference.pieces, strict=True):
+        grids.append(np.linspace(max(own[0], true[0]), min(own[-1], true[-1]), EVEN_POINTS))
+    return record.over(grids, smooth), reference.over(grids)
+
+
+def rms_difference(first: np.ndarray, second: np.ndarray, size: float) -> float:
+    """Return the RMS of the difference of values, in % of a size."""
+    return 100 * float(np.sqrt(np.mean((first - second) ** 2))) / size
+
+
+def difference(record: Curve, truer: Curve) -> float:
+    """Return how far a record lies from a truer one, RMS in % of the mean.
+
+    It is the larger of joining its instants by straight lines and smoothly.
+    """
+    size = size_of(truer)
+    return max(rms_difference(*both_over_time(record, truer, smooth), size) for smooth in (True, False))
