@@ -39,12 +39,14 @@ DATA = "promises_kept.csv"
 COLUMNS = ("scene", "number", "wanted", "verdict", "error", "cpu_ms", "model", "said")
 
 
-def run(folder: Path, measured: int = MEASURED, scenes: tuple[str, ...] = tuple(WANTED)) -> None:
+def run(
+    folder: Path, measured: int = MEASURED, tried: int = MOST_TRIED, scenes: tuple[str, ...] = tuple(WANTED)
+) -> None:
     """Draw gears until so many of each scene are measured; what the data file has is not run again."""
     rows = read(folder / DATA)
     for scene in scenes:
         number = 0
-        while number < MOST_TRIED and count(rows, scene) < measured:
+        while number < tried and count(rows, scene) < measured:
             if not any(row["scene"] == scene and int(row["number"]) == number for row in rows):
                 rows += rows_of(scene, number)
                 write(rows, folder / DATA)
@@ -65,7 +67,7 @@ def rows_of(scene: str, number: int) -> list[dict[str, Any]]:
     right: Curve | str | None = None
     rows: list[dict[str, Any]] = []
     for wanted in WANTED[scene]:
-        row, got = tried(scene, gear, wanted)
+        row, got = asked(scene, gear, wanted)
         if got is not None:
             right = right or right_curve(scene, gear)
             row |= compared(got, right, wanted)
@@ -74,7 +76,7 @@ def rows_of(scene: str, number: int) -> list[dict[str, Any]]:
     return rows
 
 
-def tried(scene: str, gear: SteeringGear, wanted: float) -> tuple[dict[str, Any], Curve | None]:
+def asked(scene: str, gear: SteeringGear, wanted: float) -> tuple[dict[str, Any], Curve | None]:
     """What `--accuracy` gives at a wanted accuracy [%], and its curve where that is promised to be right."""
     try:
         result = simulate(scene, gear, accuracy=f"{wanted}%")
@@ -146,6 +148,6 @@ TOPIC = Topic(
     "10 min",
     "accuracy_speed",
     run,
-    {"measured": 1, "scenes": ("free-pinion-torque",)},
+    {"measured": 1, "tried": 1, "scenes": ("free-pinion-torque",)},
     {"promises_kept": kept_table},
 )
