@@ -15,7 +15,7 @@ from benchmarks import (
     study_runner,
     tooth_compliance,
 )
-from benchmarks.accuracy_speed import law_and_scaling, measured_points, promise_kept, promise_table
+from benchmarks.accuracy_speed import law_and_scaling, measured_points, promise_table
 from benchmarks.bad_inputs import bad_inputs, damaged_files
 from benchmarks.stability import (
     check_cost,
@@ -43,7 +43,6 @@ TOPICS: dict[str, Topic] = {
     "accuracy_speed": measured_points.TOPIC,
     "law_and_scaling": law_and_scaling.TOPIC,
     "promise_table": promise_table.TOPIC,
-    "promise_kept": promise_kept.TOPIC,
     "stability_maps": maps.TOPIC,
     "explicit_limits": explicit_limits.TOPIC,
     "implicit_limits": implicit_limits.TOPIC,
