@@ -104,8 +104,10 @@ def test_shaken_gear_rattles(shaken: Result) -> None:
 
 
 def test_impulse_on_the_nut_is_what_the_plunger_carries_over_whole_cycles(shaken: Result) -> None:
-    """Over whole cycles the plunger's momentum returns: the nut's impulse is the seat's less the spring's. What
-    the plunger keeps, 0.06 kg x 0.1 m/s, and every fourth instant of short impacts leave 3 % of it."""
+    """Over whole cycles the plunger's momentum returns: the nut's impulse is the seat's less the spring's.
+
+    The plunger keeps 0.06 kg x 0.1 m/s; that and every fourth instant of short impacts leave 3 % of it.
+    """
     time, yoke = shaken["time"], GEAR.yoke
     spring = yoke.preload + yoke.spring_rate * shaken["plunger_displacement"]
     left = np.trapezoid(shaken["seat_force"] - spring - shaken["yokenut_force"], time)
