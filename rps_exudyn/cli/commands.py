@@ -1,9 +1,7 @@
-"""The commands of `rps-exudyn`: run, study, show, diff, rerun, geometry, describe, collect, report,
-animate,
-view, explore, init, doctor.
+"""The commands of `rps-exudyn` that simulate and read results: run, study, show, diff, rerun, geometry,
+describe, collect, report; and `main`. What shows, begins and checks stands in `tools`.
 
-Exit status: 0 done; 1 the simulation failed (its file says how); 2 wrong input, one sentence for each problem
-on standard error. What a command needs is imported by the command, so that `--help` and `describe` are quick.
+What a command needs is imported by the command, so that `--help` and `describe` are quick.
 """
 
 import os
@@ -11,16 +9,17 @@ import sys
 from collections.abc import Iterable, Sequence
 from contextlib import redirect_stdout
 from dataclasses import replace
-from importlib.metadata import version
 from io import TextIOWrapper
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated
 
-from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
+from cyclopts import CycloptsError, Parameter, UnusedCliTokensError
 
+import rps_exudyn.cli.tools  # noqa: F401 (registers its commands)
 from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.cli.app import DONE, FAILED, INTERRUPTED, PAPER_GEAR, PAPER_SETUP, WRONG_INPUT, Flag, app
 from rps_exudyn.cli.kept import keep, naming, say
 from rps_exudyn.cli.options import GearOptions, SetupOptions
 from rps_exudyn.cli.progress import shown_progress
@@ -30,24 +29,12 @@ if TYPE_CHECKING:
     from rps_exudyn.analysis.measured import MeasuredTorque
     from rps_exudyn.results.result import Result
 
-DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
-
 RESULT_FILES = (".h5", ".hdf5")
-
-app = App(
-    name="rps-exudyn",
-    help="Rack-and-pinion steering gears: pinion torque, its variation, and how far to trust it.",
-    version=lambda: version("rps-exudyn"),
-    suppress_keyboard_interrupt=False,  # `main` reports which files remain
-)
-
-app.register_install_completion_command(add_to_startup=False)
 
 began = monotonic()
 """When the command began, from which its time limit runs."""
 
 Scene = Annotated[str, Parameter(help=f"what the test rig does: {', '.join(SCENE_NAMES)}.")]
-Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -78,9 +65,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as interrupt:
         say(str(interrupt) or "interrupted; nothing was written.")
         return INTERRUPTED
-
-
-PAPER_GEAR, PAPER_SETUP = GearOptions(), SetupOptions()
 
 
 @app.command
@@ -337,78 +321,6 @@ def report(*paths: Path, out: Path | None = None, contact: Flag = False) -> int:
     out = check_writable(out or default_name(paths), SUFFIXES)
     write_report(paths, out, contact)
     print(f"written: {out}")
-    return DONE
-
-
-@app.command
-def animate(file: Path, /, *, out: Path | None = None, view: str = "gear", apart: Flag = False) -> int:
-    """Show the motion of a result in three dimensions: a page to turn and play, a film, or a still.
-
-    Args:
-        file: HDF5 file that `run` or `study` wrote.
-        out: page (.html), film (.gif, .mp4) or still (.png, .webp); without it a page beside the file.
-        view: where film and still look from: gear, mesh, along-the-pinion or whole-rack; a page has them all.
-        apart: the parts taken apart, in film and still; a page has a slider for it.
-    """
-    from rps_exudyn.cli.animate_command import do_animate
-
-    do_animate(file, out, view, apart)
-    return DONE
-
-
-@app.command
-def view(file: Path, /) -> int:
-    """Play the gear of a result in Exudyn's own viewer, where there is a display.
-
-    Args:
-        file: HDF5 file that `run` wrote; its motion is computed anew.
-    """
-    from rps_exudyn.cli.view_command import do_view
-
-    do_view(file)
-    return DONE
-
-
-@app.command
-def init(folder: Path = Path(), /) -> int:
-    """Write what to begin with: the paper's gear, the shipped studies and examples; existing files stay.
-
-    Args:
-        folder: where; without it the current folder.
-    """
-    from rps_exudyn.cli.init_command import do_init
-
-    for path in do_init(folder):
-        print(f"written: {path}")
-    return DONE
-
-
-@app.command
-def doctor(*, clear_cache: Flag = False) -> int:
-    """Tell whether this installation computes what it should, and where it keeps what.
-
-    Args:
-        clear_cache: remove the compiled kernels first; they are compiled again when needed.
-    """
-    from rps_exudyn.cli.doctor_command import do_doctor
-
-    return DONE if do_doctor(clear_cache) else FAILED
-
-
-@app.command
-def explore(
-    *, gear: GearOptions = PAPER_GEAR, host: str = "127.0.0.1", port: int = 0, browser: bool = True
-) -> int:
-    """Serve a page with sliders on this machine: torque, losses, geometry and limits while they are dragged.
-
-    Args:
-        host: address to listen at; another than this machine's own lets others compute here.
-        port: its port; 0 takes a free one.
-        browser: open the page in the browser.
-    """
-    from rps_exudyn.cli.explore_command import do_explore
-
-    do_explore(gear.load(), host, port, browser)
     return DONE
 
 

@@ -110,6 +110,6 @@ def load(path: Path) -> Result:
         InputError: no such file or case, not a result, damaged, or of a newer format.
     """
     blocks = Blocks(path.parent.parent / "blocks")
-    if path.exists() or path.parent.name != "cases" or not blocks.exist:
+    if path.parent.name != "cases" or path.exists() or not blocks.exist:
         return results.load(path)
     return blocks.result(path.stem)

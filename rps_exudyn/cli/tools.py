@@ -1,0 +1,78 @@
+"""The commands around results: animate, view, explore, init, doctor."""
+
+from pathlib import Path
+
+from rps_exudyn.cli.app import DONE, FAILED, PAPER_GEAR, Flag, app
+from rps_exudyn.cli.options import GearOptions
+
+
+@app.command
+def animate(file: Path, /, *, out: Path | None = None, view: str = "gear", apart: Flag = False) -> int:
+    """Show the motion of a result in three dimensions: a page to turn and play, a film, or a still.
+
+    Args:
+        file: HDF5 file that `run` or `study` wrote.
+        out: page (.html), film (.gif, .mp4) or still (.png, .webp); without it a page beside the file.
+        view: where film and still look from: gear, mesh, along-the-pinion or whole-rack; a page has them all.
+        apart: the parts taken apart, in film and still; a page has a slider for it.
+    """
+    from rps_exudyn.cli.animate_command import do_animate
+
+    do_animate(file, out, view, apart)
+    return DONE
+
+
+@app.command
+def view(file: Path, /) -> int:
+    """Play the gear of a result in Exudyn's own viewer, where there is a display.
+
+    Args:
+        file: HDF5 file that `run` wrote; its motion is computed anew.
+    """
+    from rps_exudyn.cli.view_command import do_view
+
+    do_view(file)
+    return DONE
+
+
+@app.command
+def init(folder: Path = Path(), /) -> int:
+    """Write what to begin with: the paper's gear, the shipped studies and examples; existing files stay.
+
+    Args:
+        folder: where; without it the current folder.
+    """
+    from rps_exudyn.cli.init_command import do_init
+
+    for path in do_init(folder):
+        print(f"written: {path}")
+    return DONE
+
+
+@app.command
+def doctor(*, clear_cache: Flag = False) -> int:
+    """Tell whether this installation computes what it should, and where it keeps what.
+
+    Args:
+        clear_cache: remove the compiled kernels first; they are compiled again when needed.
+    """
+    from rps_exudyn.cli.doctor_command import do_doctor
+
+    return DONE if do_doctor(clear_cache) else FAILED
+
+
+@app.command
+def explore(
+    *, gear: GearOptions = PAPER_GEAR, host: str = "127.0.0.1", port: int = 0, browser: bool = True
+) -> int:
+    """Serve a page with sliders on this machine: torque, losses, geometry and limits while they are dragged.
+
+    Args:
+        host: address to listen at; another than this machine's own lets others compute here.
+        port: its port; 0 takes a free one.
+        browser: open the page in the browser.
+    """
+    from rps_exudyn.cli.explore_command import do_explore
+
+    do_explore(gear.load(), host, port, browser)
+    return DONE
