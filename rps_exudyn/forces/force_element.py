@@ -29,6 +29,9 @@ class ForceElement:
         data: the law's constants, a NamedTuple.
         outputs: names of the values behind the energy terms.
         valid_to: outputs above which the law does not hold any more, and their bounds.
+        tangent: (q, v, data, factor_q, factor_v, tangent) -> the kernel's output; adds factor_q dF/dq +
+            factor_v dF/dv to `tangent` (n, n), to a few per cent of its largest entry or better. A law
+            without one is differentiated by differences.
     """
 
     name: str
@@ -37,6 +40,7 @@ class ForceElement:
     data: Any
     outputs: tuple[str, ...] = ()
     valid_to: Mapping[str, float] = field(default_factory=dict)
+    tangent: Callable[..., np.ndarray] | None = None
 
     @property
     def size(self) -> int:

@@ -9,6 +9,7 @@ bending cancels, which laws without it miss.
 import numpy as np
 
 from rps_exudyn.base.compiled import apart, inlined
+from rps_exudyn.mesh_contact.contact_tangent import add_turn_of_loads, slopes_of
 from rps_exudyn.mesh_contact.flank_line import (
     DAMPING_LOSS,
     DEEPEST,
@@ -23,8 +24,9 @@ from rps_exudyn.mesh_contact.flank_line import (
 )
 from rps_exudyn.mesh_contact.steel import HERTZ
 from rps_exudyn.mesh_contact.teeth_stations import DEPTH, LENGTH, P_R, P_T, P_Z, RATE, ROLL, TOP, find_lines
+from rps_exudyn.mesh_contact.teeth_tangent import add_teeth
 from rps_exudyn.mesh_contact.tooth_compliance import add_block, add_line
-from rps_exudyn.mesh_contact.unilateral import local_energy, local_yield, press_stations
+from rps_exudyn.mesh_contact.unilateral import local_energy, press_stations
 from rps_exudyn.mesh_contact.wrench import WRENCH_SIZE
 
 GUESS = 20e9  # load per length and depth with which the solution begins [N/m^2]
@@ -33,23 +35,39 @@ GUESS = 20e9  # load per length and depth with which the solution begins [N/m^2]
 @apart
 def teeth_contact(angle, rate, position, rotation, velocity, spin, data):  # type: ignore[no-untyped-def]
     """The mesh contact kernel of law "teeth", see `wrench`; `data` from `teeth_data`."""
+    unused = np.empty((0, 0))
+    return teeth_contact_tangent(angle, rate, position, rotation, velocity, spin, data, unused, 0.0, 0.0)
+
+
+@apart
+def teeth_contact_tangent(  # type: ignore[no-untyped-def]
+    angle, rate, position, rotation, velocity, spin, data, stiffness, factor_q, factor_v
+):
+    """The same; adds the tangent to `stiffness` unless both factors are 0, see `contact_tangent.Slopes`."""
     out, flank = np.zeros(WRENCH_SIZE), data.flank
     drive = side_of(-1.0, angle, rate, position, rotation, velocity, spin, flank)
     coast = side_of(1.0, angle, rate, position, rotation, velocity, spin, flank)
     lines, n = find_lines(angle, drive, coast, data)
     count = flank.along.shape[2]
     force, elastic = np.empty(n * count), np.empty(n * count)
-    if not solve_loads(lines, n, data, force, elastic):
+    matrix = compliance_matrix(lines, n, data)
+    if not solve_loads(matrix, lines, data, force, elastic):
         out[:] = np.nan
         return out
     sums, energy = np.empty(SUMS), stored_energy(lines, elastic)
-    for side in (drive, coast):
+    of_drive = slopes_of(stiffness, factor_q, factor_v, drive, angle, position, flank)
+    of_coast = slopes_of(stiffness, factor_q, factor_v, coast, angle, position, flank)
+    if of_drive.wanted:
+        add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data)
+    for side, slopes in ((drive, of_drive), (coast, of_coast)):
         begin_side(side, flank, sums)
         for line in range(n):
             if lines.side[line] == side.sign:
                 _add_loads(lines, line, force, elastic, side, flank, sums)
         sums[ENERGY], energy = energy, 0.0
         add_side(sums, angle, position, side, flank, out)
+        if slopes.wanted:
+            add_turn_of_loads(sums, side, slopes)
     return out
 
 
@@ -96,9 +114,9 @@ def compliance_matrix(lines, n, data):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def solve_loads(lines, n, data, force, elastic):  # type: ignore[no-untyped-def]
+def solve_loads(matrix, lines, data, force, elastic):  # type: ignore[no-untyped-def]
     """Fill the forces of all stations, and those without damping; returns whether they were found."""
-    matrix, damping = compliance_matrix(lines, n, data), data.flank.damping
+    damping = data.flank.damping
     depth, length, top = lines.stations[DEPTH], lines.stations[LENGTH], lines.stations[TOP]
     found = press_stations(force.size, matrix, depth, length, top, HERTZ, GUESS, elastic)
     for i in range(force.size):
@@ -119,7 +137,6 @@ def stored_energy(lines, elastic):  # type: ignore[no-untyped-def]
         if elastic[i] > 0:
             length, top = lines.stations[LENGTH, i], lines.stations[TOP, i]
             f = elastic[i] / length
-            energy += length * local_energy(f, top, HERTZ)
-            bending = lines.stations[DEPTH, i] - local_yield(f, top, HERTZ)[0]
-            energy += elastic[i] * bending / 2
+            flattened, stored = local_energy(f, top, HERTZ)
+            energy += length * stored + elastic[i] * (lines.stations[DEPTH, i] - flattened) / 2
     return energy

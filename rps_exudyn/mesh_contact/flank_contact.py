@@ -25,6 +25,7 @@ GeneralContact). Loads act normal to the rack's plane, at points of the pinion's
 import numpy as np
 
 from rps_exudyn.base.compiled import apart, inlined
+from rps_exudyn.mesh_contact.contact_tangent import add_turn_of_loads, slopes_of
 from rps_exudyn.mesh_contact.flank_generator import press_area
 from rps_exudyn.mesh_contact.flank_line import (
     DEEPEST,
@@ -40,7 +41,6 @@ from rps_exudyn.mesh_contact.flank_line import (
     formed_point,
     line_of,
     note_line_load,
-    press,
     side_of,
 )
 from rps_exudyn.mesh_contact.flank_strip import (
@@ -57,6 +57,8 @@ from rps_exudyn.mesh_contact.flank_strip import (
     touching,
     within_band,
 )
+from rps_exudyn.mesh_contact.plain_line import is_plain, plain_ends, plain_point
+from rps_exudyn.mesh_contact.pressed_point import press
 from rps_exudyn.mesh_contact.strip_limits import BREAKS, LIMITS, bound, ends_of, watch_limits
 from rps_exudyn.mesh_contact.wrench import WRENCH_SIZE
 
@@ -68,38 +70,68 @@ FINE = 200  # where all is integrated along generators
 @apart
 def flank_contact(angle, rate, position, rotation, velocity, spin, data):  # type: ignore[no-untyped-def]
     """The mesh contact kernel, see `wrench`; `data` from `flank_data.pack`."""
+    unused = np.empty((0, 0))
+    return flank_contact_tangent(angle, rate, position, rotation, velocity, spin, data, unused, 0.0, 0.0)
+
+
+@apart
+def flank_contact_tangent(  # type: ignore[no-untyped-def]
+    angle, rate, position, rotation, velocity, spin, data, stiffness, factor_q, factor_v
+):
+    """The same; adds the tangent to `stiffness` unless both factors are 0, see `contact_tangent.Slopes`."""
     out, sums = np.zeros(WRENCH_SIZE), np.empty(SUMS)
     strip, cuts, breaks = np.empty(STRIP_SHAPE), np.empty((LIMITS, 5)), np.empty(BREAKS)
+    in_closed_form = data.line_stiffness > 0 and is_plain(data)
     for sign in (-1.0, 1.0):
         side = side_of(sign, angle, rate, position, rotation, velocity, spin, data)
         first, last, turn = first_tooth(angle, side, data)
         begin_side(side, data, sums)
+        slopes = slopes_of(stiffness, factor_q, factor_v, side, angle, position, data)
         for tooth in range(first, last + 1):
             line = line_of(tooth, turn, side, data)
             before = sums[LOAD]
             depth = 0.0
-            for part in range(bands(data)):
-                band = band_of(part, data)
-                depth = max(depth, _integrate(strip, cuts, breaks, band, line, side, data, sums))
+            if in_closed_form:
+                depth = _plain_line(line, side, data, sums, slopes)
+            else:
+                for part in range(bands(data)):
+                    band = band_of(part, data)
+                    depth = max(depth, _integrate(strip, cuts, breaks, band, line, side, data, sums, slopes))
             if sums[LOAD] > before:
                 sums[LINES] += 1
                 sums[DEEPEST] = max(sums[DEEPEST], depth)
         add_side(sums, angle, position, side, data, out)
+        if slopes.wanted:
+            add_turn_of_loads(sums, side, slopes)
     return out
 
 
 @inlined
-def _integrate(strip, cuts, breaks, band, line, side, data, sums):  # type: ignore[no-untyped-def]
+def _plain_line(line, side, data, sums, slopes):  # type: ignore[no-untyped-def]
+    """Law "line": add the loads on one line of unmodified flanks; the greatest depth."""
+    low, high = plain_ends(line, 0.0, side, data)
+    if not low < high:
+        return 0.0
+    for k in range(data.along.shape[2]):
+        z = low + (high - low) * data.along[0, 0, k]
+        length = (high - low) * data.along[0, 1, k] / data.cos_base_helix
+        p_r, p_t, q, depth = plain_point(z, line, side, data)
+        _press_line(depth, length, p_r, p_t, q, z, side, data, sums, slopes)
+    return max(line.d_0 + line.d_1 * low, line.d_0 + line.d_1 * high)
+
+
+@inlined
+def _integrate(strip, cuts, breaks, band, line, side, data, sums, slopes):  # type: ignore[no-untyped-def]
     """Add the loads on one line within a band of the flank; the greatest depth."""
     band = band_on_flank(line, band, data)
     if data.generators > 0:
-        return press_area(FINE, data.generators, band, line, side, data, sums)
+        return press_area(FINE, data.generators, band, line, side, data, sums, slopes)
     low, high = within_band(line, band, data)
     if not low < high:
         return 0.0
     describe_strip(strip, line, band, side, data)
     if is_wide(strip, low, high) and data.line_stiffness == 0:
-        return press_area(COARSE, GENERATORS, band, line, side, data, sums)
+        return press_area(COARSE, GENERATORS, band, line, side, data, sums, slopes)
     low, high, low_ends, high_ends = touching(strip, low, high)
     if not low < high:
         return 0.0
@@ -116,9 +148,23 @@ def _integrate(strip, cuts, breaks, band, line, side, data, sums):  # type: igno
             z = z_0 + length * data.along[rule, 0, k]
             weight = length * data.along[rule, 1, k] / data.cos_base_helix
             if by_line:
-                _line_station(strip, z, weight, line, band, side, data, sums)
+                _line_station(strip, z, weight, line, band, side, data, sums, slopes)
             else:
-                _area_station(strip, z, ends, weight, cuts, watched, line, band, side, data, sums)
+                _area_station(
+                    strip,
+                    z,
+                    ends,
+                    weight,
+                    data.ease_along[rule],
+                    cuts,
+                    watched,
+                    line,
+                    band,
+                    side,
+                    data,
+                    sums,
+                    slopes,
+                )
     deepest = deepest_crest(strip, breaks[0], breaks[count - 1])
     if by_line or deepest < SHALLOW * sums[DEEPEST]:
         return deepest if by_line else 0.0
@@ -171,30 +217,37 @@ def _across_station(strip, z, ends, cuts, watched, data):  # type: ignore[no-unt
 
 
 @inlined
-def _area_station(strip, z, ends, length, cuts, watched, line, band, side, data, sums):  # type: ignore[no-untyped-def]
+def _area_station(strip, z, ends, length, eased, cuts, watched, line, band, side, data, sums, slopes):  # type: ignore[no-untyped-def]
     """Law "area": add the pressure on the leaning station at Z."""
     low, high, rule, c_0, c_1, c_2, c_3 = _across_station(strip, z, ends, cuts, watched, data)
     if not low < high:
         return
     lean = ends.lean + ends.turn * (z - ends.low)
     scale, before = data.stiffness * length * (high - low), sums[LOAD]
+    eased *= data.ease_across[rule]
     for k in range(data.across.shape[2]):  # numbers one by one: a view of a rule costs more than its use
         xi = low + (high - low) * data.across[rule, 0, k]
         place = z + lean * xi
         p_r, p_t, q = formed_point(xi, place, line, band, side, data)
         depth = c_0 + xi * (c_1 + xi * (c_2 * (1 - xi * xi / 12) + xi * c_3))
         area = scale * data.across[rule, 1, k] * q * (1 + ends.turn * xi)
-        press(depth, area, p_r, p_t, place, side, data, sums)
+        press(depth, area, eased, p_r, p_t, place, side, data, sums, slopes)
     note_line_load((sums[LOAD] - before) / length, line.q_0 + line.q_1 * z, sums)
 
 
 @inlined
-def _line_station(strip, z, length, line, band, side, data, sums):  # type: ignore[no-untyped-def]
+def _line_station(strip, z, length, line, band, side, data, sums, slopes):  # type: ignore[no-untyped-def]
     """Law "line": add the load at the strip's crest."""
     xi, depth = crest_of(strip, z)
+    p_r, p_t, q = formed_point(xi, z, line, band, side, data)
+    _press_line(depth, length, p_r, p_t, q, z, side, data, sums, slopes)
+
+
+@inlined
+def _press_line(depth, length, p_r, p_t, q, z, side, data, sums, slopes):  # type: ignore[no-untyped-def]
+    """Law "line": add the load on a part of the line about a point."""
     if not depth > 0:  # the end of what is pressed is found to a few digits; damping presses nothing apart
         return
-    p_r, p_t, q = formed_point(xi, z, line, band, side, data)
     before = sums[LOAD]
-    press(depth, data.line_stiffness * length, p_r, p_t, z, side, data, sums)
+    press(depth, data.line_stiffness * length, 1.0, p_r, p_t, z, side, data, sums, slopes)
     note_line_load((sums[LOAD] - before) / length, q, sums)

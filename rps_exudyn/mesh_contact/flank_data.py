@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import lru_cache
+from math import gamma
 from typing import NamedTuple
 
 import numpy as np
@@ -63,6 +64,8 @@ class FlankData(NamedTuple):
     # integration
     along: np.ndarray  # rules (4, 2, n) along a segment of a line
     across: np.ndarray  # and across a strip
+    ease_along: np.ndarray  # for each rule, the stiffness's weights over the load's, (4,)
+    ease_across: np.ndarray
     generators: int  # > 0: over n generators instead of strips
 
 
@@ -130,6 +133,8 @@ def pack(
         line_stiffness=line_stiffness(gear) if mesh.law == "line" else 0.0,
         along=jacobi_rules(along, 1.5),
         across=jacobi_rules(across, 1.0),
+        ease_along=eased(along, 1.5, 0.5),
+        ease_across=eased(across, 1.0, 0.0),
         generators=generators,
     )
 
@@ -165,3 +170,20 @@ def jacobi_rules(n: int, exponent: float) -> np.ndarray:
         rule[:] = (1 + x) / 2, w / ((1 - x) ** high * (1 + x) ** low) / 2
     rules.flags.writeable = False
     return rules
+
+
+@lru_cache(maxsize=64)
+def eased(n: int, exponent: float, of_stiffness: float) -> np.ndarray:
+    """Weights of the stiffness over those of `jacobi_rules`, which suit the load, for each rule.
+
+    Where the load vanishes with an exponent, its derivative by the depth does so with one less: the rule's
+    sum over u^of_stiffness, u the distances to the ends where the load vanishes, is set right.
+    """
+    factors = np.ones(4)
+    for rule, ends in enumerate(((), (0,), (1,), (0, 1))):
+        x, w = jacobi_rules(n, exponent)[rule]
+        low, high = (of_stiffness * (end in ends) for end in (0, 1))
+        exact = gamma(1 + low) * gamma(1 + high) / gamma(2 + low + high)
+        factors[rule] = exact / np.sum(w * x**low * (1 - x) ** high)
+    factors.flags.writeable = False
+    return factors

@@ -8,13 +8,14 @@ interval with exact ends; that holds for strips of any width.
 import numpy as np
 
 from rps_exudyn.base.compiled import apart, inlined, kernel
-from rps_exudyn.mesh_contact.flank_line import press, surplus
+from rps_exudyn.mesh_contact.flank_line import surplus
+from rps_exudyn.mesh_contact.pressed_point import press
 
 REACH = 0.35  # contact is sought within this angle of a line's crest [rad]
 
 
 @apart
-def press_area(coarse, generators, band, line, side, data, sums):  # type: ignore[no-untyped-def]
+def press_area(coarse, generators, band, line, side, data, sums, slopes):  # type: ignore[no-untyped-def]
     """Add the loads of one line's area within a band of the flank: midpoint rule across the generators.
 
     Corners of the area make kinks, so that the error falls with the square of the number of generators.
@@ -32,7 +33,7 @@ def press_area(coarse, generators, band, line, side, data, sums):  # type: ignor
     low, high = _last(low, -step, band, line, side, data), _last(high, step, band, line, side, data)
     width, deepest = (high - low) / generators, 0.0
     for i in range(generators):
-        depth = _press_generator(low + (i + 0.5) * width, width, band, line, side, data, sums)
+        depth = _press_generator(low + (i + 0.5) * width, width, band, line, side, data, sums, slopes)
         deepest = max(deepest, depth)
     return deepest
 
@@ -74,7 +75,7 @@ def _depth(xi, band, line, side, data):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _clip(low, high, c_0, c_1, c_2):  # type: ignore[no-untyped-def]
+def clip(low, high, c_0, c_1, c_2):  # type: ignore[no-untyped-def]
     """The part of an interval where c_0 + c_1 Z + c_2 Z^2 > 0, c_2 <= 0."""
     square = c_1 * c_1 - 4 * c_2 * c_0
     if not square > 0:
@@ -100,15 +101,15 @@ def _on_axis(coefficients, p_r, p_t, d_r, d_t):  # type: ignore[no-untyped-def]
 def interval(xi, band, line, side, data):  # type: ignore[no-untyped-def]
     """The Z between which a generator is in contact."""
     p_r, p_t, q, d_r, d_t, dq = _on_generator(xi, line, side, data)
-    low, high = _clip(-data.half_face, data.half_face, band.high - q, -dq, 0.0)
-    low, high = _clip(low, high, q - band.low, dq, 0.0)
+    low, high = clip(-data.half_face, data.half_face, band.high - q, -dq, 0.0)
+    low, high = clip(low, high, q - band.low, dq, 0.0)
     y, dy = _on_axis(side.y, p_r, p_t, d_r, d_t)
     z, dz = _on_axis(side.z, p_r, p_t, d_r, d_t)
     # the surplus of the flank moves points along e_t: at the tips that of where they end the perfect flank,
     y_t, z_t = side.sign * side.y[2], side.sign * side.z[2]
     at_tips = min(max(-(y + data.tip_depth) / dy, -data.half_face), data.half_face)
     at_tips_grown = surplus(q + dq * at_tips, at_tips * at_tips, band, data)
-    low, high = _clip(low, high, y + data.tip_depth + y_t * at_tips_grown, dy, 0.0)
+    low, high = clip(low, high, y + data.tip_depth + y_t * at_tips_grown, dy, 0.0)
     # at the bar's ends crowning is that of their Z, relief that of the band's middle
     middle, bar = (band.high - band.low) / 2, data.bar_radius**2
     grown = data.slope * (q - data.q_form) - band.relief * middle * middle
@@ -119,13 +120,13 @@ def interval(xi, band, line, side, data):  # type: ignore[no-untyped-def]
         z + z_t * grown,
         dz + z_t * data.slope * dq,
     )
-    low, high = _clip(low, high, bar - y * y - z * z, -2 * (y * dy + z * dz), -dy * dy - dz * dz)
+    low, high = clip(low, high, bar - y * y - z * z, -2 * (y * dy + z * dz), -dy * dy - dz * dz)
     c_0, c_1, c_2 = _depth(xi, band, line, side, data)
-    low, high = _clip(low, high, c_0, c_1, c_2)
+    low, high = clip(low, high, c_0, c_1, c_2)
     if data.damping > 0:
         r_0 = _approach(p_r, p_t, 0.0, side)
         r_1 = _approach(p_r + d_r, p_t + d_t, 1.0, side) - r_0
-        low, high = _clip(low, high, c_0 + data.damping * r_0, c_1 + data.damping * r_1, c_2)
+        low, high = clip(low, high, c_0 + data.damping * r_0, c_1 + data.damping * r_1, c_2)
     return low, high
 
 
@@ -139,7 +140,7 @@ def _approach(p_r, p_t, z, side):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _press_generator(xi, width, band, line, side, data, sums):  # type: ignore[no-untyped-def]
+def _press_generator(xi, width, band, line, side, data, sums, slopes):  # type: ignore[no-untyped-def]
     """Add the loads on a generator that stands for a strip of the given width [rad]; the greatest depth."""
     low, high = interval(xi, band, line, side, data)
     if not low < high:
@@ -153,7 +154,7 @@ def _press_generator(xi, width, band, line, side, data, sums):  # type: ignore[n
         area = (q + z * dq) * width * (high - low) * data.along[0, 1, k] / data.cos_base_helix
         along = side.sign * surplus(q + z * dq, z * z, band, data)
         at_r, at_t = p_r + z * d_r - along * sin, p_t + z * d_t + along * cos
-        press(depth, data.stiffness * area, at_r, at_t, z, side, data, sums)
+        press(depth, data.stiffness * area, 1.0, at_r, at_t, z, side, data, sums, slopes)
     deepest = max(c_0 + low * (c_1 + low * c_2), c_0 + high * (c_1 + high * c_2))
     crest = -c_1 / (2 * c_2) if c_2 < 0 else low
     return max(deepest, c_0 + crest * (c_1 + crest * c_2)) if low < crest < high else deepest

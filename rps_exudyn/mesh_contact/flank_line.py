@@ -254,20 +254,6 @@ def formed_point(xi, z, line, band, side, data):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def press(depth, stiffness, p_r, p_t, z, side, data, sums):  # type: ignore[no-untyped-def]
-    """Add the load stiffness * (depth + d * its rate) at a point, with its friction."""
-    pressing = depth
-    if data.damping > 0:
-        approach = affine(side.part, p_r, p_t, z)
-        pressing += data.damping * approach
-        if not pressing > 0:
-            return
-        sums[DAMPING_LOSS] += stiffness * (pressing - depth) * approach
-    add_load(stiffness * pressing, p_r, p_t, z, side, data, sums)
-    sums[ENERGY] += stiffness * depth * depth / 2
-
-
-@inlined
 def add_load(load, p_r, p_t, z, side, data, sums):  # type: ignore[no-untyped-def]
     """Add a normal load at a point, with its friction."""
     slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t

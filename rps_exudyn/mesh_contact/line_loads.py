@@ -6,7 +6,7 @@ import numpy as np
 
 from rps_exudyn.base.compiled import apart
 from rps_exudyn.forces.rigid_motion import rotation_matrix
-from rps_exudyn.mesh_contact.elastic_teeth import solve_loads
+from rps_exudyn.mesh_contact.elastic_teeth import compliance_matrix, solve_loads
 from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.mesh_contact.flank_line import side_of
 from rps_exudyn.mesh_contact.teeth_data import TeethData, teeth_data
@@ -47,7 +47,7 @@ def line_loads(angle, position, tilt, data):  # type: ignore[no-untyped-def]
     face, roll, length, load = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     force, elastic = np.empty(n), np.empty(n)
     by_line = flank.line_stiffness > 0
-    if not by_line and not solve_loads(lines, found, data, force, elastic):
+    if not by_line and not solve_loads(compliance_matrix(lines, found, data), lines, data, force, elastic):
         elastic[:] = np.nan
     for i in range(n):
         line = i // count

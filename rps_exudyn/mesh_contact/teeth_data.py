@@ -31,6 +31,7 @@ class TeethData(NamedTuple):
     rack_half_thickness: float  # of its tooth at the reference line, normal section
     reference_depth: float  # the rack's reference line stands at y = -reference_depth
     cos_rack: float  # of the rack's tooth angle
+    pinion_end: float  # exp(-a / l) in the middle of the pinion's tooth
     per_width: float  # pi E* cos(beta_b), E* = E / (2 (1 - nu^2)) [Pa]
     thinnest: float  # thickness of both teeth, squared over the tangent length, taken at least [m]
     torsion: float  # normal yield of a flank by the pinion's torsion under a unit load [m/N]
@@ -59,6 +60,7 @@ def teeth_data(gear: SteeringGear, flank: FlankData) -> TeethData:
         rack_half_thickness=np.pi * pair.module / 4,
         reference_depth=pair.reference_height,
         cos_rack=np.cos(pair.beta_r),
+        pinion_end=np.exp(-pair.face_width / 2 / np.cos(pair.beta_b) / pinion.length),
         per_width=np.pi * EFFECTIVE_MODULUS * np.cos(pair.beta_b),
         thinnest=THINNEST * pair.module,
         torsion=arm**2 / core,

@@ -30,9 +30,10 @@ from rps_exudyn.mesh_contact.flank_strip import (
     touching,
     within_band,
 )
+from rps_exudyn.mesh_contact.plain_line import is_plain, plain_ends, plain_point
 from rps_exudyn.mesh_contact.steel import FLATTENED
 from rps_exudyn.mesh_contact.strip_limits import ends_of
-from rps_exudyn.mesh_contact.tooth_compliance import PLACE_SIZE, fill_place
+from rps_exudyn.mesh_contact.tooth_compliance import PLACE_SIZE, fill_between_ends, fill_place
 
 BEYOND = 0.5  # of the deepest overlap: flanks apart by less may meet as their teeth bend
 
@@ -59,31 +60,29 @@ def find_lines(angle, drive, coast, data):  # type: ignore[no-untyped-def]
     flank, n = data.flank, 0
     most, deepest = _overlap(angle, drive, coast, flank)
     total = most * flank.along.shape[2]
+    numbers, columns = np.empty((4, most)), np.empty((STATION_SIZE + 2 * PLACE_SIZE, total))
     lines = Lines(
-        np.empty(most),
-        np.empty(most),
-        np.empty(most),
-        np.empty(most),
-        np.empty((STATION_SIZE, total)),
-        np.empty((PLACE_SIZE, total)),
-        np.empty((PLACE_SIZE, total)),
+        numbers[0],
+        numbers[1],
+        numbers[2],
+        numbers[3],
+        columns[:STATION_SIZE],
+        columns[STATION_SIZE : STATION_SIZE + PLACE_SIZE],
+        columns[STATION_SIZE + PLACE_SIZE :],
     )
     if most == 0:
         return lines, n
-    strip = np.empty(STRIP_SHAPE)
+    strip, margin, plain = np.empty(STRIP_SHAPE), BEYOND * deepest, is_plain(flank)
     for side in (drive, coast):
         first, last, turn = first_tooth(angle, side, flank)
         for tooth in range(first, last + 1):
             line = line_of(tooth, turn, side, flank)
+            if plain:
+                n += _fill_plain_line(lines, n, margin, tooth, line, side, data)
+                continue
             for part in range(bands(flank)):
                 band = band_on_flank(line, band_of(part, flank), flank)
-                low, high = _describe_line(strip, band, line, side, BEYOND * deepest, flank)
-                if low < high:
-                    lines.side[n], lines.tooth[n] = side.sign, tooth % flank.teeth
-                    lines.rack_tooth[n] = line.rack_tooth
-                    lines.deepest[n] = deepest_crest(strip, low, high) - BEYOND * deepest
-                    _fill_line(lines, n, strip, low, high, BEYOND * deepest, band, line, side, data)
-                    n += 1
+                n += _fill_line(lines, n, strip, margin, band, tooth, line, side, data)
     return lines, n
 
 
@@ -122,38 +121,68 @@ def _describe_line(strip, band, line, side, margin, flank):  # type: ignore[no-u
 
 
 @inlined
-def _fill_line(lines, n, strip, low, high, margin, band, line, side, data):  # type: ignore[no-untyped-def]
-    """Fill the stations of one line: their points, and their places on both teeth."""
+def _fill_plain_line(lines, n, margin, tooth, line, side, data):  # type: ignore[no-untyped-def]
+    """Fill one line of unmodified flanks; 1, or 0 where the flanks are apart."""
+    flank = data.flank
+    low, high = plain_ends(line, margin, side, flank)
+    if not low < high:
+        return 0
+    lines.side[n], lines.tooth[n] = side.sign, tooth % flank.teeth
+    lines.rack_tooth[n] = line.rack_tooth
+    lines.deepest[n] = line.d_0 + max(line.d_1 * low, line.d_1 * high)
+    for k in range(flank.along.shape[2]):
+        i, z = n * flank.along.shape[2] + k, low + (high - low) * flank.along[0, 0, k]
+        lines.stations[LENGTH, i] = (high - low) * flank.along[0, 1, k] / flank.cos_base_helix
+        p_r, p_t, q, lines.stations[DEPTH, i] = plain_point(z, line, side, flank)
+        _fill_station(lines, i, p_r, p_t, q, z, side, data)
+    return 1
+
+
+@inlined
+def _fill_line(lines, n, strip, margin, band, tooth, line, side, data):  # type: ignore[no-untyped-def]
+    """Fill one line within a band of modified flanks; 1, or 0 where the flanks are apart."""
+    flank = data.flank
+    low, high = _describe_line(strip, band, line, side, margin, flank)
+    if not low < high:
+        return 0
+    lines.side[n], lines.tooth[n] = side.sign, tooth % flank.teeth
+    lines.rack_tooth[n] = line.rack_tooth
+    lines.deepest[n] = deepest_crest(strip, low, high) - margin
+    for k in range(flank.along.shape[2]):
+        i, z = n * flank.along.shape[2] + k, low + (high - low) * flank.along[0, 0, k]
+        xi, depth = crest_of(strip, z)
+        lines.stations[LENGTH, i] = (high - low) * flank.along[0, 1, k] / flank.cos_base_helix
+        lines.stations[DEPTH, i] = depth - margin
+        p_r, p_t, q = formed_point(xi, z, line, band, side, flank)
+        _fill_station(lines, i, p_r, p_t, q, z, side, data)
+    return 1
+
+
+@inlined
+def _fill_station(lines, i, p_r, p_t, q, z, side, data):  # type: ignore[no-untyped-def]
+    """Fill what follows from a station's point: its motion, and its places on both teeth."""
     flank, stations = data.flank, lines.stations
     tan = data.sin_alpha / data.cos_alpha
-    half_face = flank.half_face / flank.cos_base_helix
-    for k in range(flank.along.shape[2]):
-        i = n * flank.along.shape[2] + k
-        z = low + (high - low) * flank.along[0, 0, k]
-        xi, depth = crest_of(strip, z)
-        p_r, p_t, q = formed_point(xi, z, line, band, side, flank)
-        stations[DEPTH, i] = depth - margin
-        stations[RATE, i] = affine(side.part, p_r, p_t, z)
-        stations[LENGTH, i] = (high - low) * flank.along[0, 1, k] / flank.cos_base_helix
-        stations[P_R, i], stations[P_T, i], stations[P_Z, i], stations[ROLL, i] = p_r, p_t, z, q
+    stations[RATE, i] = affine(side.part, p_r, p_t, z)
+    stations[P_R, i], stations[P_T, i], stations[P_Z, i], stations[ROLL, i] = p_r, p_t, z, q
 
-        x = min(max((q - data.middle) * data.per_half, -1.0), 1.0)
-        cos, cos_y = polynomial(data.form, 0, x), polynomial(data.form, 1, x)
-        cos_tan = polynomial(data.form, 2, x)
-        fill_place(lines.on_pinion, i, cos, cos_y, cos_tan, z / flank.cos_base_helix, half_face, data.pinion)
+    x = min(max((q - data.middle) * data.per_half, -1.0), 1.0)
+    cos, cos_y = polynomial(data.form, 0, x), polynomial(data.form, 1, x)
+    cos_tan = polynomial(data.form, 2, x)
+    s = z / flank.cos_base_helix
+    fill_between_ends(lines.on_pinion, i, cos, cos_y, cos_tan, s, data.pinion_end, data.pinion)
 
-        y_rack, z_rack = affine(side.y, p_r, p_t, z), affine(side.z, p_r, p_t, z)
-        height = -y_rack - data.reference_depth  # above the rack's reference line, towards the tips
-        half_width = data.rack_half_thickness - height * tan
-        cos_y = data.cos_alpha * (height - half_width * tan + data.rack.root)
-        chord = np.sqrt(max(flank.bar_radius * flank.bar_radius - y_rack * y_rack, 0.0)) / data.cos_rack
-        fill_place(
-            lines.on_rack, i, data.cos_alpha, cos_y, data.sin_alpha, z_rack / data.cos_rack, chord, data.rack
-        )
+    y_rack, z_rack = affine(side.y, p_r, p_t, z), affine(side.z, p_r, p_t, z)
+    height = -y_rack - data.reference_depth  # above the rack's reference line, towards the tips
+    half_width = data.rack_half_thickness - height * tan
+    cos_y = data.cos_alpha * (height - half_width * tan + data.rack.root)
+    chord = np.sqrt(max(flank.bar_radius * flank.bar_radius - y_rack * y_rack, 0.0)) / data.cos_rack
+    s = z_rack / data.cos_rack
+    fill_place(lines.on_rack, i, data.cos_alpha, cos_y, data.sin_alpha, s, chord, data.rack)
 
-        # ln(4 h_P h_R / (a^2 / f)) - nu / (1 - nu) with a^2 / f = 4 rho / (pi E*), rho = q / cos(beta_b)
-        thickness = max(polynomial(data.form, 3, x) * half_width, data.thinnest)
-        stations[TOP, i] = np.log(thickness * data.per_width) - FLATTENED
+    # ln(4 h_P h_R / (a^2 / f)) - nu / (1 - nu) with a^2 / f = 4 rho / (pi E*), rho = q / cos(beta_b)
+    thickness = max(polynomial(data.form, 3, x) * half_width, data.thinnest)
+    stations[TOP, i] = np.log(thickness * data.per_width) - FLATTENED
 
 
 @inlined

@@ -97,9 +97,15 @@ PLACE_SIZE = 8
 @inlined
 def fill_place(places, i, cos, cos_y, cos_tan, s, half_length, data):  # type: ignore[no-untyped-def]
     """Fill the column of a station at s [m] from the middle of a tooth of some half length [m]."""
+    fill_between_ends(places, i, cos, cos_y, cos_tan, s, np.exp(-half_length / data.length), data)
+
+
+@inlined
+def fill_between_ends(places, i, cos, cos_y, cos_tan, s, end, data):  # type: ignore[no-untyped-def]
+    """Fill the same from `end`, exp(-half length / l)."""
     places[COS, i], places[COS_Y, i], places[COS_TAN, i] = cos, cos_y, cos_tan
     places[PLACE, i] = s
-    rise, end = np.exp(s / data.length), np.exp(-half_length / data.length)
+    rise = np.exp(s / data.length)
     places[RISE, i], places[FALL, i] = rise, 1 / rise
     places[END_A, i], places[END_B, i] = end / rise, end * rise
 

@@ -17,8 +17,9 @@ from rps_exudyn.base.compiled import inlined
 THICK = 3.0  # least L - ln f of the logarithm, which asks for flat strips in thick teeth; linear beyond
 ROUNDS = 40  # changes of the set, or of the loads
 ALL_AT_ONCE = 10  # rounds in which all stations that are wrong change at once
-NEAR = 1e-2  # change of the loads over the largest from which on the last tangent serves
-CLOSE = 1e-4  # last change: what it leaves is a thousandth of it
+LIGHT = 0.02  # of the largest load per length: lighter ones have the slope of this one
+SHRINKS = 0.06  # from step to step for which a tangent serves; what the first one with it is taken to leave
+LEFT = 1e-6  # error of the loads over the largest
 LEAST = 1e-3  # load per length below which the logarithm stays what it is [N/m]
 
 
@@ -34,19 +35,20 @@ def local_yield(f, top, k):  # type: ignore[no-untyped-def]
 
 @inlined
 def local_energy(f, top, k):  # type: ignore[no-untyped-def]
-    """Return the energy per length stored [J/m]: load times yield, less the integral of the yield."""
+    """Return the yield [m], and the energy per length stored [J/m]: load times yield, less its integral."""
     log = top - np.log(max(f, LEAST))
     if log < THICK:
         most = np.exp(top - THICK)
         beyond = f - most
         integral = most * most * (THICK / 2 + 0.25) + beyond * (THICK * most + (THICK - 1) * beyond / 2)
+        value = k * (THICK * most + (THICK - 1) * beyond)
     else:
-        integral = f * f * (log / 2 + 0.25)
-    return f * local_yield(f, top, k)[0] - k * integral
+        integral, value = f * f * (log / 2 + 0.25), k * f * log
+    return value, f * value - k * integral
 
 
 @inlined
-def _factorize(matrix, n):  # type: ignore[no-untyped-def]
+def factorize(matrix, n):  # type: ignore[no-untyped-def]
     """Put Cholesky's factor in place of the lower triangle, its diagonal inverted; tell if that can be done.
 
     n is a multiple of four: four rows at a time keep four sums apart, which a processor adds side by side.
@@ -79,7 +81,7 @@ def _factorize(matrix, n):  # type: ignore[no-untyped-def]
 
 @inlined
 def _substitute(factor, n, x):  # type: ignore[no-untyped-def]
-    """Solve with a factor of `_factorize` in place of the right side."""
+    """Solve with a factor of `factorize` in place of the right side."""
     for j in range(n):
         x[j] *= factor[j, j]
         for i in range(j + 1, n):
@@ -91,13 +93,35 @@ def _substitute(factor, n, x):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _residual(m, chosen, matrix, delta, length, top, k, force, rest, slopes):  # type: ignore[no-untyped-def]
-    """Fill what the pressed stations' yield lacks of their depth [m], and the slopes of the Hertzian part."""
+def substitute_all(factor, n, rows):  # type: ignore[no-untyped-def]
+    """Solve with a factor of `factorize` in place of several right sides, the columns of `rows`."""
+    columns = rows.shape[1]
+    for j in range(n):
+        for c in range(columns):
+            rows[j, c] *= factor[j, j]
+        for i in range(j + 1, n):
+            for c in range(columns):
+                rows[i, c] -= factor[i, j] * rows[j, c]
+    for j in range(n - 1, -1, -1):
+        for c in range(columns):
+            rows[j, c] *= factor[j, j]
+        for i in range(j):
+            for c in range(columns):
+                rows[i, c] -= factor[j, i] * rows[j, c]
+
+
+@inlined
+def _residual(m, chosen, matrix, delta, length, top, k, force, light, rest, slopes):  # type: ignore[no-untyped-def]
+    """Fill what the pressed stations' yield lacks of their depth [m], and the slopes of the Hertzian part,
+    of loads per length lighter than `light` those of that one."""
     for row in range(m):
         rest[row] = delta[chosen[row]]
     for row in range(m):
         i = chosen[row]
-        value, slopes[row] = local_yield(force[i] / length[i], top[i], k)
+        f = force[i] / length[i]
+        value, slopes[row] = local_yield(f, top[i], k)
+        if f < light:
+            _, slopes[row] = local_yield(light, top[i], k)
         for col in range(row):
             j = chosen[col]
             rest[col] -= matrix[i, j] * force[i]
@@ -127,40 +151,45 @@ def press_stations(n, matrix, delta, length, top, k, guess, force):  # type: ign
 
     `matrix` holds the compliance [m/N], its lower triangle; `delta` the depths of the undeformed flanks [m],
     `length` those of the stations' cells [m], `top` the constants L, `guess` a load per length and depth to
-    begin with [N/m^2].
+    begin with [N/m^2]. The stations that overlap are taken first. A tangent serves for as long as each step
+    is much smaller than that before.
     """
     pressed, chosen = np.empty(n, np.bool_), np.empty(n, np.int64)
     most = (n + 3) // 4 * 4
-    system, step, slopes = np.empty((most, most)), np.empty(most), np.empty(n)
+    work = np.empty((most + 2, most))
+    system, step, slopes = work[:most], work[most], work[most + 1]
     for i in range(n):
         pressed[i] = delta[i] > 0
         force[i] = guess * max(delta[i], 0.0) * length[i]
-    m, full, close = 0, 0, False
+    m, full, before, largest, serves = 0, 0, np.inf, 0.0, False
     for turn in range(ROUNDS):
-        if not close:
-            m = 0
+        if not serves:
+            m, largest = 0, 0.0
             for i in range(n):
                 if pressed[i]:
                     chosen[m] = i
                     m += 1
+                    largest = max(largest, force[i] / length[i])
             if m == 0:
                 return True
-        _residual(m, chosen, matrix, delta, length, top, k, force, step, slopes)
-        if not close:
+        _residual(m, chosen, matrix, delta, length, top, k, force, LIGHT * largest, step, slopes)
+        if not serves:
+            before = np.inf
             full = _tangent(m, chosen, matrix, length, slopes, system)
-            if not _factorize(system, full):
+            if not factorize(system, full):
                 return False
         for row in range(m, full):
             step[row] = 0.0
         _substitute(system, full, step)
-        largest, move = 0.0, 0.0
+        most_force, move = 0.0, 0.0
         for row in range(m):
             force[chosen[row]] += step[row]
-            largest, move = max(largest, force[chosen[row]]), max(move, abs(step[row]))
+            most_force, move = max(most_force, force[chosen[row]]), max(move, abs(step[row]))
         changes = _revise(n, m, matrix, delta, force, chosen, pressed, turn >= ALL_AT_ONCE)
-        if changes == 0 and move <= CLOSE * largest:
+        shrinks = move / before if before < np.inf else max(move / most_force, SHRINKS)
+        if changes == 0 and move * shrinks <= LEFT * most_force:
             return True
-        close = changes == 0 and move <= NEAR * largest
+        serves, before = changes == 0 and move <= SHRINKS * before, move
     return False
 
 

@@ -1,0 +1,205 @@
+"""The tangent of the flank contact: how forces and moments change as the rack is moved against the pinion.
+
+A load at a point r from the rack's reference point acts along the flank's normal N, its friction along h per
+unit load. A small motion of the rack, u and a turn omega, deepens the flanks there by w . (u, omega) with
+
+    w = (N, r x N)          and changes its wrench by        -(N + h, r x (N + h)) stiffness w . (u, omega).
+
+Friction across the direction of sliding is viscous, drag over speed; within the friction zone also along it.
+The loads turn with the flank, and their points move against the reference point. Left out: the ends of the
+lines, which move with the motion under the loads that stand there, and the change of the sliding with the
+place: together below a hundredth of the largest entry.
+
+The pinion's turn by phi is a turn of the rack by -phi about the pinion's axis, seen from a housing that turns
+along. So one matrix C of the motions per coordinate serves: with the stiffness K of the wrench, that of the
+forces on the coordinates is C^T K C.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rps_exudyn.base.compiled import inlined, kernel
+from rps_exudyn.forces.rigid_motion import Vector, cross, dot, minus, plus, scaled, vector
+from rps_exudyn.mesh_contact import wrench
+from rps_exudyn.mesh_contact.flank_line import (
+    DRAG_B,
+    DRAG_R,
+    LOAD,
+    LOAD_R,
+    LOAD_T,
+    LOAD_Z,
+    affine,
+    gear_centre,
+)
+
+
+class Stance(NamedTuple):
+    """A side's line frame in the housing."""
+
+    normal: Vector  # N
+    radial: Vector  # e_r
+    across: Vector  # B = N x e_r
+    tangential: Vector  # e_t
+    axis: Vector  # k
+    centre: Vector  # the gear's, from the rack's reference point
+
+
+class Slopes(NamedTuple):
+    """Where the tangent of one side is added up."""
+
+    wanted: bool  # else nothing is added
+    stiffness: np.ndarray  # of the wrench on the rack over its motion, (6, 6), housing, reference point
+    factor_q: float  # of the derivative by places
+    factor_v: float  # of that by rates
+    stance: Stance
+
+
+@inlined
+def stance_of(side, angle, position, data):  # type: ignore[no-untyped-def]
+    """Return a side's line frame in the housing."""
+    _, _, gx, gy, gz = gear_centre(angle, position, data)
+    cd, sd, cos, sin = data.cos_delta, data.sin_delta, side.cos, side.sin
+    radial, tangential, axis = (cd * cos, sin, -sd * cos), (-cd * sin, cos, sd * sin), (sd, 0.0, cd)
+    normal = plus(scaled(-side.sign * side.n_p, tangential), scaled(side.n_z, axis))
+    return Stance(normal, radial, cross(normal, radial), tangential, axis, (gx, gy, gz))
+
+
+@inlined
+def slopes_of(stiffness, factor_q, factor_v, side, angle, position, data):  # type: ignore[no-untyped-def]
+    """Return a side's `Slopes`; none are wanted if both factors are 0."""
+    wanted = factor_q != 0 or factor_v != 0
+    return Slopes(wanted, stiffness, factor_q, factor_v, stance_of(side, angle, position, data))
+
+
+@inlined
+def arm_of(p_r, p_t, z, stance):  # type: ignore[no-untyped-def]
+    """From the rack's reference point to a point of the line frame."""
+    along = plus(scaled(p_r, stance.radial), plus(scaled(p_t, stance.tangential), scaled(z, stance.axis)))
+    return plus(stance.centre, along)
+
+
+@inlined
+def add_outer(matrix, factor, force_a, moment_a, force_b, moment_b):  # type: ignore[no-untyped-def]
+    """Add factor times the product of two wrenches."""
+    a = (force_a[0], force_a[1], force_a[2], moment_a[0], moment_a[1], moment_a[2])
+    b = (force_b[0], force_b[1], force_b[2], moment_b[0], moment_b[1], moment_b[2])
+    for i in range(6):
+        for j in range(6):
+            matrix[i, j] += factor * a[i] * b[j]
+
+
+@inlined
+def friction_direction(p_r, p_t, z, side, stance, data):  # type: ignore[no-untyped-def]
+    """Return the friction on the pinion per unit load, the sliding's parts along e_r and B, and its speed."""
+    slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t
+    slip_b = affine(side.slip, p_r, p_t, z)
+    slip = np.sqrt(slip_r * slip_r + slip_b * slip_b)
+    per_slip = data.friction / max(slip, data.zone)
+    rub = plus(scaled(per_slip * slip_r, stance.radial), scaled(per_slip * slip_b, stance.across))
+    return rub, slip_r, slip_b, slip
+
+
+@inlined
+def add_station(stiffness, load, p_r, p_t, z, side, data, slopes):  # type: ignore[no-untyped-def]
+    """Add what a load at a point changes by: its own stiffness [N/m], and its friction's."""
+    stance = slopes.stance
+    arm = arm_of(p_r, p_t, z, stance)
+    rub, slip_r, slip_b, slip = friction_direction(p_r, p_t, z, side, stance, data)
+    whole = plus(stance.normal, rub)
+    factor = -stiffness * (slopes.factor_q + data.damping * slopes.factor_v)
+    moment = cross(arm, stance.normal)
+    add_outer(slopes.stiffness, factor, whole, cross(arm, whole), stance.normal, moment)
+    add_viscous(load, arm, slip_r, slip_b, slip, data, slopes)
+
+
+@inlined
+def add_viscous(load, arm, slip_r, slip_b, slip, data, slopes):  # type: ignore[no-untyped-def]
+    """Add the friction's change with the rates: across the sliding, in the friction zone also along it."""
+    drag = -slopes.factor_v * data.friction * load / max(slip, data.zone)
+    stance = slopes.stance
+    if drag == 0:
+        return
+    if slip > data.zone:
+        aside = plus(scaled(-slip_b / slip, stance.radial), scaled(slip_r / slip, stance.across))
+        moment = cross(arm, aside)
+        add_outer(slopes.stiffness, drag, aside, moment, aside, moment)
+        return
+    for way in (stance.radial, stance.across):
+        moment = cross(arm, way)
+        add_outer(slopes.stiffness, drag, way, moment, way, moment)
+
+
+@inlined
+def add_turn_of_loads(sums, side, slopes):  # type: ignore[no-untyped-def]
+    """Add what the loads of one side change by as they turn with the flank and as their points move."""
+    stance = slopes.stance
+    stiffness, factor, load = slopes.stiffness, slopes.factor_q, sums[LOAD]
+    rub = plus(scaled(sums[DRAG_R], stance.radial), scaled(sums[DRAG_B], stance.across))
+    on_pinion = plus(scaled(load, stance.normal), rub)
+    points = plus(scaled(sums[LOAD_R], stance.radial), scaled(sums[LOAD_T], stance.tangential))
+    points = plus(plus(points, scaled(sums[LOAD_Z], stance.axis)), scaled(load, stance.centre))
+    swing = cross(stance.radial, scaled(sums[LOAD_T], stance.normal))
+    n_t = -side.sign * side.n_p
+    for j in range(3):
+        way = (1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0)
+        moment = cross(way, on_pinion)
+        turned = cross(way, stance.normal)
+        psi = -dot(turned, stance.radial) / n_t  # turn of the generator psi*
+        swung = plus(scaled(-psi, swing), cross(points, turned))
+        for i in range(3):
+            stiffness[3 + i, j] += factor * moment[i]
+            stiffness[i, 3 + j] -= factor * load * turned[i]
+            stiffness[3 + i, 3 + j] -= factor * swung[i]
+
+
+@kernel
+def motions_of(angle, position, map_, data):  # type: ignore[no-untyped-def]
+    """Motions of the rack against the pinion per coordinate of pinion (1) and rack (6), shape (6, 7)."""
+    axis, to_axis = pinion_axis(angle, position, data)
+    carried, motions = cross(axis, to_axis), np.zeros((6, 7))
+    for i in range(3):
+        motions[i, 0], motions[3 + i, 0], motions[i, 1 + i] = carried[i], -axis[i], 1.0
+        for j in range(3):
+            motions[3 + i, 4 + j] = map_[i, j]
+    return motions
+
+
+@inlined
+def pinion_axis(angle, position, data):  # type: ignore[no-untyped-def]
+    """Direction of the pinion's axis, and the way to it from the rack's reference point."""
+    ecc_e, ecc_y, gx, gy, gz = gear_centre(angle, position, data)
+    axis = (data.sin_delta, 0.0, data.cos_delta)
+    return axis, (gx - data.cos_delta * ecc_e, gy - ecc_y, gz + data.sin_delta * ecc_e)
+
+
+@kernel
+def add_on_coordinates(out, q, motions, stiffness, factor_q, data, tangent):  # type: ignore[no-untyped-def]
+    """Add C^T K C to the tangent of the forces on pinion (1) and rack (6), and what C itself changes by under
+    the contact's wrench `out`."""
+    half = np.zeros((6, 7))
+    for i in range(6):
+        for k in range(6):
+            value = stiffness[i, k]
+            for j in range(7):
+                half[i, j] += value * motions[k, j]
+    for k in range(6):
+        for i in range(7):
+            value = motions[k, i]
+            if value != 0:
+                for j in range(7):
+                    tangent[i, j] += value * half[k, j]
+    force, moment = vector(out[wrench.FORCE]), vector(out[wrench.MOMENT])
+    axis, to_axis = pinion_axis(q[0], data.rack_reference + q[1:4], data)
+    turned = cross(axis, force)  # the loads turn with the pinion, which is seen to stand still
+    turned_moment = plus(cross(axis, minus(moment, cross(to_axis, force))), cross(to_axis, turned))
+    tangent[0, 0] += factor_q * dot(cross(axis, to_axis), turned)
+    for i in range(3):
+        tangent[1 + i, 0] += factor_q * turned[i]
+        tangent[0, 1 + i] += factor_q * turned[i]
+        for j in range(3):
+            tangent[4 + j, 0] += factor_q * motions[3 + i, 4 + j] * turned_moment[i]
+    ca, sa, cb, sb = np.cos(q[4]), np.sin(q[4]), np.cos(q[5]), np.sin(q[5])
+    tangent[5, 4] += factor_q * (ca * moment[2] - sa * moment[1])
+    tangent[6, 4] -= factor_q * cb * (ca * moment[1] + sa * moment[2])
+    tangent[6, 5] += factor_q * (cb * moment[0] + sb * (sa * moment[1] - ca * moment[2]))

@@ -1,0 +1,58 @@
+"""Lines of contact of flanks without modifications, whose depth and limits are known in closed form.
+
+Without relief, crowning and slope the crest of the strip stands on xi = 0. There the depth, the distances to
+the limits of the flank and to the rack's tips are linear in Z, and the bar's surface is a parabola: the laws
+that take loads at the crest need no strip.
+"""
+
+from rps_exudyn.base.compiled import inlined
+from rps_exudyn.mesh_contact.flank_generator import clip
+from rps_exudyn.mesh_contact.flank_line import affine
+
+
+@inlined
+def is_plain(data):  # type: ignore[no-untyped-def]
+    """Tell whether the flanks are unmodified."""
+    return data.relief == 0 and data.crowning == 0 and data.slope == 0
+
+
+@inlined
+def plain_point(z, line, side, data):  # type: ignore[no-untyped-def]
+    """P_r, P_t, the tangent length q and the depth at Z."""
+    q = line.q_0 + line.q_1 * z
+    return data.base_radius, side.sign * q, q, line.d_0 + line.d_1 * z
+
+
+@inlined
+def on_plain_line(coefficients, line, side, data):  # type: ignore[no-untyped-def]
+    """An affine function of the point along the line: at Z = 0, and its slope."""
+    at_middle = affine(coefficients, data.base_radius, side.sign * line.q_0, 0.0)
+    return at_middle, coefficients[2] * side.sign * line.q_1 + coefficients[3]
+
+
+@inlined
+def plain_ends(line, margin, side, data):  # type: ignore[no-untyped-def]
+    """Return between which Z the flanks are pressed, `margin` deeper than they are; low > high if nowhere."""
+    pressing, per_z = line.d_0 + margin, line.d_1
+    if data.damping > 0:
+        rate, rate_per_z = on_plain_line(side.part, line, side, data)
+        pressing, per_z = pressing + data.damping * rate, per_z + data.damping * rate_per_z
+    low, high = _above(-data.half_face, data.half_face, pressing, per_z)
+    low, high = _above(low, high, line.q_0 - data.q_form, line.q_1)
+    low, high = _above(low, high, data.q_tip - line.q_0, -line.q_1)
+    y, y_z = on_plain_line(side.y, line, side, data)
+    low, high = _above(low, high, y + data.tip_depth, y_z)
+    z, z_z = on_plain_line(side.z, line, side, data)
+    bar = data.bar_radius * data.bar_radius - y * y - z * z
+    return clip(low, high, bar, -2 * (y * y_z + z * z_z), -(y_z * y_z + z_z * z_z))
+
+
+@inlined
+def _above(low, high, value, per_z):  # type: ignore[no-untyped-def]
+    """The part of an interval where a linear function is positive."""
+    zero = -value / per_z
+    if per_z > 0:
+        return max(low, zero), high
+    if per_z < 0:
+        return low, min(high, zero)
+    return (low, high) if value > 0 else (high, low)
