@@ -18,7 +18,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 PAPER = GearPair.of(SteeringGear())
 
 
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(gear_pairs())
 def test_any_gear_is_closed_and_within_the_chord_error(pair: GearPair) -> None:
     """No open edge, no inverted face, no sliver; flat strips lie inside the convex flank.
