@@ -58,6 +58,6 @@ TOPIC = Topic(
     "2 min",
     "stability",
     run,
-    {"most": 2},
+    {"most": 1},
     {"corpus": corpus_table},
 )

@@ -52,15 +52,15 @@ def test_at_least_nineteen_of_twenty_gears_are_as_exact_as_promised(
 def test_a_reversals_promise_holds_as_well() -> None:
     """Compared with equilibria with the inertia of the swing."""
     wanted, errors = 1.5, []
-    for drawn in random_gears(SEED, 8):
+    for drawn in random_gears(SEED, 6):
         gear = drawn.replace({"mesh.law": "area"})
-        slow = slow_swing(gear, by_strips("0.05 deg"))
+        slow = slow_swing(gear, by_strips("0.1 deg"))
         if not slow.ok or beyond_promise(gear, slow.signals):
             continue
         fidelity = choose("reversal", gear, wanted).fidelity
         run = run_scene("reversal", gear, fidelity)
-        reference = Reference(curve_of("reversal", slow.signals, gear, by_strips("0.05 deg")), 0.0, {})
+        reference = Reference(curve_of("reversal", slow.signals, gear, by_strips("0.1 deg")), 0.0, {})
         curve = curve_of("reversal", run.signals, gear, fidelity) if run.ok else None
         errors.append(curve_errors(curve, reference).either_way if curve else np.inf)
-    assert len(errors) >= 4
+    assert len(errors) >= 3
     assert max(errors) <= wanted, np.round(errors, 3)
