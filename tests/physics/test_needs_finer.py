@@ -24,6 +24,7 @@ STOPPED = SteeringGear().replace(
         "pinion.crowning": 2.574e-06,
         "pinion.pitch_error": 3.253e-06,
         "rack.tooth_angle": -0.1366,
+        "rack.reference_height": 8.5e-3,
         "yoke.preload": 558.6,
         "yoke.spring_rate": 85740.0,
         "yoke.friction": 0.1506,
