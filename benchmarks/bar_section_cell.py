@@ -65,6 +65,7 @@ def run(folder: Path, cubes: int = CUBES, cases: Mapping[str, Mapping[str, objec
         rows.append({"name": name, "root": root, "cell": cell, "section": toothed})
         print(rows[-1], flush=True)
     save_data(folder / DATA, {"cubes": cubes, "cells": rows})
+    print(cells_table(folder))
 
 
 def cell_second_moments(bar: RackBar, cubes: int) -> tuple[float, float]:
@@ -220,5 +221,4 @@ TOPIC = Topic(
     "flexible_rack",
     run,
     {"cubes": 4, "cases": {"default": {}}},
-    {"bar_cells": cells_table},
 )

@@ -53,10 +53,10 @@ def cable_frequencies(beam: TimoshenkoBeam) -> np.ndarray:
     nodes = [mbs.AddNode(NodePoint2DSlope1(referenceCoordinates=[float(x), 0, 1, 0])) for x in beam.nodes]
     for i, length in enumerate(beam.lengths):
         cable = ObjectANCFCable2D(
-            physicsLength=float(length),
-            physicsMassPerLength=float(beam.mass[i]),
-            physicsBendingStiffness=float(beam.bending[i]),
-            physicsAxialStiffness=float(beam.bending[i]) / 3e-5,  # of a bar of this thickness
+            length=float(length),
+            massPerLength=float(beam.mass[i]),
+            bendingStiffness=float(beam.bending[i]),
+            axialStiffness=float(beam.bending[i]) / 3e-5,  # of a bar of this thickness
             nodeNumbers=[nodes[i], nodes[i + 1]],
         )
         mbs.AddObject(cable)
