@@ -18,7 +18,7 @@ PITCH = GEAR.replace({"test.turns": 1 / 6})
 
 
 def test_reversal_by_generators_by_strips_and_in_motion() -> None:
-    """Equilibria carry the swing's inertia; without it they differ from dynamics three times as much. In a zone
+    """Equilibria carry the swing's inertia; without it they differ from dynamics thrice as much. In a zone
     of 0.1 the torque turns over many steps: where it jumps, curves of any two step lengths differ more."""
     gear, step = GEAR.replace({"test.amplitude": "15 deg"}), "0.05 deg"
     wide = {"zone_ratio": 0.1}
