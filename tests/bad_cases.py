@@ -45,9 +45,8 @@ def bad_cases() -> dict[str, BadCase]:
 
 
 def _plan(scene: str, values: Settings) -> ScenePlan:
-    # their numbers are those of this law and rack, under which they were found
-    found = {"mesh.law": "area", "rack.reference_height": "8.5 mm"}
-    settings = found | {path: value for path, value in values.items() if "." in path}
+    # their numbers are those of this law, under which they were found
+    settings = {"mesh.law": "area"} | {path: value for path, value in values.items() if "." in path}
     choices = {path: value for path, value in values.items() if "." not in path}
     return ScenePlan(scene, SteeringGear().replace(settings), Fidelity.preset("flank").replace(choices))
 
