@@ -64,7 +64,7 @@ def empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_random_states_have_values_or_sentences() -> None:
-    """Results of benchmarks/explorer.py say it of 1000 states; here of some, and of every end of a slider."""
+    """Some random states, and every end of a slider."""
     rng = np.random.default_rng(4)
     drawn = [{s.path: float(np.round(rng.uniform(s.low, s.high), 6)) for s in SLIDERS} for _ in range(12)]
     ends = [{slider.path: end} for slider in SLIDERS for end in (slider.low, slider.high)]
