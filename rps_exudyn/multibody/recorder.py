@@ -35,8 +35,8 @@ class Recorder:
     """Collects every converged step of one run, each as a whole: an interrupt leaves no part of one."""
 
     model: SteeringModel
-    steps: list[Step] = field(default_factory=list)
     end: float = np.inf  # of the run, of which progress is told [s]
+    steps: list[Step] = field(default_factory=list)
 
     def attach(self) -> "Recorder":
         """Hook into the model's time steps; return itself."""

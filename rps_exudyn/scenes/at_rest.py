@@ -19,12 +19,11 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Outcome, Status
 from rps_exudyn.scenes.run_options import RunOptions
-from rps_exudyn.scenes.scene_run import SceneRun, Signals
+from rps_exudyn.scenes.scene_run import SceneRun, Signals, outcome_of_path
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import SIZE, EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
-from rps_exudyn.solvers.path_follower import TOLERANCE
 from rps_exudyn.solvers.record import Record, record_of_path, signals_of
 
 PAUSE = 1e7  # from load to load [s]: friction of a rack that moves by 0.1 mm meanwhile is 1e-5 of sliding
@@ -134,15 +133,7 @@ def moved_by_modes(gear: SteeringGear, fidelity: Fidelity, place: float) -> np.n
 
 
 def _outcome(path: EquilibriumPath, loads: OutsideLoads, cpu_s: float, interrupted: bool) -> Outcome:
-    outcome = Outcome(
-        Status.OK,
-        time_reached=float(path.time[-1]) if path.time.size else 0.0,
-        cpu_s=cpu_s,
-        counters=path.counters,
-        settings={"name": "equilibrium", "tolerance": TOLERANCE},
-        findings={"residual": path.residual, "rescues": path.rescues},
-    )
-    found = len(path.time)
+    outcome, found = outcome_of_path(path, cpu_s), len(path.time)
     if interrupted:
         return replace(outcome, status=Status.TIMEOUT, message=f"interrupted after {found} loads")
     if path.converged:

@@ -22,13 +22,12 @@ from rps_exudyn.results.outcome import Interrupted, Outcome, Status
 from rps_exudyn.scenes.by_formula import by_formula
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_options import DEFAULT, RunOptions
-from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined
+from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined, outcome_of_path
 from rps_exudyn.solvers.adaptive_path import adaptive_path
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.drive import Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS, EquilibriumPath, PathInterrupted
 from rps_exudyn.solvers.gear_forces import following_inertia, gear_forces
-from rps_exudyn.solvers.path_follower import TOLERANCE
 from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
 from rps_exudyn.solvers.settled_start import settled_path
 
@@ -87,7 +86,6 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
     )
     if not model.start.converged:
         return SceneRun(_lost(maneuver, model.start, Outcome(Status.OK)))
-    recorder = Recorder(model).attach()
     model.mbs.Assemble()
     tolerance = fidelity.tolerance * max(gear.yoke.preload, LEAST_FORCE)
     plans = [
@@ -101,12 +99,11 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
         )
         for piece in maneuver.pieces()
     ]
-    interrupted = False
+    recorder, interrupted = Recorder(model, end=plans[-1].end_time).attach(), False
     try:
         outcome = solve_one_after_another(model.mbs, plans)
     except KeyboardInterrupt:
-        end = plans[-1].end_time
-        outcome = Outcome(Status.TIMEOUT, f"interrupted at {recorder.reached:.4g} s of {end:.4g} s")
+        outcome = Outcome(Status.TIMEOUT, f"interrupted at {recorder.reached:.4g} s of {recorder.end:.4g} s")
         interrupted = True
     record = recorder.record()
     model.release()
@@ -183,14 +180,8 @@ def _along_equilibria(
             path = settled_path(*course)
     except PathInterrupted as interrupt:
         path, interrupted = interrupt.path, True
-    outcome = Outcome(
-        Status.OK,
-        time_reached=float(path.time[-1]) if path.time.size else 0.0,
-        cpu_s=process_time() - start,
-        counters=path.counters,
-        settings={"name": "equilibrium", "tolerance": TOLERANCE},
-        findings={"residual": path.residual, "rescues": path.rescues, "angles": path.time.size},
-    )
+    outcome = outcome_of_path(path, process_time() - start)
+    outcome = replace(outcome, findings={**outcome.findings, "angles": path.time.size})
     if interrupted:
         message = f"interrupted at {maneuver.drive.shown(path.time[-1])}"
         outcome = replace(outcome, status=Status.TIMEOUT, message=message)

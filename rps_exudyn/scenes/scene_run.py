@@ -8,6 +8,8 @@ import numpy as np
 
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.results.quantities import is_work
+from rps_exudyn.solvers.equilibrium import EquilibriumPath
+from rps_exudyn.solvers.path_follower import TOLERANCE
 
 Signals = dict[str, np.ndarray]
 
@@ -55,3 +57,15 @@ def joined(runs: Sequence[SceneRun]) -> SceneRun:
             before = signals[name][-1] if name == "time" or is_work(name) else 0.0
             signals[name] = np.concatenate([signals[name], before + values])
     return SceneRun(outcome, signals)
+
+
+def outcome_of_path(path: EquilibriumPath, cpu_s: float) -> Outcome:
+    """Return what it took to follow equilibria, and how well they balance; where they end is not judged."""
+    return Outcome(
+        Status.OK,
+        time_reached=float(path.time[-1]) if path.time.size else 0.0,
+        cpu_s=cpu_s,
+        counters=path.counters,
+        settings={"name": "equilibrium", "tolerance": TOLERANCE},
+        findings={"residual": path.residual, "rescues": path.rescues},
+    )

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import rps_exudyn as rps
 from rps_exudyn.base import progress
 from rps_exudyn.base.progress import Progress, begin_part, following, passed_on, reached
 
@@ -63,3 +64,16 @@ def test_listener_ends_with_its_block(clock: list[float]) -> None:
         clock[0] += 9
     reached(0.5, str)
     assert not told
+
+
+def test_motion_in_exudyn_tells_how_much_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From the first steps to the whole run; a run whose end is unknown would stay at nothing."""
+    monkeypatch.setattr(progress, "FIRST", 0.0)
+    monkeypatch.setattr(progress, "INTERVAL", 0.0)
+    told: list[Progress] = []
+    result = rps.run("free-pinion-torque", fidelity="flank", progress=told.append, turns=0.02)
+    assert result.status == "ok"
+    fractions = [each.fraction for each in told if each.place.endswith("deg")]
+    assert fractions == sorted(fractions)
+    assert fractions[0] < 0.3
+    assert fractions[-1] == pytest.approx(1.0)
