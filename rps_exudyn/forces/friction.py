@@ -60,7 +60,7 @@ def law_of(part: FrictionLaw, memory: Memory, patches: int = 1, usual_load: floa
         part.stribeck_exponent,
         float(getattr(part, "load_exponent", 1.0)) if kind else 1.0,
         usual_load,
-        part.presliding,
+        part.bristle_travel,
         part.bristle_damping,
         memory.rows if kind == BRISTLE else NO_MEMORY,
         memory.taken(PATCH * patches) if kind == BRISTLE else 0,

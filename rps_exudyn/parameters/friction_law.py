@@ -32,11 +32,6 @@ class FrictionLaw(Table):
     )  # fmt: skip
     bristle_damping: Time = parameter(0.0, "bristle: damping over stiffness", "estimate", ge=0, le=1e-2)
 
-    @property
-    def presliding(self) -> float:
-        """Return the presliding displacement delta [m], the travel of the bristles."""
-        return self.bristle_travel
-
 
 class LoadedFrictionLaw(FrictionLaw):
     """Friction of a part that is pressed on by what the gear transmits."""

@@ -20,6 +20,7 @@ from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.drive import Steady
 
 STEPS = 10  # from no force to the largest
+WAYS = {"y": ("up", "down"), "z": ("side", "other_side")}  # of the force along each axis: its plus, its minus
 RIGID = (
     "the rack is rigid (fidelity.rack): a rigid bar shows only how its guides yield, of the default gear a "
     "twentieth of the play; choose flexible"
@@ -48,15 +49,14 @@ def play_figures(signals: Signals) -> dict[str, float]:
     """Return how far the rack's end moves from where it rests under the largest force each way, {} of a
     record that ends before."""
     figures = {}
-    for axis, names in (("y", ("up", "down")), ("z", ("side", "other_side"))):
+    for axis, names in WAYS.items():
         force, place = signals[f"end_force_{axis}"], signals[f"rack_end_{axis}"]
         largest = np.abs(force).max()
         for sense, name in zip((1, -1), names, strict=True):
             pressed = np.flatnonzero(force == sense * largest)
             if largest and pressed.size:
                 figures[f"radial_play_{name}"] = float(abs(place[pressed[0]] - place[0]))
-    each = {"y": ("up", "down"), "z": ("side", "other_side")}
-    for axis, names in each.items():
+    for axis, names in WAYS.items():
         ways = [figures[f"radial_play_{name}"] for name in names if f"radial_play_{name}" in figures]
         if len(ways) == 2:
             figures[f"radial_play_{axis}"] = max(ways)

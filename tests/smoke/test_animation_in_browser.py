@@ -10,6 +10,7 @@ import rps_exudyn as rps
 from rps_exudyn.animation.motion import Factors, Motion
 from rps_exudyn.animation.page import write_page
 from rps_exudyn.results.result import Result
+from watched_page import watched
 
 PHONE, DESKTOP = {"width": 390, "height": 800}, {"width": 1280, "height": 900}
 DRIVER = "GL Driver Message"  # what software rendering says of its own speed
@@ -39,11 +40,7 @@ def address(pitch: Result, tmp_path_factory: pytest.TempPathFactory) -> str:
 def test_page_is_quiet_and_fits(browser: sync_api.Browser, address: str) -> None:
     for viewport in (PHONE, DESKTOP):
         page = browser.new_page(viewport=viewport)
-        asked: list[str] = []
-        said: list[str] = []
-        page.on("request", lambda request, asked=asked: asked.append(request.url))
-        page.on("console", lambda message, said=said: said.append(message.text))
-        page.on("pageerror", lambda error, said=said: said.append(str(error)))
+        asked, said = watched(page)
         page.goto(address)
         until(page, "document.getElementById('reading').textContent.length > 5")
         page.get_by_text("What this shows").click()

@@ -16,6 +16,7 @@ from rps_exudyn.explore import answer as answers
 from rps_exudyn.explore.answer import answer
 from rps_exudyn.explore.server import Explorer
 from rps_exudyn.explore.sliders import SLIDERS, Slider, settings_of
+from watched_page import watched
 
 GEAR = rps.SteeringGear()
 JSON = {"Content-Type": "application/json"}
@@ -148,11 +149,7 @@ def test_only_the_last_state_of_a_tab_is_computed(server: Explorer) -> None:
 def test_page_in_a_browser(browser: sync_api.Browser, server: Explorer) -> None:
     for viewport in ({"width": 390, "height": 800}, {"width": 1280, "height": 900}):
         page = browser.new_page(viewport=viewport)  # type: ignore[arg-type]
-        said: list[str] = []
-        asked_for: list[str] = []
-        page.on("console", lambda message, said=said: said.append(message.text))
-        page.on("pageerror", lambda error, said=said: said.append(str(error)))
-        page.on("request", lambda request, asked_for=asked_for: asked_for.append(request.url))
+        asked_for, said = watched(page)
         page.goto(server.address)
         page.locator("#chart polyline.now").wait_for()
         before = page.locator("#chart polyline.now").get_attribute("points")

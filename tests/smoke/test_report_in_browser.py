@@ -8,6 +8,7 @@ from playwright import sync_api
 from made_up_study import HOSTILE, make_study, sampled
 from rps_exudyn.report.report import write_report
 from rps_exudyn.results.result import Result
+from watched_page import watched
 
 PHONE, DESKTOP = {"width": 360, "height": 740}, {"width": 1280, "height": 900}
 POINTS = [{"preload": 110.0 + 7 * at, "friction": 0.1 + 0.01 * (at % 3)} for at in range(12)]
@@ -26,12 +27,7 @@ def report(made_up_result: Result, tmp_path: Path) -> Path:
 def test_page_is_quiet_and_fits(browser: sync_api.Browser, report: Path) -> None:
     for viewport in (PHONE, DESKTOP):
         page = browser.new_page(viewport=viewport)
-        asked: list[str] = []
-        said: list[str] = []
-        page.on("request", lambda request, asked=asked: asked.append(request.url))
-        page.on("console", lambda message, said=said: said.append(message.text))
-        page.on("pageerror", lambda error, said=said: said.append(str(error)))
-        page.on("dialog", lambda dialog, said=said: said.append(dialog.message) or dialog.dismiss())
+        asked, said = watched(page)
         page.goto(report.as_uri(), wait_until="load")
         assert asked == [report.as_uri()]
         assert said == []
