@@ -23,15 +23,18 @@ if TYPE_CHECKING:
     from rps_exudyn.parameters.gear import SteeringGear
     from rps_exudyn.results.outcome import Status
     from rps_exudyn.results.result import Result, load
+    from rps_exudyn.simulate.batch import Batch, batch
     from rps_exudyn.simulate.run import run
     from rps_exudyn.study.dataset import open_study, study_frame
 
 __all__ = [
+    "Batch",
     "Fidelity",
     "InputError",
     "Result",
     "Status",
     "SteeringGear",
+    "batch",
     "build_model",
     "compare_with_measured",
     "load",
@@ -51,6 +54,8 @@ _HOME = {
     "SteeringGear": "parameters.gear",
     "Result": "results.result",
     "load": "results.result",
+    "Batch": "simulate.batch",
+    "batch": "simulate.batch",
     "run": "simulate.run",
     "open_study": "study.dataset",
     "study_frame": "study.dataset",

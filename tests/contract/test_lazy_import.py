@@ -32,11 +32,13 @@ def test_public_names_are_there_when_used() -> None:
     assert {name: getattr(rps_exudyn, name).__name__ for name in rps_exudyn.__all__} == {
         name: name
         for name in (
+            "Batch",
             "Fidelity",
             "InputError",
             "Result",
             "Status",
             "SteeringGear",
+            "batch",
             "build_model",
             "compare_with_measured",
             "load",
