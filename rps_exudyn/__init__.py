@@ -16,8 +16,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rps_exudyn.analysis.measured import compare_with_measured, read_measured_torque
+    from rps_exudyn.analysis.measured import compare_with_measured
     from rps_exudyn.base.errors import InputError
+    from rps_exudyn.measured.reading import read_measured_torque
     from rps_exudyn.multibody.model import build_model
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.parameters.gear import SteeringGear
@@ -50,7 +51,7 @@ _HOME = {
     "Status": "results.outcome",
     "build_model": "multibody.model",
     "compare_with_measured": "analysis.measured",
-    "read_measured_torque": "analysis.measured",
+    "read_measured_torque": "measured.reading",
     "SteeringGear": "parameters.gear",
     "Result": "results.result",
     "load": "results.result",

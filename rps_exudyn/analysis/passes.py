@@ -14,6 +14,7 @@ import numpy as np
 Signals = Mapping[str, np.ndarray]
 
 LEAST_TURN = 5e-3  # of the whole range of angles: a smaller turn back begins no pass
+LEAST_JUMP = 0.3  # of the range, that one step back goes where another pass in the same direction begins
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,14 +77,33 @@ def _maneuvers(signals: Signals) -> list[Signals]:
     """The records from which this one was joined."""
     angle = signals["pinion_angle"]
     joints = np.flatnonzero(np.diff(signals.get("time", np.arange(angle.size))) <= 0) + 1
-    ends = [0, *joints.tolist(), angle.size]
+    ends = [0, *sorted({*joints.tolist(), *_jumps_back(angle)}), angle.size]
     return [{name: values[i:j] for name, values in signals.items()} for i, j in pairwise(ends)]
+
+
+def _jumps_back(angle: np.ndarray) -> list[int]:
+    """Indices at which the angle goes on in its direction after one step back by much more than a step.
+
+    So do passes in one direction that follow each other in a measured file, without the way between them.
+    """
+    steps = np.diff(angle)
+    if steps.size < 3:
+        return []
+    before, jump, after = np.sign(steps[:-2]), steps[1:-1], np.sign(steps[2:])
+    far = np.abs(jump) > LEAST_JUMP * float(np.ptp(angle))
+    return (np.flatnonzero(far & (before == after) & (before == -np.sign(jump))) + 2).tolist()
 
 
 def _passes_of_one(signals: Signals) -> list[Pass]:
     ends = turning_points(signals["pinion_angle"])
-    begins = ends[:1] + [end + 1 for end in ends[1:]]  # where it turns back, friction still is as before
+    begins = ends[:1] + [_left(signals["pinion_angle"], end) for end in ends[1:]]
     return [_pass(signals, first, last) for first, (_, last) in zip(begins, pairwise(ends), strict=False)]
+
+
+def _left(angle: np.ndarray, turn: int) -> int:
+    """Index after a turn at which it is left: while the angle rests there, friction still is as before."""
+    moved = np.flatnonzero(angle[turn:] != angle[turn])
+    return turn + (int(moved[0]) if moved.size else 1)
 
 
 def longest_pass(signals: Signals, direction: int) -> Pass | None:

@@ -21,6 +21,7 @@ from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.app import DONE, FAILED, INTERRUPTED, PAPER_GEAR, PAPER_SETUP, WRONG_INPUT, Flag, app
 from rps_exudyn.cli.kept import keep, naming, say
+from rps_exudyn.cli.measured_options import Columns
 from rps_exudyn.cli.options import GearOptions, SetupOptions
 from rps_exudyn.cli.progress import shown_progress
 from rps_exudyn.scenes import SCENE_NAMES
@@ -77,6 +78,7 @@ def run(
     out: Path | None = None,
     plot: Path | None = None,
     measured: Path | None = None,
+    column: Columns = (),
     robust: Flag = False,
     time_limit: str | None = None,
     progress: Flag = False,
@@ -91,8 +93,8 @@ def run(
             it, of all or of the --fidelity given; see docs/accuracy.md.
         out: HDF5 file; without it SCENE.h5 in the current folder.
         plot: picture (.png, .svg, .pdf); without it a .png beside the HDF5 file.
-        measured: CSV file of a measured torque with columns pinion_angle [deg] and pinion_torque [N m]; it is
-            drawn over the simulated one and compared with it.
+        measured: text file of a measured torque over the pinion angle, each column with its unit; it is drawn
+            over the simulated one and compared with it. What was assumed of it is said on standard error.
         robust: where the run fails or its plan is refused, take the next safer settings, and say which.
         time_limit: for instance "20 s": the run is ended after it, whatever it does then (starting, compiling
             and settling count); what it has recorded is kept.
@@ -102,8 +104,8 @@ def run(
     from rps_exudyn.simulate.time_limit import TimeLimit
 
     limit = replace(TimeLimit.of(time_limit), begun=began) if time_limit is not None else None
-    from rps_exudyn.analysis.measured import read_measured_torque
     from rps_exudyn.charts.file_types import PICTURES
+    from rps_exudyn.cli.measured_options import read_measured
     from rps_exudyn.results.outcome import Interrupted
     from rps_exudyn.simulate.run import simulate
 
@@ -111,7 +113,7 @@ def run(
     chosen = setup.load()
     out = check_writable(out or Path(f"{scene}.h5"), RESULT_FILES)
     plot = check_writable(plot or out.with_suffix(".png"), PICTURES)
-    curve = read_measured_torque(measured) if measured else None
+    curve = read_measured(measured, column) if measured else None
     model = chosen.fidelity if accuracy is None else preset
     try:
         with redirect_stdout(sys.stderr), shown_progress(progress):  # standard output is for the result

@@ -127,7 +127,7 @@ class Result:
 
         Args:
             path: file of the picture.
-            measured: a measured torque of `analysis.measured.read_measured_torque`, drawn over it.
+            measured: a measured torque of `measured.reading.read_measured_torque`, drawn over it.
 
         Raises:
             InputError: the result has no signals, or the file cannot be written.

@@ -8,8 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rps_exudyn.analysis.measured import compare_with_measured, read_measured_torque
+from measured_files import ANGLE, READABLE, REFUSED, TORQUE
+from rps_exudyn.analysis.measured import compare_with_measured
+from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.measured.reading import read_curve, read_measured_torque
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import closed_form
 from shell import Command
@@ -49,13 +52,13 @@ def test_columns_are_found_by_name_and_converted(text: str, torque: list[float],
     ("text", "sentence"),
     [
         ("", "has no column pinion_angle with its unit"),
-        ("angle [deg], pinion_torque [N m]\n0,1\n", "has no column pinion_angle with its unit"),
-        ("pinion_angle, pinion_torque [N m]\n0,1\n", "has no column pinion_angle with its unit"),
-        ("pinion_angle [deg], pinion_torque [N]\n0,1\n", r"line 1: \[N\] is no unit of pinion_torque"),
+        ("place [deg C], pinion_torque [N m]\n0,1\n1,2\n", "has no column pinion_angle with its unit"),
+        ("pinion_angle, pinion_torque [N m]\n0,1\n1,2\n", "line 1 gives no unit of pinion_angle"),
+        ("pinion_angle [deg], pinion_torque [N]\n0,1\n1,2\n", r"line 1: \[N\] is no unit of pinion_torque"),
         (HEADER + "0,1\n1,1\n", "holds 2 points; a torque curve needs at least 3"),
         (HEADER + "0,1\n\n1,x1\n2,3\n", "line 4: 'x1' is no number"),
-        (HEADER + "0,1\n1\n2,3\n", "line 3: '' is no number"),
-        (HEADER + "0,1\n1,nan\n2,3\n", "line 3: 'nan' is no number"),
+        (HEADER + "0,1\n1\n2,3\n", "holds 2 points; a torque curve needs at least 3"),
+        (HEADER + "0,1\n1,1.2.3\n2,3\n3,4\n", "line 3: '1.2.3' is no number"),
         (HEADER + "5,1\n5,2\n5,3\n", "holds one pinion angle only"),
     ],
 )
@@ -67,10 +70,89 @@ def test_what_is_no_curve_is_refused_in_one_sentence(text: str, sentence: str, t
 
 
 def test_files_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
-    (tmp_path / "a.csv").write_bytes(b"\xff\xfe\x00\x01")
-    for path, sentence in (("a.csv", "no text in UTF-8"), ("b.csv", "No such file"), (".", "directory")):
+    contents = {"a.csv": b"\x00\x01\x02", "c.csv": b"PK\x03\x04...", "d.csv": b"\xff\xfe\x00"}
+    for name, content in contents.items():
+        (tmp_path / name).write_bytes(content)
+    for path, sentence in (
+        ("a.csv", "no text in UTF-8"),
+        ("b.csv", "No such file"),
+        (".", "directory"),
+        ("c.csv", "a spreadsheet or an archive; save its table as CSV"),
+        ("d.csv", "no text in UTF-8"),
+    ):
         with pytest.raises(InputError, match=sentence):
             read_measured_torque(tmp_path / path)
+
+
+@pytest.mark.parametrize("kind", READABLE)
+def test_every_kind_of_file_holds_the_same_curve(kind: str, tmp_path: Path) -> None:
+    """To the digits written; where rows of the curve are repeated, they are read as often."""
+    path = tmp_path / "bench.csv"
+    path.write_bytes(READABLE[kind])
+    measured = read_measured_torque(path)
+    forth, back = passes(measured.signals)
+    assert (forth.direction, back.direction) == (1, -1)
+    for turned, mean in ((forth, 0.63), (back, -0.61)):
+        expected = mean + 0.02 * np.cos(turned.angle)
+        np.testing.assert_allclose(turned.signals["pinion_torque"], expected, atol=2e-5)
+    assert np.unique(measured.signals["pinion_angle"].round(6)).size == np.unique(ANGLE).size
+    assert any("pinion_torque from column" in sentence for sentence in measured.assumed)
+    assert measured.signals["pinion_torque"].size >= TORQUE.size
+
+
+@pytest.mark.parametrize("kind", REFUSED)
+def test_files_that_leave_something_open_say_what(kind: str, tmp_path: Path) -> None:
+    content, sentence = REFUSED[kind]
+    with pytest.raises(InputError, match=sentence):
+        read_measured_torque(written(tmp_path, content))
+
+
+@pytest.mark.parametrize(
+    ("kind", "columns"),
+    [
+        ("no header", {"pinion_angle": "1 [deg]", "pinion_torque": "2 [N m]"}),
+        ("no unit of the torque", {"pinion_torque": "torque [N m]"}),
+        ("two torques", {"pinion_torque": "torque 1"}),
+    ],
+)
+def test_a_stated_column_answers_what_was_open(kind: str, columns: dict[str, str], tmp_path: Path) -> None:
+    measured = read_measured_torque(written(tmp_path, REFUSED[kind][0]), columns)
+    np.testing.assert_allclose(measured.signals["pinion_torque"], TORQUE, atol=1e-5)
+
+
+def test_stated_columns_that_are_not_there_are_refused(tmp_path: Path) -> None:
+    path = written(tmp_path, HEADER + "0,0.5\n90,0.6\n180,0.7\n")
+    for columns, sentence in (
+        ({"pinion_torque": "M9 [N m]"}, "has no columns 'M9' for pinion_torque"),
+        ({"torque": "2"}, "torque is no quantity; there are pinion_angle"),
+    ):
+        with pytest.raises(InputError, match=sentence):
+            read_measured_torque(path, columns)
+
+
+def test_what_is_left_out_is_said(tmp_path: Path) -> None:
+    path = tmp_path / "bench.csv"
+    path.write_bytes(READABLE["missing values"])
+    assert any(
+        "6 rows without a value are left out: line 6, " in each for each in read_measured_torque(path).assumed
+    )
+    path.write_bytes(READABLE["footers"])
+    assert any("3 lines that are no numbers" in each for each in read_measured_torque(path).assumed)
+
+
+def test_passes_in_one_direction_that_follow_each_other_are_told_apart(tmp_path: Path) -> None:
+    """Two turns of 0 to 360 degrees, without the way back between them."""
+    text = HEADER + "".join(f"{a},0.5\n" for a in [*range(0, 361, 5)] * 2)
+    turned = passes(read_measured_torque(written(tmp_path, text)).signals)
+    assert [each.direction for each in turned] == [1, 1]
+    assert [each.angle.size for each in turned] == [73, 73]
+
+
+def test_a_rack_push_is_read_by_the_same_reader(tmp_path: Path) -> None:
+    path = written(tmp_path, "Zahnstangenweg [mm];Kraft [daN]\n-10,5;15,1\n0,0;15,2\n10,5;15,3\n")
+    push = read_curve(path, ("rack_displacement", "rack_force"))
+    np.testing.assert_allclose(push.signals["rack_force"], [151, 152, 153])
+    np.testing.assert_allclose(push.signals["rack_displacement"], [-0.0105, 0, 0.0105])
 
 
 def test_directions_are_compared_apart(tmp_path: Path) -> None:

@@ -1,0 +1,1 @@
+"""Files of measured curves as test benches write them: text, layout, numbers, columns and their units."""

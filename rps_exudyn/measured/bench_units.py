@@ -1,0 +1,69 @@
+"""Units as test benches write them: N cm, kgf cm, in-lb, Grad; beside those of `base.units`."""
+
+import re
+from math import pi
+
+from rps_exudyn.base import units
+
+_POUND, _INCH, _KGF = 4.4482216152605, 0.0254, 9.80665  # [N], [m], [N]
+
+_FORCES = {"N": 1.0, "kN": 1e3, "daN": 10.0, "kgf": _KGF, "kp": _KGF, "lbf": _POUND}
+_LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "in": _INCH, "inch": _INCH, '"': _INCH}
+_ANGLES = {
+    **dict.fromkeys(("deg", "°", "˚", "degree", "degrees"), pi / 180),
+    **dict.fromkeys(("rev", "revs", "revolution", "revolutions", "turn", "turns"), 2 * pi),
+    **dict.fromkeys(("U", "Umdr", "Umdrehung", "Umdrehungen"), 2 * pi),
+    "rad": 1.0,
+    "mrad": 1e-3,
+    "gon": pi / 200,
+}
+_TORQUES = {
+    **{
+        f"{force}{length}": a * _LENGTHS[length]
+        for force, a in _FORCES.items()
+        for length in ("m", "cm", "mm")
+    },
+    **dict.fromkeys(("mNm", "Nmm"), 1e-3),
+    "cNm": 1e-2,
+    **dict.fromkeys(("inlb", "inlbs", "inlbf", "lbin", "lbsin", "lbfin"), _POUND * _INCH),
+    **dict.fromkeys(("ftlb", "ftlbs", "ftlbf", "lbft", "lbsft", "lbfft"), _POUND * 12 * _INCH),
+    **dict.fromkeys(("ozin", "ozfin", "inoz", "inozf"), _POUND / 16 * _INCH),
+}
+KNOWN = {"rad": _ANGLES, "N*m": _TORQUES, "m": _LENGTHS, "N": _FORCES}
+"""SI unit -> unit, without blanks and signs between its parts -> its size in SI."""
+
+GERMAN_DEGREE = "grad"  # in English a gon
+
+
+def unit_size(unit: str, si_unit: str, german: bool = False) -> float | None:
+    """Return the size of a unit in `si_unit`; None if it is none, or none that is certain.
+
+    `german` tells that the column has a German name: Grad is a degree there.
+    """
+    known, plain = KNOWN.get(si_unit, {}), re.sub(r"[\s.·*×⋅-]|\bof\b", "", unit.replace("º", "°"))
+    if plain in known:
+        return known[plain]
+    if plain.lower() == GERMAN_DEGREE:
+        return pi / 180 if german and si_unit == "rad" else None
+    alike = {size for name, size in known.items() if name.lower() == plain.lower()}
+    if len(alike) == 1 and not plain.startswith("M"):  # NM of a printer in capitals; MNm would be a million
+        return alike.pop()
+    if plain[:2].lower() == "kg" or not unit.strip() or unit.strip()[0].isdigit():
+        return None  # kg cm: a mass is no force
+    try:
+        return units.to_si(f"1 {unit.strip()}", si_unit)
+    except ValueError:
+        return None
+
+
+_OTHERS = (
+    *("s", "ms", "sec", "min", "h", "%", "1", "-", "#", "v", "mv", "a", "c", "°c", "k", "bar", GERMAN_DEGREE),
+    *("rpm", "1/min", "°/s", "deg/s", "rad/s", "mm/s"),
+)
+"""Units of what a bench records beside the curve, in small letters."""
+
+
+def is_unit(text: str) -> bool:
+    """Tell whether a text is a unit of anything that a bench records, in brackets or not."""
+    inner = text.strip().strip("[](){}<> ")
+    return inner.lower() in _OTHERS or any(unit_size(inner, si_unit) is not None for si_unit in KNOWN)

@@ -1,0 +1,108 @@
+"""Numbers as people and spreadsheets write them: decimal commas, thousands, missing values."""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+_BLANKS = " \u00a0\u202f\u2009"
+_SIGNS = str.maketrans({"−": "-", "–": "-", "’": "'"})
+_NUMBER = re.compile(
+    rf"(?P<digits>[+-]?\s?(?:\d[\d.,'{_BLANKS}]*|[.,]\d+))(?P<power>[eE][+-]?\d+)?(?P<tail>\s*[^\d\s.,'+-].*)?"
+)
+_GROUPED = re.compile(rf"[+-]?\s?\d{{1,3}}(?:['{_BLANKS}]\d{{3}})+(?:[.,]\d*)?")
+_MISSING = re.compile(
+    r"[-–—*.?_#]*|nan|[+-]?inf|n\s*[/.]\s*a\.?|na|#n/?a!?|#nv|null|none|nil|void|fehlt|missing|over|overflow|"
+    r"#div/0!?|#wert!?|#value!?|[+-]?1\.#\w+",
+    re.I,
+)
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What a cell may be: a number's digits, power of ten and what follows it, for instance a unit."""
+
+    digits: str
+    power: str
+    tail: str
+
+
+def is_missing(cell: str) -> bool:
+    """Tell whether a cell stands for a value that is not there: empty, dashes, NaN, n/a."""
+    return bool(_MISSING.fullmatch(cell.strip()))
+
+
+def as_number(cell: str) -> Cell | None:
+    """Return the parts of a cell that begins as a number does; None of any other."""
+    found = _NUMBER.fullmatch(cell.strip().translate(_SIGNS))
+    if not found:
+        return None
+    digits = found["digits"].strip()
+    if re.search(rf"['{_BLANKS}]", digits[1:].strip()) and not _GROUPED.fullmatch(digits):
+        return None
+    return Cell(digits, found["power"] or "", (found["tail"] or "").strip())
+
+
+@dataclass(frozen=True)
+class Format:
+    """How a file writes numbers."""
+
+    decimal: str  # "." or ","
+    thousands: bool  # whether its other sign stands between thousands
+
+    def value(self, cell: Cell) -> float:
+        """Return the number.
+
+        Raises:
+            ValueError: it is none in this format.
+        """
+        digits = re.sub(rf"['{_BLANKS}]", "", cell.digits)
+        other = "," if self.decimal == "." else "."
+        whole, sign, fraction = digits.partition(self.decimal)
+        if other in fraction or (
+            other in whole and not re.fullmatch(rf"[+-]?\d{{1,3}}(\{other}\d{{3}})+", whole)
+        ):
+            raise ValueError(cell.digits)
+        return float(whole.replace(other, "") + sign.replace(",", ".") + fraction + cell.power)
+
+    @property
+    def words(self) -> str:
+        """The format in words."""
+        sign = {".": "point", ",": "comma"}
+        if not self.thousands:
+            return f"decimal {sign[self.decimal]}"
+        return f"decimal {sign[self.decimal]}, {sign['.' if self.decimal == ',' else ',']} between thousands"
+
+
+class AmbiguousNumbersError(ValueError):
+    """Raised where a comma may be decimal or stand between thousands; its text is an example."""
+
+
+def format_of(cells: Iterable[Cell]) -> Format:
+    """Return the one format in which all these numbers make sense.
+
+    Raises:
+        AmbiguousNumbersError: 1,234 and nothing else tells whether that is 1.234 or 1234.
+    """
+    decimal, grouped, either = set(), set(), ""
+    for digits in {cell.digits for cell in cells}:
+        point, comma = digits.count("."), digits.count(",")
+        if point and comma:
+            last = max(".,", key=digits.rfind)
+            decimal.add(last)
+            grouped.add("," if last == "." else ".")
+        elif comma > 1 or point > 1:
+            grouped.add("," if comma else ".")
+        elif comma and re.fullmatch(r"[+-]?[1-9]\d{0,2},\d{3}", digits):
+            either = either or digits
+        elif comma:
+            decimal.add(",")
+        elif point and not re.fullmatch(r"[+-]?[1-9]\d{0,2}\.\d{3}", digits):
+            decimal.add(".")
+    if len(decimal) > 1:
+        return Format(".", False)  # the cells that do not fit are named when they are read
+    if decimal or grouped:
+        sign = next(iter(decimal)) if decimal else ("." if "," in grouped else ",")
+        return Format(sign, bool(grouped) or (bool(either) and sign == "."))
+    if either:
+        raise AmbiguousNumbersError(either)
+    return Format(".", False)
