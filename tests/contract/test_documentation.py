@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from cyclopts import CycloptsError
 
+import rps_exudyn as rps
 from rps_exudyn.cli import commands
 
 ROOT = Path(__file__).parents[2]
@@ -37,3 +38,11 @@ def test_command_exists_with_its_options(line: str) -> None:
 
 def test_pages_name_commands() -> None:
     assert len(written_commands()) > 8
+
+
+def test_reference_has_every_public_name() -> None:
+    """At the place where it is defined: the site cannot be built otherwise."""
+    page = (ROOT / "docs" / "reference.md").read_text(encoding="utf-8")
+    listed = set(re.findall(r"^::: (.+)$", page, re.M))
+    homes = {name: f"{getattr(rps, name).__module__}.{name}" for name in rps.__all__}
+    assert {name for name, home in homes.items() if home not in listed} == set()
