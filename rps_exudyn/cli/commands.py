@@ -79,6 +79,8 @@ def run(
     plot: Path | None = None,
     measured: Path | None = None,
     column: Columns = (),
+    band: Annotated[list[int] | None, Parameter(consume_multiple=True, negative=())] = None,
+    inputs: str | None = None,
     robust: Flag = False,
     time_limit: str | None = None,
     progress: Flag = False,
@@ -95,6 +97,10 @@ def run(
         plot: picture (.png, .svg, .pdf); without it a .png beside the HDF5 file.
         measured: text file of a measured torque over the pinion angle, each column with its unit; it is drawn
             over the simulated one and compared with it. What was assumed of it is said on standard error.
+        band: the band that uncertain inputs make of the result, from this number of runs; without a number a
+            quick one from 64 runs. NAME.band.json keeps every sample.
+        inputs: what is uncertain: series (scatter about this gear), unknown (any gear with such teeth) or
+            own (parameters given as "300 N +- 30 N" alone); own by default if there are any, else series.
         robust: where the run fails or its plan is refused, take the next safer settings, and say which.
         time_limit: for instance "20 s": the run is ended after it, whatever it does then (starting, compiling
             and settling count); what it has recorded is kept.
@@ -113,6 +119,12 @@ def run(
     chosen = setup.load()
     out = check_writable(out or Path(f"{scene}.h5"), RESULT_FILES)
     plot = check_writable(plot or out.with_suffix(".png"), PICTURES)
+    if band is not None or inputs is not None:
+        from rps_exudyn.cli.band_command import do_band, sample_count
+
+        refused = {"accuracy": accuracy, "measured": measured, "robust": robust, "time-limit": time_limit}
+        count = sample_count(band, [name for name, given in refused.items() if given])
+        return do_band(scene, setup, count, inputs, out, plot, json)
     curve = read_measured(measured, column) if measured else None
     model = chosen.fidelity if accuracy is None else preset
     try:

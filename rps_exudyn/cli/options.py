@@ -87,6 +87,12 @@ class SetupOptions(GearOptions):
         with _reporting_together(problems):
             return Setup.from_tables(tables | {"fidelity": preset}, settings, where=str(self.gear or ""))
 
+    @property
+    def chooses_model(self) -> bool:
+        """Whether any option says how the gear is modelled."""
+        settings, _ = parse_settings(self.settings)
+        return bool(self.fidelity or self._parts() or any(path.startswith("fidelity.") for path in settings))
+
     def preset_alone(self) -> str | None:
         """The preset named, or None: the only choice of the model that --accuracy allows.
 

@@ -27,13 +27,13 @@ if TYPE_CHECKING:
 
 def print_result(result: "Result", files: Iterable[Path] = ()) -> None:
     """Print scene, fidelity and status, then every summary value with its unit and definition."""
-    console = _console()
+    console = plain_console()
     console.print(
         f"{result.scene} · fidelity {result.fidelity['name']} · status {result.status}", style="bold"
     )
     if result.message:
         console.print(result.message)
-    console.print(_grid(("quantity", "value", "definition"), _summary_rows(result)))
+    console.print(grid_of(("quantity", "value", "definition"), _summary_rows(result)))
     if result.status is Status.OK and (error := law_error(result.gear, result.fidelity)):
         console.print(error.sentence, soft_wrap=True)
     console.print(", ".join([f"{result.cpu_s:.3g} s of CPU time", *_counts(result)]))
@@ -49,16 +49,16 @@ def result_as_dict(result: "Result", files: Iterable[Path] = ()) -> dict[str, An
 
 def print_comparison(comparison: "Comparison", names: tuple[str, str], files: Iterable[Path] = ()) -> None:
     """Print the settings that differ, both summaries, and how far the curves of each signal lie apart."""
-    console = _console()
+    console = plain_console()
     for name, scene, status in zip(names, comparison.scene, comparison.status, strict=True):
         console.print(f"{name}: {scene} · status {status}", style="bold")
     settings = [(path, *_both_shown(path, pair)) for path, pair in comparison.settings.items()]
     if settings:
-        console.print(_grid(("setting", *names), settings))
+        console.print(grid_of(("setting", *names), settings))
     else:
         console.print("No setting differs.")
     console.print()
-    console.print(_grid(("quantity", *names, "difference"), _summary_differences(comparison)))
+    console.print(grid_of(("quantity", *names, "difference"), _summary_differences(comparison)))
     console.print()
     if comparison.signals:
         angles = f"{_angle(comparison.angle[0])} to {_angle(comparison.angle[-1])}"
@@ -67,7 +67,7 @@ def print_comparison(comparison: "Comparison", names: tuple[str, str], files: It
             (name, pair.shown(pair.rms), pair.shown(pair.largest), _angle(pair.angle))
             for name, pair in comparison.signals.items()
         )
-        console.print(_grid(("quantity", "RMS difference", "largest", "at"), rows))
+        console.print(grid_of(("quantity", "RMS difference", "largest", "at"), rows))
     else:
         console.print("The results share no range of the pinion angle: no signals are compared.")
     _print_files(console, files)
@@ -102,7 +102,7 @@ def print_measured(compared: "list[AgainstMeasured] | None") -> None:
     """Print figures of the measured and the simulated torque, and how far the curves lie apart."""
     if compared is None:
         return
-    console = _console()
+    console = plain_console()
     console.print()
     if not compared:
         console.print("Nothing to compare: at no pinion angle is there a measured and a simulated torque.")
@@ -115,7 +115,7 @@ def print_measured(compared: "list[AgainstMeasured] | None") -> None:
             for name, value in each.measured.items()
             if name in each.simulated
         ]
-        console.print(_grid(("quantity", "measured", "simulated"), rows))
+        console.print(grid_of(("quantity", "measured", "simulated"), rows))
         pair = each.torque
         console.print(
             f"difference: RMS {pair.shown(pair.rms)}, largest {pair.shown(pair.largest)} of the measured mean"
@@ -143,12 +143,12 @@ def measured_as_dict(compared: "list[AgainstMeasured] | None") -> dict[str, Any]
 def print_differing(differing: Mapping[str, tuple[Any, Any]], largest: tuple[str, float], name: str) -> None:
     """Print the numbers of a repeated simulation that differ from the file `name`, and the `largest`
     difference."""
-    console = _console()
+    console = plain_console()
     if not differing:
         console.print(f"Every number is that of {name}, bit for bit.", soft_wrap=True)
         return
     rows = [(what, *map(str, pair)) for what, pair in differing.items()]
-    console.print(_grid(("differs", name, "now"), rows))
+    console.print(grid_of(("differs", name, "now"), rows))
     quantity, size = largest
     console.print(f"The largest relative difference is {size:.2g}{f', of {quantity}' if quantity else ''}.")
 
@@ -160,8 +160,8 @@ def print_geometry(report: "GeometryReport", files: Iterable[Path] = ()) -> None
         (f"mass of {part}", f"{properties.mass:.4g} kg", "")
         for part, properties in report.mass_properties.items()
     ]
-    console = _console()
-    console.print(_grid(("quantity", "value", "definition"), rows))
+    console = plain_console()
+    console.print(grid_of(("quantity", "value", "definition"), rows))
     for warning in report.warnings:
         console.print(f"warning: {warning}", soft_wrap=True)
     _print_files(console, files)
@@ -170,8 +170,8 @@ def print_geometry(report: "GeometryReport", files: Iterable[Path] = ()) -> None
 def print_parameters(table: Setup, items: list[Declared]) -> None:
     """Print value, meaning and source of parameters; of a single one its allowed values, too."""
     rows = [(item.path, item.show(table.value_at(item.path)), item.meaning, item.source) for item in items]
-    console = _console()
-    console.print(_grid(("parameter", "value", "meaning", "source"), rows))
+    console = plain_console()
+    console.print(grid_of(("parameter", "value", "meaning", "source"), rows))
     for item in items:
         if (derived := _derived(table, item)) is not None and item.unit is not None:
             console.print(f"{item.path} is {item.unit.show(derived)} for this gear.")
@@ -245,7 +245,8 @@ def _print_files(console: Console, files: Iterable[Path]) -> None:
         console.print(f"written: {file}", soft_wrap=True)
 
 
-def _grid(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Grid:
+def grid_of(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Grid:
+    """A table without lines, as all commands print it."""
     grid = Grid(box=None, header_style="dim", pad_edge=False, padding=(0, 2, 0, 0))
     for column in columns:
         grid.add_column(column, no_wrap=column in ("quantity", "parameter", "value"))
@@ -254,7 +255,7 @@ def _grid(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Grid:
     return grid
 
 
-def _console() -> Console:
+def plain_console() -> Console:
     """A console of plain text; lines are not broken when they go to a file or a pipe."""
     plain = partial(Console, highlight=False, markup=False, emoji=False)
     return plain() if plain().is_terminal else plain(width=200)

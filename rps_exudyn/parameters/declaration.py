@@ -27,6 +27,7 @@ from pydantic_core.core_schema import no_info_before_validator_function
 
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.distribution import Distribution, is_distribution
 
 DEG = math.pi / 180  # for limits of angles
 SMALLEST, LARGEST = 1e-30, 1e20  # of all numbers, in SI: powers of others are beyond what a computer knows
@@ -50,7 +51,10 @@ class Unit:
     def _in_si(self, value: object) -> float:
         if self.zero and value == self.zero:
             return 0.0
-        number = units.to_si(value, self.si)
+        if isinstance(value, str) and is_distribution(value):
+            number = Distribution.read(value, self.si).nominal
+        else:
+            number = units.to_si(value, self.si)
         if math.isfinite(number) and number and not SMALLEST <= abs(number) <= LARGEST:
             raise ValueError(
                 f"is {number:g} {self.si}".rstrip()

@@ -1,6 +1,6 @@
 """The `[[axis]]` tables of a study file: what is varied, over which values or distribution."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
@@ -8,27 +8,17 @@ import numpy as np
 
 from rps_exudyn.base.units import short, shown, to_si
 from rps_exudyn.parameters.declaration import Declared
+from rps_exudyn.parameters.distribution import KINDS
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.study.description import Axis, Value
 from rps_exudyn.study.toml_keys import Keys
 
 SHAPES = ("values", "linspace", "logspace")
-DISTRIBUTIONS = ("uniform", "loguniform", "normal")
+DISTRIBUTIONS = tuple(KINDS)
 AXIS_KEYS = ("name", "path", "paths", "unit", "along", *SHAPES, *DISTRIBUTIONS)
 NOT_AXES = ("hash", "status", "message", "cpu_s", "wall_s", "bytes", "modified_ns", "case", "sample")
 """Names that tables of results need for themselves."""
 MOST_ON_AN_AXIS = 100_000
-
-_TWO = {
-    "uniform": "[least, most] with least below most",
-    "loguniform": "[least, most], both above 0, with least below most",
-    "normal": "[mean, standard deviation] with a deviation above 0",
-}
-_DRAWABLE: dict[str, Callable[[float, float], bool]] = {
-    "uniform": lambda least, most: least < most,
-    "loguniform": lambda least, most: 0 < least < most,
-    "normal": lambda mean, deviation: deviation > 0,
-}
 
 
 def read_axes(keys: Keys, tables: Any, grid: bool) -> tuple[Axis, ...]:
@@ -156,6 +146,14 @@ class _Quantity:
             return given if isinstance(given, str | int) else self.number(given)
         return self.number(given)
 
+    def plain(self, given: Any) -> float:
+        """A number without unit: the factor of a log-normal distribution."""
+        try:
+            return to_si(given, "")
+        except ValueError as error:
+            self.wrong(f"{error}.")
+            return np.nan
+
     def number(self, given: Any) -> float:
         if self.declared.unit and self.declared.unit.zero and given == self.declared.unit.zero:
             return 0.0
@@ -209,11 +207,12 @@ def _distribution(given: Any, shape: str, quantity: _Quantity) -> list[float]:
     if not isinstance(given, list):
         quantity.wrong(f"has {shape} = {shown(given)}; it must be a list.")
     elif len(given) != 2:
-        quantity.wrong(f"has {shape} of {len(given)} items; it must be {_TWO[shape]}.")
+        quantity.wrong(f"has {shape} of {len(given)} items; it must be {KINDS[shape].numbers}.")
     else:
-        first, second = (quantity.number(item) for item in given)
-        if not _DRAWABLE[shape](first, second):
-            quantity.wrong(f"has {shape} = {shown(given)}; it must be {_TWO[shape]}.")
+        first = quantity.number(given[0])
+        second = quantity.plain(given[1]) if shape == "lognormal" else quantity.number(given[1])
+        if not KINDS[shape].drawable(first, second):
+            quantity.wrong(f"has {shape} = {shown(given)}; it must be {KINDS[shape].numbers}.")
         return [first, second]
     return []
 

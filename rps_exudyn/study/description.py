@@ -22,7 +22,8 @@ VERSION = (1, 1)
 """Major: old readers must refuse the folder. Minor: something was added that they may leave unread."""
 
 GRID_DESIGN = "grid"
-SAMPLED_DESIGNS = ("latin-hypercube", "sobol", "random", "morris", "saltelli")
+UNCERTAIN_DESIGN = "uncertain"
+SAMPLED_DESIGNS = ("latin-hypercube", "sobol", "random", "morris", "saltelli", UNCERTAIN_DESIGN)
 DESIGNS = (GRID_DESIGN, *SAMPLED_DESIGNS)
 
 Value = float | int | str

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.study.description import GRID_DESIGN, Axis, Value
+from rps_exudyn.parameters.distribution import Distribution
+from rps_exudyn.study.description import GRID_DESIGN, UNCERTAIN_DESIGN, Axis, Value
 
-CUT = 3.0  # normal distributions end at this many standard deviations
 MORRIS_LEVELS = 4  # levels that an axis takes in a Morris design
 
 
@@ -43,24 +43,16 @@ def drawn(axis: Axis, u: float) -> Value:
     """The quantile `u` (0 to 1) of a sampled axis' distribution."""
     if axis.values is not None:
         return axis.values[min(int(u * len(axis.values)), len(axis.values) - 1)]
-    first, second = axis.distribution["numbers"]
-    kind = axis.distribution["kind"]
-    if kind == "uniform":
-        return float(first + u * (second - first))
-    if kind == "loguniform":
-        return float(first * (second / first) ** u)
-    from scipy.special import ndtr, ndtri
-
-    within = ndtr(-CUT) + u * (ndtr(CUT) - ndtr(-CUT))
-    return float(first + second * np.clip(ndtri(within), -CUT, CUT))
+    return float(_distribution(axis).quantile(u))
 
 
 def ends(axis: Axis) -> tuple[float, float]:
     """Least and greatest value that a sampled axis may draw."""
-    first, second = axis.distribution["numbers"]
-    if axis.distribution["kind"] == "normal":
-        return first - CUT * second, first + CUT * second
-    return first, second
+    return _distribution(axis).ends
+
+
+def _distribution(axis: Axis) -> Distribution:
+    return Distribution(axis.distribution["kind"], *axis.distribution["numbers"])
 
 
 def salib(module: str) -> Any:
@@ -88,7 +80,7 @@ def _unit_points(design: str, axes: int, samples: int, seed: int) -> np.ndarray:
     from scipy.stats import qmc
 
     rng, problem = np.random.default_rng(seed), unit_problem(map(str, range(axes)))
-    if design == "latin-hypercube":
+    if design in ("latin-hypercube", UNCERTAIN_DESIGN):
         points = qmc.LatinHypercube(axes, rng=rng).random(samples)
     elif design == "sobol":
         power = max(0, math.ceil(math.log2(samples)))  # the sequence is even over powers of two

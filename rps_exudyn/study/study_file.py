@@ -4,7 +4,7 @@
     scene = "free-pinion-torque"
     fidelity = "quasi-static"
     gear = "gears/paper.toml"        # beside or below the study file; without it the paper's gear
-    design = "grid"                  # or latin-hypercube, sobol, random, morris, saltelli, which take samples
+    design = "grid"                  # or latin-hypercube, sobol, random, morris, saltelli, uncertain
     time_limit = "60 s"              # of one case
 
     [set]                            # parameters of all cases
@@ -38,12 +38,13 @@ from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.axis_tables import check_twice, read_axes
 from rps_exudyn.study.definition import FIDELITY, Study, choices
-from rps_exudyn.study.description import DESIGNS, GRID_DESIGN
+from rps_exudyn.study.description import DESIGNS, GRID_DESIGN, UNCERTAIN_DESIGN, Axis
 from rps_exudyn.study.designs import ends
 from rps_exudyn.study.toml_keys import Keys
+from rps_exudyn.study.uncertain_axes import uncertain_axes
 
 MODEL_KEYS = ("scene", "gear", "fidelity", "accuracy", "set")
-DESIGN_KEYS = ("axis", "design", "samples", "seed")
+DESIGN_KEYS = ("axis", "design", "samples", "seed", "inputs")
 KEYS = ("title", *MODEL_KEYS, *DESIGN_KEYS, "time_limit", "keep")
 MOST_SAMPLES = 1_000_000
 MOST_PROBLEMS = 10  # of axes, reported at once
@@ -77,9 +78,8 @@ class _StudyKeys(Keys):
             self.wrong(short(key), f"is no key of a study; there are {', '.join(KEYS)}.")
         design = self.choice(content, "design", DESIGNS, GRID_DESIGN)
         settings = self.flat(self.table(content, "set"), "set")
-        axes = read_axes(self, content.get("axis", []), design == GRID_DESIGN)
-        check_twice(self, axes, settings)
         gear = self.gear(content)
+        axes = self.axes(content, design, gear, settings)
         model = self.cheapest if "accuracy" in content else self.fidelity
         fidelity = model(content, gear, settings)
         return Study(
@@ -99,6 +99,28 @@ class _StudyKeys(Keys):
 
     def scene(self, content: Mapping[str, Any]) -> str:
         return self.choice(content, "scene", SCENE_NAMES, SCENE_NAMES[0])
+
+    def axes(
+        self,
+        content: Mapping[str, Any],
+        design: str,
+        gear: Mapping[str, Any],
+        settings: Mapping[str, Any],
+    ) -> tuple[Axis, ...]:
+        """The axes of the file's own tables; an uncertain design adds one for each uncertain parameter."""
+        if "inputs" in content and design != UNCERTAIN_DESIGN:
+            self.wrong("inputs", f"has no meaning for the design {design}; it is for {UNCERTAIN_DESIGN}.")
+        uncertain = design == UNCERTAIN_DESIGN
+        axes: tuple[Axis, ...] = ()
+        if "axis" in content or not uncertain:
+            axes = read_axes(self, content.get("axis", []), design == GRID_DESIGN)
+            check_twice(self, axes, settings)
+        if not uncertain or self.problems:
+            return axes
+        of_gear = {path: value for path, value in settings.items() if not path.startswith(FIDELITY)}
+        with self.gathering():
+            return axes + uncertain_axes(gear, of_gear, self.text(content, "inputs", ""), axes)
+        return axes
 
     def fidelity(
         self, content: Mapping[str, Any], gear: Mapping[str, Any], settings: Mapping[str, Any]

@@ -1,0 +1,285 @@
+"""Band of a scene: the result of one gear, and between which values it lies for what is not known of it.
+
+    band = band_of_runs("free-pinion-torque", gear, fidelity, inputs, samples=256)
+    band.figures["torque_mean"].values      # quantiles at LEVELS [N m]
+
+Beside the band stand what it is made of (contributions) and what it does not contain: the error of the
+solution, by the same gear in half the steps, and that of the contact law.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.distribution import Distribution
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.law_error import LawError, law_error
+from rps_exudyn.results.outcome import Interrupted, Status
+from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.headline import curve_of
+from rps_exudyn.simulate.run import simulate
+from rps_exudyn.uncertainty.contributions import Contributions, contributions
+from rps_exudyn.uncertainty.quantiles import LEVELS, Quantiles, quantiles
+from rps_exudyn.uncertainty.samples import Samples, runs_at
+
+LEAST_OK = 8  # samples with a number, for quantiles
+FEWEST, MOST = LEAST_OK, 100_000  # samples that may be asked for
+LEFT_OUT = ("energy_residual",)  # figures that say nothing about the gear
+Told = Callable[[int, int], None]
+"""Told how many samples of how many are done."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """Quantiles of the scene's signal at each instant of the nominal run."""
+
+    signal: str
+    quantiles: np.ndarray  # at LEVELS, shape (5, n)
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """Numbers of samples, in the order of the points; nan where a sample failed."""
+
+    samples: Samples
+    numbers: Mapping[str, np.ndarray]  # figure -> shape (n,)
+    failures: Mapping[str, int]  # cause -> number of samples
+
+    @cached_property
+    def failed(self) -> int:
+        """Samples that gave no numbers."""
+        return sum(self.failures.values())
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """A nominal result and its uncertainty; all values are SI."""
+
+    nominal: Result
+    inputs: Mapping[str, Distribution]
+    method: str  # in words
+    drawn: Drawn
+    figures: Mapping[str, Quantiles]
+    contributions: Mapping[str, Contributions]
+    curves: Curves | None
+    numerical: Mapping[str, float] = field(default_factory=dict)  # figure -> change by half the steps
+    interrupted: bool = False
+
+    @property
+    def law(self) -> LawError | None:
+        """Error of the contact law, which the band does not contain."""
+        return law_error(self.nominal.gear, self.nominal.fidelity)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the band for a JSON file, without its nominal result; every sample is there."""
+        return {
+            "scene": self.nominal.scene,
+            "method": self.method,
+            "interrupted": self.interrupted,
+            "levels": list(LEVELS),
+            "inputs": {
+                path: {"kind": each.kind, "numbers": [each.first, each.second]}
+                for path, each in self.inputs.items()
+            },
+            "samples": len(self.drawn.samples),
+            "failures": dict(self.drawn.failures),
+            "figures": {
+                name: {
+                    "nominal": self.nominal.summary.get(name),
+                    "quantiles": each.values.tolist(),
+                    "standard_errors": each.errors.tolist(),
+                    "numerical_error": self.numerical.get(name),
+                }
+                for name, each in self.figures.items()
+            },
+            "contributions": {
+                name: {**each.fractions, "together": each.together}
+                for name, each in self.contributions.items()
+            },
+            "law_error": self.law.mean_torque if self.law else None,
+            "curves": None
+            if self.curves is None
+            else {
+                "pinion_angle": self.nominal.signals.get("pinion_angle", np.zeros(0)).tolist(),
+                self.curves.signal: self.curves.quantiles.tolist(),
+            },
+            "values": {
+                path: _plain(column)
+                for path, column in {**self.drawn.samples.values, **self.drawn.numbers}.items()
+            },
+        }
+
+
+def band_of_runs(
+    scene: str,
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    inputs: Mapping[str, Distribution],
+    samples: int,
+    seed: int = 0,
+    told: Told | None = None,
+) -> Band:
+    """Run the scene at `samples` points of the inputs and at their medians.
+
+    Ctrl-C ends it with the band of what is done, if that is enough for one.
+
+    Raises:
+        InputError: a number of samples beyond the limits, a nominal gear that fails, or too few samples that
+            end ok.
+        Interrupted: Ctrl-C before there is a band.
+    """
+    if not FEWEST <= samples <= MOST:
+        raise InputError(f"the band has {samples} samples; it needs {FEWEST} to {MOST}.")
+    points = Samples.drawn(inputs, samples, seed)
+    nominal = nominal_result(scene, gear, fidelity, inputs)
+    done = runs_of(points, nominal, fidelity, told)
+    drawn, curves = done.drawn, curve_quantiles(nominal.scene, done.curves)
+    return Band(
+        nominal=nominal,
+        inputs=inputs,
+        method=f"{len(drawn.samples)} runs at points of a Latin hypercube",
+        drawn=drawn,
+        figures=figure_quantiles(drawn),
+        contributions=contributions_of(drawn),
+        curves=curves,
+        numerical=numerical_error(nominal, fidelity),
+        interrupted=done.interrupted,
+    )
+
+
+def nominal_result(
+    scene: str, gear: SteeringGear, fidelity: Fidelity, inputs: Mapping[str, Distribution]
+) -> Result:
+    """Run the scene on the gear at the medians of its inputs.
+
+    Raises:
+        InputError: that run fails.
+    """
+    medians = gear.replace({path: each.nominal for path, each in inputs.items()})
+    result = simulate(scene, medians, fidelity)
+    if result.status is not Status.OK:
+        raise InputError(
+            f"a band needs a gear that runs at the medians of its inputs; this one ends {result.status}: "
+            f"{result.message}."
+        )
+    return result
+
+
+@dataclass(frozen=True, eq=False)
+class Runs:
+    """What became of the points: figures, and the signal's curves of those that ended ok."""
+
+    drawn: Drawn
+    curves: np.ndarray | None  # (ok samples, n) over the nominal instants; None where they do not compare
+    interrupted: bool
+
+
+def runs_of(points: Samples, nominal: Result, fidelity: Fidelity, told: Told | None) -> Runs:
+    """Run the scene at all points, or until Ctrl-C.
+
+    Raises:
+        Interrupted: Ctrl-C before `LEAST_OK` samples ended ok.
+        InputError: fewer end ok.
+    """
+    names = [name for name in nominal.summary if name not in LEFT_OUT]
+    rows: list[list[float]] = []
+    curves: list[np.ndarray] | None = []
+    causes: Counter[str] = Counter()
+    interrupted = False
+    grid = list(curve_of(nominal.scene, nominal.signals, nominal.gear, fidelity).pieces)
+    runs = runs_at(nominal.scene, nominal.gear, fidelity, points.settings())
+    while len(rows) < len(points):
+        try:
+            result = next(runs)
+        except KeyboardInterrupt as interrupt:
+            if len(rows) - sum(causes.values()) < LEAST_OK:
+                raise Interrupted(nominal) from interrupt
+            interrupted = True
+            break
+        if result.status is Status.OK:
+            rows.append([result.summary.get(name, np.nan) for name in names])
+            curves = _added(curves, result, fidelity, [time for time, _ in grid])
+        else:
+            rows.append([np.nan] * len(names))
+            causes[f"{result.status}: {result.message}"] += 1
+        if told is not None:
+            told(len(rows), len(points))
+    if len(rows) - sum(causes.values()) < LEAST_OK:
+        cause = causes.most_common(1)[0][0]
+        raise InputError(
+            f"{sum(causes.values())} of {len(rows)} samples failed, too many for a band; most often {cause}."
+        )
+    numbers = dict(zip(names, np.array(rows).T, strict=True))
+    drawn = Drawn(points.first(len(rows)), numbers, dict(causes.most_common()))
+    return Runs(drawn, np.array(curves) if curves else None, interrupted)
+
+
+def _added(
+    curves: list[np.ndarray] | None, result: Result, fidelity: Fidelity, grid: list[np.ndarray]
+) -> list[np.ndarray] | None:
+    """Return the curves with that of a result; None as soon as one does not follow the nominal motion."""
+    if curves is None:
+        return None
+    try:
+        curve = curve_of(result.scene, result.signals, result.gear, fidelity)
+        return [*curves, curve.over(grid, smooth=False)] if curves is not None else None
+    except ValueError:  # another number of maneuvers
+        return None
+
+
+def figure_quantiles(drawn: Drawn) -> dict[str, Quantiles]:
+    """Return the quantiles of every figure that enough samples have."""
+    found = {}
+    for name, numbers in drawn.numbers.items():
+        known = numbers[np.isfinite(numbers)]
+        if known.size >= LEAST_OK:
+            found[name] = quantiles(known, failed=numbers.size - known.size)
+    return found
+
+
+def contributions_of(drawn: Drawn) -> dict[str, Contributions]:
+    """Return the contributions to every figure for which there are enough samples."""
+    found, names = {}, list(drawn.samples.inputs)
+    for name, numbers in drawn.numbers.items():
+        known = np.isfinite(numbers)
+        if known.any() and (each := contributions(drawn.samples.quantile[known], numbers[known], names)):
+            found[name] = each
+    return found
+
+
+def curve_quantiles(scene: str, curves: np.ndarray | None) -> Curves | None:
+    """Return the quantiles of curves (n, instants) at each instant."""
+    if curves is None or len(curves) < LEAST_OK:
+        return None
+    return Curves(scene_named(scene).signal, np.quantile(curves, LEVELS, axis=0))
+
+
+def numerical_error(nominal: Result, fidelity: Fidelity) -> dict[str, float]:
+    """Return how far half the steps move each figure of the nominal run; {} of a model without steps."""
+    if fidelity.solver == "closed-form":
+        return {}
+    finer = simulate(nominal.scene, nominal.gear, replace_step(fidelity, fidelity.step_angle / 2))
+    if finer.status is not Status.OK:
+        return {}
+    return {
+        name: abs(finer.summary[name] - value)
+        for name, value in nominal.summary.items()
+        if name in finer.summary
+    }
+
+
+def replace_step(fidelity: Fidelity, step: float) -> Fidelity:
+    """Return the model in other steps [rad]."""
+    return fidelity.replace({"step_angle": step})
+
+
+def _plain(column: Iterable[float]) -> list[float | None]:
+    """Numbers for JSON, which knows no nan."""
+    return [float(value) if np.isfinite(value) else None for value in column]

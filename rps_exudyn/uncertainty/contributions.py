@@ -1,0 +1,54 @@
+"""Which input makes a number uncertain: fractions of its variance, from random or Latin-hypercube points.
+
+The number is fitted by a sum of polynomials of one input each, in the input's own quantile u; the variance of
+each polynomial over u is the input's contribution (its first-order Sobol index), what no sum explains is due
+to inputs acting together, and to what the polynomials cannot follow. Legendre polynomials are orthogonal over
+u, so that variances are sums of squared coefficients; what chance adds to them is taken off.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial.legendre import legval
+
+POINTS_PER_TERM = 8  # least
+HIGHEST_DEGREE = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Contributions:
+    """Fractions of the variance, most first."""
+
+    fractions: dict[str, float]  # input -> its own
+    together: float  # not explained by single inputs
+    error: float  # standard error of a fraction, by the number of points
+
+
+def contributions(u: np.ndarray, numbers: np.ndarray, names: list[str]) -> Contributions | None:
+    """Return what each input contributes to the variance; None for numbers that do not vary, or too few.
+
+    Args:
+        u: quantiles of the inputs, shape (n, inputs), independent and even over 0 to 1.
+        numbers: shape (n,), finite.
+        names: of the inputs.
+    """
+    count, inputs = u.shape
+    degree = min(HIGHEST_DEGREE, count // (POINTS_PER_TERM * inputs))
+    if degree < 1 or not np.ptp(numbers) > 1e-9 * np.abs(numbers).max():
+        return None
+    scaled = (numbers - numbers.mean()) / numbers.std()
+    columns = [_orthonormal(u[:, i], d) for i in range(inputs) for d in range(1, degree + 1)]
+    terms = np.stack([np.ones(count), *columns], axis=1)
+    coefficients, *_ = np.linalg.lstsq(terms, scaled, rcond=None)
+    left = scaled - terms @ coefficients
+    free = max(count - terms.shape[1], 1)
+    noise = float(left @ left) / free
+    chance = noise * np.diag(np.linalg.pinv(terms.T @ terms))[1:]
+    each = (coefficients[1:] ** 2 - chance).reshape(inputs, degree).sum(axis=1)
+    fractions = dict(sorted(zip(names, np.maximum(each, 0.0).tolist(), strict=True), key=lambda p: -p[1]))
+    return Contributions(fractions, min(noise, 1.0), float(2 * np.sqrt(degree * noise / count)))
+
+
+def _orthonormal(u: np.ndarray, degree: int) -> np.ndarray:
+    """The Legendre polynomial of u, of mean 0 and variance 1 over 0 to 1."""
+    return np.asarray(np.sqrt(2 * degree + 1) * legval(2 * u - 1, np.eye(degree + 1)[degree]))

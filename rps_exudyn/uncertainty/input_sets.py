@@ -1,0 +1,119 @@
+"""Distributions of the inputs where a user has none of his own: each with its source.
+
+`unknown`  a gear of which nothing but its teeth is known: what service manuals, tables of friction and usual
+           practice allow; the gear's own values are not used
+`series`   gears of one drawing: scatter about the gear's own values
+
+A parameter that carries a distribution of its own keeps it. `own` takes these alone.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.tooth_stiffness import line_stiffness
+from rps_exudyn.parameters.carried import outside
+from rps_exudyn.parameters.distribution import Distribution
+from rps_exudyn.parameters.gear import SteeringGear
+
+
+@dataclass(frozen=True)
+class Input:
+    """A distribution of one parameter.
+
+    `about` says what it is a distribution of: the `value` itself, a `factor` on the gear's own value, a
+    `shift` added to it, or the value of a gear that has none of its own, which by default is an `error` of 0.
+    """
+
+    path: str
+    text: str
+    source: str
+    about: str = "value"
+
+    def of(self, gear: SteeringGear) -> Distribution | None:
+        """Return the distribution of the gear's parameter [SI]; None where it does not vary."""
+        item = SteeringGear.declared_at(self.path)[0]
+        value = gear.value_at(self.path)
+        if self.path == "mesh.line_stiffness":
+            value = line_stiffness(gear)
+        unit = item.unit.si if item.unit else ""
+        drawn = Distribution.read(self.text, "" if self.about == "factor" else unit)
+        if self.about == "factor":
+            return drawn.scaled(value) if value > 0 else None
+        if self.about == "error" and value:
+            return None
+        return drawn.moved(value) if self.about == "shift" else drawn
+
+
+MANUAL = "workshop manuals"
+PRACTICE = "usual practice, no source found"
+TABLES = "bearing makers' tables of greased and dry liners"
+STANDARD = "ISO 6336-1 against measured stiffness"
+
+UNKNOWN = (
+    Input("yoke.preload", "uniform(200 N, 400 N)", "a maker's text names springs of 300 N; " + PRACTICE),
+    Input("yoke.friction", "uniform(0.03, 0.20)", TABLES),
+    Input("mesh.friction", "uniform(0.05, 0.15)", "general engineering knowledge of greased steel"),
+    Input("bush.drag", "uniform(10 N, 40 N)", PRACTICE),
+    Input("bearing.friction_torque", "uniform(20 N*mm, 60 N*mm)", PRACTICE),
+    Input("pinion.runout", "uniform(0 um, 40 um)", "the paper's study of a runout of 40 um"),
+    Input("pinion.runout_angle", "uniform(0 deg, 360 deg)", "any"),
+    Input("yoke.clearance", "uniform(13 um, 76 um)", "a workshop manual: 0.5 to 3 thousandths of an inch"),
+    Input("yoke.spring_rate", "uniform(20 N/mm, 60 N/mm)", PRACTICE),
+    Input("installation.angle_error", "0 deg +- 0.05 deg", PRACTICE),
+    Input("installation.axis_offset", "0 um +- 20 um", PRACTICE),
+    Input("pinion.profile_slope", "0 um +- 4 um", "ISO 1328-1, quality 6 to 7"),
+    Input("pinion.pitch_error", "0 um +- 4 um", "ISO 1328-1, quality 6 to 7"),
+    Input("mesh.line_stiffness", "uniform(0.7, 1.4)", STANDARD, "factor"),
+)
+
+SERIES = (
+    Input("yoke.preload", "1 +- 7 %", "usual tolerance of coil springs, EN 15800", "factor"),
+    Input("yoke.friction", "1 +- 15 %", PRACTICE, "factor"),
+    Input("mesh.friction", "1 +- 10 %", PRACTICE, "factor"),
+    Input("bush.drag", "1 +- 20 %", PRACTICE, "factor"),
+    Input("bearing.friction_torque", "1 +- 20 %", PRACTICE, "factor"),
+    Input("pinion.runout", "uniform(0 um, 15 um)", "ISO 1328-1, quality 6 to 7", "error"),
+    Input("pinion.runout_angle", "uniform(0 deg, 360 deg)", "any"),
+    Input("yoke.clearance", "uniform(-15 um, 15 um)", MANUAL + ": back off by 10 to 20 deg", "shift"),
+    Input("yoke.spring_rate", "1 +- 5 %", "usual tolerance of coil springs, EN 15800", "factor"),
+    Input("installation.angle_error", "0 deg +- 0.03 deg", PRACTICE, "shift"),
+    Input("installation.axis_offset", "0 um +- 10 um", PRACTICE, "shift"),
+    Input("pinion.profile_slope", "0 um +- 2 um", "ISO 1328-1, quality 6", "shift"),
+    Input("pinion.pitch_error", "0 um +- 2 um", "ISO 1328-1, quality 6", "shift"),
+    Input("mesh.line_stiffness", "1 +- 10 %", STANDARD, "factor"),
+)
+
+SETS = {"unknown": UNKNOWN, "series": SERIES, "own": ()}
+"""Name -> inputs; `own` has none but those that the gear carries."""
+
+
+def uncertain_inputs(
+    gear: SteeringGear, inputs: str, own: Mapping[str, Distribution], may_be_none: bool = False
+) -> dict[str, Distribution]:
+    """Return path -> distribution: the gear's own, and those of a set for all other parameters.
+
+    Args:
+        gear: its values are those about which a set scatters.
+        inputs: name of the set.
+        own: distributions that the gear's parameters carry.
+        may_be_none: something else varies.
+
+    Raises:
+        InputError: no such set, nothing that varies, or a distribution that leaves its parameter's limits.
+    """
+    if inputs not in SETS:
+        raise InputError(f"the set of inputs is {inputs!r}; it must be one of {', '.join(SETS)}.")
+    found = dict(own)
+    for each in SETS[inputs]:
+        if each.path not in own and (drawn := each.of(gear)) is not None:
+            found[each.path] = drawn
+    if not found and not may_be_none:
+        raise InputError(
+            "no parameter carries a distribution; give one, for instance "
+            '--set yoke.preload="300 N +- 30 N", or take the inputs of a set, series or unknown.'
+        )
+    declared = {item.path: item for item in SteeringGear.declared()}
+    if problems := [line for path, each in found.items() for line in outside(declared[path], each)]:
+        raise InputError(problems)
+    return found

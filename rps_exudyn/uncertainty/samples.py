@@ -1,0 +1,65 @@
+"""Draws of the uncertain inputs, and the runs of a scene at them."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.distribution import Distribution
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result, failed
+from rps_exudyn.simulate.run import simulate
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Points drawn from the distributions of inputs."""
+
+    inputs: Mapping[str, Distribution]  # path -> distribution
+    quantile: np.ndarray  # of each input at each point, 0 to 1, shape (n, inputs)
+
+    @classmethod
+    def drawn(cls, inputs: Mapping[str, Distribution], count: int, seed: int) -> "Samples":
+        """Draw a Latin hypercube: even in each input, and independent enough to tell inputs apart."""
+        from scipy.stats import qmc
+
+        rng = np.random.default_rng(seed)
+        return cls(inputs, np.asarray(qmc.LatinHypercube(len(inputs), rng=rng).random(count)))
+
+    def __len__(self) -> int:
+        return len(self.quantile)
+
+    def first(self, count: int) -> "Samples":
+        """Return the first points."""
+        return replace(self, quantile=self.quantile[:count])
+
+    @property
+    def values(self) -> dict[str, np.ndarray]:
+        """Path -> values in SI, shape (n,)."""
+        return {
+            path: np.asarray(each.quantile(self.quantile[:, i]), dtype=float)
+            for i, (path, each) in enumerate(self.inputs.items())
+        }
+
+    def settings(self) -> Iterator[dict[str, float]]:
+        """Yield path -> value of each point."""
+        values = self.values
+        for row in zip(*(column.tolist() for column in values.values()), strict=True):
+            yield dict(zip(values, row, strict=True))
+
+
+def runs_at(
+    scene: str, gear: SteeringGear, fidelity: Fidelity, settings: Iterator[dict[str, float]]
+) -> Iterator[Result]:
+    """Yield the run of the scene at each point, whatever its outcome."""
+    for each in settings:
+        try:
+            result = simulate(scene, gear.replace(each), fidelity)
+        except InputError as error:  # values that are not allowed together, or a gear that cannot be built
+            result = failed(scene, gear, fidelity, Status.INVALID, " ".join(error.problems))
+        except np.linalg.LinAlgError as error:
+            result = failed(scene, gear, fidelity, Status.NO_CONVERGENCE, str(error))
+        yield result
