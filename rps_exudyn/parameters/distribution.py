@@ -1,6 +1,6 @@
 """Distributions that a parameter may carry instead of one value, written as text.
 
-    "300 N +- 30 N"            normal: mean and standard deviation; also "300 N +- 10 %"
+    "300 N +- 30 N"            normal: mean and standard deviation; also "300 N +- 10 %", of the mean
     "normal(300 N, 30 N)"      the same
     "uniform(200 N, 400 N)"    least and most
     "loguniform(1 N, 100 N)"   likewise, even in the logarithm
@@ -68,7 +68,7 @@ class Distribution:
         if found is None or kind not in KINDS:
             raise ValueError(f"is {shown(text)}; a distribution is written {_EXAMPLES}")
         first, number = to_si(found["first"], si_unit), found["second"] or "nothing"
-        if kind == "normal" and number.endswith("%") and si_unit:
+        if kind == "normal" and number.endswith("%") and not found["first"].endswith("%"):
             second = abs(first) * to_si(number, "")
         else:
             second = to_si(number, "" if kind == "lognormal" else si_unit)

@@ -7,6 +7,7 @@ Beside the band stand what it is made of (contributions) and what it does not co
 solution, by the same gear in half the steps, and that of the contact law.
 """
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -31,6 +32,7 @@ from rps_exudyn.uncertainty.samples import Samples, runs_at
 
 LEAST_OK = 8  # samples with a number, for quantiles
 FEWEST, MOST = LEAST_OK, 100_000  # samples that may be asked for
+NUMBER = re.compile(r"\d[\d.]*(?:e[-+]?\d+)?")  # in which messages of one cause differ
 LEFT_OUT = ("energy_residual",)  # figures that say nothing about the gear
 Told = Callable[[int, int], None]
 """Told how many samples of how many are done."""
@@ -50,7 +52,7 @@ class Drawn:
 
     samples: Samples
     numbers: Mapping[str, np.ndarray]  # figure -> shape (n,)
-    failures: Mapping[str, int]  # cause -> number of samples
+    failures: Mapping[str, int]  # cause, of its first sample -> number of samples
 
     @cached_property
     def failed(self) -> int:
@@ -192,9 +194,10 @@ def runs_of(points: Samples, nominal: Result, fidelity: Fidelity, told: Told | N
     rows: list[list[float]] = []
     curves: list[np.ndarray] | None = []
     causes: Counter[str] = Counter()
+    examples: dict[str, str] = {}
     interrupted = False
     grid = list(curve_of(nominal.scene, nominal.signals, nominal.gear, fidelity).pieces)
-    runs = runs_at(nominal.scene, nominal.gear, fidelity, points.settings())
+    runs = runs_at(nominal.scene, nominal.gear, fidelity, points)
     while len(rows) < len(points):
         try:
             result = next(runs)
@@ -208,13 +211,14 @@ def runs_of(points: Samples, nominal: Result, fidelity: Fidelity, told: Told | N
             curves = _added(curves, result, fidelity, [time for time, _ in grid])
         else:
             rows.append([np.nan] * len(names))
-            causes[f"{result.status}: {result.message}"] += 1
+            cause = f"{result.status}: {result.message}"
+            causes[examples.setdefault(NUMBER.sub("", cause), cause)] += 1
         if told is not None:
             told(len(rows), len(points))
     if len(rows) - sum(causes.values()) < LEAST_OK:
-        cause = causes.most_common(1)[0][0]
         raise InputError(
-            f"{sum(causes.values())} of {len(rows)} samples failed, too many for a band; most often {cause}."
+            f"{sum(causes.values())} of {len(rows)} samples failed, too many for a band; most often "
+            f"{causes.most_common(1)[0][0]}."
         )
     numbers = dict(zip(names, np.array(rows).T, strict=True))
     drawn = Drawn(points.first(len(rows)), numbers, dict(causes.most_common()))
@@ -229,7 +233,7 @@ def _added(
         return None
     try:
         curve = curve_of(result.scene, result.signals, result.gear, fidelity)
-        return [*curves, curve.over(grid, smooth=False)] if curves is not None else None
+        return [*curves, curve.over(grid, smooth=False)]
     except ValueError:  # another number of maneuvers
         return None
 
@@ -265,7 +269,7 @@ def numerical_error(nominal: Result, fidelity: Fidelity) -> dict[str, float]:
     """Return how far half the steps move each figure of the nominal run; {} of a model without steps."""
     if fidelity.solver == "closed-form":
         return {}
-    finer = simulate(nominal.scene, nominal.gear, replace_step(fidelity, fidelity.step_angle / 2))
+    finer = simulate(nominal.scene, nominal.gear, fidelity.replace({"step_angle": fidelity.step_angle / 2}))
     if finer.status is not Status.OK:
         return {}
     return {
@@ -273,11 +277,6 @@ def numerical_error(nominal: Result, fidelity: Fidelity) -> dict[str, float]:
         for name, value in nominal.summary.items()
         if name in finer.summary
     }
-
-
-def replace_step(fidelity: Fidelity, step: float) -> Fidelity:
-    """Return the model in other steps [rad]."""
-    return fidelity.replace({"step_angle": step})
 
 
 def _plain(column: Iterable[float]) -> list[float | None]:

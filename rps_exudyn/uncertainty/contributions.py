@@ -45,8 +45,10 @@ def contributions(u: np.ndarray, numbers: np.ndarray, names: list[str]) -> Contr
     noise = float(left @ left) / free
     chance = noise * np.diag(np.linalg.pinv(terms.T @ terms))[1:]
     each = (coefficients[1:] ** 2 - chance).reshape(inputs, degree).sum(axis=1)
-    fractions = dict(sorted(zip(names, np.maximum(each, 0.0).tolist(), strict=True), key=lambda p: -p[1]))
-    return Contributions(fractions, min(noise, 1.0), float(2 * np.sqrt(degree * noise / count)))
+    each = np.maximum(each, 0.0)
+    whole = float(each.sum()) + noise  # not the sample's variance, which chance correlations change
+    fractions = dict(sorted(zip(names, (each / whole).tolist(), strict=True), key=lambda pair: -pair[1]))
+    return Contributions(fractions, noise / whole, float(2 * np.sqrt(degree * noise / count)))
 
 
 def _orthonormal(u: np.ndarray, degree: int) -> np.ndarray:

@@ -149,15 +149,12 @@ def _widened(of_mean: Quantiles, failed: int, runs: int) -> Quantiles:
 
 
 def _curves(means: np.ndarray, curves: np.ndarray | None, of_runs: np.ndarray) -> Curves | None:
-    """Quantiles of curves: every mean with the course of one of the runs about its own mean."""
+    """Quantiles of curves: every mean with the course of one of the runs, in parts of its own mean."""
     if curves is None:
         return None
-    of_runs = of_runs[np.isfinite(of_runs)]
-    course = curves - np.sign(curves) * of_runs[:, None]
+    course = curves / of_runs[np.isfinite(of_runs)][:, None]
     chosen = np.random.default_rng(SEED).integers(0, len(course), len(means))
-    sign = np.sign(curves.mean(axis=0))
-    drawn = sign * means[:, None] + course[chosen]
-    return Curves("pinion_torque", np.quantile(drawn, LEVELS, axis=0))
+    return Curves("pinion_torque", np.quantile(means[:, None] * course[chosen], LEVELS, axis=0))
 
 
 def _terms(quantile: np.ndarray) -> np.ndarray:

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.result import Result, failed
-from rps_exudyn.simulate.run import simulate
+from rps_exudyn.results.result import Result
+from rps_exudyn.simulate.batch import batch
+
+TOGETHER = 32  # runs between which Ctrl-C loses nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,15 +51,9 @@ class Samples:
             yield dict(zip(values, row, strict=True))
 
 
-def runs_at(
-    scene: str, gear: SteeringGear, fidelity: Fidelity, settings: Iterator[dict[str, float]]
-) -> Iterator[Result]:
+def runs_at(scene: str, gear: SteeringGear, fidelity: Fidelity, points: Samples) -> Iterator[Result]:
     """Yield the run of the scene at each point, whatever its outcome."""
-    for each in settings:
-        try:
-            result = simulate(scene, gear.replace(each), fidelity)
-        except InputError as error:  # values that are not allowed together, or a gear that cannot be built
-            result = failed(scene, gear, fidelity, Status.INVALID, " ".join(error.problems))
-        except np.linalg.LinAlgError as error:
-            result = failed(scene, gear, fidelity, Status.NO_CONVERGENCE, str(error))
-        yield result
+    values = points.values
+    for begin in range(0, len(points), TOGETHER):
+        part = {path: column[begin : begin + TOGETHER] for path, column in values.items()}
+        yield from batch(scene, gear, part, fidelity=fidelity).results

@@ -1,0 +1,193 @@
+"""Bands: distributions, quantiles with their errors, contributions, and the quick band against runs."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from rps_exudyn.parameters.carried import carried
+from rps_exudyn.parameters.distribution import KINDS, Distribution
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Interrupted
+from rps_exudyn.uncertainty import band as band_module
+from rps_exudyn.uncertainty.band import Band, band_of_runs
+from rps_exudyn.uncertainty.contributions import contributions
+from rps_exudyn.uncertainty.input_sets import SETS, uncertain_inputs
+from rps_exudyn.uncertainty.quantiles import LEVELS, quantiles
+from rps_exudyn.uncertainty.quick_band import quick_band
+from rps_exudyn.uncertainty.samples import Samples
+
+FORMULA = Fidelity.preset("closed-form")
+EQUILIBRIA = Fidelity.preset("quasi-static").replace({"step_angle": "2 deg"})
+TURN = "free-pinion-torque"
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "half"),
+    [
+        ("300 N +- 10 %", "normal", 30.0),
+        ("300 N ± 30 N", "normal", 30.0),
+        ("normal(300 N, 30 N)", "normal", 30.0),
+        ("uniform(240 N, 360 N)", "uniform", 120 / 12**0.5),
+    ],
+)
+def test_standard_deviation_of_what_is_drawn(text: str, kind: str, half: float) -> None:
+    """Cut at three deviations a normal distribution has 0.9866 of its width; 1e5 points give 0.5 %."""
+    read = Distribution.read(text, "N")
+    drawn = read.quantile(np.random.default_rng(1).random(100_000))
+    assert (read.kind, read.nominal) == (kind, 300.0)
+    assert drawn.mean() == pytest.approx(300.0, abs=0.5)
+    assert drawn.std() == pytest.approx(half, rel=0.02)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_quantile_function_rises_from_end_to_end_through_the_nominal_value(kind: str) -> None:
+    each = Distribution(kind, 2.0, 3.0)
+    values = each.quantile(np.linspace(0, 1, 101))
+    assert (np.diff(values) > 0).all()
+    assert (values[0], values[-1]) == pytest.approx(each.ends)
+    assert values[50] == pytest.approx(each.nominal, rel=1e-9)
+
+
+def test_two_thirds_of_a_log_normal_lie_within_its_factor() -> None:
+    drawn = Distribution("lognormal", 0.1, 1.3).quantile(np.linspace(0, 1, 100_001))
+    within = np.mean((drawn > 0.1 / 1.3) & (drawn < 0.1 * 1.3))
+    assert within == pytest.approx(0.6827 / 0.9973, abs=1e-3)  # cut at three deviations
+
+
+def test_error_of_a_median_is_that_of_theory() -> None:
+    """1.2533 / sqrt(n) for a normal distribution; a bootstrap of 1000 numbers scatters by a fifth."""
+    numbers = np.random.default_rng(2).normal(size=1000)
+    assert quantiles(numbers).errors[2] == pytest.approx(1.2533 / 1000**0.5, rel=0.25)
+
+
+@pytest.mark.parametrize("lost", list(combinations(range(6), 2)))
+def test_quantiles_of_all_lie_between_the_worst_cases_of_failed_samples(lost: tuple[int, int]) -> None:
+    """Whichever samples fail, what they would have been moves no quantile beyond the stated ends."""
+    every = np.array([1.0, 2.0, 4.0, 7.0, 11.0, 16.0])
+    found = quantiles(np.delete(every, lost), failed=2)
+    whole = np.quantile(every, LEVELS)
+    assert (found.lowest <= whole + 1e-12).all()
+    assert (found.highest >= whole - 1e-12).all()
+
+
+def test_contributions_of_a_sum_and_of_a_product() -> None:
+    """a^2 / sum a^2 for a sum; a product of two centred inputs has none alone."""
+    u = Samples.drawn({str(i): Distribution("uniform", 0, 1) for i in range(4)}, 1024, 3).quantile
+    x, names = 2 * u - 1, ["a", "b", "c", "d"]
+    added = contributions(u, 3 * x[:, 0] + 2 * x[:, 1] ** 3 + x[:, 2], names)
+    variances = np.array([9 / 3, 4 / 7, 1 / 3])
+    assert added is not None
+    assert [added.fractions[name] for name in "abc"] == pytest.approx(variances / variances.sum(), abs=0.02)
+    assert added.fractions["d"] < 0.001
+    assert added.together < 1e-6
+    together = contributions(u, x[:, 0] * x[:, 1], names)
+    assert together is not None
+    assert max(together.fractions.values()) < 0.02  # four errors of chance
+    assert together.together > 0.95
+    assert contributions(u, np.ones(1024), names) is None
+
+
+def test_band_of_one_input_is_the_input() -> None:
+    """The bearings' friction adds to the torque: the quantiles are those of its distribution."""
+    own = carried({}, {"bearing.friction_torque": "uniform(20 N*mm, 60 N*mm)"})
+    gear = SteeringGear()
+    band = band_of_runs(TURN, gear, FORMULA, own, samples=40)
+    free = gear.replace({"bearing.friction_torque": 0.0})
+    without = band_of_runs(TURN, free, FORMULA, carried({}, {"yoke.clearance": "50 um +- 1 um"}), 8)
+    rest = without.nominal.summary["torque_mean"]
+    # a Latin hypercube has one point in each fortieth: quantiles are exact to one of these
+    expected = rest + own["bearing.friction_torque"].quantile(np.array(LEVELS))
+    assert band.figures["torque_mean"].values == pytest.approx(expected, abs=0.04 / 40)
+    assert band.contributions["torque_mean"].fractions["bearing.friction_torque"] == pytest.approx(
+        1, abs=0.01
+    )
+    assert "torque_mean" not in without.contributions  # the formula knows no clearance
+    assert band.curves is not None
+    assert np.ptp(band.curves.quantiles, axis=1).max() < 1e-12  # the formula has no ripple
+    assert band.curves.quantiles[:, 0] == pytest.approx(band.figures["torque_mean"].values)
+
+
+def test_failed_samples_are_counted_with_their_cause() -> None:
+    own = carried({}, {"yoke.clearance": "uniform(1 um, 100 um)"})
+    gear = SteeringGear().replace({"pinion.runout": "26 um"})
+    band = band_of_runs(TURN, gear, FORMULA, own, samples=100)
+    assert band.drawn.failed in (25, 26)  # those below the runout, one point in each hundredth
+    (cause,) = band.drawn.failures
+    assert "uses up yoke.clearance" in cause
+    assert np.isnan(band.drawn.numbers["torque_mean"]).sum() == band.drawn.failed
+    found = band.figures["torque_mean"]
+    assert found.lowest[0] == -np.inf
+    assert found.highest[-1] == np.inf
+
+
+def test_interrupted_band_is_that_of_the_samples_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stopping(*arguments: object) -> object:
+        for number, result in enumerate(real(*arguments)):  # type: ignore[arg-type]
+            if number == after:
+                raise KeyboardInterrupt
+            yield result
+
+    real, after = band_module.runs_at, 20
+    monkeypatch.setattr(band_module, "runs_at", stopping)
+    own = carried({}, {"yoke.preload": "300 N +- 30 N"})
+    band = band_of_runs(TURN, SteeringGear(), FORMULA, own, samples=64)
+    assert band.interrupted
+    assert len(band.drawn.samples) == 20
+    after = 3
+    with pytest.raises(Interrupted):
+        band_of_runs(TURN, SteeringGear(), FORMULA, own, samples=64)
+
+
+@pytest.mark.parametrize("name", ["unknown", "series"])
+def test_every_input_of_a_set_has_a_source_and_can_be_drawn(name: str) -> None:
+    """Every value that a set draws makes a gear that can exist."""
+    gear = SteeringGear()
+    found = uncertain_inputs(gear, name, {})
+    assert set(found) == {each.path for each in SETS[name]}
+    assert all(each.source for each in SETS[name])
+    for end in (0, 1):
+        gear.replace({path: each.ends[end] for path, each in found.items()})
+
+
+def test_own_values_and_distributions_come_before_a_series() -> None:
+    gear = SteeringGear().replace({"pinion.runout": "30 um", "yoke.preload": "200 N"})
+    own = carried({}, {"mesh.friction": "uniform(0.08, 0.12)"})
+    found = uncertain_inputs(gear, "series", own)
+    assert "pinion.runout" not in found  # the gear has one
+    assert found["yoke.preload"].nominal == pytest.approx(200)
+    assert found["mesh.friction"] == own["mesh.friction"]
+
+
+@pytest.fixture(scope="module")
+def both() -> tuple[Band, Band]:
+    """Quick band and plain runs of the same two inputs."""
+    settings = {"yoke.preload": "uniform(200 N, 400 N)", "mesh.friction": "uniform(0.05, 0.15)"}
+    own, gear = carried({}, settings), SteeringGear()
+    return quick_band(gear, EQUILIBRIA, own, runs=20), band_of_runs(TURN, gear, EQUILIBRIA, own, 128, seed=5)
+
+
+def test_quick_band_is_that_of_many_runs(both: tuple[Band, Band]) -> None:
+    """3 %: three times the 1 % that quantiles of 128 points of a hypercube scatter by."""
+    quick, runs = (each.figures["torque_mean"] for each in both)
+    assert quick.values == pytest.approx(runs.values, rel=0.03)
+    assert (quick.errors < 0.02 * quick.values).all()
+    shares = [each.contributions["torque_mean"].fractions for each in both]
+    assert shares[0] == pytest.approx(shares[1], abs=0.08)  # the sum of the chances of both
+
+
+def test_curves_of_both_bands_agree(both: tuple[Band, Band]) -> None:
+    quick, runs = (each.curves for each in both)
+    assert quick is not None
+    assert runs is not None
+    # 3 % as the means, and 2 % for the course of the ripple, which the quick band pairs with them at random
+    assert quick.quantiles[[0, -1]] == pytest.approx(runs.quantiles[[0, -1]], rel=0.05)
+
+
+def test_solution_error_stands_beside_the_band(both: tuple[Band, Band]) -> None:
+    """Equilibria in steps of 2 degrees have the mean to 0.01 %."""
+    quick, _ = both
+    assert 0 < quick.numerical["torque_mean"] < 1e-4 * quick.nominal.summary["torque_mean"]
+    assert quick.law is not None
+    assert quick.law.law == "line"

@@ -1,0 +1,66 @@
+"""`run --band` and the study design `uncertain`, by the closed form: what they print and leave."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rps_exudyn as rps
+from rps_exudyn.study.cases import describe
+from rps_exudyn.study.study_file import read_study
+from shell import Command
+
+OPTIONS = ("--fidelity", "closed-form", "--out", "r.h5")
+
+
+def test_band_is_printed_and_every_sample_kept(command: Command) -> None:
+    settings = ("--set", "yoke.preload=300 N +- 10 %", "--set", "yoke.clearance=uniform(30 um, 60 um)")
+    answer = command(["run", *OPTIONS, "--band", "64", *settings, "--set", "pinion.runout=32 um"])
+    assert answer.status == 0
+    assert "of 64 samples failed" in answer.out
+    assert "uses up yoke.clearance" in answer.out
+    assert re.search(r"Contributions to torque_mean: yoke.preload (9\d|100) %", answer.out)
+    assert "law line is off by -1 to +1.1 %" in answer.out
+    kept = json.loads(Path("r.band.json").read_text())
+    assert kept["samples"] == len(kept["values"]["yoke.preload"]) == 64
+    failed = sum(value is None for value in kept["values"]["torque_mean"])
+    assert 0 < failed == sum(kept["failures"].values())
+    known = [value for value in kept["values"]["torque_mean"] if value is not None]
+    assert kept["figures"]["torque_mean"]["quantiles"][2] == pytest.approx(np.median(known))
+    assert rps.load("r.h5").gear.yoke.preload == 300
+    assert Path("r.png").stat().st_size > 10_000
+
+
+def test_band_as_json_and_files_that_were_there(command: Command) -> None:
+    Path("r.h5").write_text("older")
+    answer = command(["run", *OPTIONS, "--band", "16", "--set", "yoke.preload=300 N ± 9 N", "--json"])
+    content = answer.json
+    assert (answer.status, content["samples"]) == (0, 16)
+    assert Path("r.1.h5").read_text() == "older"
+    assert content["nominal"]["status"] == "ok"
+
+
+def test_run_without_a_band_takes_the_median(command: Command) -> None:
+    command(["run", *OPTIONS, "--set", "yoke.preload=uniform(200 N, 600 N)"])
+    assert rps.load("r.h5").gear.yoke.preload == 400
+
+
+def test_uncertain_study_has_an_axis_for_every_distribution(tmp_path: Path) -> None:
+    """Those of the gear's file and of [set], unless an axis of its own varies the parameter."""
+    (tmp_path / "g.toml").write_text('[yoke]\npreload = "300 N +- 30 N"\nfriction = "0.1 +- 10 %"\n')
+    file = tmp_path / "s.toml"
+    file.write_text(
+        'design = "uncertain"\nsamples = 8\ngear = "g.toml"\nfidelity = "closed-form"\n'
+        '[set]\nbush.drag = "lognormal(20 N, 1.2)"\n'
+        '[[axis]]\npath = "yoke.friction"\nuniform = [0.05, 0.2]\n'
+    )
+    study = read_study(file)
+    assert [axis.name for axis in study.axes] == ["yoke.friction", "yoke.preload", "bush.drag"]
+    cases = describe(study, {}).cases
+    assert len({case.hash for case in cases}) == 8
+    drag = [float(case.values["bush.drag"]) for case in cases]
+    assert 20 / 1.2**3 < min(drag) < 20 < max(drag) < 20 * 1.2**3
+    file.write_text('design = "uncertain"\nsamples = 4\ninputs = "unknown"\n')
+    assert len(read_study(file).axes) == 14
