@@ -45,6 +45,8 @@ _LOOK: Any = {
 
 REFERENCE_LINE: Any = {"color": COLOURS["reference"], "linewidth": 1, "linestyle": "--", "zorder": 1}
 
+LETTER, LEGEND_MARK = 0.075, 0.6  # width of a letter, and of a line with its gaps, in legends [in]
+
 BAND: Any = {"color": COLOURS["reference"], "alpha": 0.15, "linewidth": 0, "zorder": 0}
 
 
@@ -76,9 +78,13 @@ def line(
 
 
 def legend_above(axes: Axes) -> None:
-    """Put the legend over the axes, where it hides no curve; none without labels."""
-    if axes.get_legend_handles_labels()[1]:
-        axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=4, borderpad=0, frameon=False)
+    """Put the legend over the axes, where it hides no curve, in as many columns as have room; none without
+    labels."""
+    if labels := axes.get_legend_handles_labels()[1]:
+        width = axes.figure.get_figure(root=True).bbox_inches.width
+        longest = max(len(label) for label in labels)
+        columns = max(1, min(4, int(width / (LEGEND_MARK + LETTER * longest))))
+        axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=columns, borderpad=0, frameon=False)
 
 
 def angle_axis(axes: Axes) -> None:
@@ -87,7 +93,8 @@ def angle_axis(axes: Axes) -> None:
     low, high = axes.dataLim.intervalx
     steps = [1, 1.8, 3.6, 9, 10] if high - low > 400 else [1, 1.5, 3, 6, 10]
     axes.xaxis.set_major_locator(MaxNLocator(nbins=9, steps=steps))
-    axes.margins(x=0)
+    for each in axes.get_shared_x_axes().get_siblings(axes):
+        each.margins(x=0)
 
 
 def name_directions(axes: Axes, named: dict[str, str]) -> None:

@@ -71,6 +71,7 @@ class Picture:
     svg: str
     caption: str
     width: float  # at most [in]
+    axes: str = ""  # JSON of places and scales of the axes with curves, see `axes_of`; page.js reads it
 
 
 @dataclass(frozen=True)

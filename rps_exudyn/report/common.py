@@ -17,6 +17,24 @@ PROVENANCE = {
 }
 
 
+GEAR = {
+    "pinion.teeth": "teeth",
+    "pinion.normal_module": "normal module",
+    "pinion.pressure_angle": "pressure angle",
+    "pinion.helix_angle": "helix angle",
+    "pinion.profile_shift": "profile shift",
+    "rack.tooth_angle": "angle of the rack's teeth",
+    "rack.bar_diameter": "bar's diameter",
+    "yoke.preload": "yoke's preload",
+    "yoke.clearance": "yoke's clearance",
+    "mesh.friction": "friction of the teeth",
+    "yoke.friction": "friction of the plunger",
+    "pinion.runout": "runout",
+    "test.speed": "test speed",
+}
+"""Parameters that tell one gear from another -> their names."""
+
+
 def provenance_facts(provenance: Mapping[str, Any]) -> Facts:
     """Versions, commit, date, machine; other entries under their own names."""
     items = [(PROVENANCE.get(name, words(name)), as_text(value)) for name, value in provenance.items()]
@@ -35,6 +53,12 @@ def as_text(value: Any) -> str:
     if isinstance(value, list | tuple):
         return ", ".join(map(as_text, value))
     return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def gear_facts(values: Mapping[str, Any]) -> Facts:
+    """What tells one gear from another; `values` are path -> value, and those of `GEAR` are shown."""
+    rows = {path: text for path, text, *_ in parameter_rows({p: values[p] for p in GEAR if p in values})}
+    return Facts([(GEAR[path], text) for path, text in rows.items()])
 
 
 def parameter_rows(values: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:

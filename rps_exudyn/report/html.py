@@ -1,5 +1,7 @@
-"""From articles to one HTML page without scripts, fonts or requests."""
+"""From articles to one HTML page without fonts or requests; the only script that it lets run is page.js."""
 
+import base64
+import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -20,4 +22,12 @@ def page(title: str, articles: Sequence[Article]) -> str:
         lstrip_blocks=True,
     )
     css = (_FOLDER / "page.css").read_text(encoding="utf-8")
-    return environment.get_template("page.html").render(title=title, articles=articles, css=css)
+    script = (_FOLDER / "page.js").read_text(encoding="utf-8")
+    digest = hashlib.sha256(script.encode()).digest()
+    return environment.get_template("page.html").render(
+        title=title,
+        articles=articles,
+        css=css,
+        script=script,
+        script_hash=f"sha256-{base64.b64encode(digest).decode()}",
+    )

@@ -6,11 +6,19 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from rps_exudyn.base.units import words
+from rps_exudyn.charts import style
 from rps_exudyn.charts.scene import figure_of
 from rps_exudyn.charts.signals import WIDTH, signals_figure
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.report.blocks import Article, Block, Code, Facts, Fold, Grid, Pictures, Section, Text, Warning
-from rps_exudyn.report.common import as_text, fidelity_facts, parameter_grid, provenance_facts
+from rps_exudyn.report.common import (
+    GEAR,
+    as_text,
+    fidelity_facts,
+    gear_facts,
+    parameter_grid,
+    provenance_facts,
+)
 from rps_exudyn.report.pictures import picture
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status
@@ -60,6 +68,7 @@ def side_by_side(results: Mapping[Path, Result]) -> Article:
 
 
 def _outcome(result: Result) -> Iterable[Block]:
+    yield gear_facts({path: result.gear.value_at(path) for path in GEAR})
     if result.status is not Status.OK:
         yield Warning(
             f"The simulation failed ({result.status}): {result.message or 'no message'} "
@@ -94,6 +103,9 @@ def _scene_figure(result: Result) -> Figure | None:
         return None
     figure.suptitle("")
     figure.set_size_inches(WIDTH, figure.get_size_inches()[1])
+    for axes in figure.axes:
+        if axes.get_legend() is not None:
+            style.legend_above(axes)  # in fewer columns
     return figure
 
 

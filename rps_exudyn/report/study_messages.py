@@ -17,6 +17,12 @@ def case_id(table: CaseTable, case: Case) -> str:
     return f"{table.description.name}-{case.hash}".replace(" ", "-")
 
 
+def case_link(table: CaseTable, case: Case) -> Links:
+    """The case's name, which leads to its row as far as cases are listed."""
+    listed = {each.hash for each in table.cases[:MOST_ROWS]}
+    return Links([Link(case.hash, case_id(table, case) if case.hash in listed else "")])
+
+
 def settings(table: CaseTable, case: Case, digits: int = 6) -> list[str]:
     """The values of the axes as text."""
     return [show_value(axis, case.values[axis.name], digits) for axis in table.description.axes]

@@ -10,20 +10,25 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import words
 from rps_exudyn.charts.signals import overlaid_figure
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.report.blocks import (
     Article,
     Block,
+    Cell,
     Code,
     Facts,
     Fold,
     Grid,
+    Link,
+    Links,
     Picture,
     Pictures,
     Section,
     Text,
     Warning,
 )
-from rps_exudyn.report.common import fidelity_facts, parameter_grid, provenance_facts
+from rps_exudyn.report.case_curves import curve_id, curves_of_cases
+from rps_exudyn.report.common import GEAR, fidelity_facts, gear_facts, parameter_grid, provenance_facts
 from rps_exudyn.report.effects_charts import (
     distribution_figure,
     main_effect_figure,
@@ -34,6 +39,7 @@ from rps_exudyn.report.pictures import picture
 from rps_exudyn.report.study_messages import (
     MOST_ROWS,
     case_id,
+    case_link,
     count,
     failed_blocks,
     remarks_section,
@@ -67,7 +73,7 @@ def study_article(store: Store) -> Article:
             *_sensitivity(table),
             Section("Best and worst cases", list(_extremes(table, store))),
             Section("Failed cases", list(failed_blocks(table))),
-            Section("All cases", list(_all_cases(table))),
+            Section("All cases", list(_all_cases(table, store))),
             Section("Provenance", list(_provenance(table))),
         ],
     )
@@ -104,6 +110,10 @@ def _what(table: CaseTable) -> Iterable[Block]:
         ("CPU time", _times(table)),
     ]
     yield Facts([(name, text) for name, text in facts if text])
+    default = SteeringGear()
+    varied = {path for axis in description.axes for path in (*axis.paths, *axis.along)}
+    fixed = {path: description.base.get(path, default.value_at(path)) for path in GEAR if path not in varied}
+    yield Fold("The gear, where it is not varied", [gear_facts(fixed)], is_open=True)
     rows = [
         [
             axis.name,
@@ -303,10 +313,12 @@ def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[Block]:
     numbers = table.numbers[name]
     order = np.argsort(numbers, kind="stable")[: int(np.isfinite(numbers).sum())]
     places = {"lowest": order[0], "median": order[(len(order) - 1) // 2], "highest": order[-1]}
-    rows, results = [], {}
+    rows: list[Sequence[Cell]] = []
+    results = {}
     for end, label in _ends(name).items():
         case, number = table.cases[places[end]], float(numbers[places[end]])
-        rows.append([label, SUMMARY[name].show(number), *settings(table, case), case.hash])
+        row = case_link(table, case)
+        rows.append([label, SUMMARY[name].show(number), *settings(table, case), row])
         try:
             results[end] = store.result(case)
         except InputError as error:
@@ -319,19 +331,24 @@ def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[Block]:
         yield Pictures([picture(figure, f"Cases with the lowest, median and highest {words(name)}")])
 
 
-def _all_cases(table: CaseTable) -> Iterable[Block]:
+def _all_cases(table: CaseTable, store: Store) -> Iterable[Block]:
     names = (_ranked(table) or list(table.numbers))[:LEADING]
     remarked, seen = {case.hash for case, _ in table.remarked()}, set[str]()
-    rows, ids = [], []
+    curves, drawn = curves_of_cases(table, store, table.cases[:MOST_ROWS])
+    rows: list[Sequence[Cell]] = []
+    ids = []
     for at, case in enumerate(table.cases[:MOST_ROWS]):
         known = {name: float(table.numbers[name][at]) for name in names}
         shown = [SUMMARY[name].show(value) if np.isfinite(value) else "" for name, value in known.items()]
         status = table.status[at].item() + ", remark" * (case.hash in remarked)
-        rows.append([*settings(table, case), status, *shown, case.hash])
+        name: Cell = Links([Link(case.hash, curve_id(table, case))]) if case.hash in drawn else case.hash
+        rows.append([*settings(table, case), status, *shown, name])
         ids.append("" if case.hash in seen else case_id(table, case))
         seen.add(case.hash)
     some = f"The first {MOST_ROWS} of {len(table.cases)} cases. " if len(table.cases) > MOST_ROWS else ""
     yield Text(f"{some}Every number of every case: rps-exudyn collect {table.path}")
+    if curves:
+        yield Pictures(curves)
     yield Fold(count(len(rows), "case"), [Grid((*table.axes, "status", *names, "case"), rows, ids=ids)])
 
 

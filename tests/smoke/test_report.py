@@ -1,8 +1,11 @@
 """The report says what was run and what came out, of whatever it is given, and shows it harmlessly."""
 
+import base64
 import dataclasses
+import hashlib
 import re
 from html.parser import HTMLParser
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -33,7 +36,7 @@ class Page(HTMLParser):
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.elements.append((tag, dict(attrs)))
-        self._in_heading, self._in_style = tag == "h2", tag == "style"
+        self._in_heading, self._in_style = tag == "h2", tag in ("style", "script")
 
     def handle_endtag(self, tag: str) -> None:
         self._in_heading = self._in_style = False
@@ -101,9 +104,14 @@ def test_remarks_and_causes_are_counted_and_linked(
     assert page.sections["All cases"].count("ok, remark") == 2
     ids = {found["id"] for tag, found in page.elements if tag == "tr" and "id" in found}
     links = [found["href"] for tag, found in page.elements if tag == "a"]
-    to_rows = {link[1:] for link in links if link and not link.startswith("#part")}
-    assert len(to_rows) == 4
+    to_rows = {link[1:] for link in links if link and not link.startswith(("#part", "#curve-of"))}
+    assert len(to_rows) == 6  # 2 remarks, 2 failures, and best and worst of those that ended ok
     assert to_rows <= ids
+    to_curves = {link[1:] for link in links if link and link.startswith("#curve-of")}
+    groups = [found for tag, found in page.elements if tag == "g" and "data-curve" in found]
+    curves = {found["id"] for found in groups if "id" in found}
+    assert to_curves == curves
+    assert len(curves) == 4  # cases that ended ok
 
 
 def test_charts_do_not_join_both_sides_of_a_limit(
@@ -174,7 +182,13 @@ def test_nothing_of_a_file_becomes_markup(made_up_result: Result, tmp_path: Path
     ).save(tmp_path / "r.h5")
     assert command(["report", "s", "r.h5"]).status == 0
     page = Page(tmp_path / "report.html")
-    assert page.tags.isdisjoint({"script", "img", "iframe", "object", "form"})
+    assert page.tags.isdisjoint({"img", "iframe", "object", "form"})
+    assert [tag for tag, _ in page.elements].count("script") == 1  # the page's own, told by its hash
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    script = (files("rps_exudyn") / "report" / "page.js").read_text(encoding="utf-8")
+    assert f"<script>{script}</script>" in text
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    assert f"script-src 'sha256-{digest}';" in text
     assert not any(name.startswith("on") for _, attributes in page.elements for name in attributes)
     assert "<script>alert('torque')</script>" in page.sections["Failed cases"]
 

@@ -1,7 +1,9 @@
 """The report in a real browser (conftest.py): no request, no error, readable on a phone, whole in print."""
 
+import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from playwright import sync_api
 
@@ -32,7 +34,7 @@ def test_page_is_quiet_and_fits(browser: sync_api.Browser, report: Path) -> None
         assert asked == [report.as_uri()]
         assert said == []
         assert page.evaluate("document.documentElement.scrollWidth") <= viewport["width"]
-        assert page.locator("script").count() == 0
+        assert page.locator("script").count() == 1  # no part of a message
         cell = page.get_by_role("cell", name="<script>alert('torque')</script>")
         assert cell.first.is_visible()
         widths = page.locator("figure svg").evaluate_all("all => all.map(one => one.clientWidth)")
@@ -62,4 +64,58 @@ def test_what_is_folded_is_printed(browser: sync_api.Browser, report: Path) -> N
     assert folded.bounding_box()["height"] > 5
     assert not page.locator("nav").first.is_visible()
     assert page.pdf(format="A4").startswith(b"%PDF")
+    page.close()
+
+
+def told(figure: sync_api.Locator) -> dict[str, float]:
+    """What the line below a chart says: name -> value."""
+    parts = figure.locator("output").inner_text().replace("−", "-").split(" · ")
+    found = [re.fullmatch(r"(.+?) (-?[\d.]+)(?: / .+)? ?(\D*)", part) for part in parts]
+    return {each[1]: float(each[2]) for each in found if each}
+
+
+@pytest.mark.parametrize("viewport", [PHONE, DESKTOP])
+def test_chart_tells_values_of_its_curves(
+    browser: sync_api.Browser, report: Path, made_up_result: Result, viewport: sync_api.ViewportSize
+) -> None:
+    """By pointer and by keys, to a thousandth of the axes; the dot lies on the curve."""
+    page = browser.new_page(viewport=viewport)
+    page.goto(report.as_uri())
+    figure = page.locator("article").last.locator("figure[data-axes]").first
+    svg = figure.locator("svg")
+    svg.scroll_into_view_if_needed()
+    box = svg.bounding_box()
+    page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 0.3 * box["height"])
+    pointed = told(figure)
+    svg.focus()
+    page.keyboard.press("ArrowRight")
+    stepped = told(figure)
+    assert stepped["pinion angle"] == pytest.approx(pointed["pinion angle"] + 360 / 200, abs=0.2)
+    for seen in (pointed, stepped):
+        angle = np.radians(seen["pinion angle"])
+        expected = np.interp(angle, made_up_result["pinion_angle"], made_up_result["pinion_torque"])
+        assert seen["pinion torque"] == pytest.approx(expected, abs=2e-4)  # 0.05 N m high: two thousandths
+        lift = 1e6 * np.interp(angle, made_up_result["pinion_angle"], made_up_result["rack_y"])
+        assert seen["rack lift"] == pytest.approx(lift, abs=0.05)
+    page.keyboard.press("End")
+    assert told(figure)["pinion angle"] == pytest.approx(360, abs=0.1)
+    assert svg.get_attribute("aria-valuetext").startswith("pinion angle 360")
+    assert figure.locator(".dot").count() == 3
+    page.close()
+
+
+def test_case_leads_to_its_curve_and_back(browser: sync_api.Browser, report: Path) -> None:
+    page = browser.new_page(viewport=DESKTOP)
+    page.goto(report.as_uri())
+    page.locator("details", has=page.locator("tr[id]")).first.locator("summary").first.click()
+    row = page.locator("tr[id]").first
+    row.locator("a").last.click()
+    name = page.url.split("#")[1]
+    curve = page.locator(f"[id='{name}'] path")
+    assert curve.evaluate("one => getComputedStyle(one).strokeWidth") == "3px"
+    figure = page.locator("figure", has=page.locator(f"[id='{name}']"))
+    figure.locator("svg").focus()
+    page.keyboard.press("Home")
+    figure.locator("output a").first.click()
+    assert page.locator("tr:target").count() == 1
     page.close()
