@@ -140,6 +140,16 @@ NEEDS = {
     "rack-lift": Need(
         "rack-lift", [Metric("rack_lift", fraction=0.02), Metric("rack_lift_end", fraction=0.02)]
     ),
+    "yoke-setting": Need(
+        "yoke-setting",
+        [
+            Metric("torque_on_centre", fraction=0.01),
+            Metric("torque_on_centre_variation", fraction=0.1),
+            Metric("torque_off_centre_variation", fraction=0.1),
+        ],
+        {"test.path": "there-and-back", "test.turns": 1.0},
+        {"solver": "equilibrium"},
+    ),
     "rattle": Need(
         "rattle",
         [

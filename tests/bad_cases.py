@@ -40,7 +40,8 @@ def bad_cases() -> dict[str, BadCase]:
         cases[name] = BadCase(_plan(scene, values), Status(expected["status"]), expected["message"])
     for name, message, values in _made_up():
         status = Status.CONTACT_LOST if message == "out of its place" else Status.INVALID
-        cases[name] = BadCase(_plan(TORQUE, {"test.turns": 1 / 6} | values), status, message)
+        scene = values.pop("scene", TORQUE)
+        cases[name] = BadCase(_plan(scene, {"test.turns": 1 / 6} | values), status, message)
     return cases
 
 
@@ -72,5 +73,9 @@ def _made_up() -> Iterator[tuple[str, str, Settings]]:
     bowed = {"rack.bow": "0.3 mm"}
     yield "a bow in general contact", "not run: rack.bow", STILL | SPHERES | bowed
     yield "a bow in a bush of segments", "not run: rack.bow", {"bush": "chain"} | bowed
+    hard = {"scene": "yoke-setting", "test.path": "there-and-back", "test.back_off": 0.0}
+    yield "a cap of 60 N m, not turned back", "mesh_penetration", STILL | hard | {"test.cap_torque": 60.0}
+    turned = {"scene": "rack-lift", "rack": "free", "test.lift_torque": 300.0}
+    yield "300 N m against a held rack", "mesh_penetration", STILL | turned
     stopped = {"pinion.runout": "60 um", "yoke.clearance": "10 um", "test.turns": 1.0, "step_angle": "40 deg"}
     yield "two samples of 60 um runout per turn", "not run: fidelity.step_angle", STILL | stopped

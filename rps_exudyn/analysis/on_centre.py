@@ -9,24 +9,33 @@ import numpy as np
 from rps_exudyn.analysis.passes import Pass, Signals, passes
 from rps_exudyn.analysis.torque import mean
 
-WINDOW = np.deg2rad(100)  # either side of the centre
+WINDOW = np.deg2rad(100)  # either side of the centre, where none is given
 
 
-def describe_on_centre(signals: Signals, teeth: int) -> dict[str, float]:
-    """The summary's figures within the window and outside, where the record covers a tooth pitch there."""
+def describe_on_centre(signals: Signals, teeth: int, window: float = WINDOW) -> dict[str, float]:
+    """The summary's figures within the window and outside, where the record covers a tooth pitch there.
+
+    Args:
+        signals: pinion_angle [rad] and pinion_torque [N m].
+        teeth: of the pinion.
+        window: either side of the centre [rad].
+    """
     pitch, runs = 2 * np.pi / teeth, passes(signals)
-    on = [part for each in runs for part in parts(each, -WINDOW, WINDOW, least=pitch)]
+    on = [part for each in runs for part in parts(each, -window, window, least=pitch)]
     off = [
         part
         for each in runs
-        for low, high in ((-np.inf, -WINDOW), (WINDOW, np.inf))
+        for low, high in ((-np.inf, -window), (window, np.inf))
         for part in parts(each, low, high, least=pitch)
     ]
     figures = {}
     if on:
         figures["torque_on_centre"] = float(np.mean([mean(*part) for part in on]))
+        figures["torque_on_centre_max"] = max(float(torque.max()) for _, torque in on)
         figures["torque_on_centre_variation"] = max(float(np.ptp(torque)) for _, torque in on)
     if off:
+        figures["torque_off_centre"] = float(np.mean([mean(*part) for part in off]))
+        figures["torque_off_centre_max"] = max(float(torque.max()) for _, torque in off)
         figures["torque_off_centre_variation"] = max(float(np.ptp(torque)) for _, torque in off)
     return figures
 

@@ -73,6 +73,15 @@ class Test(Table):
         "100 Hz", "rattle: lower end of the band of the rack's acceleration", "estimate", gt=0
     )
     band_high: Frequency = parameter("1 kHz", "rattle: upper end of that band", "estimate", gt=0)
+    centre_window: Angle = parameter(
+        "100 deg", "either side of the centre, how far the torque counts as on centre", "estimate", gt=0
+    )
+    cap_torque: Torque = parameter(
+        "4.9 N*m", "yoke-setting: torque to which the yokenut is tightened", "estimate", gt=0
+    )
+    back_off: Angle = parameter(
+        "25 deg", "yoke-setting: angle by which it is then turned back", "estimate", ge=0
+    )
     lift_torque: Torque = parameter(
         "19.6 N*m", "rack-lift: torque on the pinion, either way, the rack held", "estimate", gt=0
     )

@@ -163,9 +163,12 @@ SUMMARY = {
     "torque_mean_backward": _torque("mean torque against the motion towards -X, over the same angles"),
     "torque_direction_difference": _torque("torque_mean_forward - torque_mean_backward"),
     "torque_on_centre": _torque(
-        "mean torque against the motion within 100 degrees of the centre, as far as recorded"
+        "mean torque against the motion within test.centre_window of the centre, as far as recorded"
     ),
+    "torque_on_centre_max": _torque("largest torque there"),
     "torque_on_centre_variation": _torque("largest minus smallest torque there, in one direction"),
+    "torque_off_centre": _torque("mean torque against the motion outside that range"),
+    "torque_off_centre_max": _torque("largest torque outside that range"),
     "torque_off_centre_variation": _torque(
         "largest minus smallest torque on one side of that range, in one direction"
     ),
@@ -233,7 +236,11 @@ SUMMARY = {
     "rack_lift": _deflection("rack lift: rise of rack_y under the largest torque, the larger way"),
     "rack_lift_forward": _deflection("the same, the torque in the sense of the pinion angle"),
     "rack_lift_backward": _deflection("the same, against it"),
+    "rack_lift_closed_form": _deflection("rack lift by the closed form, for comparison with rack_lift"),
     "rack_lift_end": _deflection("rise of the rack's end meanwhile, the larger way"),
+    "cap_force": _force("yoke setting: force of the tightened yokenut along its axis"),
+    "clearance_set": _deflection("clearance that turning it back leaves; below 0 it still presses"),
+    "preload_set": _force("spring force that it leaves at the rest position"),
     "rattle_impulse_per_cycle": Quantity(
         "N*s",
         "N*s",

@@ -21,6 +21,7 @@ SCENE_NAMES = (
     "radial-play",
     "rack-lift",
     "rattle",
+    "yoke-setting",
 )
 """All scenes; each stands in the module of its name. Modules are loaded when their scene is asked for."""
 

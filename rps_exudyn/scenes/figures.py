@@ -21,7 +21,7 @@ def figures_of_turning(signals: Signals, gear: SteeringGear) -> dict[str, float]
     return {
         **describe_torque(first["pinion_angle"], first["pinion_torque"], teeth),
         **describe_directions(signals),
-        **describe_on_centre(signals, teeth),
+        **describe_on_centre(signals, teeth, gear.test.centre_window),
         **figures_of_motion(signals, gear),
     }
 

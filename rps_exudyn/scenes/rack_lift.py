@@ -19,6 +19,7 @@ from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.drive import Steady
+from rps_exudyn.solvers.yoke_stop import lift_of_torque
 
 STEPS = 40  # from no torque to the largest
 
@@ -34,7 +35,11 @@ def rack_lift(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     drive = Steady("rack", float(GearPair.of(gear).gain) * gear.test.start_angle, 0.0)
     run = run_at_rest(gear, bending(fidelity), drive, OutsideLoads.of_torque(torque), options)
     return run.noting(*remarks(gear, run.signals)).described(
-        lambda signals: {**lift_figures(signals), **balance(signals)}
+        lambda signals: {
+            **lift_figures(signals),
+            "rack_lift_closed_form": lift_of_torque(gear, gear.test.lift_torque),
+            **balance(signals),
+        }
     )
 
 

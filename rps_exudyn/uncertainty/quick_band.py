@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import mean_state, torque_per_preload
+from rps_exudyn.solvers.yoke_stop import stop_stiffness
 from rps_exudyn.uncertainty.band import (
     Band,
     Curves,
@@ -109,17 +109,14 @@ def formula_torques(gear: SteeringGear, points: Samples) -> np.ndarray:
 def stop_torque(gear: SteeringGear) -> float:
     """Return what the yokenut adds to the mean free torque where a runout uses up the clearance [N m].
 
-    The gear lifts the rack by e cos(phi); beyond the clearance nut, seat and both flanks are compressed, one
-    after the other: 1 / k = 1 / k_nut + 1 / k_seat + 1 / (2 c' b sin^2(alpha_n)). The formula itself knows no
-    yokenut, and a tenth of the gears of the set `unknown` meet it.
+    The gear lifts the rack by e cos(phi); beyond the clearance nut, seat and flanks are compressed. The
+    formula itself knows no yokenut, and a seventh of the gears of the set `unknown` meet it.
     """
     yoke, lift = gear.yoke, gear.pinion.runout * np.cos(PHASES)
     beyond = float(np.maximum(0.0, lift - yoke.clearance).mean())
     if not beyond:
         return 0.0
-    flanks = 2 * line_stiffness(gear) * gear.pinion.face_width * np.sin(gear.pinion.pressure_angle) ** 2
-    stiffness = 1 / (1 / yoke.nut_stiffness + 1 / yoke.seat_stiffness + 1 / flanks)
-    return torque_per_preload(gear) * float(stiffness) * beyond
+    return torque_per_preload(gear) * stop_stiffness(gear) * beyond
 
 
 def _corrected(

@@ -204,5 +204,6 @@ REACHES: dict[str, Callable[[SteeringGear], None]] = {
     "radial-play": _resting,
     "rack-lift": _resting,
     "rattle": _resting,
+    "yoke-setting": _turning,
 }
 """Scene -> what raises InputError where its test leaves the rack's teeth."""
