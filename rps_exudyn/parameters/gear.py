@@ -212,7 +212,7 @@ class Yoke(LoadedFrictionLaw):
     nut_diameter: Length = parameter("36 mm", "diameter of the yokenut", "estimate", gt=0)
     nut_thickness: Length = parameter("10 mm", "thickness of the yokenut", "estimate", gt=0)
     thread_pitch: Length = parameter(
-        "1.5 mm", "pitch of the yokenut's metric thread", "estimate", gt=0, le=0.005
+        "1.5 mm", "pitch of the yokenut's metric thread", "estimate", gt=0, le=0.05
     )
     thread_friction: Number = parameter(0.15, "friction coefficient of that thread", "estimate", ge=0, le=1)
     nut_stiffness: SpringRate = parameter(
