@@ -13,6 +13,7 @@ PLACES = {
     "bush": ("work_bush_friction",),
     "bearing": ("work_bearing_friction",),
     "rack": ("work_rack_damping",),
+    "column": ("work_column_damping",),
 }
 """Place where work is lost -> its signals."""
 

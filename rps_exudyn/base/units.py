@@ -41,6 +41,9 @@ _COMMON: dict[str, dict[str, float]] = {
     "N/m": {"N/m": 1.0, "N/mm": 1e3},
     "N/m^2": {"N/m^2": 1.0, "N/mm/um": 1e9},
     "N/m^3": {"N/m^3": 1.0},
+    "kg*m^2": {"kg*m^2": 1.0},
+    "N*m/rad": {"N*m/rad": 1.0, "N*m/deg": 180 / pi},
+    "N*m*s/rad": {"N*m*s/rad": 1.0},
     "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9},
 }
 
@@ -169,5 +172,8 @@ def _example(si_unit: str) -> str:
         "Pa": '"2.6 GPa"',
         "N/m^3": '"2e13 N/m^3"',
         "m/s^2": '"9.81 m/s^2"',
+        "kg*m^2": '"0.04 kg*m^2"',
+        "N*m/rad": '"120 N*m/rad"',
+        "N*m*s/rad": '"0.02 N*m*s/rad"',
     }
     return examples.get(si_unit, "0.1")

@@ -10,15 +10,16 @@ Bodies and their joints, in the housing frame of `gears.gear_pair`:
     rack      free rigid body; reference point on the bar's axis above the pitch point
     plunger   slides along Y (ObjectMass1D: its translational joint is built in)
     yokenut   locked to the housing
+    wheel     steering wheel behind the column, where the rig turns it (ObjectRotationalMass1D)
     bush      chain of rigid segments held by connector springs, or condensed into the sliding fit
 
 What acts between them are the force elements of `forces` and `mesh_contact`, the same that
 `solvers.equilibrium` balances. The rig's drive
-moves pinion or rack; the model starts in static equilibrium, so there is nothing to settle.
+moves pinion, rack or wheel; the model starts in static equilibrium, so there is nothing to settle.
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -29,19 +30,19 @@ from rps_exudyn.gears import solids
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.bodies import add_bodies
 from rps_exudyn.multibody.bush_chain import add_chain
+from rps_exudyn.multibody.column import add_column
 from rps_exudyn.multibody.force_object import add_element, add_forces
 from rps_exudyn.multibody.general_contact import add_general_contacts, add_tangent
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.bent_bar import BentBar
+from rps_exudyn.solvers.column_path import settled_behind
 from rps_exudyn.solvers.drive import Drive, Steady
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, stacked
 from rps_exudyn.solvers.settled_start import Approach, settled_path
-
-if TYPE_CHECKING:
-    pass
+from rps_exudyn.solvers.steering_column import SteeringColumn
 
 
 def build_model(
@@ -67,12 +68,21 @@ def build_model(
     if drive is None:
         drive = Steady("pinion", gear.test.start_angle, gear.test.direction * gear.test.speed)
     forces = gear_forces(gear, fidelity, rack_load)
-    start = settled_path(forces.statics, GearPair.of(gear), drive, approach, np.zeros(1)).last
+    column = SteeringColumn.of(gear) if drive.body == "wheel" else None
+    pair, statics = GearPair.of(gear), forces.statics
+    if column is None:
+        start = settled_path(statics, pair, drive, approach, np.zeros(1)).last
+    else:
+        start = settled_behind(statics, pair, drive, column, approach)
     SC = exu.SystemContainer()
-    model = SteeringModel(gear, fidelity, forces, drive, SC, SC.AddSystem(), start, pulse=pulse)
+    model = SteeringModel(
+        gear, fidelity, forces, drive, SC, SC.AddSystem(), start, pulse=pulse, column=column
+    )
     if not start.converged:
         return model
     add_bodies(model)
+    if column is not None:
+        add_column(model, column)
     if "segment" in forces.fit.bodies:
         _add_bush_chain(model)
     if fidelity.mesh == "general-contact":
@@ -88,7 +98,7 @@ def build_model(
 
 
 def _add_drive(model: SteeringModel) -> None:
-    """Prescribe a coordinate of pinion or rack by a rheonomic constraint."""
+    """Prescribe a coordinate of pinion, rack or wheel by a rheonomic constraint."""
     place_at, rate_at = model.drive.of_time
 
     def place(mbs: Any, t: float, item: int, offset: float) -> float:
@@ -98,27 +108,28 @@ def _add_drive(model: SteeringModel) -> None:
         return rate_at(t)
 
     model.constraint = _constrain(
-        model, model.drive.coordinate, offsetUserFunction=place, offsetUserFunction_t=rate
+        model, model.drive.body, 0, offsetUserFunction=place, offsetUserFunction_t=rate
     )
 
 
 def _lock(model: SteeringModel) -> None:
     """Hold the coordinates that the model does without."""
     for coordinate in model.forces.locked:
-        _constrain(model, coordinate)
+        body, block = next(
+            (name, place)
+            for name, place in COORDINATE_BLOCKS.items()
+            if coordinate in range(place.start, place.stop)
+        )
+        _constrain(model, body, coordinate - block.start)
 
 
-def _constrain(model: SteeringModel, coordinate: int, **law: Any) -> Any:
+def _constrain(model: SteeringModel, body: str, coordinate: int, **law: Any) -> Any:
     from exudyn.itemInterface import CoordinateConstraint, MarkerNodeCoordinate, NodePointGround
 
-    body = next(
-        name for name, place in COORDINATE_BLOCKS.items() if coordinate in range(place.start, place.stop)
-    )
-    of_body = coordinate - COORDINATE_BLOCKS[body].start
     ground, node = model.mbs.AddNode(NodePointGround()), model.nodes[body]
     markers = [
         model.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=number, coordinate=index))
-        for number, index in ((ground, 0), (node, of_body))
+        for number, index in ((ground, 0), (node, coordinate))
     ]
     return model.mbs.AddObject(CoordinateConstraint(markerNumbers=markers, **law))
 

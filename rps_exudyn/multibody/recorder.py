@@ -109,8 +109,7 @@ class Recorder:
             time,
             places,
             speeds,
-            # the multiplier is the gear's force on the driven coordinate
-            -model.drive.sign * drive,
+            self._overcome(time, coordinates, rates, drive),
             model.drive.body,
             energy,
             contact=None if model.contacts is None else np.array([step.mesh for step in self.steps]),
@@ -118,7 +117,34 @@ class Recorder:
             bar=bar,
             begun=np.array([step.begun for step in self.steps]) if memory.size else None,
             memory=memory,
+            wheel=self._wheel(coordinates, rates),
+            column=model.column,
         )
+
+    def _overcome(
+        self, time: np.ndarray, coordinates: np.ndarray, rates: np.ndarray, multiplier: np.ndarray
+    ) -> np.ndarray:
+        """Torque or force of the drive (n,): the multiplier is the gear's force on the driven coordinate.
+
+        On the wheel, whose motion is given, it is the column's torque and that of the inertia: a multiplier
+        swings wherever the length of the steps changes, by as much as the inertia's torque.
+        """
+        model, wheel = self.model, self._wheel(coordinates, rates)
+        if model.column is None or wheel is None:
+            return np.asarray(-model.drive.sign * multiplier)
+        pinion = model.coordinates("pinion").start
+        angle, rate = wheel.T
+        ratio = model.column.ratio(angle)
+        twist = model.column.output(angle) + coordinates[:, pinion]
+        torque = model.column.torque(twist, ratio * rate + rates[:, pinion])
+        return np.asarray(ratio * torque + model.column.inertia * model.drive.acceleration(time))
+
+    def _wheel(self, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray | None:
+        """Angle and rate of the wheel (n, 2), if there is one."""
+        if self.model.column is None:
+            return None
+        place = self.model.coordinates("wheel").start
+        return -np.column_stack([coordinates[:, place], rates[:, place]])
 
     def _pulse_power(self, time: np.ndarray, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray | None:
         pulse, bar, rack = self.model.pulse, self.model.forces.bar, COORDINATE_BLOCKS["rack"]

@@ -15,6 +15,7 @@ from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import GearForces
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
+from rps_exudyn.solvers.steering_column import SteeringColumn
 
 if TYPE_CHECKING:
     import exudyn
@@ -45,11 +46,12 @@ class SteeringModel:
     segments: list[Any] = field(default_factory=list)
     pulse: TimedForce | None = None
     constraint: Any = None
+    column: SteeringColumn | None = None  # where the rig turns the wheel; its node is "wheel"
 
     def coordinates(self, name: str) -> slice:
         """Return where a body's coordinates stand in the system's vector; the system must be assembled."""
         start = self.mbs.GetNodeODE2Index(self.nodes[name])
-        size = self.modes if name == "modes" else COORDINATES[name]
+        size = {"modes": self.modes, "wheel": 1}.get(name) or COORDINATES[name]
         return slice(start, start + size)
 
     @property

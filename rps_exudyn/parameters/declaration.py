@@ -83,6 +83,9 @@ Time = Annotated[float, Unit("s", "s")]
 Frequency = Annotated[float, Unit("Hz", "Hz")]
 Speed = Annotated[float, Unit("rad/s", "rpm")]
 SlidingSpeed = Annotated[float, Unit("m/s", "mm/s")]
+Inertia = Annotated[float, Unit("kg*m^2", "kg*m^2")]
+Torsion = Annotated[float, Unit("N*m/rad", "N*m/rad")]
+TorsionDamping = Annotated[float, Unit("N*m*s/rad", "N*m*s/rad")]
 Acceleration = Annotated[float, Unit("m/s^2", "m/s^2")]
 
 

@@ -12,6 +12,7 @@ from pydantic import model_validator
 
 from rps_exudyn.base.units import mm
 from rps_exudyn.parameters import derived
+from rps_exudyn.parameters.column import Column
 from rps_exudyn.parameters.declaration import (
     DEG,
     Acceleration,
@@ -273,6 +274,7 @@ class SteeringGear(Table):
     bush: Bush = Bush()
     bearing: Bearing = Bearing()
     mesh: Mesh = Mesh()
+    column: Column = Column()
     test: Test = Test()
 
     @model_validator(mode="before")

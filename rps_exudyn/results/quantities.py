@@ -101,6 +101,12 @@ SIGNALS = {
         "torque that drives the pinion, about its axis of rotation, in the sense of pinion_angle"
     ),
     "rack_force": _force("force that drives the rack along X, where the rig moves the rack"),
+    "wheel_angle": Quantity("rad", "deg", "angle of the steering wheel, in the sense of pinion_angle"),
+    "wheel_torque": _torque("torque of the hand on the steering wheel, in the sense of wheel_angle"),
+    "column_torque": _torque(
+        "torque of the column on the steering wheel: wheel_torque without the wheel's inertia"
+    ),
+    "column_twist": Quantity("rad", "deg", "twist of column and torsion bar"),
     "load_force": _force("force that pulls the rack's end towards -X"),
     "road_force": _force("force of the road along the tie rod on the rack's end beside the pinion"),
     "end_force_y": _force("force of the rig across the rack's end beside the pinion, along Y"),
@@ -145,6 +151,8 @@ SIGNALS = {
     "work_bush_friction": _energy("work lost to the bush's drag from the start of recording"),
     "work_bearing_friction": _energy("work lost to the pinion's bearings from the start of recording"),
     "work_rack_damping": _energy("work lost to the damping of a flexible rack from the start of recording"),
+    "work_column_damping": _energy("work lost to the column's damping from the start of recording"),
+    "column_energy": _energy("elastic energy of the column's twist; part of stored_energy"),
     "bending_energy": _energy("elastic energy of a flexible rack's bending; part of stored_energy"),
     "stored_energy": _energy(
         "kinetic energy, and elastic energy of springs and contacts, from the start of recording"
@@ -218,6 +226,20 @@ SUMMARY = {
         "deg",
         "pinion angle from a reversal until the torque is at 90 % of its new running value, the largest",
     ),
+    "feel_area": _energy("work of column_torque over the last whole cycle of the wheel"),
+    "feel_running_torque": _torque(
+        "column_torque against the motion, mean over the later half of each way of the wheel"
+    ),
+    "feel_angle_hysteresis": Quantity(
+        "rad", "deg", "wheel angle from a turn until column_torque is at 90 % of feel_running_torque, mean"
+    ),
+    "on_centre_stiffness": Quantity(
+        "N*m/rad",
+        "N*m/deg",
+        "column_torque over wheel_angle after a turn, between half the running torque either way, mean",
+    ),
+    "breakaway_torque": _torque("largest column_torque against the motion after a turn, mean over the turns"),
+    "breakaway_ratio": _number("breakaway_torque over feel_running_torque"),
     "impacts": _number("number of impacts of the plunger on the yokenut"),
     "impact_peak_force": _force("largest yokenut_force of an impact"),
     "impact_impulse": Quantity("N*s", "N*s", "largest integral of yokenut_force over an impact"),
@@ -268,6 +290,7 @@ SUMMARY = {
     "loss_share_seat": _ratio("work lost between plunger and rack, of all work lost"),
     "loss_share_bush": _ratio("work lost in the bush, of all work lost"),
     "loss_share_bearing": _ratio("work lost in the pinion's bearings, of all work lost"),
+    "loss_share_column": _ratio("work lost to the damping of the steering column, of all work lost"),
     "loss_share_rack": _ratio("work lost to the damping of a flexible rack, of all work lost"),
     "energy_residual": _ratio(
         "(work_drive + work_load - work lost - change of stored_energy) / the wider range of both"

@@ -17,6 +17,7 @@ SCENE_NAMES = (
     "load-test",
     "rack-push",
     "reversal",
+    "steering-feel",
     "yoke-impact",
     "radial-play",
     "rack-lift",

@@ -23,8 +23,13 @@ def by_formula(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, optio
     No check follows: the formulas know what they do not hold for.
 
     Raises:
-        InputError: the maneuver shakes the rack.
+        InputError: the maneuver shakes the rack, or turns the steering wheel.
     """
+    if maneuver.drive.body == "wheel":
+        raise InputError(
+            "fidelity.solver is closed-form, which knows no steering column; use equilibrium or "
+            "generalized-alpha."
+        )
     if maneuver.pulse is not None:
         raise InputError("fidelity.solver is closed-form, which knows no pulses; use generalized-alpha.")
     start = process_time()

@@ -11,7 +11,7 @@ from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.drive import Drive, DrivenBody, Steady, Swing, travel_per_radian
+from rps_exudyn.solvers.drive import Drive, DrivenBody, SetOff, Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.settled_start import Approach, SteadyApproach, SwingApproach
 
 LEAST_PER_CYCLE = 200  # steps of a swing
@@ -86,6 +86,8 @@ class Maneuver:
     @property
     def is_steady(self) -> bool:
         """True if everything slides at a constant speed."""
+        if isinstance(self.drive, SetOff):
+            return False
         return isinstance(self.drive, Steady) and self.drive.speed != 0
 
     def under(self, load: float) -> "Maneuver":
@@ -171,11 +173,13 @@ def maneuvers_of_test(
     return [forth, steady_maneuver(gear, body, last, first, step_angle, least)]
 
 
-def swing_maneuver(gear: SteeringGear, step_angle: float) -> Maneuver:
+def swing_maneuver(
+    gear: SteeringGear, step_angle: float, body: DrivenBody = "pinion", yielding: float = YIELDING
+) -> Maneuver:
     """Return sinusoidal steering about the test's start angle.
 
     Steps are of `step_angle` [rad] where it is fastest; after each turn, where friction turns about over an
-    angle that hardly depends on the steering, they are divided.
+    angle `yielding` [rad] that hardly depends on the steering, they are divided.
 
     Raises:
         InputError: it leaves the rack's teeth.
@@ -183,23 +187,23 @@ def swing_maneuver(gear: SteeringGear, step_angle: float) -> Maneuver:
     test = gear.test
     ends = test.start_angle - test.amplitude, test.start_angle + test.amplitude
     check_travel(gear, ends, f"test.amplitude = {_deg(test.amplitude)} about {_deg(test.start_angle)}")
-    drive = Swing("pinion", test.start_angle, test.amplitude, test.direction * test.speed)
+    drive = Swing(body, test.start_angle, test.amplitude, test.direction * test.speed)
     per_cycle = 4 * int(np.ceil(max(drive.period * test.speed / step_angle, LEAST_PER_CYCLE) / 4))
     time_step = drive.period / per_cycle
     lead, steps = int(np.ceil(RUN_IN / test.speed / time_step)), per_cycle * test.cycles
-    divided = _divided_after_turns(drive, per_cycle, lead + steps)
+    divided = _divided_after_turns(drive, per_cycle, lead + steps, yielding)
     swept = 2 * test.amplitude * gear.pinion.teeth / (2 * np.pi)  # tooth pitches in half a cycle
     before = int(np.ceil(max(LEAST_BEFORE, PER_PITCH_BEFORE * swept)))
     approach = SwingApproach(drive.period / 2, before)
     return Maneuver(drive, time_step, lead, steps, approach=approach, closes=True, divided=divided)
 
 
-def _divided_after_turns(drive: Swing, per_cycle: int, steps: int) -> tuple[int, ...]:
+def _divided_after_turns(drive: Swing, per_cycle: int, steps: int, yielding: float) -> tuple[int, ...]:
     """Return into how many parts the steps of a swing are divided; a turn lies at the end of a step."""
-    yielding = float(np.sqrt(2 * YIELDING / drive.amplitude))  # phase from a turn, about which A phase^2 / 2
+    part = float(np.sqrt(2 * yielding / drive.amplitude))  # phase from a turn, about which A phase^2 / 2
     phase = 2 * np.pi / per_cycle
-    parts = max(1, int(np.ceil(STEPS_OF_YIELDING * phase / yielding)))
-    near = int(np.ceil(min(yielding, np.pi / 2) / phase))
+    parts = max(1, int(np.ceil(STEPS_OF_YIELDING * phase / part)))
+    near = int(np.ceil(min(part, np.pi / 2) / phase))
     after_turn = (np.arange(steps) - per_cycle // 4) % (per_cycle // 2)
     turned = np.arange(steps) >= per_cycle // 4
     return tuple(np.where(turned & (after_turn < near), parts, 1).tolist())

@@ -25,17 +25,24 @@ from rps_exudyn.scenes.run_options import DEFAULT, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined, outcome_of_path
 from rps_exudyn.solvers.adaptive_path import adaptive_path
 from rps_exudyn.solvers.closed_form import closed_form
+from rps_exudyn.solvers.column_path import path_behind_column
 from rps_exudyn.solvers.drive import Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS, EquilibriumPath, PathInterrupted
-from rps_exudyn.solvers.gear_forces import following_inertia, gear_forces
+from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
 from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
+from rps_exudyn.solvers.record_of_column import behind_column
 from rps_exudyn.solvers.settled_start import settled_path
+from rps_exudyn.solvers.steering_column import SteeringColumn
 
 SHORTEST_STEP = 1e-7  # of the dynamics [s] ...
 SHORTEST_AT_TURNS = 1e-9  # ... where all friction turns about at once
 LEAST_FORCE = 10.0  # of which a tolerance is a fraction [N]
 STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drifts less is settled
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
+JUMPS = (
+    "; where friction falls by more than column.stiffness = {:.4g} N*m/rad the gear jumps, which only "
+    "generalized-alpha knows"
+)
 CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
 
 
@@ -167,31 +174,50 @@ def _drift(signals: Signals, driven: str) -> float:
 def _along_equilibria(
     gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions
 ) -> SceneRun:
-    forces, drive, pair = gear_forces(gear, fidelity, maneuver.rack_load), maneuver.drive, GearPair.of(gear)
-    inertia = (0.0, 0.0) if isinstance(drive, Steady) else following_inertia(gear)
-    start = process_time()
-    course = forces.statics._replace(inertia=inertia), pair, drive, maneuver.approach, maneuver.time
-    interrupted = False
+    forces, drive = gear_forces(gear, fidelity, maneuver.rack_load), maneuver.drive
+    column = SteeringColumn.of(gear) if drive.body == "wheel" else None
+    start, interrupted = process_time(), False
     try:
-        if fidelity.torque_tolerance > 0:
-            allowed = fidelity.torque_tolerance * abs(closed_form(gear).free_torque)
-            path = adaptive_path(*course, allowed / travel_per_radian(drive.body, pair.gain))
-        else:
-            path = settled_path(*course)
+        path = _followed(gear, fidelity, maneuver, forces, column)
     except PathInterrupted as interrupt:
         path, interrupted = interrupt.path, True
     outcome = outcome_of_path(path, process_time() - start)
     outcome = replace(outcome, findings={**outcome.findings, "angles": path.time.size})
     if interrupted:
-        message = f"interrupted at {maneuver.drive.shown(path.time[-1])}"
+        message = f"interrupted at {drive.shown(path.time[-1])}"
         outcome = replace(outcome, status=Status.TIMEOUT, message=message)
     elif not path.converged:
         outcome = _lost(maneuver, path, outcome)
-    record = record_of_path(forces.elements, path, drive, forces.bar, forces.memory.array)
+        if column is not None:
+            outcome = replace(outcome, message=outcome.message + JUMPS.format(column.stiffness))
+    turned = drive if column is None else replace(drive, body="pinion")
+    record = record_of_path(forces.elements, path, turned, forces.bar, forces.memory.array)
+    if column is not None:
+        record = behind_column(record, column, drive)
     run = _finished(gear, maneuver, outcome, record, path, forces.friction_zone, options)
     if interrupted:
         raise Interrupted(run)
     return run
+
+
+def _followed(
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    maneuver: Maneuver,
+    forces: GearForces,
+    column: SteeringColumn | None,
+) -> EquilibriumPath:
+    """The equilibria along a maneuver."""
+    drive, pair = maneuver.drive, GearPair.of(gear)
+    inertia = (0.0, 0.0) if isinstance(drive, Steady) else following_inertia(gear)
+    balance, approach, time = forces.statics._replace(inertia=inertia), maneuver.approach, maneuver.time
+    if column is not None:
+        return path_behind_column(balance, pair, drive, column, approach, time)
+    if fidelity.torque_tolerance > 0:
+        allowed = fidelity.torque_tolerance * abs(closed_form(gear).free_torque)
+        allowed /= travel_per_radian(drive.body, pair.gain)
+        return adaptive_path(balance, pair, drive, approach, time, allowed)
+    return settled_path(balance, pair, drive, approach, time)
 
 
 # --- common ----------------------------------------------------------------------------------------

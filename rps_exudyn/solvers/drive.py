@@ -1,6 +1,6 @@
-"""What the rig prescribes: the motion of the pinion or of the rack over time.
+"""What the rig prescribes: the motion of the pinion, of the rack or of the steering wheel over time.
 
-Places and rates are angles [rad] of the pinion or displacements [m] of the rack, both positive where the
+Places and rates are angles [rad] of pinion or wheel, or displacements [m] of the rack, positive where the
 rack moves along +X.
 """
 
@@ -13,12 +13,13 @@ import numpy as np
 
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 
-DrivenBody = Literal["pinion", "rack"]
+DrivenBody = Literal["pinion", "rack", "wheel"]
+OVERCOME = {"pinion": "pinion_torque", "rack": "rack_force", "wheel": "wheel_torque"}
 
 
 def travel_per_radian(body: DrivenBody, gain: float) -> float:
     """Return a body's travel for one radian of the pinion [rad or m]; `gain` is the rack's [m]."""
-    return 1.0 if body == "pinion" else gain
+    return gain if body == "rack" else 1.0
 
 
 @dataclass(frozen=True)
@@ -48,24 +49,25 @@ class Drive(ABC):
     def shown(self, time: float) -> str:
         """Return the place at an instant [s] for a reader, for instance "123 deg"."""
         place = float(self.place(time))
-        if self.body == "pinion":
-            return f"{np.degrees(place):.4g} deg"
-        return f"{1e3 * place:.4g} mm of rack travel"
+        if self.body == "rack":
+            return f"{1e3 * place:.4g} mm of rack travel"
+        return f"{np.degrees(place):.4g} deg"
 
     @property
     def coordinate(self) -> int:
-        """Number of the driven coordinate, counted over the coordinate blocks."""
+        """Number of the driven coordinate of pinion or rack, counted over the coordinate blocks."""
         return COORDINATE_BLOCKS[self.body].start
 
     @property
     def sign(self) -> int:
-        """The coordinate over the place: the pinion's counts about its axis, against the steering angle."""
-        return -1 if self.body == "pinion" else +1
+        """The coordinate over the place: those of pinion and wheel count about the pinion's axis, against the
+        steering angle."""
+        return +1 if self.body == "rack" else -1
 
     @property
     def signal(self) -> str:
         """Name of the torque or force that the drive overcomes."""
-        return "pinion_torque" if self.body == "pinion" else "rack_force"
+        return OVERCOME[self.body]
 
     def pinion_angle(self, gain: float, time: float) -> float:
         """Return the pinion's angle [rad], up to elasticity; `gain` is the rack's [m], `time` in seconds."""
@@ -100,6 +102,11 @@ class Steady(Drive):
     def acceleration(self, time: np.ndarray | float) -> np.ndarray:
         """Return zeros."""
         return np.zeros_like(np.asarray(time, dtype=float))
+
+
+@dataclass(frozen=True)
+class SetOff(Steady):
+    """A motion at constant rate that sets off from rest: all that follows the driven body rests at first."""
 
 
 @dataclass(frozen=True)

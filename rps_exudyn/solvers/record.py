@@ -20,9 +20,11 @@ from rps_exudyn.forces.force_element import (
 )
 from rps_exudyn.forces.memory import NO_MEMORY, PLACES, TIME
 from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar
-from rps_exudyn.solvers.drive import Drive
+from rps_exudyn.solvers.drive import OVERCOME, Drive, DrivenBody
 from rps_exudyn.solvers.equilibrium import SETTLED, EquilibriumPath, Start
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, along, stacked
+from rps_exudyn.solvers.record_of_column import driven_rate, of_column
+from rps_exudyn.solvers.steering_column import SteeringColumn
 
 WORK = {
     "work_mesh_friction",
@@ -55,8 +57,9 @@ class Record:
     time: np.ndarray  # [s]
     coordinates: np.ndarray  # (n, .) stacked as in `gear_kernel` or `flexible_kernel`
     rates: np.ndarray  # the same
-    drive: np.ndarray  # torque on the pinion [N m] or force on the rack [N], in the sense of travel along +X
-    driven: str  # body on which it acts
+    # torque on the pinion or the wheel [N m] or force on the rack [N], in the sense of travel along +X
+    drive: np.ndarray
+    driven: DrivenBody  # body on which it acts
     energy: np.ndarray  # kinetic, and elastic of what is no force element [J]
     contact: np.ndarray | None = None  # the solver's own contact forces on pinion and rack, (n, 7)
     pulse_power: np.ndarray | None = None  # of what shakes the rack [W]
@@ -65,6 +68,8 @@ class Record:
     bar: BentBar | None = None  # of the rack, where it bends or is not straight
     begun: np.ndarray | None = None  # (n, .) what friction remembered at the begin of the steps that end here
     memory: np.ndarray = field(default_factory=lambda: NO_MEMORY)  # where the elements look for it
+    wheel: np.ndarray | None = None  # (n, 2) angle and rate of the wheel, where the rig turns it [rad, rad/s]
+    column: SteeringColumn | None = None  # behind it
 
     def since(self, time: float) -> "Record":
         """Return what comes after a time [s]: the part that begins with the last step until then.
@@ -150,12 +155,10 @@ def signals_of(record: Record) -> dict[str, np.ndarray]:
     time, (places, _) = record.time, record.straightened(AT_MESH)
     rack = places[:, COORDINATE_BLOCKS["rack"]]
     lift = axis_at_pitch_point(rack)
-    drive = "pinion_torque" if record.driven == "pinion" else "rack_force"
-    speed = -record.rates[:, 0] if record.driven == "pinion" else record.rates[:, 1]
     signals = {
         "time": time - time[0],
         "pinion_angle": -record.of("pinion")[:, 0],
-        drive: record.drive,
+        OVERCOME[record.driven]: record.drive,
         "rack_displacement": rack[:, 0],
         "rack_y": lift[:, 0],
         "rack_z": lift[:, 1],
@@ -163,11 +166,13 @@ def signals_of(record: Record) -> dict[str, np.ndarray]:
         "rack_yaw": rack[:, 4],
         "rack_pitch": rack[:, 5],
         "plunger_displacement": record.of("plunger")[:, 0],
-        "work_drive": _work(record.drive * speed, time),
+        "work_drive": _work(record.drive * driven_rate(record), time),
     }
+    in_column = of_column(record)
+    signals |= in_column
     if record.pulse_power is not None:
         signals["work_load"] = _work(record.pulse_power, time)
-    energy = record.energy.copy()
+    energy = record.energy + in_column.get("column_energy", 0.0)
     for element in record.elements:
         out = record.outputs(element)
         if element.name == "mesh":

@@ -34,6 +34,9 @@ POWERS = {
     "rad/s": -1,
     "m/s": 0,
     "Hz": -1,
+    "kg*m^2": 5,
+    "N*m/rad": 3,
+    "N*m*s/rad": 4,
     "m/s^2": 0,  # gravity is the Earth's, whatever the gear's size
 }
 """SI unit -> power of the scale s with which its quantities grow in similar gears of the same materials."""

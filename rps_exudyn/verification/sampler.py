@@ -42,6 +42,8 @@ SCENE_WEIGHTS = {
 
 COARSE = np.deg2rad(10)  # steps by which a test is tried
 MOST_STEPS = 1200  # of a plan
+UNEVEN = ("reversal", "steering-feel", "yoke-impact", "radial-play", "rack-lift", "rattle")
+"""Scenes whose steps do not follow from the angle turned."""
 PART_OF_PITCH = 0.2  # that a plan with general contact turns
 
 
@@ -164,7 +166,7 @@ def usual_plan(rng: np.random.Generator, preset: str) -> ScenePlan:
 
 def affordable(gear: SteeringGear, scene: str, fidelity: Fidelity) -> Fidelity:
     """Return the model, in steps as long as a plan can afford."""
-    if scene in ("reversal", "yoke-impact", "radial-play", "rack-lift", "rattle"):
+    if scene in UNEVEN:
         return fidelity
     steps = sum(
         maneuver.lead + maneuver.steps for maneuver in maneuvers_of_test(gear, "pinion", fidelity.step_angle)
@@ -200,6 +202,7 @@ REACHES: dict[str, Callable[[SteeringGear], None]] = {
     "rack-push": _turning,
     "load-test": _loading,
     "reversal": _steering,
+    "steering-feel": _steering,
     "yoke-impact": _shaking,
     "radial-play": _resting,
     "rack-lift": _resting,

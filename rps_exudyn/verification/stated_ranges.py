@@ -93,6 +93,11 @@ PARTS: dict[str, Range] = {
     "mesh.line_stiffness": Seldom(0.5, Even(5e9, 25e9)),  # else from the gear
 }
 
+COLUMN: dict[str, Range] = {
+    "column.joint_angle": Seldom(0.3, Even(0, 45 * DEG)),
+    "column.joint_phase": Even(0, 2 * np.pi),
+}
+
 TEST: dict[str, Range] = {
     "test.speed": Logarithmic(0.5 * RPM, 250 * RPM),
     "test.turns": Choice({0.3: 1, 0.5: 2, 1: 3, 1.7: 2, 2: 1, 3: 1, 6.4: 1}),  # pitches
@@ -108,7 +113,7 @@ TEST: dict[str, Range] = {
     "test.pulse_force": Even(-2500, 2500),
 }
 
-GEAR: Mapping[str, Range] = {**TEETH, **ERRORS, **PARTS, **TEST}
+GEAR: Mapping[str, Range] = {**TEETH, **ERRORS, **PARTS, **COLUMN, **TEST}
 
 FIDELITY: Mapping[str, Range] = {
     # the kinematic ratio is judged by its own laws; general contact is drawn apart, for it costs more

@@ -12,7 +12,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.declaration import Declared
 from rps_exudyn.parameters.gear import SteeringGear
 
-TABLES = "basic_rack, pinion, rack, installation, yoke, bush, bearing, mesh, test"
+TABLES = "basic_rack, pinion, rack, installation, yoke, bush, bearing, mesh, column, test"
 
 # path, value, what the sentence says behind the path
 ONE_PROBLEM = [

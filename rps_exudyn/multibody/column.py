@@ -1,0 +1,83 @@
+"""Steering wheel and column in an Exudyn system: a mass that turns, and what twists before the pinion.
+
+Without a universal joint that is Exudyn's spring-damper between two coordinates; with one, an object over
+both coordinates, whose torque on the wheel is that on the pinion times the joint's ratio.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.multibody.force_object import add_forces
+from rps_exudyn.multibody.steering_model import SteeringModel
+from rps_exudyn.solvers.steering_column import SteeringColumn
+
+
+def add_column(model: SteeringModel, column: SteeringColumn) -> None:
+    """Add the wheel where its drive starts, and the column between it and the pinion."""
+    from exudyn.itemInterface import Node1D, ObjectRotationalMass1D
+
+    drive, pair = model.drive, GearPair.of(model.gear)
+    model.nodes["wheel"] = model.mbs.AddNode(
+        Node1D(
+            referenceCoordinates=[0.0],
+            initialCoordinates=[drive.sign * float(drive.place(0.0))],
+            initialVelocities=[drive.sign * float(drive.rate(0.0))],
+        )
+    )
+    model.bodies["wheel"] = model.mbs.AddObject(
+        ObjectRotationalMass1D(
+            inertia=column.inertia,
+            nodeNumber=model.nodes["wheel"],
+            referencePosition=pair.pinion_origin,
+            referenceRotation=pair.pinion_frame,
+        )
+    )
+    if column.bend:
+        _add_jointed(model, column)
+    else:
+        _add_straight(model, column)
+
+
+def _add_straight(model: SteeringModel, column: SteeringColumn) -> None:
+    from exudyn.itemInterface import CoordinateSpringDamper, MarkerNodeCoordinate
+
+    markers = [
+        model.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=model.nodes[name], coordinate=0))
+        for name in ("wheel", "pinion")
+    ]
+    model.mbs.AddObject(
+        CoordinateSpringDamper(markerNumbers=markers, stiffness=column.stiffness, damping=column.damping)
+    )
+
+
+def _add_jointed(model: SteeringModel, column: SteeringColumn) -> None:
+    add_forces(
+        model.mbs,
+        [model.nodes[name] for name in ("wheel", "pinion")],
+        jointed_forces,
+        column,
+        2,
+        jointed_tangent,
+    )
+
+
+def jointed_forces(q: np.ndarray, v: np.ndarray, column: SteeringColumn) -> np.ndarray:
+    """Return the torques (2,) on wheel and pinion [N m]; their coordinates count against the angles."""
+    ratio = float(column.ratio(-q[0]))
+    torque = float(column.torque(column.output(-q[0]) + q[1], v[1] - ratio * v[0]))
+    return np.array([ratio * torque, -torque])
+
+
+def jointed_tangent(
+    q: np.ndarray, v: np.ndarray, column: SteeringColumn, factor_q: float, factor_v: float
+) -> np.ndarray:
+    """Return factor_q dF/dq + factor_v dF/dv of `jointed_forces`, shape (2, 2)."""
+    ratio, slope = float(column.ratio(-q[0])), float(column.ratio_slope(-q[0]))
+    torque = float(column.torque(column.output(-q[0]) + q[1], v[1] - ratio * v[0]))
+    of_place = np.array([-column.stiffness * ratio + column.damping * slope * v[0], column.stiffness])
+    of_rate = column.damping * np.array([-ratio, 1.0])
+    torque_slope = factor_q * of_place + factor_v * of_rate
+    turning: Any = np.array([-factor_q * slope * torque, 0.0])
+    return np.array([ratio * torque_slope + turning, -torque_slope])

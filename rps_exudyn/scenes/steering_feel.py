@@ -1,0 +1,46 @@
+"""Steering feel: the hand turns the wheel to and fro; what it feels through the column, without a road.
+
+The wheel is steered sinusoidally about `test.start_angle`, fastest, at the test's speed, in the middle.
+Behind it the column twists by the torque that the gear takes; each time the wheel turns back, that twist
+comes and goes before the gear moves again. Equilibria know the column as a spring in series, dynamics the
+vibration of the gear behind it as well.
+"""
+
+from rps_exudyn.analysis.steering_feel import describe_feel
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.figures import figures_of_motion
+from rps_exudyn.scenes.maneuver import YIELDING, swing_maneuver
+from rps_exudyn.scenes.remarks import remarks, wide_zone
+from rps_exudyn.scenes.reversal import WIDEST_ZONE
+from rps_exudyn.scenes.run_maneuver import run_maneuver
+from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import Scene, swept_revolutions
+from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.solvers.closed_form import closed_form
+
+
+def steering_feel(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
+    """Steer to and fro at the wheel and record.
+
+    Raises:
+        InputError: the steering leaves the rack's teeth, or a model without a column.
+    """
+    twisted = 2 * abs(closed_form(gear).free_torque) / gear.column.stiffness
+    maneuver = swing_maneuver(gear, fidelity.step_angle, "wheel", YIELDING + twisted)
+    run = run_maneuver(gear, fidelity, maneuver, options)
+    remark = wide_zone(fidelity, "on_centre_stiffness depends", WIDEST_ZONE)
+    return run.noting(*remarks(gear, run.signals), remark).described(
+        lambda signals: {**describe_feel(signals), **figures_of_motion(signals, gear)}
+    )
+
+
+SCENE = Scene(
+    name="steering-feel",
+    title="Steering feel: torque at the wheel",
+    run=steering_feel,
+    signal="column_torque",
+    figure="feel_area",
+    chart="steering_feel",
+    revolutions=swept_revolutions,
+)

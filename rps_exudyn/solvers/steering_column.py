@@ -1,0 +1,93 @@
+"""The steering column: from the wheel through a universal joint and a torsion bar to the pinion.
+
+Angles are in the sense of the pinion angle. With the wheel at theta, the joint's output at u(theta) and the
+pinion at phi,
+
+    twist x = u(theta) - phi,        torque on the pinion T = k x + c x',        torque at the wheel u' T.
+
+A universal joint with the bend beta turns its output by tan u = tan theta / cos beta, theta counted from
+where the wheel-side yoke's axis lies in the bend's plane.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.drive import Drive, SetOff, Steady
+
+Angle = np.ndarray | float
+
+
+@dataclass(frozen=True)
+class SteeringColumn:
+    """Inertia, joint and spring between hand and pinion."""
+
+    inertia: float  # of the wheel [kg m^2]
+    stiffness: float  # [N m/rad]
+    damping: float  # [N m s/rad]
+    bend: float  # of the joint [rad]
+    phase: float  # of its wheel-side yoke at wheel angle 0 [rad]
+
+    @classmethod
+    def of(cls, gear: SteeringGear) -> "SteeringColumn":
+        """Return the column of a gear."""
+        given = gear.column
+        return cls(given.wheel_inertia, given.stiffness, given.damping, given.joint_angle, given.joint_phase)
+
+    def output(self, angle: Angle) -> np.ndarray:
+        """Return the angle u behind the joint [rad], 0 at wheel angle 0, of the shape of the angles."""
+        return np.asarray(angle + self._lead(angle + self.phase) - self._lead(self.phase))
+
+    def ratio(self, angle: Angle) -> np.ndarray:
+        """Return du/dtheta, of the shape of the angles [rad]: cos beta / (1 - sin^2 beta cos^2 theta)."""
+        yoke = np.asarray(angle) + self.phase
+        return np.asarray(np.cos(self.bend) / (1 - (np.sin(self.bend) * np.cos(yoke)) ** 2))
+
+    def ratio_slope(self, angle: Angle) -> np.ndarray:
+        """Return d^2u/dtheta^2, of the shape of the angles [1/rad]."""
+        yoke, bent = np.asarray(angle) + self.phase, np.sin(self.bend) ** 2
+        return np.asarray(-np.cos(self.bend) * bent * np.sin(2 * yoke) / (1 - bent * np.cos(yoke) ** 2) ** 2)
+
+    def torque(self, twist: Angle, rate: Angle) -> np.ndarray:
+        """Return the torque on the pinion [N m] of a twist [rad] and its rate [rad/s]."""
+        return np.asarray(self.stiffness * twist + self.damping * rate)
+
+    def _lead(self, yoke: Angle) -> np.ndarray:
+        """Angle by which the joint's output leads its input."""
+        sine, cosine = np.sin(yoke), np.cos(yoke)
+        return np.asarray(
+            np.arctan(sine * cosine * (1 - np.cos(self.bend)) / (np.cos(self.bend) * cosine**2 + sine**2))
+        )
+
+
+@dataclass(frozen=True)
+class BehindColumn(Drive):
+    """The pinion's motion behind a column of constant twist."""
+
+    wheel: Drive
+    column: SteeringColumn
+    twist: float = 0.0  # [rad]
+
+    def place(self, time: np.ndarray | float) -> np.ndarray:
+        """Return u(theta) - twist [rad]."""
+        return self.column.output(self.wheel.place(time)) - self.twist
+
+    def rate(self, time: np.ndarray | float) -> np.ndarray:
+        """Return u' theta' [rad/s]."""
+        return self.column.ratio(self.wheel.place(time)) * self.wheel.rate(time)
+
+    def acceleration(self, time: np.ndarray | float) -> np.ndarray:
+        """Return u' theta'' + u'' theta'^2 [rad/s^2]."""
+        angle, rate = self.wheel.place(time), self.wheel.rate(time)
+        return (
+            self.column.ratio(angle) * self.wheel.acceleration(time)
+            + self.column.ratio_slope(angle) * rate**2
+        )
+
+
+def pinion_at_start(wheel: Drive, column: SteeringColumn, twist: float) -> Drive:
+    """Return the pinion's motion at the start of the wheel's: behind a twist [rad], or at rest."""
+    if isinstance(wheel, SetOff):
+        return Steady("pinion", float(column.output(wheel.start)) - twist, 0.0)
+    return BehindColumn("pinion", wheel, column, twist)
