@@ -217,7 +217,7 @@ TOPIC = Topic(
     "accuracy_speed",
     run,
     {
-        "scenes": {"free-pinion-torque": ["closed_form", "quasi_static", "generators"]},
+        "scenes": {"free-pinion-torque": ["closed_form", "generators"]},
         "thinned": Study.toy,
         "methods": COARSE,
         "repeats": {"free-pinion-torque": 1},

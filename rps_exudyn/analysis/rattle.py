@@ -56,6 +56,12 @@ def describe_rattle(signals: Signals, period: float, plunger_mass: float, band: 
     }
 
 
+def first_hit(run: Signals) -> float | None:
+    """Return when the yokenut is first hit, from the beginning of a run [s]; None if it never is."""
+    hit = np.flatnonzero(run["yokenut_force"] > 0)
+    return float(run["time"][hit[0]] - run["time"][0]) if hit.size else None
+
+
 def _speed_rms(found: Sequence[Impact]) -> float:
     """Root mean square of the plunger's speed before contact over all impacts [m/s]; 0 without any."""
     return float(np.sqrt(np.mean([impact.speed**2 for impact in found]))) if found else 0.0

@@ -64,8 +64,11 @@ class Test(Table):
         ge=-90 * DEG,
         le=90 * DEG,
     )
-    road_shape: Literal["sine", "half-sine"] = parameter(
-        "sine", "rattle: force of the road both ways, or its positive halves alone", "estimate"
+    road_shape: Literal["sine", "half-sine", "growing-sine"] = parameter(
+        "sine",
+        "rattle: force of the road both ways; its positive halves; or growing from nothing to its peak, "
+        "which finds the threshold",
+        "estimate",
     )
     road_cycles: Count = parameter(4, "rattle: cycles recorded, after one more", "estimate", ge=1, le=1000)
     road_phases: Count = parameter(2, "rattle: runs, begun at phases of the force", "estimate", ge=1, le=100)

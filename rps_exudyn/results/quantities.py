@@ -285,6 +285,10 @@ SUMMARY = {
     "rattle_fastest_impact": Quantity(
         "m/s", "mm/s", "largest speed of the plunger at an impact, mean over the phases; chaotic"
     ),
+    "rattle_threshold_force": _force(
+        "amplitude of a growing road force at the first hit of the yokenut, mean over the phases"
+    ),
+    "rattle_threshold_scatter": _force("standard deviation of that force over the phases"),
     "rattle_fastest_scatter": Quantity("m/s", "mm/s", "standard deviation of that speed over the phases"),
     "loss_share_mesh": _ratio("work lost between the teeth, of all work lost"),
     "loss_share_seat": _ratio("work lost between plunger and rack, of all work lost"),

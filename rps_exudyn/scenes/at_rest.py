@@ -28,6 +28,7 @@ from rps_exudyn.solvers.record import Record, record_of_path, signals_of
 
 PAUSE = 1e7  # from load to load [s]: friction of a rack that moves by 0.1 mm meanwhile is 1e-5 of sliding
 LEAST_MODES = 20  # per plane of a bar that bends: its end yields by 0.3 % less with 8
+RATIOS = ("ratio", "ratio-with-loss")
 LOOSE = ("by-scene", "free", "flexible")  # models of a rack that yields across its guides
 
 
@@ -91,7 +92,19 @@ def bending(fidelity: Fidelity) -> Fidelity:
             f"fidelity.solver is {fidelity.solver} and fidelity.rack is {fidelity.rack}; how a rack yields "
             "across its guides needs equilibria of a rack that is free or flexible."
         )
-    return fidelity.with_bending()
+    if fidelity.mesh in RATIOS:
+        raise InputError(
+            f"fidelity.mesh is {fidelity.mesh}, whose teeth never part; how a rack yields across its guides "
+            "needs their contact: choose flank."
+        )
+    if fidelity.bush == "adams-chain":
+        raise InputError(
+            "fidelity.bush is adams-chain, whose springs depend on the number of segments; equilibria need "
+            "chain or condensed."
+        )
+    # at rest the chain's stiffness is that of the condensed bush
+    condensed = {"bush": "condensed"} if fidelity.bush == "chain" else {}
+    return fidelity.replace(condensed).with_bending()
 
 
 def run_at_rest(

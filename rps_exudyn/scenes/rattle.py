@@ -3,14 +3,15 @@
 The force is a sine, or its positive halves, at an angle to the bar away from the pinion. One cycle settles,
 then `test.road_cycles` are recorded; the same again for each of `test.road_phases` phases at which the force
 begins, evenly spread over the cycle, because motions with impacts are chaotic (`analysis.rattle`).
+A growing sine finds the threshold instead: the size of the force at which the plunger first hits.
 """
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rps_exudyn.analysis.rattle import Band, describe_rattle, split_at_repeats
+from rps_exudyn.analysis.rattle import Band, describe_rattle, first_hit, split_at_repeats
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.external_load import RoadForce
 from rps_exudyn.gears.rack_bar import RackBar
@@ -28,10 +29,42 @@ WIDEST_ZONE = 0.1  # of friction; narrower ones only ask for shorter steps, and 
 STEPS_PER_SWING = 7  # of the plunger between seat and yokenut, the fastest motion: figures to 1 %
 STEPS_PER_BAND = 20  # of the fastest vibration in the band of the acceleration
 KEPT = 4  # of so many instants one stays in the result, whose figures come from all of them
+GROWING = "growing-sine"
 RIGID = (
     "the rack is rigid (fidelity.rack): forces of impacts are up to twice too large and softer roads rattle; "
     "choose flexible"
 )
+
+
+@dataclass(frozen=True)
+class GrowingForce:
+    """A sine whose amplitude grows evenly from 0, at `begin` [s], to the road's after `duration` [s]."""
+
+    road: RoadForce
+    begin: float
+    duration: float
+
+    @property
+    def peak(self) -> tuple[float, float, float]:
+        """Largest force, in the housing [N]."""
+        return self.road.peak
+
+    @property
+    def place(self) -> float:
+        """Along the bar's axis from the rack's reference point [m]."""
+        return self.road.place
+
+    def grown(self, time: float) -> float:
+        """Return the amplitude at a time [s] over the largest."""
+        return min(max((time - self.begin) / self.duration, 0.0), 1.0)
+
+    def share(self, time: float) -> float:
+        """Return the force at a time over its peak."""
+        return self.grown(time) * self.road.share(time)
+
+    def force(self, time: float) -> np.ndarray:
+        """Force at a time [s], shape (3,) [N]."""
+        return np.multiply(self.share(time), self.peak)
 
 
 def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
@@ -49,14 +82,43 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
     chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE)})
     maneuvers = list(shaken_by_road(gear))
     run = run_maneuvers(gear, chosen, maneuvers, options)
-    band = Band(test.band_low, test.band_high)
-    described = run.noting("" if chosen.rack == "flexible" else RIGID).described(
-        lambda signals: {
-            **describe_rattle(signals, 1 / test.road_frequency, gear.yoke.plunger_mass, band),
-            **balance(signals),
-        }
+    if test.road_shape == GROWING:
+        figures = threshold(run.signals, maneuvers)
+        remark = _threshold_remark(gear, figures)
+    else:
+        band = Band(test.band_low, test.band_high)
+        figures = describe_rattle(run.signals, 1 / test.road_frequency, gear.yoke.plunger_mass, band)
+        remark = ""
+    described = run.noting("" if chosen.rack == "flexible" else RIGID, remark).described(
+        lambda signals: figures | balance(signals)
     )
     return replace(described, signals=_thinned(described.signals, maneuvers))
+
+
+def threshold(signals: Signals, maneuvers: Sequence[Maneuver]) -> dict[str, float]:
+    """Return the amplitude of growing forces at which the yokenut is first hit [N]: its mean and its standard
+    deviation over the phases; {} if one of them ends without."""
+    found = []
+    for run, maneuver in zip(split_at_repeats(signals), maneuvers, strict=False):
+        road, hit = maneuver.pulse, first_hit(run)
+        assert isinstance(road, GrowingForce)
+        if hit is None:
+            return {}
+        found.append(float(np.linalg.norm(road.peak)) * road.grown(hit + road.begin))
+    if len(found) < len(maneuvers):
+        return {}
+    return {
+        "rattle_threshold_force": float(np.mean(found)),
+        "rattle_threshold_scatter": float(np.std(found)),
+    }
+
+
+def _threshold_remark(gear: SteeringGear, figures: Mapping[str, float]) -> str:
+    test = gear.test
+    if not figures:
+        return f"the yokenut is not hit up to test.road_force = {test.road_force:.4g} N"
+    growth = test.road_force / test.road_cycles
+    return f"the force grows by {growth:.3g} N per cycle, by which the threshold may be too high"
 
 
 def shaken_by_road(gear: SteeringGear) -> Iterator[Maneuver]:
@@ -79,9 +141,11 @@ def shaken_by_road(gear: SteeringGear) -> Iterator[Maneuver]:
             float(phase),
             test.road_shape == "half-sine",
         )
-        time_step = 1 / (test.road_frequency * per_cycle)
+        cycle = 1 / test.road_frequency
+        force = GrowingForce(road, cycle, test.road_cycles * cycle) if test.road_shape == GROWING else road
         steps = per_cycle * test.road_cycles
-        yield Maneuver(Steady("pinion", test.start_angle, 0.0), time_step, per_cycle, steps, pulse=road)
+        drive = Steady("pinion", test.start_angle, 0.0)
+        yield Maneuver(drive, cycle / per_cycle, per_cycle, steps, pulse=force)
 
 
 def _thinned(signals: Signals, maneuvers: list[Maneuver]) -> Signals:
@@ -93,9 +157,9 @@ def _thinned(signals: Signals, maneuvers: list[Maneuver]) -> Signals:
         instants = np.append(np.arange(0, len(run["time"]) - 1, KEPT), len(run["time"]) - 1)
         thin = {name: values[instants] for name, values in run.items()}
         road = maneuver.pulse
-        assert isinstance(road, RoadForce)
-        since = thin["time"] - run["time"][0]  # whole cycles were before
-        thin["road_force"] = np.linalg.norm(road.peak) * np.array([road.share(time) for time in since])
+        assert road is not None
+        since_start = thin["time"] - run["time"][0] + maneuver.lead * maneuver.time_step
+        thin["road_force"] = np.linalg.norm(road.peak) * np.array([road.share(time) for time in since_start])
         kept.append(thin)
     return {name: np.concatenate([run[name] for run in kept]) for name in kept[0]} if kept else signals
 

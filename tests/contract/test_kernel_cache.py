@@ -117,7 +117,7 @@ from rps_exudyn.solvers.gear_forces import gear_forces
 
 gear = SteeringGear()
 pair = GearPair.of(gear)
-force, handle = gear_forces(gear, Fidelity()).dynamics
+force, handle = gear_forces(gear, Fidelity().replace({"mesh": "ratio", "yoke": "force"})).dynamics
 print(force(starting_guess(pair, 0.3), steady_rates(pair, gear.test.speed), handle).tobytes().hex())
 for stats in (force.stats, compiled._new_handle.stats):
     print(sum(stats.cache_misses.values()), sum(stats.cache_hits.values()))

@@ -55,11 +55,11 @@ def test_explicit_steps_beyond_the_stable_ones_are_a_failure() -> None:
 
 
 def test_shaping_costs_torque_with_the_square_of_the_cut() -> None:
-    grid = spheres(54, 12, "2 deg")
-    smooth = faceted_run(PITCH, grid, None).signals["pinion_torque"]
+    grid, gear = spheres(54, 12, "2 deg"), GEAR.replace({"test.turns": 1 / 12})
+    smooth = faceted_run(gear, grid, None).signals["pinion_torque"]
 
     def error(cuts: int) -> float:
-        torque = faceted_run(PITCH, grid, shaped(cuts)).signals["pinion_torque"]
+        torque = faceted_run(gear, grid, shaped(cuts)).signals["pinion_torque"]
         return float(np.sqrt(np.mean((torque - smooth) ** 2)) / smooth.mean())
 
     coarse, fine = error(100), error(200)

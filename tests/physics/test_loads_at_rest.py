@@ -98,8 +98,23 @@ def test_clearance_shows_in_the_lift() -> None:
     assert lifts[1] - lifts[0] == pytest.approx(50e-6, rel=0.02)
 
 
-@pytest.mark.parametrize("change", [{"solver": "closed-form"}, {"rack": "guided"}])
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"solver": "closed-form"}, "needs equilibria of a rack"),
+        ({"rack": "guided"}, "needs equilibria of a rack"),
+        ({"mesh": "ratio"}, "whose teeth never part"),
+        ({"bush": "adams-chain"}, "depend on the number of segments"),
+    ],
+)
 @pytest.mark.parametrize("scene", ["radial-play", "rack-lift"])
-def test_model_that_knows_no_play_is_refused(scene: str, change: dict[str, str]) -> None:
-    with pytest.raises(InputError, match="needs equilibria of a rack"):
-        rps.run(scene, GEAR, fidelity=MODEL.replace(change))
+def test_model_that_knows_no_play_is_refused(scene: str, change: dict[str, str], reason: str) -> None:
+    model = Fidelity.preset("flank" if "bush" in change else "quasi-static").replace(change)
+    with pytest.raises(InputError, match=reason):
+        rps.run(scene, GEAR, fidelity=model)
+
+
+def test_chain_of_segments_yields_as_its_condensed_stiffness(rigid_play: Result) -> None:
+    """At rest both are the same springs: the same numbers."""
+    chain = Fidelity.preset("flank").replace({"rack": "free", "bush": "chain"})
+    assert rps.run("radial-play", GEAR, fidelity=chain).summary == rigid_play.summary

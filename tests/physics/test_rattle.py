@@ -11,6 +11,9 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
+from rps_exudyn.scenes.maneuver import Maneuver
+from rps_exudyn.scenes.rattle import GrowingForce, threshold
+from rps_exudyn.solvers.drive import Steady
 
 GEAR = SteeringGear()
 PERIOD, MASS = 0.05, 0.06
@@ -83,6 +86,24 @@ def test_road_force_is_a_sine_or_its_positive_halves() -> None:
     np.testing.assert_allclose(halves.force(3 * quarter), 0, atol=1e-15)
 
 
+@pytest.mark.quick
+def test_growing_force_finds_its_amplitude_at_the_first_hit() -> None:
+    """It grows to 5 N in two cycles after one of run-in; the hit comes after a quarter of them: 1.25 N."""
+    road = RoadForce((3.0, 4.0, 0.0), -0.18, 1 / PERIOD, 0.0, False)
+    force = GrowingForce(road, begin=PERIOD, duration=2 * PERIOD)
+    assert force.share(PERIOD / 4) == 0
+    assert force.share(PERIOD * 1.25) == pytest.approx(0.125)
+    assert force.grown(9 * PERIOD) == 1
+    time = np.linspace(0, 2 * PERIOD, 401)
+    signals = {"time": time, "yokenut_force": np.where(time >= PERIOD / 2, 10.0, 0.0)}
+    maneuver = Maneuver(Steady("pinion", 0.0, 0.0), PERIOD / 200, 200, 400, pulse=force)
+    figures = threshold(joined(signals, signals), [maneuver, maneuver])
+    assert figures["rattle_threshold_force"] == pytest.approx(1.25)
+    assert figures["rattle_threshold_scatter"] == pytest.approx(0, abs=1e-9)
+    signals["yokenut_force"][:] = 0
+    assert threshold(signals, [maneuver]) == {}
+
+
 # --- the gear ----------------------------------------------------------------------------------------
 FAST = {"test.road_frequency": "100 Hz", "test.road_cycles": 2, "test.road_phases": 1, "rack.modes": 4}
 
@@ -120,6 +141,19 @@ def test_half_the_steps_change_no_promised_figure(shaken: Result, monkeypatch: p
     finer = rps.run("rattle", GEAR.replace(FAST), fidelity=Fidelity.preset("flank"))
     for name in ("rattle_impulse_per_cycle", "rattle_force_rms", "rattle_speed_rms"):
         assert shaken.summary[name] == pytest.approx(finer.summary[name], rel=0.03)
+
+
+def test_threshold_lies_between_forces_that_do_not_hit_and_forces_that_do() -> None:
+    """A steady sine of 0.7 of the threshold hits nothing, one of 1.1 times it does."""
+    slow = FAST | {"test.road_cycles": 5, "test.road_shape": "growing-sine"}
+    found = rps.run("rattle", GEAR.replace(slow), fidelity=Fidelity.preset("flank"))
+    assert "grows by 200 N per cycle" in found.message
+    limit = found.summary["rattle_threshold_force"]
+    hits = [
+        rps.run("rattle", GEAR.replace(FAST | {"test.road_force": share * limit})).summary["rattle_force_rms"]
+        for share in (0.7, 1.1)
+    ]
+    assert hits[0] == 0 < hits[1]
 
 
 @pytest.mark.quick
