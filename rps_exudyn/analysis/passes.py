@@ -54,16 +54,20 @@ def turning_points(angle: np.ndarray) -> list[int]:
     least = LEAST_TURN * float(np.ptp(angle)) if angle.size else 0.0
     if not least > 0:
         return []
+    steps = np.diff(angle)
+    if (steps > 0).all() or (steps < 0).all():
+        return [0, angle.size - 1]
     points, low, high, direction = [], 0, 0, 0
-    for i, value in enumerate(angle):
-        if value > angle[high]:
+    angles = angle.tolist()  # numbers one by one: an array's elements take ten times as long
+    for i, value in enumerate(angles):
+        if value > angles[high]:
             high = i
-        if value < angle[low]:
+        if value < angles[low]:
             low = i
-        if direction >= 0 and value < angle[high] - least:  # it has turned back at `high`
+        if direction >= 0 and value < angles[high] - least:  # it has turned back at `high`
             points.append(high)
             direction, low = -1, i
-        elif direction <= 0 and value > angle[low] + least:
+        elif direction <= 0 and value > angles[low] + least:
             points.append(low)
             direction, high = 1, i
         if direction > 0:
@@ -146,6 +150,8 @@ def whole_periods(angle: np.ndarray, period: float) -> np.ndarray:
 def _pass(signals: Signals, first: int, last: int) -> Pass:
     angle = signals["pinion_angle"][first : last + 1]
     direction = 1 if angle[-1] > angle[0] else -1
+    if (direction * np.diff(angle) > 0).all():
+        return Pass(direction, {name: values[first : last + 1] for name, values in signals.items()})
     farthest = np.maximum.accumulate(direction * angle)
     ahead = np.append(True, direction * angle[1:] > farthest[:-1])
     return Pass(direction, {name: values[first : last + 1][ahead] for name, values in signals.items()})

@@ -7,6 +7,7 @@ from rps_exudyn.base.errors import InputError
 
 BYTES_PER_STEP = 1500  # of a run: states, forces, signals, and the file made of them; measured 1200
 BYTES_PER_SPHERE = 200  # of a sphere on the flanks: coordinates, and its row in the contact's search
+SMALL = 16e6  # [bytes]: less than the package itself takes, once it runs
 SHARE = 0.7  # of the free memory that a run may take
 
 
@@ -17,6 +18,8 @@ def check_memory(steps: int, spheres: int = 0) -> None:
         InputError: they do not.
     """
     needed = BYTES_PER_STEP * steps + BYTES_PER_SPHERE * spheres
+    if needed < SMALL:
+        return
     free = free_memory()
     if needed > SHARE * free:
         size = f"{steps:.3g} steps" + (f" and {spheres:.3g} spheres" if spheres else "")

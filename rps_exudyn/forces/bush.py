@@ -11,6 +11,7 @@ tip is exactly the beam's, whatever the number of segments.
 """
 
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -110,6 +111,14 @@ class Chain:
             total += carry @ np.diag(1 / connection.stiffness) @ carry.T
         return total
 
+    @cached_property
+    def at_free_end(self) -> np.ndarray:
+        """What `lateral_stiffness` returns."""
+        compliance = self.compliance_at(self.end_station) + np.diag(1 / self.end)
+        # the chain's stations run against X: lateral motion about y and z changes sign with the lever
+        mirror = np.diag([1.0, 1.0, -1.0, -1.0])
+        return np.linalg.inv(mirror @ compliance[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] @ mirror)
+
 
 def _inner(tube: Tube, h: float, segments: int) -> tuple[Connection, ...]:
     return tuple(Connection(i, i + 1, h * (i + 1), tube.connection(h)) for i in range(segments - 1))
@@ -124,7 +133,13 @@ def _carry(lever: float) -> np.ndarray:
 
 def bush_chain(gear: SteeringGear) -> Chain:
     """The bush of the gear as a chain that converges quickly to a Timoshenko beam."""
-    return Chain.of(Tube.of(gear), gear.bush.length, gear.bush.segments)
+    return _shared_chain(Tube.of(gear), gear.bush.length, gear.bush.segments)
+
+
+@lru_cache(maxsize=16)
+def _shared_chain(tube: Tube, length: float, segments: int) -> Chain:
+    """Equal bushes of many gears are one chain, which keeps what it has computed."""
+    return Chain.of(tube, length, segments)
 
 
 def adams_chain(gear: SteeringGear) -> Chain:
@@ -135,10 +150,7 @@ def adams_chain(gear: SteeringGear) -> Chain:
 def lateral_stiffness(chain: Chain) -> np.ndarray:
     """Stiffness of the bush's free end with its fit, seen in the housing: forces along y, z and moments about
     y, z over displacements and tilts, shape (4, 4) [N/m, N, N m]."""
-    compliance = chain.compliance_at(chain.end_station) + np.diag(1 / chain.end)
-    # the chain's stations run against X: lateral motion about y and z changes sign with the lever
-    mirror = np.diag([1.0, 1.0, -1.0, -1.0])
-    return np.linalg.inv(mirror @ compliance[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] @ mirror)
+    return chain.at_free_end
 
 
 def housing_station(gear: SteeringGear, station: float | np.ndarray) -> Any:

@@ -12,7 +12,7 @@ from rps_exudyn.scenes.run_maneuver import run_maneuvers
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.solvers.closed_form import beyond_formulas, closed_form
+from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state
 
 
 def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
@@ -32,7 +32,7 @@ def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptio
 
 
 def _by_formula(gear: SteeringGear) -> float:
-    return closed_form(gear).towards(gear.test.direction).torque
+    return mean_state(gear, gear.test.direction, 0.0).torque
 
 
 SCENE = Scene(

@@ -17,20 +17,19 @@ import numpy as np
 from rps_exudyn.base.progress import reached
 from rps_exudyn.forces.memory import NO_MEMORY, begin_step, forget
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.solvers.drive import Drive, travel_per_radian
+from rps_exudyn.solvers.drive import Drive, Steady, travel_per_radian
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
-from rps_exudyn.solvers.path_follower import TOLERANCE, backward_difference, follower
-from rps_exudyn.solvers.settling import TYPICAL_APPROACH, settled
+from rps_exudyn.solvers.newton_path import LONGEST, Found, NewtonLaw, newton_path
+from rps_exudyn.solvers.path_follower import follower
+from rps_exudyn.solvers.rescue import JUMP, Beginning, search
+from rps_exudyn.solvers.settling import TYPICAL_APPROACH
 
 SIZE = 8  # coordinates of pinion, rack and plunger; modes of a flexible rack follow
 CHARACTERISTIC_LENGTHS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0])  # coordinates to lengths [m]
 
-RESCUING_STEPS = 100  # most rescues take 30 to 80
 PIECE = 2000  # instants followed at once: Ctrl-C is heard between them
-CREEP_PARTS, CREEP_STEPS = 12, 3  # of a tooth pitch, of which a gear that finds no rest makes steps
 MAX_RESCUES = 50
 SHORTEST = 0.01  # of the steps asked for, that between an instant found and one that is not
-JUMP = 0.5  # of the contact's forces where its quadrature changes [N]: an equilibrium may lie on one
 
 
 class Balance(NamedTuple):
@@ -43,6 +42,7 @@ class Balance(NamedTuple):
     memory: np.ndarray = NO_MEMORY  # of friction that remembers, see `forces.memory`
     outside: Callable[[np.ndarray], np.ndarray] | None = None  # times (t,) -> generalised forces (t, 8)
     modes: int = 0  # of the rack's bending
+    newton: NewtonLaw | None = None  # the same forces with their tangent
 
     @property
     def size(self) -> int:
@@ -87,6 +87,7 @@ class EquilibriumPath:
     start: Start = SETTLED
     # (n, 2, .) what friction remembered at the begin and the end of each step
     kept: np.ndarray = field(default_factory=lambda: np.zeros((0, 2, 0)))
+    outputs: np.ndarray | None = None  # (n, 73) of the force elements, where all are known
 
     @property
     def converged(self) -> bool:
@@ -110,7 +111,7 @@ class EquilibriumPath:
             name: getattr(self, name)[-1:]
             for name in ("time", "coordinates", "rates", "forces", "applied", "kept")
         }
-        return replace(self, **rows)
+        return replace(self, **rows, outputs=None)
 
 
 class PathInterrupted(KeyboardInterrupt):
@@ -187,9 +188,14 @@ def equilibrium_path(
     if led is not None and len(led.time) > 1:
         found, unbalanced, rescues = rows.follow(led), led.residual, led.rescues
         counts += led.evaluations, led.iterations, led.tangents
-    interrupted, residual = False, 0.0
+    interrupted, residual, outputs = False, 0.0, None
     try:
-        while True:
+        if balance.newton is not None and _is_plain(balance, drive, rows):
+            by_newton = _by_newton(balance, pair, drive, rows, found, free)
+            outputs = _joined_outputs(led if found else None, found, by_newton)
+            counts, found = counts + by_newton.costs, by_newton.rows
+            unbalanced = max(unbalanced, by_newton.residual) if found == len(rows.time) else unbalanced
+        while found < len(rows.time):
             state = rows.coordinates, rows.rates, rows.forces, rows.applied
             end = min(found + PIECE, len(rows.time))
             found, *more, residual = follower(balance.force)(
@@ -213,13 +219,13 @@ def equilibrium_path(
                 break
             rescues += 1
             if found == 0:
-                begin = _Beginning(balance, free, rows.coordinates[0], rows.rates[0], rows.applied[0])
+                begin = Beginning(balance, free, rows.coordinates[0], rows.rates[0], rows.applied[0])
                 rows.coordinates[0], rows.rates[0] = begin.found(
                     2 * np.pi / pair.teeth / abs(speed) if speed else 0
                 )
                 continue
             begin_step(balance.memory, rows.kept[found - 1, 1], rows.time[found])
-            residual = _search(balance, free, rows.time, found, *state)
+            residual = search(balance, free, rows.time, found, *state)
             rows.kept[found] = balance.memory
             if residual <= JUMP:
                 unbalanced = max(unbalanced, residual)
@@ -231,9 +237,42 @@ def equilibrium_path(
         if found < 2:
             raise
     path = rows.path(found, counts, rescues, residual if found < len(rows.time) else unbalanced)
+    if outputs is not None and len(outputs) == len(path.time):
+        path = replace(path, outputs=outputs)
     if interrupted:
         raise PathInterrupted(path)
     return path
+
+
+def _is_plain(balance: Balance, drive: Drive, rows: "_Rows") -> bool:
+    """Tell whether a path is steady motion under the gear's own forces."""
+    moves = isinstance(drive, Steady) and drive.speed != 0
+    return moves and balance.outside is None and not any(balance.inertia) and len(rows.time) <= LONGEST
+
+
+def _by_newton(
+    balance: Balance, pair: GearPair, drive: Drive, rows: "_Rows", first: int, free: np.ndarray
+) -> Found:
+    """Fill rows from the first on by Newton's method; where it does not begin, their guess stays."""
+    assert balance.newton is not None
+    guess, state = rows.coordinates[0].copy(), (rows.coordinates, rows.rates, rows.forces)
+    found = newton_path(
+        balance.newton, pair, drive, rows.time, first, free, balance.lengths, state, balance.data
+    )
+    if found.rows == 0:
+        rows.coordinates[0] = guess
+    return found
+
+
+def _joined_outputs(led: EquilibriumPath | None, first: int, by_newton: Found) -> np.ndarray | None:
+    """The outputs of all instants, those of a path that led there too; None where some are not known."""
+    outputs = by_newton.outputs[: by_newton.rows]
+    if led is None or not first:
+        return outputs
+    if led.outputs is None or len(led.outputs) != first:
+        return None
+    outputs[:first] = led.outputs
+    return outputs
 
 
 @dataclass
@@ -302,96 +341,3 @@ class _Rows:
         for name, values in vars(new).items():
             setattr(self, name, np.insert(getattr(self, name), k, values, axis=0))
         return True
-
-
-@dataclass(frozen=True)
-class _Beginning:
-    """The search for the first instant of a path where the guess is too far off."""
-
-    balance: Balance
-    free: np.ndarray
-    guess: np.ndarray  # (8,)
-    rates: np.ndarray  # (8,) of steady motion
-    applied: np.ndarray  # (8,)
-
-    def found(self, pitch: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return coordinates and rates of a gear that rests beside its steady motion, or else creeps.
-
-        `pitch` is the time in which a tooth pitch is turned [s], 0 of a gear that stands still.
-        """
-        place, residual = self.settled(self.guess[self.free], 0.0)
-        if residual > TOLERANCE and pitch:
-            return self.crept(pitch / CREEP_PARTS)
-        return self.at(place, self.guess[self.free], 0.0)
-
-    def crept(self, step: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the same after implicit Euler steps [s] from the guess, while the drive slides on the spot.
-
-        A rack that is put somewhere askew need not rest anywhere near: friction lets it roll and creep away.
-        What slides across damps it, the more the shorter the step, so that each step has a solution.
-        """
-        before = place = self.guess[self.free]
-        for _ in range(CREEP_STEPS):
-            before = place
-            place, residual = self.settled(before, 1 / step)
-            if residual > TOLERANCE:
-                break
-        return self.at(place, before, 1 / step)
-
-    def settled(self, start: np.ndarray, per_time: float) -> tuple[np.ndarray, float]:
-        """Return the free coordinates that balance, with the rates of coming there from the start, and the
-        residual [N]."""
-        return settled(
-            lambda place: self.unbalanced(place, start, per_time), start, self.balance.lengths[self.free]
-        )
-
-    def unbalanced(self, place: np.ndarray, before: np.ndarray, per_time: float) -> np.ndarray:
-        q, v = self.at(place, before, per_time)
-        return np.asarray(self.balance.force(q, v, self.balance.data) + self.applied)[self.free]
-
-    def at(self, place: np.ndarray, before: np.ndarray, per_time: float) -> tuple[np.ndarray, np.ndarray]:
-        q, v = self.guess.copy(), self.rates.copy()
-        q[self.free] = place
-        v[self.free] += (place - before) * per_time
-        return q, v
-
-
-def _search(
-    balance: Balance,
-    free: np.ndarray,
-    time: np.ndarray,
-    k: int,
-    coordinates: np.ndarray,
-    rates: np.ndarray,
-    forces: np.ndarray,
-    applied: np.ndarray,
-) -> float:
-    """Let the gear creep to the equilibrium that Newton's method did not find: from where the path leads, or
-    else from where it was.
-
-    Fills row k and returns the residual [N].
-    """
-    base, levers = coordinates[0].copy(), balance.lengths[free]
-    per_time, ahead = 1 / (time[1] - time[0]), coordinates[0] + (time[1] - time[0]) * rates[0]
-    if k > 1:
-        per_time = backward_difference(time, coordinates, k, base)
-        stretch = (time[k] - time[k - 1]) / (time[k - 1] - time[k - 2])
-        ahead = coordinates[k - 1] + stretch * (coordinates[k - 1] - coordinates[k - 2])
-
-    def force(place: np.ndarray) -> np.ndarray:
-        coordinates[k, free], rates[k, free] = place, (place - base[free]) * per_time
-        return np.asarray(balance.force(coordinates[k], rates[k], balance.data)) + applied[k]
-
-    residual = np.inf
-    for start in (ahead, coordinates[k - 1]):
-        with np.errstate(all="ignore"):  # far from an equilibrium the forces may be of any size
-            try:
-                place, residual = settled(
-                    lambda place: force(place)[free], start[free], levers, RESCUING_STEPS
-                )
-            except np.linalg.LinAlgError:  # not finite there
-                continue
-        forces[k] = force(place)
-        if residual <= JUMP:
-            break
-    return residual

@@ -1,6 +1,6 @@
 """All force elements of a gear, as modelled: what `statics` balances and `model` integrates."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -10,12 +10,14 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces import bearing, external_load, sliding_fit, yoke
 from rps_exudyn.forces.bush import Chain, adams_chain, bush_chain
 from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.forces.friction import PLAIN
 from rps_exudyn.forces.memory import Memory
 from rps_exudyn.forces.yoke_without_plunger import yoke_as_force
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.solids import pinion_inertia, rack_solid
-from rps_exudyn.mesh_contact.flank_element import flank_element, generator_element
+from rps_exudyn.mesh_contact.flank_data import FlankData
+from rps_exudyn.mesh_contact.flank_element import flank_element, flank_force_and_tangent, generator_element
 from rps_exudyn.mesh_contact.ratio import ratio_element
 from rps_exudyn.mesh_contact.sampled_contact import sampled_element
 from rps_exudyn.mesh_contact.spheres import contact_data
@@ -33,6 +35,8 @@ from rps_exudyn.solvers.gear_kernel import (
     gear_force,
     tangent,
 )
+from rps_exudyn.solvers.newton_follower import newton_follower
+from rps_exudyn.solvers.newton_path import NewtonLaw
 from rps_exudyn.solvers.settling import static_approach
 
 RACK = COORDINATE_BLOCKS["rack"].start
@@ -65,6 +69,7 @@ class GearForces:
     friction_zone: float  # [m/s]
     locked: tuple[int, ...]  # coordinates of the stack that are held at zero
     bar: BentBar | None  # of the rack, where it bends or is not straight
+    approach: float  # of the rack under the preload at rest [m]
     memory: Memory = field(default_factory=Memory)  # of friction that remembers
 
     @property
@@ -80,8 +85,21 @@ class GearForces:
         kernel = total(self.mesh.kernel, self.seat.kernel)
         modes = 0 if self.bar is None else self.bar.modes
         return Balance(
-            kernel, self._data(self.condensed_fit), self.locked, modes=modes, memory=self.memory.array
+            kernel,
+            self._data(self.condensed_fit),
+            self.locked,
+            modes=modes,
+            memory=self.memory.array,
+            newton=self._newton,
         )
+
+    @property
+    def _newton(self) -> NewtonLaw | None:
+        """The forces with their tangent, of a rigid rack under a plunger where no friction remembers."""
+        known = self.mesh.tangent is not None and self.seat.kernel is yoke.seat_force
+        if not known or self.bar is not None or self.memory.needed:
+            return None
+        return NewtonLaw(newton_follower(self.mesh.tangent, self.seat.kernel), self.approach)
 
     @property
     def dynamics(self) -> tuple[Kernel, Handle]:
@@ -114,7 +132,9 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
     pair = GearPair.of(gear)
     zone, memory = fidelity.zone_ratio * pair.least_sliding * gear.test.speed, Memory()
     check_friction_laws(gear, fidelity)
-    approach = static_approach(gear.yoke.preload, *ideal_mesh(gear, fidelity, zone), pair.axis_offset)
+    mesh = mesh_element(gear, fidelity, zone, memory)
+    ideal = ideal_mesh(gear, fidelity, mesh, zone)
+    approach = static_approach(gear.yoke.preload, ideal.kernel, ideal.data, pair.axis_offset, ideal.tangent)
     chain = adams_chain(gear) if fidelity.bush == "adams-chain" else bush_chain(gear)
     condensed = sliding_fit.condensed_fit(gear, chain, friction_zone=zone, memory=memory)
     fits = {
@@ -139,7 +159,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
     if load is not None:
         places["load"] = (load.data.place, ON_BAR)
     return GearForces(
-        mesh=mesh_element(gear, fidelity, zone, memory),
+        mesh=mesh,
         seat=seat,
         spring=yoke.spring(gear) if with_plunger else None,
         nut=yoke.nut_contact(gear) if with_plunger else None,
@@ -152,6 +172,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         friction_zone=zone,
         locked=(*(GUIDED if fidelity.rack == "guided" else ()), *(() if with_plunger else (PLUNGER,))),
         bar=bent_bar(gear, fidelity, places),
+        approach=approach,
         memory=memory,
     )
 
@@ -218,8 +239,10 @@ def mesh_element(
     )
 
 
-def ideal_mesh(gear: SteeringGear, fidelity: Fidelity, zone: float) -> tuple[Kernel, Any]:
-    """Return kernel and data of the mesh without friction and runout."""
+def ideal_mesh(gear: SteeringGear, fidelity: Fidelity, mesh: ForceElement, zone: float) -> ForceElement:
+    """Return the gear's mesh without friction and runout."""
+    if isinstance(mesh.data, FlankData):
+        data = mesh.data._replace(friction=0.0, law=PLAIN, eccentric_e=0.0, eccentric_y=0.0)
+        return replace(mesh, data=data, tangent=flank_force_and_tangent)
     ideal = gear.replace({"pinion.runout": 0.0, "mesh.friction": 0.0, "mesh.friction_law": "coulomb"})
-    element = mesh_element(ideal, fidelity, zone)
-    return element.kernel, element.data
+    return mesh_element(ideal, fidelity, zone)

@@ -23,6 +23,7 @@ from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar
 from rps_exudyn.solvers.drive import OVERCOME, Drive, DrivenBody
 from rps_exudyn.solvers.equilibrium import SETTLED, EquilibriumPath, Start
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, along, stacked
+from rps_exudyn.solvers.newton_tangent import OUTPUTS
 from rps_exudyn.solvers.record_of_column import driven_rate, of_column
 from rps_exudyn.solvers.steering_column import SteeringColumn
 
@@ -70,6 +71,7 @@ class Record:
     memory: np.ndarray = field(default_factory=lambda: NO_MEMORY)  # where the elements look for it
     wheel: np.ndarray | None = None  # (n, 2) angle and rate of the wheel, where the rig turns it [rad, rad/s]
     column: SteeringColumn | None = None  # behind it
+    known: np.ndarray | None = None  # (n, 73) the elements' outputs, where the solver kept them
 
     def since(self, time: float) -> "Record":
         """Return what comes after a time [s]: the part that begins with the last step until then.
@@ -96,6 +98,9 @@ class Record:
 
         Forces on a rack that bends are those on the local pose.
         """
+        if self.known is not None:
+            first, count = OUTPUTS[element.name]
+            return self.known[:, first : first + count]
         q, v = (np.ascontiguousarray(rows) for rows in self.seen_by(element))
         begun = np.zeros((len(self.time), 0)) if self.begun is None else self.begun
         return np.asarray(along(element.kernel)(q, v, element.data, self.time, begun, self.memory))
@@ -144,7 +149,17 @@ def record_of_path(
     energy = _work(-np.einsum("ti,ti->t", path.applied, path.rates), path.time)
     if bar is not None:
         energy = energy + bar.elastic_energy(path.coordinates)
-    record = Record(elements, path.time, path.coordinates, path.rates, overcome, drive.body, energy, bar=bar)
+    record = Record(
+        elements,
+        path.time,
+        path.coordinates,
+        path.rates,
+        overcome,
+        drive.body,
+        energy,
+        bar=bar,
+        known=path.outputs,
+    )
     if not memory.size:
         return record
     return replace(record, begun=np.ascontiguousarray(path.kept[:, 0]), memory=memory)

@@ -6,24 +6,35 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.solvers.newton_approach import CLOSE, newton_approach
 from rps_exudyn.solvers.path_follower import TOLERANCE
 
 SETTLING_STEPS = 600
 TYPICAL_APPROACH = 15e-6  # of the rack under the yoke's preload [m]
 
 
-def static_approach(load: float, mesh_force: Callable[..., Any], data: Any, offset: float) -> float:
+def static_approach(
+    load: float,
+    mesh_force: Callable[..., Any],
+    data: Any,
+    offset: float,
+    tangent: Callable[..., Any] | None = None,
+) -> float:
     """Return how far a load [N] along -Y presses the guided rack into a frictionless mesh at pinion angle 0
     [m].
 
     The rack keeps its direction; it finds its place along X between the flanks by itself. `offset` [m] is
-    where it would stand without load.
+    where it would stand without load; `tangent` gives the same forces with their tangent, if that is known.
 
     Raises:
         InputError: the teeth cannot carry the load within the range of their contact law.
     """
     if load == 0:
         return -offset
+    if tangent is not None:
+        _, y, rest = newton_approach(tangent)(load, 0.0, offset - TYPICAL_APPROACH, data)
+        if rest <= CLOSE:
+            return -float(y)
     q, still = np.zeros(7), np.zeros(7)
 
     def unbalanced(place: np.ndarray) -> np.ndarray:
