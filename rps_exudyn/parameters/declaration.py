@@ -9,6 +9,7 @@ import math
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
 
@@ -205,10 +206,19 @@ class Table(BaseModel):
         Raises:
             InputError: there is no such parameter or table.
         """
-        found = [item for item in cls.declared() if f"{item.path}.".startswith(f"{path}." if path else "")]
+        declared = _all_declared(cls)
+        if path in declared:
+            return [declared[path]]
+        found = [item for name, item in declared.items() if f"{name}.".startswith(f"{path}." if path else "")]
         if not found:
             raise InputError(f"{path} is no parameter; {_nearest(cls, path)}.")
         return found
+
+
+@cache
+def _all_declared(table: type[Table]) -> Mapping[str, "Declared"]:
+    """Path -> parameter; a table asks for one of them many times."""
+    return {item.path: item for item in table.declared()}
 
 
 @dataclass(frozen=True)
