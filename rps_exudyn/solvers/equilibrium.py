@@ -246,7 +246,7 @@ def equilibrium_path(
 
 def _is_plain(balance: Balance, drive: Drive, rows: "_Rows") -> bool:
     """Tell whether a path is steady motion under the gear's own forces."""
-    moves = isinstance(drive, Steady) and drive.speed != 0
+    moves = type(drive) is Steady and drive.body != "wheel" and drive.speed != 0
     return moves and balance.outside is None and not any(balance.inertia) and len(rows.time) <= LONGEST
 
 
