@@ -59,12 +59,7 @@ def picture(cases: list[dict[str, Any]]) -> Figure:
             if case.get(name, 0.0) > 0:
                 at = forces.index(case["force"]), frequencies.index(case["frequency"])
                 shown[at] = quantity.displayed(case[name])
-        image = axes.imshow(shown, origin="lower", aspect="auto", cmap="viridis")
-        for (i, j), value in np.ndenumerate(shown):
-            text = "none" if np.isnan(value) else f"{value:.0f}"
-            axes.text(j, i, text, ha="center", va="center", color="black" if np.isnan(value) else "white")
-        axes.set_xticks(range(len(frequencies)), [f"{frequency:g}" for frequency in frequencies])
-        axes.set_yticks(range(len(forces)), [f"{force:g}" for force in forces])
+        image = style.map_to_scale(axes, np.array(frequencies), np.array(forces), shown, "{:.0f}", "none")
         axes.set_xlabel("frequency [Hz]")
         axes.set_ylabel("road force [N]")
         figure.colorbar(image, ax=axes, label=quantity.axis_label(LABELS[name]))

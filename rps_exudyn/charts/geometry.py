@@ -53,7 +53,7 @@ def geometry_figure(gear: SteeringGear, force: bool = False) -> Figure:
     _draw_mesh(mesh, pair, solids)
     style.title(figure, _headline(gear, report))
     if report.warnings:
-        height = 0.035 * len(report.warnings)
+        height = 0.03 + 0.035 * len(report.warnings)
         figure.set_layout_engine("constrained", rect=(0, height, 1, 1 - height))
         figure.text(0.01, 0.01, "\n".join(report.warnings), fontsize=9, color=style.COLOURS["failure"])
     return figure
@@ -79,10 +79,10 @@ def _draw_section(axes: Axes, pair: GearPair, report: GeometryReport) -> None:
     angle = np.linspace(0, 2 * np.pi, 361)
     circles = {
         "tip": (report.tip_diameter, "#0b5394", "-"),
-        "reference": (report.reference_diameter, "#b45f06", "-."),
-        "form": (report.form_diameter, "#38761d", (0, (1, 2))),
-        "base": (report.base_diameter, "#b00020", "--"),
         "root": (report.root_diameter, "#555555", "-"),
+        "base": (report.base_diameter, "#b00020", (0, (6, 6))),  # over the root circle, often hardly larger
+        "reference": (report.reference_diameter, "#b45f06", "-"),
+        "form": (report.form_diameter, "#38761d", (0, (6, 6))),  # over the reference circle, likewise
     }
     for name, (diameter, colour, dashes) in circles.items():
         x, y, label = np.cos(angle), np.sin(angle), f"{name} circle, {diameter * 1e3:.3f} mm"

@@ -1,4 +1,4 @@
-"""Headline of a result's picture: scene, fidelity, its figures, and its failure in words."""
+"""Headline of a result's picture: scene and its figures, the gear, and its failure in words."""
 
 from collections.abc import Mapping
 
@@ -14,14 +14,13 @@ from rps_exudyn.results.result import Result
 
 def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str]) -> None:
     """Write the headline; `figures` are the summary's names -> labels, skipped if they are not in it."""
-    parts = [subject, f"fidelity {result.fidelity['name']}"]
-    parts += [
+    parts = [subject] + [
         f"{label} {SUMMARY[name].show(result.summary[name])}"
         for name, label in figures.items()
         if name in result.summary
     ]
     failure = "" if result.status is Status.OK else f"{result.status}: {result.message}"
-    style.title(figure, " · ".join(parts), failure)
+    style.title(figure, f"{' · '.join(parts)}\n{about(result)}", failure)
 
 
 def scene_of(result: Result) -> str:

@@ -12,6 +12,8 @@ from rps_exudyn.charts.torque import torque_figure
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import SCENE_NAMES, scene_named
 
+FORCES = ("[N m]", "[N]")  # units in which zero means something
+
 Draw = Callable[[Result, MeasuredTorque | None], Figure]
 
 
@@ -24,13 +26,33 @@ def figure_of(scene: str) -> Draw:
     return draw
 
 
-def draw(result: Result, path: str | Path | None = None, measured: MeasuredTorque | None = None) -> Figure:
-    """Draw a result that has signals, with a measured torque if one is given, and save it to `path`.
+def scene_figure(
+    result: Result, measured: MeasuredTorque | None = None, *, from_zero: bool = False
+) -> Figure:
+    """The picture of a result that has signals; ordinates of torque and force begin at zero, or say that they
+    do not."""
+    figure = figure_of(result.scene)(result, measured)
+    for axes in figure.axes:
+        if axes.get_ylabel().endswith(FORCES):
+            if from_zero:
+                style.from_zero(axes)
+            style.tell_where_it_begins(axes)
+    return figure
+
+
+def draw(
+    result: Result,
+    path: str | Path | None = None,
+    measured: MeasuredTorque | None = None,
+    *,
+    from_zero: bool = False,
+) -> Figure:
+    """Draw as `scene_figure`, with a measured torque if one is given, and save it to `path`.
 
     Raises:
         InputError: the file cannot be written.
     """
-    figure = figure_of(result.scene)(result, measured)
+    figure = scene_figure(result, measured, from_zero=from_zero)
     if path is not None:
         style.save(figure, path)
     return figure

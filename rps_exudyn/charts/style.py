@@ -45,16 +45,24 @@ _LOOK: Any = {
 
 REFERENCE_LINE: Any = {"color": COLOURS["reference"], "linewidth": 1, "linestyle": "--", "zorder": 1}
 
+LETTERS = 12.5  # of a headline in an inch
 LETTER, LEGEND_MARK = 0.075, 0.6  # width of a letter, and of a line with its gaps, in legends [in]
+
+NOT_ZERO = "axis does not begin at 0"
 
 BAND: Any = {"color": COLOURS["reference"], "alpha": 0.15, "linewidth": 0, "zorder": 0}
 
 
-def panels(heights: list[float], width: float = 8.0) -> tuple[Figure, list[Axes]]:
-    """A figure of panels one below the other with a common abscissa, and their axes; sizes in inches."""
+def panels(
+    heights: list[float], width: float = 8.0, *, common_abscissa: bool = True
+) -> tuple[Figure, list[Axes]]:
+    """A figure of panels one below the other, by default with a common abscissa, and their axes; sizes in
+    inches."""
     with mpl.rc_context(_LOOK):
         figure = Figure(figsize=(width, sum(heights)), layout="constrained")
-        axes = figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
+        axes = figure.subplots(len(heights), 1, sharex=common_abscissa, squeeze=False, height_ratios=heights)[
+            :, 0
+        ]
     figure.align_ylabels(axes)
     return figure, list(axes)
 
@@ -116,16 +124,18 @@ def abscissa(axes: Axes, label: str) -> None:
 
 def title(figure: Figure, headline: str, failure: str = "") -> None:
     """Write what the picture shows and, in the colour of failure, why not to trust it."""
-    figure.suptitle(_wrapped(headline), x=0.01, ha="left", fontsize=11)
+    width = round(LETTERS * figure.get_size_inches()[0])
+    lines = [_wrapped(line, width) for line in headline.split("\n")]
+    figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=11)
     if failure:
-        text = "\n".join(textwrap.wrap(failure, width=100))
+        text = "\n".join(textwrap.wrap(failure, width=width))
         figure.axes[0].set_title(text, loc="left", fontsize=10, color=COLOURS["failure"])
 
 
-def _wrapped(headline: str) -> str:
-    """The headline, broken between its parts if it is too long for one line."""
+def _wrapped(headline: str, width: int) -> str:
+    """The headline, broken between its parts if it is too long for one line of so many letters."""
     unbroken = headline.replace(" ", "\xa0").replace("\xa0·\xa0", "\xa0· ")
-    return textwrap.fill(unbroken, width=100).replace("\xa0", " ")
+    return textwrap.fill(unbroken, width=width).replace("\xa0", " ")
 
 
 def widen(axes: Axes, least: float) -> None:
@@ -134,6 +144,60 @@ def widen(axes: Axes, least: float) -> None:
     if high - low < least:
         middle = (low + high) / 2
         axes.set_ylim(middle - least / 2, middle + least / 2)
+
+
+def map_to_scale(
+    axes: Axes, x: np.ndarray, y: np.ndarray, values: np.ndarray, text: str, missing: str
+) -> Any:
+    """Colour cells at their places on both axes, of any distances, with their values as text; return the
+    colours for a colour bar.
+
+    Args:
+        axes: where.
+        x: rising places of the columns, shape (n,).
+        y: rising places of the rows, shape (m,).
+        values: shape (m, n); nan stays white.
+        text: format of a value.
+        missing: text of a nan.
+    """
+    image = axes.pcolormesh(_edges(x), _edges(y), values, cmap="viridis", edgecolors="white", linewidth=0.5)
+    for (i, j), value in np.ndenumerate(values):
+        dark = np.isfinite(value) and _brightness(image.to_rgba(value)) < 0.5
+        label = text.format(value) if np.isfinite(value) else missing
+        colour = "white" if dark else "black"
+        axes.text(float(x[j]), float(y[i]), label, ha="center", va="center", color=colour)
+    axes.set_xticks(x)
+    axes.set_yticks(y)
+    axes.grid(False)
+    return image
+
+
+def _edges(places: np.ndarray) -> np.ndarray:
+    """Edges of cells around rising places: halfway between them."""
+    if places.size == 1:
+        return places[0] + np.array([-0.5, 0.5])
+    halfway = (places[1:] + places[:-1]) / 2
+    return np.concatenate([[2 * places[0] - halfway[0]], halfway, [2 * places[-1] - halfway[-1]]])
+
+
+def _brightness(colour: Any) -> float:
+    """Brightness of a colour, from 0 to 1 (ITU-R BT.601)."""
+    red, green, blue, *_ = colour
+    return float(0.299 * red + 0.587 * green + 0.114 * blue)
+
+
+def from_zero(axes: Axes) -> None:
+    """Let the ordinate begin, or end, at zero."""
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, 0.0), max(high, 0.0))
+
+
+def tell_where_it_begins(axes: Axes) -> None:
+    """Say at the ordinate's foot that it does not begin at zero, if so."""
+    low, high = axes.get_ylim()
+    if low > 0 or high < 0:
+        at = axes.transAxes
+        axes.text(0.005, 0.015, NOT_ZERO, transform=at, fontsize=8, color=COLOURS["reference"])
 
 
 def save(figure: Figure, path: str | Path) -> None:

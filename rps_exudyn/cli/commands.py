@@ -178,16 +178,27 @@ def study(
 
 
 @app.command
-def show(file: Path, /, *, json: Flag = False) -> int:
-    """Print the summary of a result.
+def show(file: Path, /, *, plot: Path | None = None, from_zero: Flag = False, json: Flag = False) -> int:
+    """Print the summary of a result, and draw it again.
 
     Args:
         file: HDF5 file that `run` wrote.
+        plot: picture (.png, .svg, .pdf) of the result.
+        from_zero: torques and forces of the picture are drawn from zero on.
         json: print it as JSON.
     """
     from rps_exudyn.study.blocks import load
 
-    _print_result(load(file), json)
+    if plot:
+        from rps_exudyn.charts.file_types import PICTURES
+
+        check_writable(plot, PICTURES)
+    result = load(file)
+    if plot:
+        result.plot(plot, from_zero=from_zero)
+    files = [plot] if plot else []
+    with naming(files):
+        _print_result(result, json, files)
     return DONE
 
 

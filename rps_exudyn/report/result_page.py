@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from rps_exudyn.base.units import words
 from rps_exudyn.charts import style
-from rps_exudyn.charts.scene import figure_of
+from rps_exudyn.charts.scene import scene_figure
 from rps_exudyn.charts.signals import WIDTH, signals_figure
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.report.blocks import Article, Block, Code, Facts, Fold, Grid, Pictures, Section, Text, Warning
@@ -98,7 +98,7 @@ def _scene_figure(result: Result) -> Figure | None:
     if result.status is not Status.OK or result.scene not in SCENE_NAMES:
         return None
     try:
-        figure = figure_of(result.scene)(result, None)
+        figure = scene_figure(result)
     except (KeyError, IndexError):  # signals that were not kept
         return None
     figure.suptitle("")

@@ -121,13 +121,14 @@ class Result:
             yield f"{len(self.signals)} signals at {time.size} instants over {float(np.ptp(time)):.4g} s"
         yield f"{self.cpu_s:.3g} s of CPU time"
 
-    def plot(self, path: str | Path | None = None, measured: Any = None) -> Any:
+    def plot(self, path: str | Path | None = None, measured: Any = None, *, from_zero: bool = False) -> Any:
         """Draw the scene's picture; return the matplotlib Figure, saved to `path` (.png, .svg, .pdf) if
         given.
 
         Args:
             path: file of the picture.
-            measured: a measured torque of `measured.reading.read_measured_torque`, drawn over it.
+            measured: a measured torque of `rps.read_measured_torque`, drawn over it.
+            from_zero: torques and forces are drawn from zero on.
 
         Raises:
             InputError: the result has no signals, or the file cannot be written.
@@ -135,7 +136,7 @@ class Result:
         if not self.signals:
             raise InputError(f"The result has no signals to draw: {self.status}, {self.message}.")
         draw = resolve_name(DRAWING)
-        return draw(self, path, measured)
+        return draw(self, path, measured, from_zero=from_zero)
 
     def to_xarray(self) -> "Dataset":
         """Return the signals as an xarray Dataset over the time, with units, definitions and the summary."""

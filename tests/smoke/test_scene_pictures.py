@@ -8,6 +8,7 @@ import pytest
 
 from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.charts import style
 from rps_exudyn.charts.load_test import load_test_figure
 from rps_exudyn.charts.losses import losses_figure
 from rps_exudyn.charts.scene import draw
@@ -124,3 +125,38 @@ def test_several_results_are_distinguished(there_and_back: Result) -> None:
     (axes,) = torques_figure({"one": there_and_back, "two": there_and_back}, "Both").axes
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["one", "two"]
     assert len({line.get_color() for line in axes.lines}) == 2
+
+
+def struck(result: Result, *impacts: tuple[float, float, float]) -> Result:
+    """A yoke impact of one second whose nut is struck by half sines: begin, end [s], force [N]."""
+    time = np.linspace(0, 1, 4001)
+    force = np.zeros_like(time)
+    for begin, end, size in impacts:
+        inside = (time > begin) & (time < end)
+        force[inside] = size * np.sin(np.pi * (time[inside] - begin) / (end - begin))
+    signals = {"time": time, "yokenut_force": force, "plunger_displacement": 1e-8 * force}
+    return dataclasses.replace(result, scene="yoke-impact", signals=signals, summary={})
+
+
+def test_impact_is_drawn_large(made_up_result: Result) -> None:
+    """The group with the largest force, in panels of its own; nothing is cut from the whole record."""
+    result = struck(made_up_result, (0.1, 0.11, 300), (0.5, 0.51, 900), (0.5103, 0.52, 400))
+    whole, force, plunger = draw(result).axes
+    assert whole.get_xlim() == pytest.approx((0, 1000))
+    for close in (force, plunger):
+        assert close.get_xlim() == pytest.approx((500 - 3, 520 + 3), abs=0.5)  # ms, with 15 % on each side
+    assert len(draw(struck(made_up_result)).axes) == 2  # never struck
+    assert len(draw(struck(made_up_result, (0.1, 0.9, 300))).axes) == 2  # all of it
+
+
+def test_map_has_its_cells_where_they_belong() -> None:
+    """Halfway between uneven places; figures are dark on bright cells and bright on dark ones."""
+    _, (axes,) = style.panels([3.0])
+    x, y = np.array([1.0, 2.0]), np.array([0.0, 1.0, 5.0])
+    values = np.array([[0.0, 10.0], [5.0, np.nan], [10.0, 0.0]])
+    image = style.map_to_scale(axes, x, y, values, "{:.0f}", "none")
+    corners = image.get_coordinates()
+    np.testing.assert_allclose(corners[:, 0, 1], [-0.5, 0.5, 3.0, 7.0])
+    np.testing.assert_allclose(corners[0, :, 0], [0.5, 1.5, 2.5])
+    colours = {(text.get_text(), text.get_color()) for text in axes.texts}
+    assert {("0", "white"), ("10", "black"), ("none", "black")} <= colours

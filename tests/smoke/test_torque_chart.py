@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from rps_exudyn.charts.scene import draw
+from rps_exudyn.charts.style import NOT_ZERO
 from rps_exudyn.charts.torque import torque_figure
 from rps_exudyn.results.result import Result
+from shell import Command
 
 
 def test_panels_have_units_and_title_has_numbers(made_up_result: Result) -> None:
@@ -17,7 +19,8 @@ def test_panels_have_units_and_title_has_numbers(made_up_result: Result) -> None
     assert labels == ["pinion torque [N m]", "rack lift [µm]", "rack roll [mrad]"]
     assert figure.axes[-1].get_xlabel() == "pinion angle [°]"
     assert figure.get_suptitle() == (
-        "Free pinion torque · fidelity flank · mean 0.6 N m · peak to peak 0.02 N m"
+        "Free pinion torque · mean 0.6 N m · peak to peak 0.02 N m\n"
+        "6 teeth, module 1.83 mm · preload 300 N · 15 rpm · fidelity flank"
     )
 
 
@@ -52,3 +55,21 @@ def test_diverged_signals_are_drawn_as_far_as_they_go(
 def test_record_without_a_span_is_drawn(samples: int, failed_result: Result, tmp_path: Path) -> None:
     signals = {name: values[:samples] for name, values in failed_result.signals.items()}
     draw(dataclasses.replace(failed_result, signals=signals), tmp_path / "a.png")
+
+
+@pytest.mark.parametrize("from_zero", [False, True])
+def test_torque_begins_at_zero_on_request_and_says_if_not(from_zero: bool, made_up_result: Result) -> None:
+    torque, lift, _ = draw(made_up_result, from_zero=from_zero).axes
+    assert bool(torque.get_ylim()[0] == 0) == from_zero
+    assert [text.get_text() for text in torque.texts] == ([] if from_zero else [NOT_ZERO])
+    assert not lift.texts  # its zero means nothing
+
+
+def test_result_is_drawn_again(made_up_result: Result, command: Command, tmp_path: Path) -> None:
+    made_up_result.save("r.h5")
+    answer = command(["show", "r.h5", "--plot", "again.svg", "--from-zero"])
+    assert answer.status == 0
+    assert "written: again.svg" in answer.out
+    picture = (tmp_path / "again.svg").read_text(encoding="utf-8")
+    assert picture.startswith("<?xml")
+    assert command(["show", "r.h5", "--plot", "again.doc"]).status == 2
