@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from rps_exudyn.parameters.gear import SteeringGear
     from rps_exudyn.results.outcome import Status
     from rps_exudyn.results.result import Result, load
+    from rps_exudyn.scenes import add_scene
+    from rps_exudyn.scenes.scene import Scene
     from rps_exudyn.simulate.batch import Batch, batch
     from rps_exudyn.simulate.run import run
     from rps_exudyn.study.dataset import open_study, study_frame
@@ -33,8 +35,10 @@ __all__ = [
     "Fidelity",
     "InputError",
     "Result",
+    "Scene",
     "Status",
     "SteeringGear",
+    "add_scene",
     "batch",
     "build_model",
     "compare_with_measured",
@@ -48,7 +52,9 @@ __all__ = [
 _HOME = {
     "Fidelity": "parameters.fidelity",
     "InputError": "base.errors",
+    "Scene": "scenes.scene",
     "Status": "results.outcome",
+    "add_scene": "scenes",
     "build_model": "multibody.model",
     "compare_with_measured": "analysis.measured",
     "read_measured_torque": "measured.reading",

@@ -43,6 +43,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "smoke/test_animation.py",
     "smoke/test_animation_in_browser.py",
     "smoke/test_cluster.py",
+    "smoke/test_examples.py",
     "smoke/test_explore.py",
     "smoke/test_first_steps.py",
     "smoke/test_one_entry.py",

@@ -10,7 +10,7 @@ from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.charts import style
 from rps_exudyn.charts.torque import torque_figure
 from rps_exudyn.results.result import Result
-from rps_exudyn.scenes import SCENE_NAMES, scene_named
+from rps_exudyn.scenes import is_scene, scene_named
 
 FORCES = ("[N m]", "[N]")  # units in which zero means something
 
@@ -19,7 +19,7 @@ Draw = Callable[[Result, MeasuredTorque | None], Figure]
 
 def figure_of(scene: str) -> Draw:
     """The function that draws results of a scene; for an unknown one, the torque over the angle."""
-    if scene not in SCENE_NAMES:
+    if not is_scene(scene):
         return torque_figure
     chart = scene_named(scene).chart
     draw: Draw = getattr(import_module(f"rps_exudyn.charts.{chart}"), f"{chart}_figure")

@@ -15,7 +15,7 @@ MEASURED = """\
 # rps-exudyn run --gear gears/paper.toml --measured measured.csv
 pinion_angle [deg]; pinion_torque [N m]
 """
-SUFFIXES = (".toml", ".py")
+SUFFIXES = (".toml", ".py", ".ipynb")
 
 
 def do_init(folder: Path) -> list[Path]:

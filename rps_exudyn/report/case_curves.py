@@ -16,7 +16,7 @@ from rps_exudyn.report.pictures import picture
 from rps_exudyn.report.study_messages import case_id, count, settings
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
-from rps_exudyn.scenes import SCENE_NAMES, scene_named
+from rps_exudyn.scenes import is_scene, scene_named
 from rps_exudyn.study.description import Case
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable
@@ -37,7 +37,7 @@ def curves_of_cases(table: CaseTable, store: Store, listed: Sequence[Case]) -> t
     There is no picture of a scene that is not known, or of cases whose signals were not kept.
     """
     scene = table.description.scene
-    if scene not in SCENE_NAMES:
+    if not is_scene(scene):
         return [], set()
     signal = scene_named(scene).signal
     ok = {case.hash for case, good in zip(table.cases, table.ok, strict=True) if good}

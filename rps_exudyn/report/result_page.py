@@ -24,7 +24,7 @@ from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
-from rps_exudyn.scenes import SCENE_NAMES
+from rps_exudyn.scenes import is_scene
 
 
 def result_article(result: Result, path: Path, more: Sequence[Section] = ()) -> Article:
@@ -95,7 +95,7 @@ def _curves(result: Result) -> Iterable[Block]:
 
 def _scene_figure(result: Result) -> Figure | None:
     """The scene's own picture without its headline, which the page has; None if signals are missing."""
-    if result.status is not Status.OK or result.scene not in SCENE_NAMES:
+    if result.status is not Status.OK or not is_scene(result.scene):
         return None
     try:
         figure = scene_figure(result)

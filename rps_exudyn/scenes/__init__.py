@@ -27,14 +27,38 @@ SCENE_NAMES = (
 """All scenes; each stands in the module of its name. Modules are loaded when their scene is asked for."""
 
 
+_OWN: "dict[str, Scene]" = {}  # scenes of this process
+
+
+def add_scene(scene: "Scene") -> None:
+    """Make an own scene known to this process by its name; one added before by that name is replaced.
+
+    Study files and the command line know the scenes of the package alone, and processes that are started for
+    a study or a time limit do not know it.
+
+    Raises:
+        InputError: a scene of the package has that name.
+    """
+    if scene.name in SCENE_NAMES:
+        raise InputError(f"{scene.name} is a scene of the package; give yours another name.")
+    _OWN[scene.name] = scene
+
+
+def is_scene(name: str) -> bool:
+    """Tell whether there is a scene of that name."""
+    return name in SCENE_NAMES or name in _OWN
+
+
 def scene_named(name: str) -> "Scene":
     """Return the scene of that name.
 
     Raises:
         InputError: there is no such scene.
     """
+    if name in _OWN:
+        return _OWN[name]
     if name not in SCENE_NAMES:
-        raise InputError(f"SCENE is {name!r}; it must be one of {', '.join(SCENE_NAMES)}.")
+        raise InputError(f"SCENE is {name!r}; it must be one of {', '.join((*SCENE_NAMES, *_OWN))}.")
     scene: Scene = import_module(f"{__name__}.{name.replace('-', '_')}").SCENE
     return scene
 

@@ -1,0 +1,112 @@
+"""Scripts and notebooks of `studies/examples` run as a user would run them, and find what theory says.
+
+All in this process, which has loaded the package and its kernels. Notebooks are JSON: their cells of code run
+one after the other, without Jupyter.
+"""
+
+import json
+import re
+import runpy
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes import _OWN, SCENE_NAMES, add_scene, scene_named
+from rps_exudyn.solvers.closed_form import torque_per_preload
+
+EXAMPLES = Path(__file__).parents[2] / "studies" / "examples"
+NOTEBOOKS = sorted(EXAMPLES.glob("*.ipynb"))
+TESTED = {"preload_sweep", "own_exudyn_model", "own_gear", "own_scene", "tables_and_datasets"}
+
+
+@pytest.fixture
+def ran(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Any:
+    """A function that runs an example with arguments and returns what it printed."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(name: str, *arguments: str) -> str:
+        path = EXAMPLES / f"{name}.py"
+        monkeypatch.setattr(sys, "argv", [str(path), *arguments])
+        runpy.run_path(str(path), run_name="__main__")
+        return capsys.readouterr().out
+
+    yield run
+    _OWN.clear()
+
+
+def test_every_script_is_tested() -> None:
+    assert {path.stem for path in EXAMPLES.glob("*.py")} == TESTED
+
+
+def test_sweep_finds_the_torque_that_the_preload_does_not_make(ran: Any, tmp_path: Path) -> None:
+    """Torque is linear in the preload; without any the drag of the bush and the bearings remain."""
+    printed = ran("preload_sweep", "sweep.png")
+    assert (tmp_path / "sweep.png").stat().st_size > 5000
+    left = float(re.findall(r"to ([\d.]+) N mm", printed)[0])
+    gear = SteeringGear()
+    drag = gear.bush.drag * GearPair.of(gear).gain + gear.bearing.friction_torque
+    assert left == pytest.approx(1e3 * drag, rel=0.03)
+
+
+def test_exudyn_system_can_be_taken_over(ran: Any) -> None:
+    """The bar moves by gain times speed, whatever pulls: the drive is prescribed, the teeth are stiff.
+
+    Micrometres of yield within 0.2 s make less than 1 %; the example's own sensor tells it.
+    """
+    gear = SteeringGear()
+    expected = 1e3 * GearPair.of(gear).gain * gear.test.speed
+    speed, by_gain = (float(each) for each in re.findall(r"([\d.]+) mm/s", ran("own_exudyn_model")))
+    assert by_gain == pytest.approx(expected, rel=1e-3)
+    assert speed == pytest.approx(expected, rel=0.01)
+
+
+def test_own_gear_travels_as_its_teeth_say(ran: Any) -> None:
+    """z pi m_n / cos beta_r per turn; the gear that cannot be built is refused."""
+    printed = ran("own_gear")
+    travel = float(re.findall(r"travel ([\d.]+) mm", printed)[0])
+    tooth_angle = SteeringGear().rack.tooth_angle
+    assert travel == pytest.approx(7 * np.pi * 2 / np.cos(tooth_angle), abs=0.006)
+    assert "refused: yoke.plunger_diameter is 15 mm" in printed
+
+
+def test_own_scene_holds_the_pull(ran: Any) -> None:
+    """The middle of the loop is the pull times the gain; friction shifts it by a part of what rubs."""
+    printed = ran("own_scene")
+    pulled, free = (float(each) for each in re.findall(r"around (-?[\d.]+) N m", printed))
+    assert pulled - free == pytest.approx(200 * GearPair.of(SteeringGear()).gain, rel=0.02)
+    assert scene_named("pulled-reversal").chart == "reversal"
+
+
+def test_own_scene_cannot_take_the_name_of_another() -> None:
+    with pytest.raises(InputError, match="give yours another name"):
+        add_scene(scene_named(SCENE_NAMES[0]))
+    with pytest.raises(InputError, match="it must be one of"):
+        scene_named("pulled-reversal")
+
+
+def test_table_has_the_slope_of_the_closed_form(ran: Any) -> None:
+    """dT/dP of the formula, friction being small: within 5 % of the equilibria's."""
+    printed = ran("tables_and_datasets")
+    slopes = [float(each) for each in re.findall(r"([\d.]+) N mm per newton", printed)]
+    for friction, slope in zip((0.05, 0.1), slopes, strict=True):
+        gear = SteeringGear().replace({"mesh.friction": friction})
+        assert slope == pytest.approx(1e3 * torque_per_preload(gear), rel=0.05)
+
+
+@pytest.mark.parametrize("notebook", [pytest.param(path, id=path.stem) for path in NOTEBOOKS])
+def test_notebook_runs(notebook: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    content = json.loads(notebook.read_text(encoding="utf-8"))
+    assert content["nbformat"] == 4
+    cells = [cell for cell in content["cells"] if cell["cell_type"] == "code"]
+    assert len({cell["id"] for cell in content["cells"]}) == len(content["cells"])
+    assert not any(cell["outputs"] for cell in cells)  # versions print differently
+    names: dict[str, Any] = {"__name__": "__main__"}
+    for number, cell in enumerate(cells, 1):
+        exec(compile("".join(cell["source"]), f"{notebook.name}, cell {number}", "exec"), names)
