@@ -18,7 +18,8 @@ from shell import Command
 
 STUDIES = sorted((Path(__file__).parents[2] / "studies").glob("*.toml"))
 SHIPPED = (
-    "preload friction runout installation_angle preload_friction_runout yoke_clearance load_map tolerance"
+    "preload friction runout installation_angle preload_friction_runout yoke_clearance load_map tolerance "
+    "bent_rack radial_play rattle_threshold"
 )
 
 
@@ -43,9 +44,12 @@ def test_study_runs_at_toy_size(file: Path, tmp_path: Path) -> None:
     tally = run_study(work, in_this_process, workers_write=True)
     assert tally.statuses[Status.OK] >= len(work.missing) / 2
     store = Store.open(tmp_path / file.stem)
-    expected = {"load-test": "efficiency_forward", "rack-push": "push_force_mean"}.get(
-        store.description.scene, "torque_mean"
-    )
+    expected = {
+        "load-test": "efficiency_forward",
+        "rack-push": "push_force_mean",
+        "radial-play": "radial_play_y",
+        "rattle": "rattle_threshold_force",
+    }.get(store.description.scene, "torque_mean")
     for _, row in store.rows():
         assert row.status is not Status.OK or expected in row.summary
     assert not store.skipped
