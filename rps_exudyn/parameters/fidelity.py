@@ -20,6 +20,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.declaration import Angle, Declared, Number, Problem, Table, parameter
 
 CHAINS = ("chain", "adams-chain")
+RATIOS = ("ratio", "ratio-with-loss")
 PresetName = Literal["full", "flank", "quasi-static", "closed-form"]
 
 

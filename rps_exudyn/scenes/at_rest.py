@@ -15,7 +15,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam
-from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.fidelity import RATIOS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Outcome, Status
 from rps_exudyn.scenes.run_options import RunOptions
@@ -28,7 +28,6 @@ from rps_exudyn.solvers.record import Record, record_of_path, signals_of
 
 PAUSE = 1e7  # from load to load [s]: friction of a rack that moves by 0.1 mm meanwhile is 1e-5 of sliding
 LEAST_MODES = 20  # per plane of a bar that bends: its end yields by 0.3 % less with 8
-RATIOS = ("ratio", "ratio-with-loss")
 LOOSE = ("by-scene", "free", "flexible")  # models of a rack that yields across its guides
 
 

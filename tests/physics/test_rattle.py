@@ -163,6 +163,12 @@ def test_model_without_inertia_is_refused() -> None:
 
 
 @pytest.mark.quick
+def test_teeth_that_never_part_are_refused() -> None:
+    with pytest.raises(InputError, match="nothing presses the plunger"):
+        rps.run("rattle", GEAR, fidelity=Fidelity().replace({"mesh": "ratio"}))
+
+
+@pytest.mark.quick
 def test_band_upside_down_is_refused() -> None:
     with pytest.raises(InputError, match=r"test.band_low is 2000 Hz; it must be below"):
         GEAR.replace({"test.band_low": "2 kHz"})
