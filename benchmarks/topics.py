@@ -14,6 +14,7 @@ from benchmarks import (
     scenes,
     study_runner,
     tooth_compliance,
+    validation,
 )
 from benchmarks.accuracy_speed import law_and_scaling, measured_points, promise_table
 from benchmarks.bad_inputs import bad_inputs, damaged_files
@@ -52,4 +53,5 @@ TOPICS: dict[str, Topic] = {
     "damaged_files": damaged_files.TOPIC,
     "bad_inputs": bad_inputs.TOPIC,
     "study_runner": study_runner.TOPIC,
+    "validation": validation.TOPIC,
 }

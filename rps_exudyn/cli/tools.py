@@ -1,4 +1,4 @@
-"""The commands around results: animate, view, explore, init, doctor."""
+"""The commands around results: animate, view, explore, init, validate, doctor."""
 
 from pathlib import Path
 
@@ -46,6 +46,24 @@ def init(folder: Path = Path(), /) -> int:
 
     for path in do_init(folder):
         print(f"written: {path}")
+    return DONE
+
+
+@app.command
+def validate(
+    rows: Path | None = None, /, *, only: tuple[str, ...] = (), out: Path | None = None, json: Flag = False
+) -> int:
+    """Compare with data from outside: manuals, standards, other programs, closed forms; a verdict for each.
+
+    Args:
+        rows: folder of rows, each a folder with a row.toml; without it those that come with the package.
+        only: name of a row to run alone; may be repeated.
+        out: page (.html), with data (.json) and picture (.png) beside it; without it validation.html.
+        json: print the rows as JSON.
+    """
+    from rps_exudyn.cli.validate_command import do_validate
+
+    do_validate(rows, only, out or Path("validation.html"), json)
     return DONE
 
 

@@ -1,0 +1,89 @@
+"""Rows of data from outside against the package: the page on verification and validation."""
+
+from collections import Counter
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from benchmarks.topic import Topic, load_data, markdown, save_data
+from rps_exudyn.charts import style
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.uncertainty.input_sets import SETS, Input
+from rps_exudyn.validation.comparison import compare_rows
+from rps_exudyn.validation.page import COLUMNS, row_cells, validation_figure
+from rps_exudyn.validation.row import KINDS, SHIPPED, read_rows
+
+DATA = "validation.json"
+
+
+def run(folder: Path, only: Sequence[str] = ()) -> None:
+    """Run all rows, or those named, and draw their picture."""
+    rows = [row for row in read_rows(SHIPPED) if not only or row.name in only]
+    comparisons = list(compare_rows(rows, partial(print, flush=True)))
+    content = [each.as_dict() | {"cells": row_cells(each)} for each in comparisons]
+    save_data(folder / DATA, {"rows": content})
+    style.save(validation_figure(comparisons), folder / "validation.png")
+
+
+def rows_table(kind: str, folder: Path) -> str:
+    """The rows of one kind."""
+    rows = [row for row in load_data(folder / DATA)["rows"] if row["kind"] == kind]
+    return markdown(COLUMNS, [[cell.replace("|", "/") for cell in row["cells"]] for row in rows])
+
+
+def notes_table(folder: Path) -> str:
+    """What must be known to read rows that are not comparable, disagree or have a note of their own."""
+    return markdown(("row", "verdict", "source", "note"), [_note(row) for row in _noted(folder)])
+
+
+def _noted(folder: Path) -> list[dict[str, Any]]:
+    return [row for row in load_data(folder / DATA)["rows"] if row["note"] or row["message"]]
+
+
+def _note(row: dict[str, Any]) -> list[str]:
+    text = " ".join(part for part in (row["note"], row["message"]) if part)
+    return [row["title"], row["verdict"], row["source"], text.replace("|", "/")]
+
+
+def pedigree_table(folder: Path) -> str:
+    """Distributions of the inputs with their sources, from the declarations."""
+    series = {each.path: each for each in SETS["series"]}
+    rows = [
+        [f"`{each.path}`", _written(each), _written(series[each.path]), each.source, series[each.path].source]
+        for each in SETS["unknown"]
+    ]
+    return markdown(("parameter", "unknown", "series", "source of unknown", "source of series"), rows)
+
+
+def _written(each: Input) -> str:
+    return each.text if each.about in ("value", "error") else f"{each.text} ({each.about})"
+
+
+def sources_table(folder: Path) -> str:
+    """How many parameters of the default gear come from where."""
+    counts = Counter(item.source for item in SteeringGear.declared() if not item.path.startswith("test."))
+    return markdown(("source", "parameters of the gear"), [[name, count] for name, count in counts.items()])
+
+
+TOPIC = Topic(
+    "rows of manuals, standards and closed forms against the package, with verdicts",
+    "40 s",
+    "validation",
+    run,
+    {
+        "only": (
+            "undercut-limit",
+            "iso-single-stiffness",
+            "bush-stiffness",
+            "bar-frequency-y",
+            "paper-point-contact",
+        )
+    },
+    {f"validation_{kind}": partial(rows_table, kind) for kind in KINDS}
+    | {
+        "validation_notes": notes_table,
+        "validation_pedigree": pedigree_table,
+        "validation_sources": sources_table,
+    },
+)

@@ -1,0 +1,55 @@
+"""The command `validate`: rows of data from outside against this package, on one page."""
+
+import json
+import sys
+from collections import Counter
+from pathlib import Path
+
+from rps_exudyn.base.atomic import check_writable, replacing
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.cli.kept import say
+from rps_exudyn.cli.printed import grid_of, plain_console, print_json
+from rps_exudyn.results.provenance import provenance
+from rps_exudyn.validation.comparison import Comparison, compare_rows
+from rps_exudyn.validation.page import COLUMNS, row_cells, validation_figure, validation_page
+from rps_exudyn.validation.row import SHIPPED, read_rows
+
+DATA, PICTURE = ".json", ".png"  # beside the page
+
+
+def do_validate(folder: Path | None, only: tuple[str, ...], out: Path, as_json: bool) -> None:
+    """Run the rows, write page, data and picture, and print the table.
+
+    Raises:
+        InputError: rows that cannot be read, no such row, or files that cannot be written.
+    """
+    from rps_exudyn.charts.style import save
+
+    rows = read_rows(folder or SHIPPED)
+    if unknown := set(only) - {row.name for row in rows}:
+        known = ", ".join(row.name for row in rows)
+        raise InputError(f"there is no row {', '.join(sorted(unknown))}; there are {known}.")
+    check_writable(out, (".html",))
+    chosen = [row for row in rows if not only or row.name in only]
+    told = (lambda title: say(f"running: {title}")) if sys.stderr.isatty() else None
+    comparisons = list(compare_rows(chosen, told))
+    with replacing(out) as partial:
+        partial.write_text(validation_page(comparisons), encoding="utf-8")
+    save(validation_figure(comparisons), out.with_suffix(PICTURE))
+    content = {"origin": provenance(), "rows": [each.as_dict() for each in comparisons]}
+    with replacing(out.with_suffix(DATA)) as partial:
+        partial.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    files = [out, out.with_suffix(DATA), out.with_suffix(PICTURE)]
+    if as_json:
+        print_json(content | {"files": [str(file) for file in files]})
+    else:
+        _print(comparisons, files)
+
+
+def _print(comparisons: list[Comparison], files: list[Path]) -> None:
+    console = plain_console()
+    console.print(grid_of(COLUMNS, [tuple(row_cells(each)) for each in comparisons]))
+    counts = Counter(each.verdict.value for each in comparisons)
+    console.print(", ".join(f"{count} {verdict}" for verdict, count in counts.items()) + ".", style="bold")
+    for file in files:
+        console.print(f"written: {file}", soft_wrap=True)

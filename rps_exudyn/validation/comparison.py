@@ -1,0 +1,173 @@
+"""Running rows: S, D, E, u_num, u_input, u_D and the verdict of each; equal procedures are run once."""
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.parameters.carried import carried
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.simulate.run import simulate
+from rps_exudyn.uncertainty.band import Band, band_of_runs, numerical_error
+from rps_exudyn.uncertainty.input_sets import uncertain_inputs
+from rps_exudyn.uncertainty.quick_band import quick_band
+from rps_exudyn.validation.calculations import CALCULATIONS
+from rps_exudyn.validation.row import Procedure, Row
+from rps_exudyn.validation.verdict import Verdict, verdict, verdict_on_limit
+
+STEP = "2 deg"  # of equilibria
+MEDIAN = 2  # place in LEVELS
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """What the package says; nan where it could not be found."""
+
+    value: float
+    u_num: float  # standard, of the solution and of quantiles from so many samples
+    u_input: float  # standard
+    low: float  # 5 % of the band; the value without one
+    high: float  # 95 %
+    message: str = ""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A row after its run; all values SI."""
+
+    row: Row
+    simulated: Simulated
+    verdict: Verdict
+
+    @property
+    def error(self) -> float:
+        """Return E = S - D."""
+        return self.simulated.value - self.row.data.value
+
+    @property
+    def uncertainty(self) -> float:
+        """Return u_val."""
+        return float(
+            np.hypot(np.hypot(self.simulated.u_num, self.simulated.u_input), self.row.data.uncertainty)
+        )
+
+    @property
+    def message(self) -> str:
+        """Why the row is not comparable, or remarks on its run."""
+        return self.row.not_comparable or self.simulated.message
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the row for a JSON file, which knows no nan: None stands for what is missing."""
+        data, found = self.row.data, self.simulated
+        content = {
+            "name": self.row.name,
+            "title": self.row.title,
+            "kind": self.row.kind,
+            "source": self.row.source,
+            "note": self.row.note,
+            "quantity": data.quantity,
+            "unit": data.shown_as.unit,
+            "S": found.value,
+            "band": [found.low, found.high] if np.isfinite(found.low) else None,
+            "D": data.value,
+            "range": data.ends,
+            "limit": {1: "at most", -1: "at least"}.get(data.side, ""),
+            "E": self.error,
+            "u_num": found.u_num,
+            "u_input": found.u_input,
+            "u_D": data.uncertainty,
+            "u_val": self.uncertainty,
+            "agreement": self.row.agreement,
+            "verdict": self.verdict.value,
+            "message": self.message,
+        }
+        return {name: None if value != value else value for name, value in content.items()}  # nan
+
+
+def compare_rows(rows: Sequence[Row], told: Callable[[str], None] | None = None) -> Iterator[Comparison]:
+    """Run the rows, one after the other; a run that fails makes a row that is not comparable."""
+    done: dict[str, dict[str, Simulated]] = {}
+    for row in rows:
+        key = json.dumps(vars(row.procedure), sort_keys=True, default=dict)
+        if key not in done:
+            if told is not None:
+                told(row.title)
+            done[key] = _outcome(row)
+        found = (
+            done[key].get(row.data.quantity) or done[key].get("") or _missing("the run has no such number")
+        )
+        yield Comparison(row, found, _verdict(row, found))
+
+
+def _verdict(row: Row, found: Simulated) -> Verdict:
+    if row.not_comparable:
+        return Verdict.NOT_COMPARABLE
+    uncertainty = float(np.hypot(np.hypot(found.u_num, found.u_input), row.data.uncertainty))
+    error = found.value - row.data.value
+    if row.data.side:
+        return verdict_on_limit(error, uncertainty, row.data.side)
+    return verdict(error, uncertainty, row.agreement * abs(row.data.value))
+
+
+def _outcome(row: Row) -> dict[str, Simulated]:
+    """Every number that the procedure gives, by quantity; "" stands for all others."""
+    try:
+        return _simulated(row.procedure)
+    except InputError as error:
+        return {"": _missing(" ".join(error.problems))}
+
+
+def _simulated(procedure: Procedure) -> dict[str, Simulated]:
+    if procedure == Procedure():
+        return {}
+    if procedure.calculation:
+        value = CALCULATIONS[procedure.calculation](**procedure.arguments)
+        return {"": Simulated(value, 0.0, 0.0, value, value)}
+    gear = SteeringGear.from_tables({}, procedure.settings)
+    if procedure.geometry:
+        numbers = geometry_report(gear).numbers
+        return {name: Simulated(value, 0.0, 0.0, value, value) for name, value in numbers.items()}
+    fidelity = _model(procedure.fidelity)
+    if procedure.inputs:
+        return _of_band(_band(procedure, gear, fidelity))
+    result = simulate(procedure.scene, gear, fidelity)
+    if result.status is not Status.OK:
+        return {"": _missing(f"the run ended {result.status}: {result.message}")}
+    change = numerical_error(result, fidelity)
+    return {
+        name: Simulated(value, change.get(name, 0.0), 0.0, value, value, result.message)
+        for name, value in result.summary.items()
+    }
+
+
+def _model(name: str) -> Fidelity:
+    preset = Fidelity.preset(name)
+    return preset if preset.solver == "closed-form" else preset.replace({"step_angle": STEP})
+
+
+def _band(procedure: Procedure, gear: SteeringGear, fidelity: Fidelity) -> Band:
+    inputs = uncertain_inputs(gear, procedure.inputs, carried({}, procedure.settings))
+    if procedure.scene == "free-pinion-torque":
+        return quick_band(gear, fidelity, inputs, procedure.samples)
+    return band_of_runs(procedure.scene, gear, fidelity, inputs, procedure.samples)
+
+
+def _of_band(band: Band) -> dict[str, Simulated]:
+    failed = f"{band.drawn.failed} of {len(band.drawn.samples)} samples failed" if band.drawn.failed else ""
+    found = {}
+    for name, each in band.figures.items():
+        error = float(np.hypot(each.errors[MEDIAN], band.numerical.get(name, 0.0)))
+        low, middle, high = (float(each.values[at]) for at in (0, MEDIAN, -1))
+        found[name] = Simulated(middle, error, each.standard, low, high, failed)
+    return found
+
+
+def _missing(message: str) -> Simulated:
+    nan = float("nan")
+    return Simulated(nan, nan, nan, nan, nan, message)

@@ -1,0 +1,129 @@
+"""Verdicts on rows of validation: ASME V&V 20's rule, and the rows that must agree."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rps_exudyn.validation.comparison import Comparison, Simulated, compare_rows
+from rps_exudyn.validation.row import SHIPPED, read_rows
+from rps_exudyn.validation.verdict import Verdict, verdict, verdict_on_limit
+from shell import Command
+
+ROWS = {row.name: row for row in read_rows(SHIPPED)}
+
+
+@pytest.mark.parametrize(
+    ("error", "uncertainty", "allowed", "expected"),
+    [
+        (0.01, 0.01, 0.05, Verdict.AGREES),
+        (-0.04, 0.02, 0.05, Verdict.AGREES),
+        (0.01, 0.03, 0.05, Verdict.NOISE),  # 2 u is beyond the criterion: it could not tell
+        (0.04, 0.03, 0.05, Verdict.WEAK),
+        (0.2, 0.15, 0.05, Verdict.WEAK),
+        (0.2, 0.3, 0.05, Verdict.NOISE),
+        (-0.2, 0.05, 0.05, Verdict.DISAGREES),
+        (0.04, 0.0, 0.05, Verdict.AGREES),
+        (0.06, 0.0, 0.05, Verdict.DISAGREES),
+        (float("nan"), 0.1, 0.05, Verdict.NOT_COMPARABLE),
+    ],
+)
+def test_verdict(error: float, uncertainty: float, allowed: float, expected: Verdict) -> None:
+    assert verdict(error, uncertainty, allowed) is expected
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_limits_exclude_gross_errors_only(side: int) -> None:
+    """A limit that is kept is no agreement; both sides are alike."""
+    assert verdict_on_limit(-side * 0.5, 0.1, side) is Verdict.WEAK
+    assert verdict_on_limit(side * 0.15, 0.1, side) is Verdict.NOISE
+    assert verdict_on_limit(side * 0.5, 0.1, side) is Verdict.DISAGREES
+
+
+def test_uncertainty_is_the_root_of_the_sum_of_squares() -> None:
+    """And a manual's range counts as even over its width: 0.4 / sqrt(12)."""
+    row = ROWS["attrage-rotation"]
+    assert row.data.uncertainty == pytest.approx(0.7 / 12**0.5)
+    made = Comparison(
+        replace(row, data=replace(row.data, uncertainty=6.0)), _simulated(2.0, 3.0), Verdict.NOISE
+    )
+    assert made.uncertainty == pytest.approx(7.0)
+    assert made.error == pytest.approx(1.0 - 0.95)
+
+
+def _simulated(u_num: float, u_input: float) -> Simulated:
+    return Simulated(1.0, u_num, u_input, 0.9, 1.1)
+
+
+def test_there_are_rows_of_every_kind_with_their_sources() -> None:
+    assert len(ROWS) >= 20
+    counts = {kind: sum(row.kind == kind for row in ROWS.values()) for kind in ("validation", "verification")}
+    assert counts["validation"] >= 20
+    assert counts["verification"] >= 8
+    assert any("contradict" in row.note for row in ROWS.values())
+    assert any(row.not_comparable for row in ROWS.values())
+
+
+def test_rows_of_verification_agree() -> None:
+    """Closed forms and standards' examples, each within the criterion that its folder states."""
+    rows = [row for row in ROWS.values() if row.kind == "verification"]
+    assert {each.row.name: each.verdict for each in compare_rows(rows)} == {
+        row.name: Verdict.AGREES for row in rows
+    }
+
+
+def test_wrong_data_disagree() -> None:
+    """The same rows with data 10 % off."""
+    rows = [
+        replace(row, data=replace(row.data, value=1.1 * row.data.value))
+        for name, row in ROWS.items()
+        if name in ("undercut-limit", "iso-single-stiffness", "bush-stiffness", "adams-link")
+    ]
+    assert {each.verdict for each in compare_rows(rows)} == {Verdict.DISAGREES}
+
+
+def test_equal_procedures_run_once_and_rows_share_their_band(tmp_path: Path) -> None:
+    """Two rows of one scene: the second has the first one's median; a failed run is not comparable."""
+    told: list[str] = []
+    head = 'kind = "validation"\nsource = "made up"\ntitle = '
+    end = (
+        '[procedure]\nscene = "free-pinion-torque"\nfidelity = "closed-form"\n[criterion]\nagreement = 0.05\n'
+    )
+    band = end.replace(
+        "[criterion]", 'inputs = "own"\nset = { "yoke.preload" = "300 N +- 10 %" }\n[criterion]'
+    )
+    failing = end.replace("[criterion]", 'set = { "pinion.runout" = "90 um" }\n[criterion]')
+    data = '[data]\nquantity = "torque_mean"\n'
+    texts = {
+        "a": f'{head}"a"\n{data}low = "0.5 N*m"\nhigh = "0.7 N*m"\n{band}',
+        "b": f'{head}"b"\n{data}most = "1.5 N*m"\n{band}',
+        "c": f'{head}"c"\n{data}most = "1.5 N*m"\n{failing}',
+    }
+    for name, text in texts.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "row.toml").write_text(text)
+    first, second, third = compare_rows(read_rows(tmp_path), told.append)
+    assert told == ["a", "c"]
+    assert first.simulated is second.simulated or first.simulated == second.simulated
+    assert first.simulated.u_input == pytest.approx(0.1 * 0.45, rel=0.2)  # of the share of the preload
+    assert second.verdict is Verdict.WEAK
+    assert third.verdict is Verdict.NOT_COMPARABLE
+    assert "yokenut" in third.message
+    assert np.isnan(third.error)
+
+
+def test_command_writes_page_data_and_picture(command: Command) -> None:
+    only = ("undercut-limit", "paper-point-contact", "paper-rack-gain")
+    answer = command(["validate", *(word for name in only for word in ("--only", name)), "--json"])
+    assert answer.status == 0
+    rows = {row["name"]: row for row in answer.json["rows"]}
+    assert rows["undercut-limit"]["verdict"] == "agrees"
+    assert rows["paper-point-contact"]["S"] is None
+    kept = json.loads(Path("validation.json").read_text())
+    assert len(kept["rows"]) == 3
+    page = Path("validation.html").read_text()
+    assert "Least profile shift without undercut" in page
+    assert "not comparable" in page
+    assert Path("validation.png").stat().st_size > 5_000
