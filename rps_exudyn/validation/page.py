@@ -17,7 +17,7 @@ from rps_exudyn.validation.comparison import Comparison
 from rps_exudyn.validation.row import KINDS
 from rps_exudyn.validation.verdict import COVERAGE, Verdict
 
-COLUMNS = ("row", "D", "S (5 to 95 %)", "E", "u_num", "u_input", "u_D", "|E| / u_val", "verdict")
+COLUMNS = ("row", "D", "S (5 to 95 %)", "E", "u_num", "u_input", "u_D", "size of E / u_val", "verdict")
 TITLES = {
     "validation": "Validation: data of gears",
     "comparison": "Code to code: other programs and models",
