@@ -240,6 +240,23 @@ SUMMARY = {
     ),
     "breakaway_torque": _torque("largest column_torque against the motion after a turn, mean over the turns"),
     "breakaway_ratio": _number("breakaway_torque over feel_running_torque"),
+    "stick_slip_amplitude": Quantity(
+        "rad", "deg", "stick-slip: half the range of column_twist over the later half of the record"
+    ),
+    "stick_slip_torque": _torque("half the range of column_torque over the same time"),
+    "stick_slip_frequency": Quantity("Hz", "Hz", "cycles of the pinion's speed over the same time"),
+    "stick_share": _ratio("share of the same time in which the pinion turns at less than 2 % of test.speed"),
+    "sticking_speed": Quantity(
+        "rad/s",
+        "rad/s",
+        "largest wheel speed at which the gear, reduced to one inertia, sticks; on bristles, is unstable",
+    ),
+    "sliding_damping": Quantity(
+        "N*m*s/rad",
+        "N*m*s/rad",
+        "damping of the column below which steady sliding at test.speed is unstable, of falling friction",
+    ),
+    "bristle_margin": _number("above 0 where steady sliding at test.speed is stable with bristles"),
     "impacts": _number("number of impacts of the plunger on the yokenut"),
     "impact_peak_force": _force("largest yokenut_force of an impact"),
     "impact_impulse": Quantity("N*s", "N*s", "largest integral of yokenut_force over an impact"),

@@ -26,7 +26,7 @@ from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined, outcome_of_pa
 from rps_exudyn.solvers.adaptive_path import adaptive_path
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.column_path import path_behind_column
-from rps_exudyn.solvers.drive import Steady, Swing, travel_per_radian
+from rps_exudyn.solvers.drive import SetOff, Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS, EquilibriumPath, PathInterrupted
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
 from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
@@ -102,7 +102,7 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
             steps=piece.steps * piece.parts,
             absolute_tolerance=tolerance,
             contractivity=SHAKEN if maneuver.pulse is not None and model.modes else SolverPlan.contractivity,
-            minimum_step=SHORTEST_AT_TURNS if isinstance(maneuver.drive, Swing) else SHORTEST_STEP,
+            minimum_step=SHORTEST_AT_TURNS if isinstance(maneuver.drive, Swing | SetOff) else SHORTEST_STEP,
         )
         for piece in maneuver.pieces()
     ]

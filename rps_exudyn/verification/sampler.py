@@ -26,6 +26,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.maneuver import check_travel, largest_angle, maneuvers_of_test, swing_maneuver
+from rps_exudyn.scenes.stick_slip import set_off
 from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.verification.ranges import Range, range_of, scaled, within
 from rps_exudyn.verification.stability import ScenePlan
@@ -42,7 +43,7 @@ SCENE_WEIGHTS = {
 
 COARSE = np.deg2rad(10)  # steps by which a test is tried
 MOST_STEPS = 1200  # of a plan
-UNEVEN = ("reversal", "steering-feel", "yoke-impact", "radial-play", "rack-lift", "rattle")
+UNEVEN = ("reversal", "steering-feel", "stick-slip", "yoke-impact", "radial-play", "rack-lift", "rattle")
 """Scenes whose steps do not follow from the angle turned."""
 PART_OF_PITCH = 0.2  # that a plan with general contact turns
 
@@ -193,6 +194,10 @@ def _resting(gear: SteeringGear) -> None:
     check_travel(gear, (gear.test.start_angle,), "test.start_angle")
 
 
+def _setting_off(gear: SteeringGear) -> None:
+    set_off(gear)
+
+
 def _shaking(gear: SteeringGear) -> None:
     shaken(gear)
 
@@ -203,6 +208,7 @@ REACHES: dict[str, Callable[[SteeringGear], None]] = {
     "load-test": _loading,
     "reversal": _steering,
     "steering-feel": _steering,
+    "stick-slip": _setting_off,
     "yoke-impact": _shaking,
     "radial-play": _resting,
     "rack-lift": _resting,

@@ -1,13 +1,7 @@
-"""Stick-slip of one inertia behind a spring and a damper, reduced from gear and steering column.
+"""Stick-slip of gear and steering column reduced to one inertia (`analysis.stick_slip`), by events.
 
-The wheel turns at a constant speed Omega; the gear, of inertia J [kg m^2], follows through k [N m/rad] and c
-[N m s/rad] against the friction of its parts, T_i g_i(omega). With x the twist of the column,
-
-    x' = Omega - omega,        J omega' = k x + c (Omega - omega) - sum T_i g_i(omega).
-
-A mass on a belt is the same motion seen from the mass. `event_based` sticks or slips, and finds where one
-ends; `Oscillator.linear_limit` and `bristle_margin` say where steady sliding loses its stability. Own
-solutions: nothing of the package's kernels is in them.
+`event_based` sticks or slips, and finds where one ends, by an integrator of variable step; a mass on a belt
+is the same motion seen from the mass. Own solutions: nothing of the package's kernels is in them.
 """
 
 from dataclasses import dataclass
@@ -15,68 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from rps_exudyn.analysis.stick_slip import Oscillator
+
 LEAST_SPEED = 0.01  # of the largest looked at
 BEGUN = 1e-9  # of a slip's time, in periods: before it the speed is not looked at
-
-
-@dataclass(frozen=True)
-class Rubbing:
-    """Friction of one part, reduced to the pinion."""
-
-    torque: float  # kinetic [N m]
-    ratio: float = 1.0  # static over kinetic
-    stribeck_speed: float = 1.0  # [rad/s]
-    exponent: float = 2.0
-
-    def at(self, speed: float) -> float:
-        """Return the friction at a speed from zero on [N m]."""
-        share = (speed / self.stribeck_speed) ** self.exponent
-        return float(self.torque * (1 + (self.ratio - 1) * np.exp(-share)))
-
-    def slope(self, speed: float) -> float:
-        """Return its derivative by the speed, above zero [N m s/rad]."""
-        share = (speed / self.stribeck_speed) ** self.exponent
-        return float(-self.torque * (self.ratio - 1) * np.exp(-share) * self.exponent * share / speed)
-
-
-@dataclass(frozen=True)
-class Oscillator:
-    """Inertia, column and friction of the reduced model."""
-
-    inertia: float  # [kg m^2]
-    stiffness: float  # [N m/rad]
-    damping: float  # [N m s/rad]
-    parts: tuple[Rubbing, ...]
-
-    @property
-    def frequency(self) -> float:
-        """Undamped angular frequency [rad/s]."""
-        return float(np.sqrt(self.stiffness / self.inertia))
-
-    def friction(self, speed: float) -> float:
-        """Return the friction of all parts at a speed from zero on [N m]."""
-        return sum(part.at(speed) for part in self.parts)
-
-    def linear_limit(self, speed: float) -> float:
-        """Return the damping below which sliding at a speed is unstable, that of falling friction
-        [N m s/rad]."""
-        return max(0.0, -sum(part.slope(speed) for part in self.parts))
-
-    def bristle_margin(self, speed: float, presliding: float) -> float:
-        """Return what is above zero where sliding at a speed is stable with bristles (one presliding angle).
-
-        About steady sliding a bristle's friction follows T g by the lag tau = delta g / omega, so that
-        J tau s^3 + (J + c tau) s^2 + (c + k tau + T g') s + k must be Hurwitz:
-        (J + c tau)(c + k tau + T g') > J tau k, divided here by J k / omega0.
-        """
-        kinetic = sum(part.torque for part in self.parts)
-        tau = presliding * self.friction(speed) / kinetic / speed
-        falling = self.linear_limit(speed)
-        second, first = self.inertia + self.damping * tau, self.damping + self.stiffness * tau - falling
-        if first <= 0:
-            return first * self.frequency / self.stiffness
-        lag = self.inertia * tau * self.stiffness
-        return (second * first - lag) * self.frequency / (self.inertia * self.stiffness)
 
 
 @dataclass(frozen=True)

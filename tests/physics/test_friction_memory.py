@@ -7,6 +7,7 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.analysis.passes import passes
+from rps_exudyn.analysis.stick_slip import Oscillator, Rubbing
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.friction import ACROSS, ALONG, BRISTLE, LOAD, Law, bristle, clear, stored
 from rps_exudyn.forces.memory import PATCHES, TIME, Memory
@@ -18,7 +19,7 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS, equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.verification.stick_slip import Oscillator, Rubbing, event_based
+from rps_exudyn.verification.stick_slip import event_based
 
 PARTS = ("mesh", "yoke", "bush", "bearing")
 GEAR = SteeringGear()

@@ -1,0 +1,51 @@
+"""The gear behind its steering column, reduced to one inertia on a spring, with the friction of its parts.
+
+Pinion and rack turn together at the gear's gain. What each part takes is the closed form's; it slides with
+its lever times the pinion's speed: the teeth with the mean lever of their friction, plunger and bush with the
+rack, the bearing with the shaft.
+"""
+
+import numpy as np
+
+from rps_exudyn.analysis.stick_slip import Oscillator, Rubbing
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.friction_law import FrictionLaw
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.closed_form import closed_form
+from rps_exudyn.solvers.gear_forces import following_inertia
+
+
+def reduced_gear(gear: SteeringGear) -> Oscillator:
+    """Return the reduced model of a gear and its column; parts by law coulomb are no larger at rest."""
+    gain, (pinion, rack) = float(GearPair.of(gear).gain), following_inertia(gear)
+    parts = tuple(_part(law, torque, lever) for law, torque, lever in _parts(gear))
+    column = gear.column
+    return Oscillator(pinion + rack * gain**2, column.stiffness, column.damping, parts)
+
+
+def presliding_angle(gear: SteeringGear) -> float:
+    """Return the pinion angle over which bristles turn about [rad], the mean over the parts weighed with
+    their friction; 0 without bristles."""
+    parts = [(law, torque, lever) for law, torque, lever in _parts(gear) if torque > 0 and lever > 0]
+    yielding = [
+        torque * law.bristle_travel / lever for law, torque, lever in parts if law.friction_law == "bristle"
+    ]
+    whole = sum(torque for _, torque, _ in parts)
+    return float(np.sum(yielding) / whole) if whole else 0.0
+
+
+def _parts(gear: SteeringGear) -> list[tuple[FrictionLaw, float, float]]:
+    """Law, torque [N m] and lever [m] of the parts that rub."""
+    formulas, gain = closed_form(gear), float(GearPair.of(gear).gain)
+    mean = formulas.towards(gear.test.direction)
+    return [
+        (gear.mesh, mean.mesh_loss, formulas.friction_lever),
+        (gear.yoke, mean.plunger_loss, gain),
+        (gear.bush, mean.bush_loss, gain),
+        (gear.bearing, mean.bearing_loss, gear.pinion.shaft_diameter / 2),
+    ]
+
+
+def _part(law: FrictionLaw, torque: float, lever: float) -> Rubbing:
+    ratio = 1.0 if law.friction_law == "coulomb" else law.static_ratio
+    return Rubbing(max(torque, 0.0), ratio, law.stribeck_speed / max(lever, 1e-9), law.stribeck_exponent)
