@@ -26,7 +26,8 @@ def stick_slip_figure(result: Result, measured: MeasuredTorque | None = None) ->
     name = "column_torque" if "column_torque" in result.signals else "pinion_torque"
     time = MILLISECONDS * result["time"]
     style.line(axes[0], time, result[name], SIGNALS[name], "torque at the wheel", "torque")
-    speed = np.gradient(result["pinion_angle"], result["time"])
+    angle = result["pinion_angle"]
+    speed = np.gradient(angle, result["time"]) if angle.size > 1 else np.full(angle.size, np.nan)
     style.line(axes[1], time, speed, SPEED, "pinion's speed", "lift")
     wheel = result.gear.test.direction * result.gear.test.speed
     axes[1].axhline(wheel, **style.REFERENCE_LINE, label="wheel")
