@@ -23,6 +23,27 @@ Columns = Annotated[
     ),
 ]
 
+Priors = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--prior",
+        negative=(),
+        show_default=False,
+        help='PATH="VALUE +- DEVIATION": what is expected of a parameter and its standard deviation, for instance '
+        '--prior yoke.preload="300 N +- 10 %"; may be repeated.',
+    ),
+]
+
+Freed = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--free",
+        negative=(),
+        show_default=False,
+        help="parameter that is fitted instead of the usual ones, for instance --free yoke.preload; may be repeated.",
+    ),
+]
+
 
 def chosen_columns(texts: Iterable[str]) -> Mapping[str, str]:
     """Quantity -> title and unit.

@@ -1,9 +1,57 @@
-"""The commands around results: animate, view, explore, init, validate, doctor."""
+"""The commands around results: fit, animate, view, explore, init, validate, doctor."""
 
 from pathlib import Path
 
 from rps_exudyn.cli.app import DONE, FAILED, PAPER_GEAR, Flag, app
+from rps_exudyn.cli.measured_options import Columns, Freed, Priors, chosen_columns
 from rps_exudyn.cli.options import GearOptions
+
+
+@app.command
+def fit(
+    *files: str,
+    gear: GearOptions = PAPER_GEAR,
+    prior: Priors = (),
+    free: Freed = (),
+    column: Columns = (),
+    single_law: Flag = False,
+    out: Path = Path("fitted.toml"),
+    plot: Path | None = None,
+    report: Path | None = None,
+    json: Flag = False,
+) -> int:
+    """Estimate preload, friction, drag and runout from measured curves, and say what they cannot tell apart.
+
+    Args:
+        files: measured files, FILE of a free turning or TEST=FILE, where TEST is free, reversal, load-test@80kg,
+            rack-push, yoke-out or bearing; several of one test are its repeats.
+        single_law: leave out the fit by another contact law, whose difference is added to the intervals.
+        out: gear file (.toml) with the estimates in place.
+        plot: picture (.png, .svg, .pdf) of measured and fitted torque.
+        report: page (.html) with pictures, intervals, correlations and what was assumed.
+        json: print the fit as JSON.
+    """
+    from rps_exudyn.cli.fit_command import do_fit, print_fit
+
+    found, written = do_fit(
+        files,
+        gear.load(),
+        free=free,
+        priors=prior,
+        columns=dict(chosen_columns(column)),
+        other_law=not single_law,
+        out=out,
+        plot=plot,
+        report=report,
+    )
+    if json:
+        from rps_exudyn.cli.printed import print_json
+        from rps_exudyn.fitting.findings import fit_as_dict
+
+        print_json(fit_as_dict(found) | {"files": [str(file) for file in written]})
+    else:
+        print_fit(found, written)
+    return DONE if found.converged else FAILED
 
 
 @app.command

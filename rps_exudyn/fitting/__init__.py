@@ -1,0 +1,1 @@
+"""What measured curves tell of a gear: estimates with intervals, and what cannot be told apart."""

@@ -1,0 +1,178 @@
+"""The tests of a bench whose curves can be fitted, and the files that hold them.
+
+free           the pinion is turned, the rack carries nothing (the scene free-pinion-torque)
+reversal       the same to and fro over some ten degrees
+load-test@80kg the pinion raises a weight at the rack's end, and lowers it
+rack-push      the rack is pushed, the pinion follows
+yoke-out       the pinion is turned without the yoke: nothing presses the teeth together
+bearing        the pinion alone in its bearings
+"""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from rps_exudyn.analysis.measured import MeasuredTorque
+from rps_exudyn.analysis.passes import passes
+from rps_exudyn.base import units
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.measured.reading import PUSH, TORQUE, read_curve
+from rps_exudyn.solvers.closed_form import GRAVITY
+
+KINDS = ("free", "reversal", "load-test", "rack-push", "yoke-out", "bearing")
+FREE_TURNING = ("free", "reversal")  # whose curves are compared angle by angle, others by their means
+_NAMED = re.compile(rf"(?P<kind>{'|'.join(KINDS)})(?:@(?P<load>[^=]+))?=(?P<file>.+)", re.S)
+MOST_POINTS = 720  # of a pass: more are taken together by their medians
+TURNING = np.radians(3.0)  # after a turn of a reversal, where friction is still turning about
+
+
+@dataclass(frozen=True)
+class BenchTest:
+    """One kind of test under one load."""
+
+    kind: str
+    load: float = 0.0  # that pulls the rack's end towards -X [N]
+
+    @property
+    def title(self) -> str:
+        """Its name for a reader, and in front of a file."""
+        return f"{self.kind}@{abs(self.load) / GRAVITY:.4g}kg" if self.load else self.kind
+
+    @property
+    def unit(self) -> str:
+        """SI unit of what is measured."""
+        return "N" if self.kind == "rack-push" else "N*m"
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredPass:
+    """What a file holds of one pass; the torque is that of the result files' signs."""
+
+    test: BenchTest
+    run: int  # number of the file
+    direction: int  # +1 moves the rack along +X
+    angle: np.ndarray  # pinion angle, or displacement of a rack push, rising [rad] or [m], shape (n,)
+    value: np.ndarray  # torque [N m] or force [N], shape (n,)
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """All passes of all files, and what was taken for granted."""
+
+    passes: tuple[MeasuredPass, ...]
+    names: tuple[str, ...]  # of the files, by their number
+    assumed: tuple[str, ...] = ()
+
+    @property
+    def tests(self) -> list[BenchTest]:
+        """The tests, each once, in the order in which they come."""
+        return list(dict.fromkeys(each.test for each in self.passes))
+
+
+def named_test(text: str) -> tuple[BenchTest, Path]:
+    """Return test and file of "FILE" or "TEST=FILE", for instance "load-test@80kg=heavy.csv".
+
+    Raises:
+        InputError: a load that is no mass, or a load test without one.
+    """
+    found = None if Path(text).exists() else _NAMED.fullmatch(text)
+    if not found:
+        return BenchTest("free"), Path(text)
+    kind, load, file = found["kind"], found["load"], Path(found["file"])
+    if (kind == "load-test") != (load is not None):
+        raise InputError(f"{text} must say the weight of a load test, and of no other: load-test@80kg=FILE.")
+    try:
+        mass = units.to_si(load, "kg") if load else 0.0
+    except ValueError as error:
+        raise InputError(f"{text}: the weight {error}.") from None
+    if load and not 0 < mass < 1e4:
+        raise InputError(f"{text}: the weight is {mass:g} kg; it must be more than 0 and less than 10000 kg.")
+    return BenchTest(kind, mass * GRAVITY), file
+
+
+def read_measurement(files: Iterable[str | Path], columns: Mapping[str, str] | None = None) -> Measurement:
+    """Read the passes of all files.
+
+    Raises:
+        InputError: files that cannot be read, all of them at once.
+    """
+    curves, problems = [], []
+    for text in files:
+        try:
+            test, path = named_test(str(text))
+            curves.append((test, read_curve(path, PUSH if test.kind == "rack-push" else TORQUE, columns)))
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError(problems)
+    return measurement_of(curves)
+
+
+def measurement_of(curves: Iterable[tuple[BenchTest, MeasuredTorque]]) -> Measurement:
+    """Divide curves into passes.
+
+    Raises:
+        InputError: there are none.
+    """
+    found: list[MeasuredPass] = []
+    names, assumed = [], []
+    for run, (test, curve) in enumerate(curves):
+        driven, measured = PUSH if test.kind == "rack-push" else TORQUE
+        turned = passes({"pinion_angle": curve.signals[driven], "value": curve.signals[measured]})
+        own = [
+            _measured_pass(test, run, each.direction, each.angle, each.signals["value"]) for each in turned
+        ]
+        own = _counted_by_the_motion(own, longest=max(np.ptp(each.angle) for each in own))
+        own, said = _with_signs(own)
+        found += own
+        names.append(curve.name)
+        assumed += [f"{curve.name}: {sentence}" for sentence in (*curve.assumed, f"{len(own)} passes", *said)]
+    if not found:
+        raise InputError("a fit needs at least one measured curve.")
+    return Measurement(tuple(found), tuple(names), tuple(assumed))
+
+
+def _measured_pass(
+    test: BenchTest, run: int, direction: int, angle: np.ndarray, value: np.ndarray
+) -> MeasuredPass:
+    if test.kind == "reversal":
+        inside = (angle > angle.min() + TURNING) & (angle < angle.max() - TURNING)
+        angle, value = (angle[inside], value[inside]) if inside.sum() > 2 else (angle, value)
+    order = np.argsort(angle)
+    angle, value = angle[order], value[order]
+    if angle.size > MOST_POINTS:
+        parts = np.array_split(np.arange(angle.size), MOST_POINTS)
+        angle = np.array([angle[part].mean() for part in parts])
+        value = np.array([np.median(value[part]) for part in parts])
+    return MeasuredPass(test, run, direction, angle, value)
+
+
+def _counted_by_the_motion(found: list[MeasuredPass], longest: float) -> list[MeasuredPass]:
+    """Leave out what is short beside the longest pass: the way to the start, a jerk."""
+    return [each for each in found if np.ptp(each.angle) > 0.2 * longest]
+
+
+def _with_signs(found: list[MeasuredPass]) -> tuple[list[MeasuredPass], list[str]]:
+    """Give the values the signs of the result files, where a bench records them otherwise."""
+    both = [[each for each in found if each.direction == sense] for sense in (+1, -1)]
+    forth, back = (float(np.mean([each.value.mean() for each in part])) if part else np.nan for part in both)
+    kind, load = found[0].test.kind, found[0].test.load
+    if kind == "load-test":
+        if max(forth, back) < 0 or (np.isnan(forth) and back < 0) or (np.isnan(back) and forth < 0):
+            turned = BenchTest(kind, -load)
+            return [_replaced(each, turned, 1) for each in found], ["the weight pulls the rack towards +X"]
+        return found, []
+    if min(forth, back) > 0 and min(forth, back) > 0.2 * max(forth, back):
+        said = "torques of the same sign both ways are read as against the motion"
+        return [_replaced(each, each.test, each.direction) for each in found], [said]
+    if forth < 0 or (np.isnan(forth) and back > 0):
+        said = "torques count negative where they drive along the motion; their signs are turned"
+        return [_replaced(each, each.test, -1) for each in found], [said]
+    return found, []
+
+
+def _replaced(each: MeasuredPass, test: BenchTest, sign: int) -> MeasuredPass:
+    return MeasuredPass(test, each.run, each.direction, each.angle, sign * each.value)

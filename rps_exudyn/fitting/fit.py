@@ -1,0 +1,186 @@
+"""Fit a gear to measured curves.
+
+    fit = rps.fit(["free.csv", "yoke-out=b.csv", "bearing=c.csv", "load-test@80kg=d.csv"])
+    fit.level.value, fit.found, fit.gear
+
+The model is the gear in equilibrium. Gauss and Newton's steps with Broyden's slopes improve a start by the
+closed form; the noise that is left gives the intervals; the same fit with another contact law tells what that
+choice changes, which is added to the intervals.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from time import process_time
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.fitting.bench_tests import FREE_TURNING, Measurement, read_measurement
+from rps_exudyn.fitting.estimate import Fit
+from rps_exudyn.fitting.noise import SENSOR, Found, Repeats, found_noise, noises_of, repeats_of
+from rps_exudyn.fitting.outcome import outcome_of
+from rps_exudyn.fitting.prediction import TURN, NoPredictionError, Prediction, within_the_teeth
+from rps_exudyn.fitting.problem import ZERO, Problem, State, white_noise
+from rps_exudyn.fitting.solve import Solved, solve
+from rps_exudyn.fitting.start import first_slopes, scanned_offset, start_of
+from rps_exudyn.fitting.unknowns import USUAL, settings_of, unknowns_of
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.closed_form import closed_form
+
+LEAST_TURN = 0.8  # of a turn, that a curve must cover to tell of runout or bow
+COARSE = 0.3  # of a standard error: a step that ends the fit by another law
+OTHER_LAW = {"line": "area", "area": "line", "teeth": "line"}
+
+
+def fit(
+    files: Iterable[str | Path] | Measurement,
+    gear: SteeringGear | None = None,
+    *,
+    free: Sequence[str] = USUAL,
+    priors: Mapping[str, tuple[float, float]] | None = None,
+    columns: Mapping[str, str] | None = None,
+    other_law: bool = True,
+    like: Fit | None = None,
+) -> Fit:
+    """Estimate parameters of a gear from measured curves.
+
+    Args:
+        files: measured files, "FILE" or "TEST=FILE" (`bench_tests.KINDS`); or a `Measurement`.
+        gear: what is known of it; the expected values of all priors unless `priors` has others.
+        free: parameters that are fitted, of `unknowns.FREEABLE`.
+        priors: path -> (expected value, standard deviation), SI.
+        columns: quantity -> "TITLE [unit]" of files whose header does not tell.
+        other_law: fit by another contact law as well, whose difference is added to the intervals.
+        like: the fit of another gear of the series, with the same tests: its slopes are taken over.
+
+    Raises:
+        InputError: files that cannot be read, curves too short, a prior that cannot be, or a gear that has no
+            equilibrium where the fit begins.
+    """
+    began, gear = process_time(), gear or SteeringGear()
+    measurement = files if isinstance(files, Measurement) else read_measurement(files, columns)
+    free, warnings = _tellable(measurement, gear, list(free))
+    problem = _problem(measurement, gear, free, priors or {})
+    try:
+        solved, problem, found, repeats = _solved(problem, gear, like)
+    except NoPredictionError as error:
+        raise InputError(
+            f"the fit finds no equilibrium where it begins: {error}; give a gear that runs, by --gear."
+        ) from None
+    by_law = np.zeros(len(problem.unknowns))
+    if like is not None and like.series is not None:
+        by_law = like.series.by_law
+    elif other_law:
+        by_law, said = _by_other_law(problem, gear, solved)
+        warnings += said
+    return outcome_of(
+        problem, gear, solved, found=found, repeats=repeats, by_law=by_law, warnings=warnings, began=began
+    )
+
+
+def _tellable(measurement: Measurement, gear: SteeringGear, free: list[str]) -> tuple[list[str], list[str]]:
+    """The freed parameters of which curves of this length can tell, and what is said about the others.
+
+    Raises:
+        InputError: curves too short to tell anything.
+    """
+    turning = [each for each in measurement.passes if each.test.kind in FREE_TURNING]
+    pitch = TURN / gear.pinion.teeth
+    for each in turning:
+        if np.ptp(each.angle) < 0.98 * pitch:
+            raise InputError(
+                f"{measurement.names[each.run]} covers {np.degrees(np.ptp(each.angle)):.3g} deg in a pass; a "
+                f"level needs a tooth pitch, {np.degrees(pitch):.3g} deg, at least."
+            )
+    longest = max((float(np.ptp(each.angle)) for each in turning), default=0.0)
+    warnings = []
+    for path, needed in (("pinion.runout", LEAST_TURN * TURN), ("rack.bow", 2 * TURN)):
+        if path in free and longest < needed:
+            free.remove(path)
+            if turning:
+                warnings.append(
+                    f"{path} is not fitted: that needs {np.degrees(needed):.4g} deg of free turning"
+                )
+    return free, warnings
+
+
+def _problem(
+    measurement: Measurement,
+    gear: SteeringGear,
+    free: Sequence[str],
+    priors: Mapping[str, tuple[float, float]],
+) -> Problem:
+    turning = [each for each in measurement.passes if each.test.kind in FREE_TURNING]
+    whole = None
+    if "rack.bow" in free or gear.rack.bow:
+        angles = np.concatenate([each.angle for each in turning]) if turning else np.array([-np.pi, np.pi])
+        whole = within_the_teeth(gear, float(angles.min()), float(angles.max()))
+    unknowns = unknowns_of(gear, free, priors)
+    if not unknowns:
+        raise InputError("a fit needs at least one free parameter of which its curves can tell.")
+    torque = closed_form(gear).free_torque
+    kinds = {each.run: each.test.kind for each in measurement.passes}
+    gain = float(GearPair.of(gear).gain)
+    quiet = tuple(
+        ZERO * torque / (gain if kinds.get(run) == "rack-push" else 1.0)
+        for run in range(len(measurement.names))
+    )
+    tests = measurement.tests
+    unknown_noise = Found(0.0, 0.0, 0.0, 0.0, np.inf)
+    found = [replace(unknown_noise, white=white_noise(each)) for each in measurement.passes]
+    return Problem(
+        measurement=measurement,
+        prediction=Prediction.of(tests, whole),
+        unknowns=unknowns,
+        pitch=TURN / gear.pinion.teeth,
+        noises=noises_of(measurement.passes, found, {}, len(tests) > 1),
+        quiet=quiet,
+        with_offset=bool(turning),
+        calibrated=SENSOR if len(tests) > 1 else 1e-9,
+    )
+
+
+def _solved(
+    problem: Problem, gear: SteeringGear, like: Fit | None
+) -> tuple[Solved, Problem, list[Found], dict[str, Repeats]]:
+    """Solve, find the noise in what is left, and solve again with that noise."""
+    state = _start(problem, gear, like)
+    solved = solve(problem, gear, state, lambda at: first_slopes(problem, gear, at))
+    passes, rows = problem.measurement.passes, solved.equations.rows
+    found = [
+        found_noise(each, row, noise.white, problem.pitch)
+        for each, row, noise in zip(passes, rows, problem.noises, strict=True)
+    ]
+    repeats = repeats_of(passes, rows)
+    noises = noises_of(passes, found, repeats, len(problem.prediction.blocks) > 1)
+    problem = problem.with_noises(noises)
+    again = solve(problem, gear, solved.state)
+    why = solved.why or again.why
+    again = replace(again, converged=again.converged and solved.converged, why=why)
+    return again, problem, found, repeats
+
+
+def _start(problem: Problem, gear: SteeringGear, like: Fit | None) -> State:
+    paths = tuple(each.path for each in problem.unknowns)
+    if like is None or like.series is None or like.series.paths != paths:
+        return start_of(problem, gear)
+    before = like.series.state
+    state = replace(before, zeros=np.zeros(len(problem.quiet)), offset=0.0, gain=0.0)
+    if before.values.size != sum(block.size for block in problem.prediction.blocks):
+        return start_of(problem, gear)
+    return replace(state, offset=scanned_offset(problem, state)) if problem.with_offset else state
+
+
+def _by_other_law(problem: Problem, gear: SteeringGear, solved: Solved) -> tuple[np.ndarray, list[str]]:
+    """How far another contact law moves the unknowns, and what is said if that cannot be told."""
+    law = OTHER_LAW[gear.mesh.law]
+    other, state = gear.replace({"mesh.law": law}), solved.state
+    try:
+        values = problem.prediction.simulated(other.replace(settings_of(problem.unknowns, state.u)))
+    except NoPredictionError as error:
+        return np.zeros(state.u.size), [f"the fit by mesh.law = {law} has no equilibrium: {error}"]
+    moved = solve(problem, other, replace(state, values=values), enough=COARSE)
+    said = [] if moved.converged else [f"the fit by mesh.law = {law} did not converge: {moved.why}"]
+    return moved.state.u - state.u, said

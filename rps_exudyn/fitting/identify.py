@@ -1,0 +1,135 @@
+"""What the means of all tests determine: single parameters, combinations, and which test would tell more.
+
+A parameter counts as found only if the data tell it whatever the others are: its standard deviation with
+very weak beliefs about all of them is below half of the deviation that was declared for it. What is
+narrowed with the help of the declared deviations of others follows from them, and is named so.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+
+from rps_exudyn.fitting.bench_tests import BenchTest
+from rps_exudyn.fitting.noise import REPEATABILITY, SENSOR
+from rps_exudyn.fitting.prediction import formula_means
+from rps_exudyn.fitting.unknowns import LEVEL
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.closed_form import GRAVITY, unloading_force
+
+NARROWED = 0.5  # of the declared deviation
+ANYTHING = 1.0  # deviation of a logarithm about which nothing is known: a factor of 2.7 either way
+LEAST_SHARE = 0.08  # of the largest exponent of a combination that is worth naming
+SEPARATING = ("yoke.preload", "mesh.friction")
+
+
+@dataclass(frozen=True, eq=False)
+class LevelData:
+    """What means tell of the logarithms of all level parameters, whether they are freed or not."""
+
+    paths: tuple[str, ...]
+    information: np.ndarray  # (n, n)
+
+    def alone(self) -> dict[str, float]:
+        """Standard deviation of each logarithm from the data alone."""
+        covariance = np.linalg.inv(self.information + np.eye(len(self.paths)) / ANYTHING**2)
+        return dict(zip(self.paths, np.sqrt(np.diag(covariance)).tolist(), strict=True))
+
+    def with_test(self, gear: SteeringGear, test: BenchTest) -> "LevelData":
+        """The same after one more test, both ways, with the declared repeatability."""
+        means = np.array(formula_means(gear, test))
+        slopes = logarithmic_slopes(gear, test, self.paths)
+        friction = abs(means[0] - means[1]) / 2
+        across = (slopes[0] - slopes[1]) / 2 / friction
+        across = across / np.hypot(REPEATABILITY, SENSOR)
+        return LevelData(self.paths, self.information + np.outer(across, across))
+
+
+def logarithmic_slopes(gear: SteeringGear, test: BenchTest, paths: Iterable[str]) -> np.ndarray:
+    """Return derivatives of both means with respect to the logarithms, by the closed form, shape (2, n)."""
+    base, columns = np.array(formula_means(gear, test)), []
+    for path in paths:
+        step = LEVEL[path].step
+        moved = gear.replace({path: gear.value_at(path) * np.exp(step)})
+        columns.append((np.array(formula_means(moved, test)) - base) / step)
+    return np.array(columns).T
+
+
+@dataclass(frozen=True)
+class Combination:
+    """A product of powers of parameters that the data determine although they leave each of them open."""
+
+    exponents: dict[str, float]  # path -> exponent; the largest is 1
+    sd: float  # relative
+    prior_sd: float
+
+    @property
+    def words(self) -> str:
+        """The product in words."""
+        parts = [path if power == 1 else f"{path}^{power:.2g}" for path, power in self.exponents.items()]
+        return " x ".join(parts)
+
+
+def combination_of(paths: Sequence[str], posterior: np.ndarray, prior_sd: np.ndarray) -> Combination | None:
+    """Return the best determined product of parameters; None if it is not narrowed either.
+
+    `posterior` is the covariance of their logarithms (n, n): the product's exponents are the direction in
+    which it is smallest beside the prior's.
+    """
+    if len(paths) < 2:
+        return None
+    scaled = posterior / np.outer(prior_sd, prior_sd)
+    values, vectors = np.linalg.eigh(scaled)
+    if values[0] > NARROWED**2:
+        return None
+    exponents = vectors[:, 0] / prior_sd
+    exponents = exponents / exponents[np.argmax(np.abs(exponents))]
+    kept = np.abs(exponents) > LEAST_SHARE
+    shown = {path: float(power) for path, power, ok in zip(paths, exponents, kept, strict=True) if ok}
+    order = dict(sorted(shown.items(), key=lambda item: -item[1]))
+    direction = np.where(kept, exponents, 0.0)
+    sd, before = np.sqrt(exponents @ posterior @ exponents), np.sqrt(direction**2 @ prior_sd**2)
+    return Combination(order, float(sd), float(before))
+
+
+@dataclass(frozen=True)
+class Advice:
+    """Tests that would tell apart what is not, and how well."""
+
+    tests: tuple[BenchTest, ...]
+    reached: dict[str, float]  # path -> relative standard deviation after them
+
+
+def candidates(gear: SteeringGear) -> list[BenchTest]:
+    """Return tests that a bench may add: without yoke, without rack, and weights."""
+    lifting = unloading_force(gear) / GRAVITY
+    masses = [max(10.0, 10.0 * ceil(part * lifting / 10)) for part in (0.3, 0.6, 1.15)]
+    weights = [BenchTest("load-test", mass * GRAVITY) for mass in dict.fromkeys(masses)]
+    return [BenchTest("yoke-out"), BenchTest("bearing"), *weights]
+
+
+def advice_of(gear: SteeringGear, data: LevelData, done: Sequence[BenchTest]) -> Advice | None:
+    """Return further tests, chosen one after the other until preload and friction of the teeth are separated;
+    None where they are already."""
+    chosen: list[BenchTest] = []
+    kinds = {test.kind for test in done if test.kind in ("yoke-out", "bearing")}
+    left = [test for test in candidates(gear) if test.kind not in kinds and test not in done]
+
+    def worst(after: LevelData) -> float:
+        alone = after.alone()
+        return sum(np.log(max(alone[path] / LEVEL[path].sd, NARROWED)) for path in SEPARATING) + 0.01 * sum(
+            np.log(alone[path]) for path in after.paths
+        )
+
+    def separated(after: LevelData) -> bool:
+        return all(after.alone()[path] < NARROWED * LEVEL[path].sd for path in SEPARATING)
+
+    if separated(data):
+        return None
+    while left and not separated(data):
+        best = min(left, key=lambda test: worst(data.with_test(gear, test)))
+        data = data.with_test(gear, best)
+        chosen.append(best)
+        left.remove(best)
+    return Advice(tuple(chosen), {path: sd for path, sd in data.alone().items() if path in LEVEL})

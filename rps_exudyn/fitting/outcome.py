@@ -1,0 +1,297 @@
+"""From where the steps of a fit ended to what is said about it."""
+
+from collections.abc import Sequence
+from time import process_time
+
+import numpy as np
+
+from rps_exudyn.fitting.bench_tests import FREE_TURNING
+from rps_exudyn.fitting.estimate import Estimate, Fit, FittedPass, Level, Series, Verdict
+from rps_exudyn.fitting.identify import (
+    NARROWED,
+    LevelData,
+    advice_of,
+    combination_of,
+    logarithmic_slopes,
+)
+from rps_exudyn.fitting.noise import REPEATABILITY, SENSOR, Found, Repeats, friction_part
+from rps_exudyn.fitting.problem import Problem
+from rps_exudyn.fitting.solve import Solved
+from rps_exudyn.fitting.unknowns import LEVEL, VECTORS, settings_of
+from rps_exudyn.parameters.gear import SteeringGear
+
+NORMAL = 1.959964  # quantile of 97.5 %
+UNMOVED = 0.97  # of the prior's deviation: what is left of it where the data say nothing
+FAR = 2.5  # standard deviations from what was expected
+RUNOUT_SURE = 5.991  # chi squared of two components, 95 %
+
+
+def outcome_of(
+    problem: Problem,
+    gear: SteeringGear,
+    solved: Solved,
+    *,
+    found: Sequence[Found],
+    repeats: dict[str, Repeats],
+    by_law: np.ndarray,
+    warnings: list[str],
+    began: float,
+) -> Fit:
+    """Return the fit with its intervals, verdicts, combinations and warnings."""
+    state, covariance = solved.state, covariance_of(problem, solved)
+    quantile = _quantile(repeats)
+    fitted = gear.replace(settings_of(problem.unknowns, state.u))
+    data = level_data(problem, solved, fitted)
+    estimates = [
+        *_levels(problem, state.u, covariance, by_law, data, quantile),
+        *_others(problem, state.u, covariance, by_law, quantile),
+    ]
+    count = len(problem.unknowns)
+    spread = np.sqrt(np.diag(covariance))[:count]
+    is_open = [each.path for each in estimates if each.verdict is Verdict.OPEN]
+    unclear = [each.path for each in estimates if each.verdict in (Verdict.OPEN, Verdict.NOT_MOVED)]
+    unclear = [path for path in unclear if path in LEVEL] if is_open else []
+    where = [j for j, each in enumerate(problem.unknowns) if each.path in unclear]
+    prior = np.array([problem.unknowns[j].sd for j in where])
+    combination = combination_of(unclear, covariance[np.ix_(where, where)], prior)
+    tests = problem.measurement.tests
+    return Fit(
+        gear=fitted,
+        given=gear,
+        level=_level(problem, solved, covariance, found, repeats, quantile),
+        estimates=estimates,
+        combinations=[combination] if combination else [],
+        correlations=covariance[:count, :count] / np.outer(spread, spread),
+        correlated=[f"{each.path} {each.component}".strip() for each in problem.unknowns],
+        advice=advice_of(fitted, data, tests) if is_open else None,
+        offset=state.offset,
+        offset_sd=float(np.sqrt(covariance[count, count])),
+        passes=_fitted_passes(problem, solved, covariance, quantile),
+        assumed=problem.measurement.assumed,
+        warnings=(*warnings, *_warnings(problem, solved, found, repeats, estimates)),
+        converged=solved.converged,
+        simulations=problem.prediction.simulations,
+        cpu_s=process_time() - began,
+        series=Series(tuple(each.path for each in problem.unknowns), state, by_law),
+    )
+
+
+def covariance_of(problem: Problem, solved: Solved) -> np.ndarray:
+    """Return the covariance of everything that was varied, (size, size).
+
+    The shape was weighted as if its noise were white; what is correlated of it is added.
+    """
+    inverse = np.linalg.inv(solved.equations.information)
+    added = np.zeros_like(inverse)
+    for each, row, noise in zip(
+        problem.measurement.passes, solved.equations.rows, problem.noises, strict=True
+    ):
+        if noise.correlated and row.shape.size:
+            weighted = (row.weights / noise.white**2)[:, None] * row.shape
+            added += weighted.T @ noise.covariance(each.angle) @ weighted
+    return inverse + inverse @ added @ inverse
+
+
+def level_data(problem: Problem, solved: Solved, fitted: SteeringGear) -> LevelData:
+    """Return what the means tell of all level parameters, whatever the sensor's gain and zeros are."""
+    paths, count, size = tuple(LEVEL), len(LEVEL), len(LEVEL) + 1 + len(problem.quiet)
+    whole = np.zeros((size, size))
+    whole[count:, count:] = np.diag(np.array([problem.calibrated, *problem.quiet]) ** -2.0)
+    several = len(problem.prediction.blocks) > 1
+    passes = problem.measurement.passes
+    for each, row in zip(passes, solved.equations.rows, strict=True):
+        level = np.zeros(size)
+        level[:count] = logarithmic_slopes(fitted, each.test, paths)[0 if each.direction > 0 else 1]
+        level[count], level[count + 1 + each.run] = float(each.value.mean()), 1.0
+        model = SENSOR * friction_part(passes, each) if several else 0.0
+        whole += np.outer(level, level) / (row.level_sd**2 + model**2)
+    coupled = whole[:count, count:]
+    left_over = coupled @ np.linalg.solve(whole[count:, count:], coupled.T)
+    return LevelData(paths, whole[:count, :count] - left_over)
+
+
+def _quantile(repeats: dict[str, Repeats]) -> float:
+    """The quantile of 97.5 %: Student's where repeats gave the scatter."""
+    if not repeats:
+        return NORMAL
+    from scipy.special import stdtrit
+
+    return float(stdtrit(min(each.freedom for each in repeats.values()), 0.975))
+
+
+def _levels(
+    problem: Problem,
+    u: np.ndarray,
+    covariance: np.ndarray,
+    by_law: np.ndarray,
+    data: LevelData,
+    quantile: float,
+) -> list[Estimate]:
+    alone, found = data.alone(), []
+    for j, unknown in enumerate(problem.unknowns):
+        if not unknown.is_level:
+            continue
+        sd, law = float(np.sqrt(covariance[j, j])), float(by_law[j])
+        half, value = quantile * sd + abs(law), float(np.exp(u[j]))
+        if alone[unknown.path] < NARROWED * LEVEL[unknown.path].sd:
+            verdict = Verdict.FOUND
+        elif sd < NARROWED * unknown.sd:
+            verdict = Verdict.BY_PRIOR
+        else:
+            verdict = Verdict.NOT_MOVED if sd > UNMOVED * unknown.sd else Verdict.OPEN
+        interval = value * float(np.exp(-half)), value * float(np.exp(half))
+        before = float(np.exp(unknown.before))
+        found.append(Estimate(unknown.path, value, interval, before, unknown.sd, sd, law, verdict))
+    return found
+
+
+def _others(
+    problem: Problem, u: np.ndarray, covariance: np.ndarray, by_law: np.ndarray, quantile: float
+) -> list[Estimate]:
+    """Runout and bow by size and direction, and what may have either sign."""
+    found = []
+    for j, unknown in enumerate(problem.unknowns):
+        if unknown.component == "cos":
+            found += _vector(problem, j, u[j : j + 2], covariance[j : j + 2, j : j + 2], by_law, quantile)
+        elif not (unknown.is_level or unknown.component):
+            sd, law = float(np.sqrt(covariance[j, j])), float(by_law[j])
+            half = quantile * sd + abs(law)
+            sure = abs(float(u[j])) > half
+            verdict = Verdict.NOT_ZERO if sure else Verdict.MAYBE_ZERO
+            verdict = Verdict.NOT_MOVED if sd > UNMOVED * unknown.sd else verdict
+            interval = float(u[j]) - half, float(u[j]) + half
+            found.append(
+                Estimate(unknown.path, float(u[j]), interval, unknown.before, unknown.sd, sd, law, verdict)
+            )
+    return found
+
+
+def _vector(
+    problem: Problem, j: int, vector: np.ndarray, covariance: np.ndarray, by_law: np.ndarray, quantile: float
+) -> list[Estimate]:
+    unknown, size = problem.unknowns[j], float(np.hypot(*vector))
+    along = vector / size if size else np.array([1.0, 0.0])
+    across = np.array([-along[1], along[0]])
+    sds = [float(np.sqrt(way @ covariance @ way)) for way in (along, across)]
+    laws = [float(by_law[j : j + 2] @ way) for way in (along, across)]
+    sure = float(vector @ np.linalg.solve(covariance, vector)) > RUNOUT_SURE and size > abs(laws[0])
+    half = quantile * sds[0] + abs(laws[0])
+    interval = max(0.0, size - half), size + half
+    verdict = Verdict.NOT_ZERO if sure else Verdict.MAYBE_ZERO
+    before = np.hypot(unknown.before, problem.unknowns[j + 1].before)
+    found = [Estimate(unknown.path, size, interval, float(before), unknown.sd, sds[0], laws[0], verdict)]
+    if sure:
+        angle = float(np.arctan2(vector[1], vector[0]))
+        half = (quantile * sds[1] + abs(laws[1])) / size
+        path, sd, law = f"{unknown.path}_angle", sds[1] / size, laws[1] / size
+        found.append(
+            Estimate(path, angle, (angle - half, angle + half), 0.0, np.pi, sd, law, Verdict.NOT_ZERO)
+        )
+    return found
+
+
+def _level(
+    problem: Problem,
+    solved: Solved,
+    covariance: np.ndarray,
+    found: Sequence[Found],
+    repeats: dict[str, Repeats],
+    quantile: float,
+) -> Level | None:
+    """The mean free torque, where it was measured."""
+    turning = [i for i, block in enumerate(problem.prediction.blocks) if block.test.kind in FREE_TURNING]
+    if not turning:
+        return None
+    block, count = problem.prediction.blocks[turning[0]], len(problem.unknowns)
+    value = float(block.mean_torque(problem.prediction.part(turning[0], solved.state.values)))
+    slope = np.zeros(problem.size)
+    slope[:count] = block.mean_torque(problem.prediction.part(turning[0], solved.state.slopes))
+    sd = float(np.sqrt(slope @ covariance @ slope))
+    half = quantile * sd
+    return Level(value, (value - half, value + half), sd, _noise_words(problem, found, repeats))
+
+
+def _noise_words(problem: Problem, found: Sequence[Found], repeats: dict[str, Repeats]) -> str:
+    """What the intervals rest on."""
+    if repeats:
+        each = next(iter(repeats.values()))
+        return f"scatter of {each.runs} runs, Student's t with {each.freedom} degrees of freedom"
+    if any(each.correlated for each in found):
+        return (
+            "white and correlated noise by REML, and a declared repeatability of "
+            f"{100 * REPEATABILITY:.2g} %; may be 10 % too narrow"
+        )
+    if len(problem.prediction.blocks) > 1:
+        return f"white noise, and a declared repeatability of {100 * REPEATABILITY:.2g} % of each pass"
+    return "white noise within this run; nothing is known of the scatter from run to run"
+
+
+def _fitted_passes(
+    problem: Problem, solved: Solved, covariance: np.ndarray, quantile: float
+) -> list[FittedPass]:
+    state, drawn = solved.state, []
+    for number, each in enumerate(problem.measurement.passes):
+        block, at = problem.block_of(number)
+        values = problem.prediction.part(at, state.values)
+        slopes = problem.prediction.part(at, state.slopes)
+        angle = each.angle - state.offset
+        if each.test.kind in FREE_TURNING:
+            model = block.at(values, each.direction, angle)
+            by_u = block.at(slopes, each.direction, angle)
+        else:
+            half = 0 if each.direction > 0 else 1
+            model = np.full(angle.size, values[half])
+            by_u = np.broadcast_to(slopes[half], (angle.size, slopes.shape[1]))
+        count = by_u.shape[1]
+        variance = np.einsum("ij,jk,ik->i", by_u, covariance[:count, :count], by_u)
+        drawn.append(
+            FittedPass(
+                problem.measurement.names[each.run],
+                each.test.title,
+                each.direction,
+                each.angle,
+                each.value,
+                (1 + state.gain) * model + state.zeros[each.run],
+                quantile * np.sqrt(np.maximum(variance, 0.0)),
+                problem.noises[number].white,
+                each.test.unit,
+            )
+        )
+    return drawn
+
+
+def _warnings(
+    problem: Problem,
+    solved: Solved,
+    found: Sequence[Found],
+    repeats: dict[str, Repeats],
+    estimates: Sequence[Estimate],
+) -> list[str]:
+    said = []
+    if not solved.converged:
+        said.append(f"the fit did not converge ({solved.why}); what it has is written, and is no estimate")
+    if not repeats:
+        said.append("no test was run three times: how much runs differ is not known from these data")
+    if any(each.correlated for each in found):
+        said.append("what is left of the curve keeps its sign over some degrees: noise is correlated")
+    drifts = [each for each in found if abs(each.drift) > max(3 * each.drift_sd, 0.005)]
+    if drifts:
+        worst = max(abs(each.drift) for each in drifts)
+        said.append(
+            f"the torque drifts by {100 * worst:.2g} % over a pass: a bent rack, warming, or the sensor"
+        )
+    for test in problem.measurement.tests:
+        ways = {each.direction for each in problem.measurement.passes if each.test == test}
+        if len(ways) == 1:
+            said.append(f"{test.title} was measured one way only: the sensor's zero counts as friction there")
+    for each in estimates:
+        if each.path in LEVEL and abs(np.log(each.value / each.prior)) > FAR * each.prior_sd:
+            said.append(
+                f"{each.path} lies far from what was expected: its prior pulls at it, or the model is wrong"
+            )
+        if each.path in LEVEL and each.path.endswith("friction") and each.value > 0.98:
+            said.append(f"{each.path} is at its limit of 1")
+    runouts = [each for each in estimates if each.path in VECTORS]
+    if problem.with_offset and not any(each.verdict is Verdict.NOT_ZERO for each in runouts):
+        said.append("the angle's offset is known but for whole tooth pitches: no runout tells them apart")
+    return said

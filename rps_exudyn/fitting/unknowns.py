@@ -1,0 +1,129 @@
+"""The unknowns of a fit, each with what is believed of it before: a declared standard deviation.
+
+Parameters that set the level of the torque are positive: their logarithms are fitted. Runout and bow have a
+size and a direction, and the direction means nothing where the size is 0: their components are fitted.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.declaration import DEG, Declared
+from rps_exudyn.parameters.gear import SteeringGear
+
+SMALLEST = 1e-9  # of a length, so that a vector of none has a period of a turn as well [m]
+
+
+class Believed(NamedTuple):
+    """What is known of a parameter before any measurement; SI, or relative where its logarithm is fitted."""
+
+    sd: float  # standard deviation
+    step: float  # of a forward difference: above the solver's noise, below what bends the curve
+
+
+LEVEL = {
+    "yoke.preload": Believed(0.4, 0.02),
+    "mesh.friction": Believed(0.4, 0.02),
+    "yoke.friction": Believed(0.5, 0.02),
+    "bush.drag": Believed(0.4, 0.03),
+    "bearing.friction_torque": Believed(0.4, 0.03),
+}
+"""Parameters of the torque's level; deviations of the logarithm. Sources: spread of service manuals and of
+tables of friction coefficients, docs/measured-curves.md."""
+
+COEFFICIENTS = ("mesh.friction", "yoke.friction")
+MOST = 1.0  # of a coefficient of friction
+
+VECTORS = {"pinion.runout": Believed(20e-6, 2e-6), "rack.bow": Believed(0.1e-3, 5e-6)}
+"""Sizes of vectors, each with the direction at `<path>_angle`; deviations of either component [m]."""
+
+LINEAR = {"installation.angle_error": Believed(0.05 * DEG, 0.01 * DEG)}
+"""Parameters that may have either sign; they show in the shape of the curve."""
+
+USUAL = (*LEVEL, "pinion.runout")
+FREEABLE = (*LEVEL, *VECTORS, *LINEAR)
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """One number that is fitted."""
+
+    path: str  # of the parameter
+    component: str  # "" or of a vector: "cos", "sin"
+    before: float  # expected: logarithm of the SI value, or SI
+    sd: float  # of that expectation
+    step: float
+
+    @property
+    def is_level(self) -> bool:
+        """Tell whether it sets the level of the torque, which the shape is not trusted to tell."""
+        return self.path in LEVEL
+
+
+def unknowns_of(
+    gear: SteeringGear, free: Iterable[str], priors: Mapping[str, tuple[float, float]]
+) -> list[Unknown]:
+    """Return the unknowns of the freed parameters; `priors` is path -> (value, deviation), SI.
+
+    Raises:
+        InputError: a parameter of which no deviation is declared, or a prior that cannot be.
+    """
+    free = list(dict.fromkeys(free))
+    for path in (*free, *priors):
+        if path not in FREEABLE:
+            raise InputError(
+                f"{path} cannot be fitted: no standard deviation is declared for it; there are "
+                f"{', '.join(FREEABLE)}."
+            )
+    found: list[Unknown] = []
+    for path in sorted(free, key=FREEABLE.index):
+        value = float(gear.value_at(path))
+        if path in VECTORS:
+            angle = gear.value_at(f"{path}_angle")
+            sd = priors[path][1] if path in priors else VECTORS[path].sd
+            value = priors[path][0] if path in priors else value
+            step = VECTORS[path].step
+            found.append(Unknown(path, "cos", value * np.cos(angle), sd, step))
+            found.append(Unknown(path, "sin", value * np.sin(angle), sd, step))
+        elif path in LINEAR:
+            value, sd = priors.get(path, (value, LINEAR[path].sd))
+            found.append(Unknown(path, "", value, sd, LINEAR[path].step))
+        else:
+            found.append(_positive(path, value, priors.get(path)))
+    return found
+
+
+def _positive(path: str, value: float, prior: tuple[float, float] | None) -> Unknown:
+    sd = LEVEL[path].sd
+    if prior is not None:
+        value, sd = prior[0], prior[1] / prior[0] if prior[0] > 0 else 0.0
+    if not value > 0:
+        raise InputError(f"{path} is {value:g}; a parameter that is fitted must begin above 0.")
+    return Unknown(path, "", float(np.log(value)), sd, LEVEL[path].step)
+
+
+def settings_of(unknowns: list[Unknown], u: np.ndarray) -> dict[str, float]:
+    """Return path -> SI value for the values `u`, within the limits of the parameters."""
+    settings: dict[str, float] = {}
+    for unknown, value in zip(unknowns, u.tolist(), strict=True):
+        if unknown.is_level:
+            settings[unknown.path] = min(
+                float(np.exp(value)), 1.0 if "friction" in unknown.path[-9:] else np.inf
+            )
+        elif unknown.component == "cos":
+            settings[unknown.path] = value
+        elif unknown.component == "sin":
+            size = float(np.hypot(settings[unknown.path], value))
+            settings[f"{unknown.path}_angle"] = float(np.arctan2(value, settings[unknown.path]))
+            settings[unknown.path] = max(size, SMALLEST)
+        else:
+            settings[unknown.path] = value
+    return settings
+
+
+def declared(path: str) -> Declared:
+    """Return the declaration of a parameter."""
+    return SteeringGear.declared_at(path)[0]

@@ -1,0 +1,81 @@
+"""The page about a fit to measured curves."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from rps_exudyn.base.atomic import replacing
+from rps_exudyn.charts.fit import beliefs_figure, curves_figure
+from rps_exudyn.fitting import findings
+from rps_exudyn.fitting.estimate import Fit
+from rps_exudyn.report.blocks import Article, Block, Fold, Grid, Pictures, Section, Text, Warning
+from rps_exudyn.report.common import parameter_grid, provenance_facts
+from rps_exudyn.report.html import page
+from rps_exudyn.report.pictures import picture
+from rps_exudyn.results.provenance import provenance
+
+COLUMNS = ("parameter", "value", "95 % interval", "expected before", "verdict")
+
+
+def write_fit_page(fit: Fit, out: str | Path) -> None:
+    """Write the page.
+
+    Raises:
+        InputError: `out` cannot be written.
+    """
+    article = fit_article(fit)
+    with replacing(out) as partial:
+        partial.write_text(page(article.title, [article]), encoding="utf-8", errors="replace")
+
+
+def fit_article(fit: Fit) -> Article:
+    """What was found, its pictures, what it rests on."""
+    names = ", ".join(dict.fromkeys(each.name for each in fit.passes))
+    tests = ", ".join(dict.fromkeys(each.test for each in fit.passes))
+    return Article(
+        title=f"Fit to {names}",
+        lead=f"tests: {tests} · {fit.simulations} simulations · {fit.cpu_s:.2g} s of CPU time",
+        sections=[
+            Section("What was found", list(_found(fit))),
+            Section("Curves and beliefs", list(_pictures(fit))),
+            Section("What it rests on", list(_basis(fit))),
+        ],
+    )
+
+
+def _found(fit: Fit) -> Iterable[Block]:
+    if not fit.converged:
+        yield Warning("The fit did not converge: these values are where it ended, and no estimates.")
+    if sentence := findings.level_sentence(fit):
+        yield Text(f"{sentence[0].upper()}{sentence[1:]}.")
+    for sentence in findings.open_sentences(fit):
+        yield Text(f"{sentence[0].upper()}{sentence[1:]}.")
+    yield Grid(COLUMNS, [list(row) for row in findings.rows(fit)])
+    yield Text(
+        "A good fit proves nothing about single parameters: crowning, tip relief or a friction that depends on "
+        "speed pass unseen under noise, and move friction coefficients by several percent."
+    )
+
+
+def _pictures(fit: Fit) -> Iterable[Block]:
+    figures = {
+        "Measured and fitted torque with the 95 % band of the fit; what is left, with two standard "
+        "deviations of the noise": curves_figure(fit),
+        "What was expected before (grey) and after the fit": beliefs_figure(fit),
+    }
+    for caption, figure in figures.items():
+        if figure is not None:
+            yield Pictures([picture(figure, caption)])
+
+
+def _basis(fit: Fit) -> Iterable[Block]:
+    for sentence in fit.warnings:
+        yield Text(f"{sentence[0].upper()}{sentence[1:]}.")
+    yield Fold("What was assumed of the files", [Text(sentence) for sentence in fit.assumed])
+    rows = [
+        [name, *(f"{value:+.2f}" for value in line)]
+        for name, line in zip(fit.correlated, fit.correlations, strict=True)
+    ]
+    yield Fold("Correlations", [Grid(("", *fit.correlated), rows)])
+    changed = fit.gear.changes()
+    yield Fold("Gear with the estimates", [parameter_grid(changed, "What differs from the default gear")])
+    yield provenance_facts(provenance())

@@ -1,0 +1,114 @@
+"""Made-up measured curves: what the model shows, with noise as test benches have it. No measurement.
+
+White noise is new at every point; correlated noise keeps its sign over some ten degrees; a drift grows along
+a pass; repeatability changes a whole pass; a sensor has a zero.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from rps_exudyn.analysis.measured import MeasuredTorque
+from rps_exudyn.analysis.passes import passes
+from rps_exudyn.fitting.bench_tests import BenchTest
+from rps_exudyn.fitting.prediction import formula_means
+from rps_exudyn.measured.reading import PUSH, TORQUE
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.closed_form import GRAVITY
+
+SCENES = {
+    "free": "free-pinion-torque",
+    "reversal": "reversal",
+    "load-test": "load-test",
+    "rack-push": "rack-push",
+}
+
+
+@dataclass(frozen=True)
+class BenchNoise:
+    """Noise of a bench; sizes in parts of the level that friction makes."""
+
+    white: float = 0.02
+    correlated: float = 0.0
+    length: float = np.radians(20.0)  # over which it keeps its sign [rad]
+    drift: float = 0.0  # over a pass
+    repeatability: float = 0.0  # of a whole run
+    zero: float = 0.0  # of the sensor
+
+
+REAL = BenchNoise(white=0.01, correlated=0.0173, drift=0.02, repeatability=0.02, zero=0.02)
+"""2 % in all, three quarters of its variance correlated over 20 degrees."""
+
+
+def true_curve(gear: SteeringGear, test: BenchTest, law: str | None = None) -> dict[str, np.ndarray]:
+    """Return what the model shows in a test: `pinion_angle` [rad], `value` [N m] or [N], to and fro.
+
+    Raises:
+        RuntimeError: the simulation fails.
+    """
+    from rps_exudyn.simulate.run import simulate
+
+    gear = gear.replace({"test.path": "there-and-back", "test.start_angle": -np.pi})
+    if law:
+        gear = gear.replace({"mesh.law": law})
+    if test.kind in ("yoke-out", "bearing"):
+        angle = np.concatenate([np.linspace(-np.pi, np.pi, 361), np.linspace(np.pi, -np.pi, 361)[1:]])
+        forth, back = formula_means(gear, test)
+        return {"pinion_angle": angle, "value": np.where(np.arange(angle.size) < 361, forth, back)}
+    if test.kind == "reversal":
+        gear = gear.replace({"test.start_angle": 0.0})
+    if test.kind == "load-test":
+        gear = gear.replace({"test.load_mass": test.load / GRAVITY})
+    result = simulate(SCENES[test.kind], gear, Fidelity.preset("quasi-static"))
+    if result.status != "ok":
+        raise RuntimeError(f"{test.title}: {result.status}: {result.message}")
+    driven, value = (
+        ("rack_displacement", "rack_force") if test.kind == "rack-push" else ("pinion_angle", "pinion_torque")
+    )
+    return {"pinion_angle": result[driven], "value": result[value]}
+
+
+def with_noise(
+    curve: dict[str, np.ndarray], noise: BenchNoise, random: np.random.Generator
+) -> dict[str, np.ndarray]:
+    """Return the curve as a bench would record it; sizes are in parts of what friction makes of it."""
+    value, ways = curve["value"].copy(), list(_parts(curve["pinion_angle"]))
+    means = [float(value[part].mean()) for part in ways]
+    weight = (means[0] + means[-1]) / 2 if len(means) > 1 else 0.0  # of a load, which no run changes
+    size = abs(means[0] - weight)
+    run = 1 + noise.repeatability * random.standard_normal()
+    for part in ways:
+        angle = np.abs(curve["pinion_angle"][part] - curve["pinion_angle"][part][0])
+        slow = np.exp(-np.diff(angle, prepend=angle[0]) / noise.length)
+        kept = _kept(slow, random) if noise.correlated else 0.0
+        drift = noise.drift * random.standard_normal() * angle / max(float(angle[-1]), 1e-12)
+        white = noise.white * random.standard_normal(angle.size)
+        value[part] = weight + run * (value[part] - weight)
+        value[part] += size * (white + noise.correlated * kept + drift)
+    return {**curve, "value": value + size * noise.zero * random.standard_normal()}
+
+
+def measured_curve(
+    curve: dict[str, np.ndarray], test: BenchTest, name: str = "made up"
+) -> tuple[BenchTest, MeasuredTorque]:
+    """Return a curve as the reading of a file would."""
+    driven, value = PUSH if test.kind == "rack-push" else TORQUE
+    return test, MeasuredTorque(name, {driven: curve["pinion_angle"], value: curve["value"]})
+
+
+def _parts(angle: np.ndarray) -> Iterator[slice]:
+    turn = len(passes({"pinion_angle": angle})[0].angle)
+    yield slice(0, turn)
+    if turn < angle.size:
+        yield slice(turn, angle.size)
+
+
+def _kept(slow: np.ndarray, random: np.random.Generator) -> np.ndarray:
+    """An Ornstein-Uhlenbeck process of unit variance, whose steps keep the part `slow` (n,)."""
+    values, last = np.empty(slow.size), random.standard_normal()
+    for i, part in enumerate(slow.tolist()):
+        last = part * last + np.sqrt(1 - part**2) * random.standard_normal()
+        values[i] = last
+    return values
