@@ -44,14 +44,21 @@ SEEDED = ("white", "correlated", "repeats")  # by all seeds
 CASES = (*SEEDED, "spikes", "disturbed", "missing", "one way", "law area", "law line")
 
 
-def run(folder: Path, seeds: int = 100, few: int = 40, sets: int = 20) -> None:
+def run(
+    folder: Path,
+    seeds: int = 100,
+    few: int = 40,
+    sets: int = 20,
+    cases: tuple[str, ...] = CASES,
+    tests: tuple[BenchTest, ...] = SET,
+) -> None:
     """Fit made-up curves of many seeds, few of them where something disturbs; keep and draw the errors."""
     levels = {}
-    for case in CASES:
+    for case in cases:
         count = seeds if case in SEEDED else few
         levels[case] = [level_case(case, seed) for seed in range(count)]
         print(case, level_row(levels[case]), flush=True)
-    weights = [set_case(seed) for seed in range(sets)]
+    weights = [set_case(seed, tests) for seed in range(sets)]
     save_data(folder / DATA, {"levels": levels, "weights": weights, "series": series_case()})
     style.save(picture(levels), folder / PICTURE)
 
@@ -162,11 +169,11 @@ DISTURBANCES: dict[str, Disturbance] = {
 }
 
 
-def set_case(seed: int) -> dict[str, Any]:
+def set_case(seed: int, tests: tuple[BenchTest, ...] = SET) -> dict[str, Any]:
     """Fit the whole set of tests; return estimates over the true values, their deviations and verdicts."""
     random = np.random.default_rng(seed)
     noise = BenchNoise(repeatability=0.02, zero=0.02) if seed % 2 else WHITE
-    files: Measurement = measurement_of([measured(test, noise, random) for test in SET])
+    files: Measurement = measurement_of([measured(test, noise, random) for test in tests])
     found = fit(files, SteeringGear())
     true = true_gear()
     return {
@@ -284,6 +291,6 @@ TOPIC = Topic(
     "8 min",
     "fit",
     run,
-    {"seeds": 2, "few": 1, "sets": 1},
+    {"seeds": 1, "few": 1, "sets": 2, "cases": ("white", "spikes"), "tests": SET[:3]},
     {"fit_level": level_table, "fit_weights": weight_table},
 )

@@ -46,6 +46,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "smoke/test_examples.py",
     "smoke/test_explore.py",
     "smoke/test_first_steps.py",
+    "smoke/test_fit.py",
     "smoke/test_one_entry.py",
     "smoke/test_pages.py",
     "smoke/test_report.py",

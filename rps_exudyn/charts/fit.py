@@ -1,6 +1,7 @@
 """A fit to measured curves: both ways with the model and its band, residuals, beliefs before and after."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -42,7 +43,7 @@ def curves_figure(fit: Fit) -> Figure | None:
 def _draw_pass(torque: Axes, left: Axes, each: FittedPass) -> None:
     name, colour = DIRECTIONS[each.direction]
     angle, sense = np.degrees(each.angle), each.direction
-    points = {"s": 4, "alpha": 0.35, "linewidths": 0, "color": style.COLOURS[colour]}
+    points: Any = {"s": 4, "alpha": 0.35, "linewidths": 0, "color": style.COLOURS[colour]}
     torque.scatter(angle, sense * each.value, label=f"measured {name}", **points)
     low, high = (sense * (each.model + sign * each.half_band) for sign in (-1, 1))
     torque.fill_between(angle, low, high, color=style.COLOURS[colour], alpha=0.3, linewidth=0)

@@ -91,7 +91,7 @@ def write_files(fit: "Fit", out: Path, plot: Path | None, report: Path | None) -
     Raises:
         InputError: a file cannot be written.
     """
-    from rps_exudyn.fitting.findings import gear_text
+    from rps_exudyn.fitting.findings import gear_text, level_sentence
     from rps_exudyn.parameters.gear_file import gear_file
 
     if older := number_existing(out):
@@ -105,6 +105,7 @@ def write_files(fit: "Fit", out: Path, plot: Path | None, report: Path | None) -
 
         figure = curves_figure(fit) or beliefs_figure(fit)
         if figure is not None:
+            style.title(figure, level_sentence(fit).partition(";")[0])
             style.save(figure, plot)
             written.append(plot)
     if report:

@@ -13,9 +13,10 @@ if TYPE_CHECKING:
 MEASURED = """\
 # Your measured torque: replace the two lines below by your own, in either direction or both.
 # rps-exudyn run --gear gears/paper.toml --measured measured.csv
+# rps-exudyn fit --gear gears/paper.toml measured.csv
 pinion_angle [deg]; pinion_torque [N m]
 """
-SUFFIXES = (".toml", ".py", ".ipynb")
+SUFFIXES = (".toml", ".py", ".ipynb", ".csv", ".md")
 
 
 def do_init(folder: Path) -> list[Path]:

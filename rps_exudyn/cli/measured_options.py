@@ -29,8 +29,8 @@ Priors = Annotated[
         name="--prior",
         negative=(),
         show_default=False,
-        help='PATH="VALUE +- DEVIATION": what is expected of a parameter and its standard deviation, for instance '
-        '--prior yoke.preload="300 N +- 10 %"; may be repeated.',
+        help='PATH="VALUE +- DEVIATION": what is expected of a parameter and its standard deviation, for '
+        'instance --prior yoke.preload="300 N +- 10 %"; may be repeated.',
     ),
 ]
 
@@ -40,7 +40,8 @@ Freed = Annotated[
         name="--free",
         negative=(),
         show_default=False,
-        help="parameter that is fitted instead of the usual ones, for instance --free yoke.preload; may be repeated.",
+        help="PATH of a parameter that is fitted, instead of the usual ones, such as --free bush.drag; may "
+        "be repeated.",
     ),
 ]
 

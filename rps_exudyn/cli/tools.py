@@ -23,8 +23,8 @@ def fit(
     """Estimate preload, friction, drag and runout from measured curves, and say what they cannot tell apart.
 
     Args:
-        files: measured files, FILE of a free turning or TEST=FILE, where TEST is free, reversal, load-test@80kg,
-            rack-push, yoke-out or bearing; several of one test are its repeats.
+        files: measured files, FILE of a free turning or TEST=FILE, where TEST is free, reversal,
+            load-test@80kg, rack-push, yoke-out or bearing; several of one test are its repeats.
         single_law: leave out the fit by another contact law, whose difference is added to the intervals.
         out: gear file (.toml) with the estimates in place.
         plot: picture (.png, .svg, .pdf) of measured and fitted torque.

@@ -8,7 +8,7 @@ import numpy as np
 from rps_exudyn.base import units
 from rps_exudyn.fitting.bench_tests import BenchTest
 from rps_exudyn.fitting.estimate import Estimate, Fit, Verdict
-from rps_exudyn.fitting.identify import NARROWED
+from rps_exudyn.fitting.identify import NARROWED, SEPARATING
 from rps_exudyn.fitting.unknowns import LEVEL, declared
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.closed_form import mesh_torque_per_force, torque_per_preload
@@ -68,12 +68,12 @@ def open_sentences(fit: Fit) -> Iterator[str]:
     for each in fit.combinations:
         yield f"the product {each.words} is known to {100 * each.sd:.2g} % (standard deviation)"
     if fit.advice and fit.advice.tests:
-        reached = ", ".join(
-            f"{path} to {100 * sd:.2g} %"
-            for path, sd in fit.advice.reached.items()
-            if sd < 0.5 * LEVEL[path].sd
-        )
-        yield f"to tell them apart: {', '.join(map(test_words, fit.advice.tests))}; that tells {reached}"
+        told = {path: sd for path, sd in fit.advice.reached.items() if sd < NARROWED * LEVEL[path].sd}
+        reached = ", ".join(f"{path} to {100 * sd:.2g} %" for path, sd in told.items())
+        still = [path for path in SEPARATING if path not in told]
+        rest = f", and leaves {', '.join(still)} to repeats or to what is known of others" if still else ""
+        tests = ", ".join(map(test_words, fit.advice.tests))
+        yield f"to tell them apart: {tests}; that tells {reached}{rest}"
 
 
 def test_words(test: BenchTest) -> str:

@@ -21,6 +21,7 @@ from rps_exudyn.solvers.closed_form import GRAVITY, unloading_force
 NARROWED = 0.5  # of the declared deviation
 ANYTHING = 1.0  # deviation of a logarithm about which nothing is known: a factor of 2.7 either way
 LEAST_SHARE = 0.08  # of the largest exponent of a combination that is worth naming
+SIMPLE = ("yoke-out", "bearing")
 SEPARATING = ("yoke.preload", "mesh.friction")
 
 
@@ -41,9 +42,10 @@ class LevelData:
         means = np.array(formula_means(gear, test))
         slopes = logarithmic_slopes(gear, test, self.paths)
         friction = abs(means[0] - means[1]) / 2
-        across = (slopes[0] - slopes[1]) / 2 / friction
-        across = across / np.hypot(REPEATABILITY, SENSOR)
-        return LevelData(self.paths, self.information + np.outer(across, across))
+        across, along = (slopes[0] - slopes[1]) / 2, (slopes[0] + slopes[1]) / 2
+        across = across / (np.hypot(REPEATABILITY, SENSOR) * friction)
+        along = along / np.hypot(REPEATABILITY * friction, SENSOR * (means[0] + means[1]) / 2)
+        return LevelData(self.paths, self.information + np.outer(across, across) + np.outer(along, along))
 
 
 def logarithmic_slopes(gear: SteeringGear, test: BenchTest, paths: Iterable[str]) -> np.ndarray:
@@ -112,8 +114,7 @@ def candidates(gear: SteeringGear) -> list[BenchTest]:
 def advice_of(gear: SteeringGear, data: LevelData, done: Sequence[BenchTest]) -> Advice | None:
     """Return further tests, chosen one after the other until preload and friction of the teeth are separated;
     None where they are already."""
-    chosen: list[BenchTest] = []
-    kinds = {test.kind for test in done if test.kind in ("yoke-out", "bearing")}
+    kinds = {test.kind for test in done if test.kind in SIMPLE}
     left = [test for test in candidates(gear) if test.kind not in kinds and test not in done]
 
     def worst(after: LevelData) -> float:
@@ -127,6 +128,10 @@ def advice_of(gear: SteeringGear, data: LevelData, done: Sequence[BenchTest]) ->
 
     if separated(data):
         return None
+    chosen = [test for test in left if test.kind in SIMPLE]  # whatever else follows, they take minutes
+    left = [test for test in left if test.kind not in SIMPLE]
+    for test in chosen:
+        data = data.with_test(gear, test)
     while left and not separated(data):
         best = min(left, key=lambda test: worst(data.with_test(gear, test)))
         data = data.with_test(gear, best)

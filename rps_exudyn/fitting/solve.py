@@ -1,4 +1,4 @@
-"""Gauss and Newton's steps on a simulated model, with Broyden's slopes, damped where a step fails.
+"""Gauss and Newton's steps on a simulated model, damped where one fails, with Broyden's slopes where slow.
 
 Weights of robust loss, offset and zeros need no simulation: each step ends where the linearised model fits
 best, and only then the gear is simulated there.
@@ -18,6 +18,7 @@ ENOUGH = 0.05  # of a standard error: a smaller step of the unknowns ends the fi
 MOST_STEPS = 12
 MOST_ROUNDS = 25  # of weights, offset and zeros within a step
 MOST_HALVINGS = 6
+SLOW = 0.5  # of the step before: a step longer than that asks for better slopes
 LONGEST = 3.0  # standard deviations of the prior that a step may go
 WORSE = 1.0  # by which a step may raise a sum of squares ...
 BLURRED = 0.2  # ... and that of the shape, times itself: its own rows are no gradient of the level
@@ -45,19 +46,22 @@ def solve(
     `enough` is that small step, in standard errors; `slopes_anew` makes the derivatives again where a step
     by the updated ones fails.
     """
-    state = start
+    state, last = start, np.inf
     for _ in range(MOST_STEPS):
         guess, equations = best_of_line(problem, state)
         errors = np.sqrt(np.diag(np.linalg.inv(equations.information)))[: state.u.size]
-        if np.max(np.abs(guess.u - state.u) / errors) < enough:
+        size = float(np.max(np.abs(guess.u - state.u) / errors))
+        if size < enough:
             return Solved(guess, equations, True, "")
-        accepted, reason = _tried(problem, gear, state, guess)
+        improved = _by_broyden if size > SLOW * last else _as_before
+        accepted, reason = _tried(problem, gear, state, guess, improved)
         if accepted is None and slopes_anew is not None:
             state, slopes_anew = replace(state, slopes=slopes_anew(state)), None
+            last = np.inf
             continue
         if accepted is None:
             return Solved(state, linearised(problem, state), False, reason)
-        state = accepted
+        state, last = accepted, size
     return Solved(state, linearised(problem, state), False, f"{MOST_STEPS} steps were not enough")
 
 
@@ -80,7 +84,13 @@ def best_of_line(problem: Problem, state: State) -> tuple[State, Linearised]:
     return best, linearised(problem, best)
 
 
-def _tried(problem: Problem, gear: SteeringGear, state: State, guess: State) -> tuple[State | None, str]:
+Improved = Callable[[Problem, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+"""Problem, slopes, what they missed (m,), step of the unknowns (n,) -> slopes."""
+
+
+def _tried(
+    problem: Problem, gear: SteeringGear, state: State, guess: State, improved: Improved
+) -> tuple[State | None, str]:
     """The state at the guess, or on the way to it; None with the reason where nothing on the way helps."""
     before, reason = linearised(problem, state), ""
     step = problem.vector(guess) - problem.vector(state)
@@ -91,12 +101,12 @@ def _tried(problem: Problem, gear: SteeringGear, state: State, guess: State) -> 
         except NoPredictionError as error:
             reason, step = str(error), step / 2
             continue
-        slopes = _updated(problem, state.slopes, values - guess.values, guess.u - state.u)
+        slopes = improved(problem, state.slopes, values - guess.values, guess.u - state.u)
         new = replace(guess, values=values, slopes=slopes)
         if _is_better(linearised(problem, new), before):
             return new, ""
         reason, step = "no step makes the deviations smaller", step / 3
-        state = replace(state, slopes=slopes)
+        state, improved = replace(state, slopes=slopes), _by_broyden
     return None, reason
 
 
@@ -106,7 +116,12 @@ def _is_better(after: Linearised, before: Linearised) -> bool:
     return after.by_level <= before.by_level + WORSE and blurred
 
 
-def _updated(problem: Problem, slopes: np.ndarray, missed: np.ndarray, moved: np.ndarray) -> np.ndarray:
+def _as_before(problem: Problem, slopes: np.ndarray, missed: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """The slopes as they were: those of the closed form are good to a percent or two."""
+    return slopes
+
+
+def _by_broyden(problem: Problem, slopes: np.ndarray, missed: np.ndarray, moved: np.ndarray) -> np.ndarray:
     """Broyden's update of the level's slopes, in unknowns over their deviations: they explain how the means
     moved. What shows in the shape is nearly linear, and keeps the slopes that were simulated."""
     level = np.array([each.is_level for each in problem.unknowns])

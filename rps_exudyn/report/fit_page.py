@@ -51,8 +51,8 @@ def _found(fit: Fit) -> Iterable[Block]:
         yield Text(f"{sentence[0].upper()}{sentence[1:]}.")
     yield Grid(COLUMNS, [list(row) for row in findings.rows(fit)])
     yield Text(
-        "A good fit proves nothing about single parameters: crowning, tip relief or a friction that depends on "
-        "speed pass unseen under noise, and move friction coefficients by several percent."
+        "A good fit proves nothing about single parameters: crowning, tip relief or a friction that depends "
+        "on speed pass unseen under noise, and move friction coefficients by several percent."
     )
 
 

@@ -22,7 +22,15 @@ def test_import_loads_nothing_heavy_and_no_numpy() -> None:
 
 
 @pytest.mark.parametrize(
-    "arguments", [["--help"], ["run", "--help"], ["describe"], ["describe", "--json"], ["geometry", "--help"]]
+    "arguments",
+    [
+        ["--help"],
+        ["run", "--help"],
+        ["fit", "--help"],
+        ["describe"],
+        ["describe", "--json"],
+        ["geometry", "--help"],
+    ],
 )
 def test_quick_commands_load_nothing_heavy(arguments: list[str]) -> None:
     assert loaded_after(f"from rps_exudyn.cli.commands import main; assert main({arguments}) == 0") == set()
@@ -34,6 +42,7 @@ def test_public_names_are_there_when_used() -> None:
         for name in (
             "Batch",
             "Fidelity",
+            "Fit",
             "InputError",
             "Result",
             "Scene",
@@ -43,6 +52,7 @@ def test_public_names_are_there_when_used() -> None:
             "batch",
             "build_model",
             "compare_with_measured",
+            "fit",
             "load",
             "open_study",
             "read_measured_torque",

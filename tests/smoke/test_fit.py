@@ -1,0 +1,36 @@
+"""The command `fit` on the made-up curves that are shipped: what it prints, and the files it leaves."""
+
+from pathlib import Path
+
+import pytest
+
+import rps_exudyn as rps
+from shell import Command
+
+MADE_UP = Path(__file__).parents[2] / "studies" / "examples" / "measured"
+
+
+@pytest.fixture
+def files(command: Command) -> list[str]:
+    return [str(MADE_UP / "made_up_free.csv"), f"yoke-out={MADE_UP / 'made_up_yoke_out.csv'}"]
+
+
+def test_fit_prints_what_is_known_and_writes_its_files(command: Command, files: list[str]) -> None:
+    answer = command(["fit", *files, "--single-law", "--plot", "fit.png", "--report", "fit.html"])
+    assert answer.status == 0
+    assert "mean free torque 0.66" in answer.out
+    assert "not separable by these tests: yoke.preload, mesh.friction, yoke.friction" in answer.out
+    gear = rps.SteeringGear.from_toml("fitted.toml")
+    assert gear.pinion.runout == pytest.approx(20e-6, abs=8e-6)
+    assert "not separable" in Path("fitted.toml").read_text(encoding="utf-8")
+    page = Path("fit.html").read_text(encoding="utf-8")
+    assert page.count("<svg") == 2
+    assert "yoke.preload x mesh.friction^0." in page
+    assert Path("fit.png").stat().st_size > 20_000
+
+
+def test_fit_as_json(command: Command, files: list[str]) -> None:
+    answer = command(["fit", files[0], "--single-law", "--json", "--free", "yoke.preload"])
+    assert answer.json["estimates"]["yoke.preload"]["verdict"] == "follows from what was given of others"
+    assert answer.json["converged"] is True
+    assert answer.json["files"] == ["fitted.toml"]

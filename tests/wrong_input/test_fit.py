@@ -1,0 +1,109 @@
+"""Measured curves and beliefs that cannot be fitted: one sentence each, before anything is simulated.
+
+All curves here are made up.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.cli.fit_command import parse_priors
+from rps_exudyn.fitting.bench_tests import named_test, read_measurement
+from rps_exudyn.fitting.fit import fit
+from rps_exudyn.parameters.gear import SteeringGear
+from shell import Command
+
+HEADER = "pinion_angle [deg], pinion_torque [N m]\n"
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> Path:
+    """Twenty degrees of a made-up curve."""
+    path = tmp_path / "short.csv"
+    path.write_text(HEADER + "".join(f"{a},0.6\n" for a in range(21)))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("load-test=a.csv", "must say the weight of a load test"),
+        ("bearing@3kg=a.csv", "must say the weight of a load test, and of no other"),
+        ("load-test@heavy=a.csv", "the weight is 'heavy', which is no quantity in kg"),
+        ("load-test@-3kg=a.csv", "the weight is -3 kg; it must be more than 0"),
+    ],
+)
+def test_tests_that_do_not_exist_are_refused(text: str, sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        named_test(text)
+
+
+def test_a_file_whose_name_has_a_sign_is_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "free=1.csv"
+    path.write_text("x")
+    assert named_test(str(path))[1] == path
+
+
+def test_all_files_are_looked_at(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as refused:
+        read_measurement([tmp_path / "a.csv", f"bearing={tmp_path / 'b.csv'}"])
+    assert ["a.csv" in each or "b.csv" in each for each in refused.value.problems] == [True, True]
+
+
+def test_curves_too_short_and_parameters_without_belief_are_refused(short: Path) -> None:
+    with pytest.raises(InputError, match="covers 20 deg in a pass; a level needs a tooth pitch, 60 deg"):
+        fit([short])
+    long = short.with_name("long.csv")
+    long.write_text(HEADER + "".join(f"{a},0.6\n" for a in range(100)))
+    with pytest.raises(InputError, match=r"yoke\.clearance cannot be fitted: no standard deviation"):
+        fit([long], free=("yoke.clearance",))
+    with pytest.raises(InputError, match="needs at least one free parameter"):
+        fit([long], free=("pinion.runout",))
+    with pytest.raises(InputError, match=r"yoke\.friction is 0; a parameter that is fitted must begin"):
+        fit([long], SteeringGear().replace({"yoke.friction": 0.0}))
+    with pytest.raises(InputError, match="at least one measured curve"):
+        fit([])
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("yoke.preload=300 N", "is no prior; write PATH=VALUE"),
+        ("yoke.nut_diameter=30 mm +- 1 mm", "yoke.nut_diameter cannot be fitted; there are yoke.preload"),
+        ("yoke.preload=300 N +- 0 N", "has the standard deviation 0 N, which must be more than 0"),
+        ("yoke.preload=300 N +- -5 N", "which must be more than 0"),
+        ("yoke.preload=300 mm +- 5 N", "no quantity in N"),
+        ("mesh.friction=1.5 +- 0.1", "mesh.friction is 1.5; it must be at least 0 and at most 1"),
+    ],
+)
+def test_priors_that_cannot_be_are_refused(text: str, sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        parse_priors([text])
+
+
+def test_priors_are_read_with_units() -> None:
+    priors = parse_priors(
+        ["yoke.preload=300 N +- 10 %", "mesh.friction = 0.1 ± 0.02", "pinion.runout=0 um +- 15 um"]
+    )
+    assert priors == {
+        "yoke.preload": pytest.approx((300.0, 30.0)),
+        "mesh.friction": (0.1, 0.02),
+        "pinion.runout": pytest.approx((0.0, 15e-6)),
+    }
+    assert np.isfinite(priors["yoke.preload"][0])
+
+
+def test_command_refuses_in_one_sentence(command: Command, short: Path) -> None:
+    for arguments, sentence in (
+        ([], "fit needs at least one measured file"),
+        ([str(short)], "a level needs a tooth pitch"),
+        (["none.csv"], "none.csv cannot be read: No such file"),
+        ([str(short), "--out", "a.json"], "a.json"),
+        ([str(short), "--prior", "x"], "--prior x: x cannot be fitted"),
+    ):
+        answer = command(["fit", *arguments])
+        assert answer.status == 2
+        assert sentence in answer.err
+        assert answer.err.count("\n") == 1
