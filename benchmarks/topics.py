@@ -6,7 +6,6 @@ from benchmarks import (
     flank_contact,
     free_pinion_torque,
     geometry,
-    measured_fit,
     rack_beam_elements,
     rack_bow,
     rack_deflection,
@@ -53,7 +52,6 @@ TOPICS: dict[str, Topic] = {
     "check_cost": check_cost.TOPIC,
     "damaged_files": damaged_files.TOPIC,
     "bad_inputs": bad_inputs.TOPIC,
-    "measured_fit": measured_fit.TOPIC,
     "study_runner": study_runner.TOPIC,
     "validation": validation.TOPIC,
 }
