@@ -1,4 +1,4 @@
-"""The commands around results: fit, animate, view, explore, init, validate, doctor."""
+"""The commands around results: fit, animate, view, explore, init, check, validate, doctor."""
 
 from pathlib import Path
 
@@ -95,6 +95,33 @@ def init(folder: Path = Path(), /) -> int:
     for path in do_init(folder):
         print(f"written: {path}")
     return DONE
+
+
+@app.command
+def check(
+    *,
+    gear: GearOptions = PAPER_GEAR,
+    inputs: str | None = None,
+    limits: Path | None = None,
+    rated_torque: str = "30 N*m",
+    out: Path | None = None,
+    json: Flag = False,
+) -> int:
+    """Judge a gear by its requirement sheet: torque, variation, efficiency, strength, lift, travel, gain.
+
+    Exit status 1: a requirement is not kept.
+
+    Args:
+        inputs: what is uncertain: series, unknown or own, as for `run --band`.
+        limits: TOML file whose limits replace the shipped ones, which `rps_exudyn/requirements/limits.toml`
+            lists with their sources.
+        rated_torque: on the pinion, for the strength of the teeth and the lift.
+        out: the sheet as a file (.json).
+        json: print the sheet as JSON.
+    """
+    from rps_exudyn.cli.check_command import do_check
+
+    return DONE if do_check(gear, inputs, limits, rated_torque, out, json) else FAILED
 
 
 @app.command

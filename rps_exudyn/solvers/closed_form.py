@@ -15,6 +15,7 @@ friction across the rack does to its guides is left out, as is the installation'
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -268,9 +269,17 @@ class _MeanForce:
 
 def _mean_force(gear: SteeringGear, side: int, direction: int) -> _MeanForce:
     """Mean over the active path of contact, weighted by the law: load per length ~ sqrt(rho) or constant."""
-    pair, mu = GearPair.of(gear), gear.mesh.friction
+    smooth, rubbing = _mean_parts(GearPair.of(gear), gear.mesh.law == "area", side, direction)
+    mu = gear.mesh.friction
+    return _MeanForce(smooth.force + mu * rubbing.force, smooth.moment + mu * rubbing.moment, smooth.lever)
+
+
+@lru_cache(maxsize=64)
+def _mean_parts(pair: GearPair, by_depth: bool, side: int, direction: int) -> tuple[_MeanForce, _MeanForce]:
+    """Mean force without friction, and what a friction coefficient of 1 adds to it: the force is linear in
+    the coefficient."""
     q, weight = _field_rule(pair, side)
-    if gear.mesh.law == "area":
+    if by_depth:
         weight = weight * np.sqrt(q + pair.reference_radius * np.sin(pair.alpha_t))
     weight = weight / weight.sum()
     n, k = -pair.rack_flank_normal(side), pair.pinion_frame[:, 2]
@@ -280,11 +289,10 @@ def _mean_force(gear: SteeringGear, side: int, direction: int) -> _MeanForce:
     slip -= (slip @ n)[:, None] * n
     lever = np.linalg.norm(slip, axis=1)
     rubbing = direction * slip / np.where(lever > 0, lever, 1.0)[:, None]
-    forces = n + mu * rubbing
-    return _MeanForce(
-        force=weight @ forces,
-        moment=float(weight @ np.sum(forces * of_pinion, axis=1)),
-        lever=float(weight @ lever),
+    mean_lever = float(weight @ lever)
+    return (
+        _MeanForce(n, float(weight @ (of_pinion @ n)), mean_lever),
+        _MeanForce(weight @ rubbing, float(weight @ np.sum(rubbing * of_pinion, axis=1)), mean_lever),
     )
 
 

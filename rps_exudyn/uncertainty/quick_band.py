@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -95,15 +94,25 @@ def quick_band(
 
 
 def formula_torques(gear: SteeringGear, points: Samples) -> np.ndarray:
-    """Return the closed form's mean free torque at the points, (n,) [N m]; nan where no gear can be."""
-    found, direction = np.full(len(points), np.nan), gear.test.direction
+    """Return the closed form's mean free torque at the points, (n,) [N m].
+
+    Values that distributions draw are within their parameters' limits and not looked at again.
+    """
+    found, direction = np.empty(len(points)), gear.test.direction
     for i, settings in enumerate(points.settings()):
-        try:
-            varied = gear.replace(settings)
-        except InputError:
-            continue
+        varied = _changed(gear, settings)
         found[i] = mean_state(varied, direction, 0.0).torque + direction * stop_torque(varied)
     return found
+
+
+def _changed(gear: SteeringGear, settings: Mapping[str, float]) -> SteeringGear:
+    """Return the gear with other values, which are taken as they are."""
+    tables: dict[str, dict[str, float]] = {}
+    for path, value in settings.items():
+        table, _, name = path.partition(".")
+        tables.setdefault(table, {})[name] = value
+    copies = {name: getattr(gear, name).model_copy(update=values) for name, values in tables.items()}
+    return gear.model_copy(update=copies)
 
 
 def stop_torque(gear: SteeringGear) -> float:
@@ -123,8 +132,8 @@ def _corrected(
     at: np.ndarray, ratio: np.ndarray, points: np.ndarray, formula: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Means at the points (n,), and the same with runs and points drawn again, (resamples, n)."""
-    ok, real = np.isfinite(ratio), np.isfinite(formula)
-    at, ratio, points, formula = at[ok], ratio[ok], points[real], formula[real]
+    ok = np.isfinite(ratio)
+    at, ratio = at[ok], ratio[ok]
     rng = np.random.default_rng(SEED)
     means = formula * _Correction.fitted(at, ratio).drawn(points, rng)
     again = np.empty((RESAMPLES, len(formula)))

@@ -1,0 +1,87 @@
+"""The command `check`: the requirement sheet of a gear."""
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from rps_exudyn.base.atomic import check_writable, replacing
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.units import to_si
+from rps_exudyn.cli.kept import say
+from rps_exudyn.cli.options import GearOptions, parse_settings
+from rps_exudyn.cli.printed import grid_of, plain_console, print_json
+from rps_exudyn.parameters.carried import carried
+from rps_exudyn.requirements.limits import REQUIRED, read_limits
+from rps_exudyn.requirements.sheet import ASSURED, Judged, judge
+from rps_exudyn.uncertainty.input_sets import uncertain_inputs
+
+COLUMNS = ("requirement", "limit", "nominal", "5 to 95 %", "gears that keep it", "verdict")
+
+
+def do_check(
+    options: GearOptions, inputs: str | None, limits: Path | None, rated: str, out: Path | None, as_json: bool
+) -> bool:
+    """Print the sheet; return whether every requirement is kept.
+
+    Raises:
+        InputError: limits, a rated torque or distributions that cannot be, or a gear that cannot be run.
+    """
+    settings, _ = parse_settings(options.settings)
+    own = carried(options.tables(), settings)
+    gear, asked = options.load(), read_limits(limits)
+    if out is not None:
+        check_writable(out, (".json",))
+    try:
+        torque = to_si(rated, "N*m")
+    except ValueError as error:
+        raise InputError(f"--rated-torque {error}.") from None
+    drawn = uncertain_inputs(gear, inputs or ("own" if own else "series"), own)
+    told = (lambda text: say(f"computing: {text}")) if sys.stderr.isatty() else None
+    sheet = list(judge(gear, drawn, asked, torque, told=told))
+    if out is not None:
+        with replacing(out) as partial:
+            partial.write_text(json.dumps(_as_dict(sheet), indent=1) + "\n", encoding="utf-8")
+    if as_json:
+        print_json(_as_dict(sheet))
+    else:
+        _print(sheet, torque, out)
+    return all(each.kept for each in sheet)
+
+
+def _as_dict(sheet: Sequence[Judged]) -> dict[str, object]:
+    rows = {
+        each.name: {
+            "verdict": each.verdict,
+            "nominal": each.nominal,
+            "band": [each.low, each.high],
+            "unit": REQUIRED[each.name].unit,
+            "limit": each.limit.show(REQUIRED[each.name]),
+            "share": each.share,
+            "source": each.limit.source,
+            "remark": each.remark,
+        }
+        for each in sheet
+    }
+    return {"all_kept": all(each.kept for each in sheet), "requirements": rows}
+
+
+def _print(sheet: Sequence[Judged], torque: float, out: Path | None) -> None:
+    console = plain_console()
+    rows = []
+    for each in sheet:
+        show = REQUIRED[each.name].show
+        band = f"{show(each.low)} to {show(each.high)}" if each.low != each.high else ""
+        share = f"{each.share:.0%}" if band else ""
+        verdict = each.verdict
+        rows.append(
+            (each.name, each.limit.show(REQUIRED[each.name]), show(each.nominal), band, share, verdict)
+        )
+    console.print(grid_of(COLUMNS, rows))
+    for each in sheet:
+        remark = f" {each.remark}." if each.remark else ""
+        text = f"{each.name}: {REQUIRED[each.name].long_name}. From: {each.limit.source}.{remark}"
+        console.print(text, soft_wrap=True)
+    console.print(f"Rated torque {torque:g} N m. A requirement passes if {ASSURED:.0%} of the gears keep it.")
+    if out is not None:
+        console.print(f"written: {out}")
