@@ -20,7 +20,6 @@ CHECKS = (
     "mypy ",
     "lint-imports --no-logo",
     "mkdocs build",
-    "pip wheel",
     "python -m",
 )
 TOOLS = ("pip", "python", "ruff", "mypy", "lint-imports", "mkdocs", "rps-exudyn")
@@ -72,8 +71,8 @@ def test_ci_checks_everything_and_ends_with_the_printed_command(bare: Path) -> N
         "mypy ",
         "lint-imports --no-logo",
         "mkdocs build -q",
-        "pip wheel -q --no-deps -w build/wheel .",
-        "pip install -q --no-deps --target build/installed build/wheel/rps_exudyn-*.whl",
+        "python -m build -o build/dist .",
+        "pip install -q --no-deps --target build/installed build/dist/rps_exudyn-*.whl",
         "rps-exudyn init build/begun",
         "rps-exudyn geometry --gear build/begun/gears/paper.toml",
         "python3 -m venv .venv",
