@@ -46,6 +46,19 @@ TOML = (
     '[yoke]\npreload = "3 N"\nextra = 1', "[test]\nturns = -1", "[test]\nspeed = 0", "[pinion]\nteeth = 6.5",
     "[pinion]\nteeth = 1000000000", "\x80\x81", "<gear/>", '{"yoke": {"preload": 300}}', "# nothing\n" * 1000,
 )  # fmt: skip
+DISTRIBUTIONS = (
+    "1 +- -1", "1 +- 0", "+-", "+- 3", "1 +-", "1 +- 1 +- 1", "nan +- 1", "1 +- nan", "1 +- inf",
+    "1e400 +- 1",
+    "uniform(1)", "uniform()", "uniform(2, 1)", "uniform(1, 1)", "uniform(1, nan)", "uniform(-5, 3)",
+    "normal(1, -1)", "normal(0, 1)", "lognormal(1, 1)", "lognormal(-1, 2)", "lognormal(1, nan)",
+    "loguniform(0, 1)", "beta(1, 2)", "uniform(1 parsec, 2 parsec)", "uniform((1), 2)", "1 +- 1 parsec",
+    "uniform(0, 1e300)", "1 ± ½", "normal(" + "9" * 400 + ", 1)",
+)  # fmt: skip
+BANDS = (
+    ("--band", "0"), ("--band", "-5"), ("--band", "7"), ("--band", "1e3"), ("--band", "9" * 30), ("--band=",),
+    ("--band", "9", "10"), ("--inputs", "series"), ("--band", "9", "--inputs", "all"),
+    ("--band", "9", "--accuracy", "1%"), ("--band", "9", "--robust"), ("--band", "9", "--time-limit", "9 s"),
+)  # fmt: skip
 TABLES = (
     "", "pinion_angle [deg],pinion_torque [N m]\n", "a,b\n1,2\n",
     "pinion_angle [deg],pinion_torque [N m]\n1\n",
@@ -113,6 +126,7 @@ def corpus(precious: bytes) -> list[BadInput]:
         *_disks(),
         *_environments(),
         *_signals(),
+        *_distributions(),
         *_limits(),
     ]
 
@@ -124,6 +138,15 @@ def _settings(rng: random.Random) -> Iterator[BadInput]:
         yield BadInput("settings", (*CHEAP, "--set", f"{item.path}={value}"))
     for value in VALUES:
         yield BadInput("settings", (*CHEAP, "--set", value))
+
+
+def _distributions() -> Iterator[BadInput]:
+    """Distributions that cannot be, in settings of a band and of a plain run."""
+    for text in DISTRIBUTIONS:
+        yield BadInput("distributions", (*CHEAP, "--band", "9", "--set", f"yoke.preload={text}"))
+        yield BadInput("distributions", (*CHEAP, "--set", f"mesh.friction={text}"))
+    for words in BANDS:
+        yield BadInput("distributions", (*CHEAP, *words))
 
 
 def _words(rng: random.Random) -> Iterator[BadInput]:

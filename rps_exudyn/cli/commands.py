@@ -125,6 +125,7 @@ def run(
         refused = {"accuracy": accuracy, "measured": measured, "robust": robust, "time-limit": time_limit}
         count = sample_count(band, [name for name, given in refused.items() if given])
         return do_band(scene, setup, count, inputs, out, plot, json)
+    setup.say_medians()
     curve = read_measured(measured, column) if measured else None
     model = chosen.fidelity if accuracy is None else preset
     try:

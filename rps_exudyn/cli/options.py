@@ -39,6 +39,14 @@ class GearOptions:
         with _reporting_together(malformed):
             return SteeringGear.from_tables(self.tables(), settings, where=str(self.gear or ""))
 
+    def say_medians(self) -> None:
+        """Tell on standard error which parameters carry a distribution, of which the median is taken."""
+        from rps_exudyn.cli.kept import say
+        from rps_exudyn.parameters.carried import carried
+
+        if paths := carried(self.tables(), parse_settings(self.settings)[0]):
+            say(f"{', '.join(paths)}: the median of its distribution is taken; --band makes the band.")
+
     def tables(self) -> dict[str, Any]:
         """The tables of the gear's file; {} without one."""
         from rps_exudyn.parameters.declaration import read_toml

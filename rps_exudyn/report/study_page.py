@@ -11,6 +11,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import words
 from rps_exudyn.charts.signals import overlaid_figure
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.report.band_section import band_sections
 from rps_exudyn.report.blocks import (
     Article,
     Block,
@@ -70,6 +71,7 @@ def study_article(store: Store) -> Article:
             Section("Outcome", list(_outcome(table))),
             *remarks_section(table),
             Section("Main effects and response surfaces", list(_effects(table))),
+            *band_sections(table, _ranked(table)),
             *_sensitivity(table),
             Section("Best and worst cases", list(_extremes(table, store))),
             Section("Failed cases", list(failed_blocks(table))),

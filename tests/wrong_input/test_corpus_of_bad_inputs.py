@@ -7,7 +7,15 @@ import pytest
 from benchmarks.bad_inputs.bad_inputs import COLUMNS, inputs_table, precious_file, tried
 from benchmarks.bad_inputs.inputs import BadInput, corpus
 
-TOPICS = ("settings", "words", "gear files", "study files", "measured curves", "result files")
+TOPICS = (
+    "settings",
+    "distributions",
+    "words",
+    "gear files",
+    "study files",
+    "measured curves",
+    "result files",
+)
 
 
 def test_there_are_500_of_every_kind() -> None:
