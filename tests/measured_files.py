@@ -74,6 +74,7 @@ def _readable() -> Iterator[tuple[str, bytes]]:
         + "".join(f'"{comma(a)}","{comma(t)}"\n' for a, t in zip(ANGLE, TORQUE, strict=True)),
         "commented header": "# made up\n# angle [rad] torque [Nm]\n"
         + "".join(f"{np.radians(a):.7e} {t:.7e}\n" for a, t in zip(ANGLE, TORQUE, strict=True)),
+        "commented units": "% angle torque\n% deg Nm\n" + rows(" "),
         "separator stated": "sep=;\n" + german + rows(";", comma),
         "units behind the numbers": "angle;torque\n"
         + "".join(f"{a:.1f} deg;{t:.5f} N m\n" for a, t in zip(ANGLE, TORQUE, strict=True)),
@@ -107,6 +108,7 @@ REFUSED = {
         "angle [deg];torque [N mm]\n1,000;1,500\n2,000;1,400\n3,000;1,300\n",
         "may be decimal or divide thousands: ",
     ),
+    "commas for both": ("angle [deg],torque [Nm]\n" + rows(",", comma), "may separate cells or decimals"),
     "no torque": ("angle [deg];speed [rpm]\n" + rows(";"), "no column pinion_torque with its unit"),
     "no numbers": ("pinion_angle [deg], pinion_torque [N m]\n", "holds no rows of two numbers"),
 }

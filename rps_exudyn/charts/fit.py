@@ -43,7 +43,7 @@ def curves_figure(fit: Fit) -> Figure | None:
 def _draw_pass(torque: Axes, left: Axes, each: FittedPass) -> None:
     name, colour = DIRECTIONS[each.direction]
     angle, sense = np.degrees(each.angle), each.direction
-    points: Any = {"s": 4, "alpha": 0.35, "linewidths": 0, "color": style.COLOURS[colour]}
+    points: Any = {"s": 5, "alpha": 0.5, "linewidths": 0, "zorder": 3, "color": style.COLOURS[colour]}
     torque.scatter(angle, sense * each.value, label=f"measured {name}", **points)
     low, high = (sense * (each.model + sign * each.half_band) for sign in (-1, 1))
     torque.fill_between(angle, low, high, color=style.COLOURS[colour], alpha=0.3, linewidth=0)
@@ -66,7 +66,7 @@ def beliefs_figure(fit: Fit) -> Figure | None:
         bars.append((f"product:\n{shown}", middle, each.sd, each.prior_sd, Verdict.FOUND))
     if not bars:
         return None
-    heights = [0.9 if "\n" not in name else 1.6 for name, *_ in bars]
+    heights = [0.9 + 0.4 * name.count("\n") for name, *_ in bars]
     figure, (axes,) = style.panels([0.6 + 0.42 * sum(heights)])
     _draw_bars(axes, bars, heights)
     axes.set_xscale("log")
@@ -92,4 +92,5 @@ def _draw_bars(
             axes.barh(place, ends[1] - ends[0], left=ends[0], height=thick, color=shade, zorder=2)
         axes.plot([np.exp(middle)], [place], "|", color="black", markersize=9, zorder=3)
     axes.axvline(1.0, **style.REFERENCE_LINE)
+    axes.set_ylim(-sum(heights), 0.0)
     axes.set_yticks(places, [name for name, *_ in bars], fontsize=9)

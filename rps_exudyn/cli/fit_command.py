@@ -78,6 +78,8 @@ def print_fit(fit: "Fit", files: Iterable[Path]) -> None:
             console.print(sentence, soft_wrap=True)
     columns = ("parameter", "value", "95 % interval", "expected before", "verdict")
     console.print(grid_of(columns, findings.rows(fit)))
+    if sentence := findings.offset_sentence(fit):
+        console.print(sentence, soft_wrap=True)
     for sentence in fit.warnings:
         console.print(f"note: {sentence}", soft_wrap=True)
     console.print(f"{fit.simulations} simulations, {fit.cpu_s:.2g} s of CPU time")

@@ -6,7 +6,7 @@ from enum import StrEnum
 import numpy as np
 
 from rps_exudyn.fitting.identify import Advice, Combination
-from rps_exudyn.fitting.problem import State
+from rps_exudyn.fitting.problem import Problem, State
 from rps_exudyn.parameters.gear import SteeringGear
 
 
@@ -65,6 +65,7 @@ class Series:
     """What a fit leaves for the next gear of a series."""
 
     paths: tuple[str, ...]
+    problem: Problem
     state: State
     by_law: np.ndarray
 

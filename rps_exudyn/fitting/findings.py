@@ -45,6 +45,16 @@ def level_sentence(fit: Fit) -> str:
     )
 
 
+def offset_sentence(fit: Fit) -> str:
+    """Where the files' angle 0 stands in the model; empty where no pinion was turned freely."""
+    if fit.level is None:
+        return ""
+    offset, half = np.degrees(fit.offset), 1.96 * np.degrees(fit.offset_sd)
+    return (
+        f"angle offset {offset:.2f} deg +- {half:.2g} deg: the model's angle is that of the files less this"
+    )
+
+
 def sum_sentence(fit: Fit) -> str:
     """How the parameters make the level, with the lengths of this gear."""
     gear, gain = fit.gear, float(GearPair.of(fit.gear).gain)

@@ -72,7 +72,7 @@ def outcome_of(
         converged=solved.converged,
         simulations=problem.prediction.simulations,
         cpu_s=process_time() - began,
-        series=Series(tuple(each.path for each in problem.unknowns), state, by_law),
+        series=Series(tuple(each.path for each in problem.unknowns), problem, state, by_law),
     )
 
 

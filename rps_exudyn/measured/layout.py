@@ -34,6 +34,11 @@ class Layout:
     rows: list[Row]  # from the first one of numbers on; text among them is left
 
     @property
+    def width(self) -> int:
+        """Number of cells that most rows have."""
+        return Counter(len(cells) for _, cells in self.rows).most_common(1)[0][0]
+
+    @property
     def is_numeric(self) -> int:
         """Return the number of rows with two numbers or more."""
         return sum(count_numbers(cells) > 1 for _, cells in self.rows)
@@ -85,7 +90,9 @@ def _divided(
         return Layout(separator, (number, cells), below, rows[begin:])
     for number, line in reversed([each for each in comments if not lines or each[0] < rows[begin][0]]):
         cells = _header_cells(line, separator, width)
-        if knows(cells) > 1:
+        if below is None and len(cells) > 1 and all(is_unit(cell) for cell in cells):
+            below = number, cells
+        elif knows(cells) > 1:
             return Layout(separator, (number, cells), below, rows[begin:])
     return Layout(separator, None, below, rows[begin:])
 

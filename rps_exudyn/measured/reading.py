@@ -58,6 +58,12 @@ def read_curve(
         raise InputError(
             f"{path} has no column {wanted[0]} with its unit: it holds no rows of two numbers or more."
         )
+    if layout.separator == "," and layout.header and layout.width > len(layout.header[1]):
+        raise InputError(
+            f"{path} has {layout.width} cells in a row where line {layout.header[0]} names "
+            f"{len(layout.header[1])}: its commas may separate cells or decimals; write decimal points, or "
+            "semicolons between cells."
+        )
     found = find_columns(path, layout, wanted, {name: chosen[name] for name in wanted if name in chosen})
     numbers = _format(path, layout, found)
     values, notes = _values(path, layout, found, numbers)

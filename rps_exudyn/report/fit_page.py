@@ -7,6 +7,7 @@ from rps_exudyn.base.atomic import replacing
 from rps_exudyn.charts.fit import beliefs_figure, curves_figure
 from rps_exudyn.fitting import findings
 from rps_exudyn.fitting.estimate import Fit
+from rps_exudyn.fitting.shape_claims import shape_claims
 from rps_exudyn.report.blocks import Article, Block, Fold, Grid, Pictures, Section, Text, Warning
 from rps_exudyn.report.common import parameter_grid, provenance_facts
 from rps_exudyn.report.html import page
@@ -50,6 +51,8 @@ def _found(fit: Fit) -> Iterable[Block]:
     for sentence in findings.open_sentences(fit):
         yield Text(f"{sentence[0].upper()}{sentence[1:]}.")
     yield Grid(COLUMNS, [list(row) for row in findings.rows(fit)])
+    if sentence := findings.offset_sentence(fit):
+        yield Text(f"{sentence[0].upper()}{sentence[1:]}.")
     yield Text(
         "A good fit proves nothing about single parameters: crowning, tip relief or a friction that depends "
         "on speed pass unseen under noise, and move friction coefficients by several percent."
@@ -71,6 +74,15 @@ def _basis(fit: Fit) -> Iterable[Block]:
     for sentence in fit.warnings:
         yield Text(f"{sentence[0].upper()}{sentence[1:]}.")
     yield Fold("What was assumed of the files", [Text(sentence) for sentence in fit.assumed])
+    if claims := shape_claims(fit):
+        table = [
+            [each.path, f"{100 * each.sd:.2g} %", f"{100 * claims[each.path]:.2g} %"]
+            for each in fit.estimates
+            if each.path in claims
+        ]
+        caption = "Standard deviations by means, which count, and with the shape, which is not trusted"
+        grid = Grid(("parameter", "means", "means and shape, if mesh.law were true"), table, caption)
+        yield Fold("What the shape of the curve would claim", [grid])
     rows = [
         [name, *(f"{value:+.2f}" for value in line)]
         for name, line in zip(fit.correlated, fit.correlations, strict=True)

@@ -27,6 +27,7 @@ from rps_exudyn.fitting.fit import fit
 from rps_exudyn.fitting.identify import LevelData, advice_of
 from rps_exudyn.fitting.noise import found_noise
 from rps_exudyn.fitting.problem import PassRows
+from rps_exudyn.fitting.shape_claims import shape_claims
 from rps_exudyn.fitting.unknowns import LEVEL
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import GRAVITY
@@ -79,6 +80,13 @@ def test_free_torque_never_finds_preload_and_friction() -> None:
     assert not NEVER & set(known.found)
     assert known.estimate("yoke.preload").verdict is Verdict.BY_PRIOR
     assert known.estimate("yoke.preload").value == pytest.approx(350.0, rel=0.03)
+
+
+def test_shape_would_claim_what_the_fit_does_not_print() -> None:
+    """With the law taken for true the preload would look known; the means leave two thirds of the doubt."""
+    claims, found = shape_claims(free_fit()), free_fit().estimate("yoke.preload")
+    assert claims["yoke.preload"] < 0.5 * found.sd
+    assert found.sd > 0.5 * LEVEL["yoke.preload"].sd
 
 
 def test_next_gear_of_a_series_takes_three_simulations() -> None:
