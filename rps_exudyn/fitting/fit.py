@@ -29,7 +29,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import closed_form
 
-LEAST_TURN = 0.8  # of a turn, that a curve must cover to tell of runout or bow
+LEAST_TURN = 0.8  # of a turn, that a curve must cover to tell of the runout
 COARSE = 0.3  # of a standard error: a step that ends the fit by another law
 OTHER_LAW = {"line": "area", "area": "line", "teeth": "line"}
 
@@ -96,13 +96,11 @@ def _tellable(measurement: Measurement, gear: SteeringGear, free: list[str]) -> 
             )
     longest = max((float(np.ptp(each.angle)) for each in turning), default=0.0)
     warnings = []
-    for path, needed in (("pinion.runout", LEAST_TURN * TURN), ("rack.bow", 2 * TURN)):
-        if path in free and longest < needed:
-            free.remove(path)
-            if turning:
-                warnings.append(
-                    f"{path} is not fitted: that needs {np.degrees(needed):.4g} deg of free turning"
-                )
+    if "pinion.runout" in free and longest < LEAST_TURN * TURN:
+        free.remove("pinion.runout")
+        if turning:
+            needed = f"{np.degrees(LEAST_TURN * TURN):.4g} deg"
+            warnings.append(f"pinion.runout is not fitted: that needs {needed} of free turning")
     return free, warnings
 
 
@@ -114,7 +112,7 @@ def _problem(
 ) -> Problem:
     turning = [each for each in measurement.passes if each.test.kind in FREE_TURNING]
     whole = None
-    if "rack.bow" in free or gear.rack.bow:
+    if gear.rack.bow:
         angles = np.concatenate([each.angle for each in turning]) if turning else np.array([-np.pi, np.pi])
         whole = within_the_teeth(gear, float(angles.min()), float(angles.max()))
     unknowns = unknowns_of(gear, free, priors)

@@ -148,21 +148,11 @@ def _levels(
 def _others(
     problem: Problem, u: np.ndarray, covariance: np.ndarray, by_law: np.ndarray, quantile: float
 ) -> list[Estimate]:
-    """Runout and bow by size and direction, and what may have either sign."""
+    """The runout by size and direction."""
     found = []
     for j, unknown in enumerate(problem.unknowns):
         if unknown.component == "cos":
             found += _vector(problem, j, u[j : j + 2], covariance[j : j + 2, j : j + 2], by_law, quantile)
-        elif not (unknown.is_level or unknown.component):
-            sd, law = float(np.sqrt(covariance[j, j])), float(by_law[j])
-            half = quantile * sd + abs(law)
-            sure = abs(float(u[j])) > half
-            verdict = Verdict.NOT_ZERO if sure else Verdict.MAYBE_ZERO
-            verdict = Verdict.NOT_MOVED if sd > UNMOVED * unknown.sd else verdict
-            interval = float(u[j]) - half, float(u[j]) + half
-            found.append(
-                Estimate(unknown.path, float(u[j]), interval, unknown.before, unknown.sd, sd, law, verdict)
-            )
     return found
 
 

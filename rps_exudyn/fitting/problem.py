@@ -1,8 +1,8 @@
 """The least squares of a fit: what the data say of the unknowns, row by row.
 
 Every pass gives two kinds of rows. Its mean deviation from the model (`level`) tells of the parameters that
-set the torque's level; what remains of the curve (`shape`) tells of runout, bow, angle error and offset of
-the angle, and of nothing else: the ripple's size would separate preload from friction only as well as the
+set the torque's level; what remains of the curve (`shape`) tells of the runout and of the angle's offset,
+and of nothing else: the ripple's size would separate preload from friction only as well as the
 contact law is true, which it is not (docs/measured-curves.md).
 """
 

@@ -1,7 +1,8 @@
 """The unknowns of a fit, each with what is believed of it before: a declared standard deviation.
 
-Parameters that set the level of the torque are positive: their logarithms are fitted. Runout and bow have a
-size and a direction, and the direction means nothing where the size is 0: their components are fitted.
+Parameters that set the level of the torque are positive: their logarithms are fitted. The runout has a size
+and a direction, and the direction means nothing where the size is 0: its components are fitted. Bow and angle
+error are not among them: from a straight rack and true axes the fit ends at a wrong sign, or not at all.
 """
 
 from collections.abc import Iterable, Mapping
@@ -11,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.parameters.declaration import DEG, Declared
+from rps_exudyn.parameters.declaration import Declared
 from rps_exudyn.parameters.gear import SteeringGear
 
 SMALLEST = 1e-9  # of a length, so that a vector of none has a period of a turn as well [m]
@@ -37,14 +38,11 @@ tables of friction coefficients, docs/measured-curves.md."""
 COEFFICIENTS = ("mesh.friction", "yoke.friction")
 MOST = 1.0  # of a coefficient of friction
 
-VECTORS = {"pinion.runout": Believed(20e-6, 2e-6), "rack.bow": Believed(0.1e-3, 5e-6)}
+VECTORS = {"pinion.runout": Believed(20e-6, 2e-6)}
 """Sizes of vectors, each with the direction at `<path>_angle`; deviations of either component [m]."""
 
-LINEAR = {"installation.angle_error": Believed(0.05 * DEG, 0.01 * DEG)}
-"""Parameters that may have either sign; they show in the shape of the curve."""
-
 USUAL = (*LEVEL, "pinion.runout")
-FREEABLE = (*LEVEL, *VECTORS, *LINEAR)
+FREEABLE = (*LEVEL, *VECTORS)
 
 
 @dataclass(frozen=True)
@@ -88,9 +86,6 @@ def unknowns_of(
             step = VECTORS[path].step
             found.append(Unknown(path, "cos", value * np.cos(angle), sd, step))
             found.append(Unknown(path, "sin", value * np.sin(angle), sd, step))
-        elif path in LINEAR:
-            value, sd = priors.get(path, (value, LINEAR[path].sd))
-            found.append(Unknown(path, "", value, sd, LINEAR[path].step))
         else:
             found.append(_positive(path, value, priors.get(path)))
     return found
@@ -119,8 +114,6 @@ def settings_of(unknowns: list[Unknown], u: np.ndarray) -> dict[str, float]:
             size = float(np.hypot(settings[unknown.path], value))
             settings[f"{unknown.path}_angle"] = float(np.arctan2(value, settings[unknown.path]))
             settings[unknown.path] = max(size, SMALLEST)
-        else:
-            settings[unknown.path] = value
     return settings
 
 
