@@ -1,18 +1,21 @@
 """The gear behind its steering column, reduced to one inertia on a spring, with the friction of its parts.
 
 Pinion and rack turn together at the gear's gain. What each part takes is the closed form's; it slides with
-its lever times the pinion's speed: the teeth with the mean lever of their friction, plunger and bush with the
-rack, the bearing with the shaft.
+its lever times the pinion's speed: the teeth with the levers of their friction along the path of contact,
+evenly loaded, plunger and bush with the rack, the bearing with the shaft.
 """
 
 import numpy as np
 
 from rps_exudyn.analysis.stick_slip import Oscillator, Rubbing
+from rps_exudyn.base.quadrature import gauss_legendre
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.friction_law import FrictionLaw
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.gear_forces import following_inertia
+
+LEVERS = 5  # Gauss points along the path of contact
 
 
 def reduced_gear(gear: SteeringGear) -> Oscillator:
@@ -35,15 +38,30 @@ def presliding_angle(gear: SteeringGear) -> float:
 
 
 def _parts(gear: SteeringGear) -> list[tuple[FrictionLaw, float, float]]:
-    """Law, torque [N m] and lever [m] of the parts that rub."""
-    formulas, gain = closed_form(gear), float(GearPair.of(gear).gain)
-    mean = formulas.towards(gear.test.direction)
+    """Law, torque [N m] and lever [m] of what rubs."""
+    formulas, pair = closed_form(gear), GearPair.of(gear)
+    mean, gain = formulas.towards(gear.test.direction), float(pair.gain)
+    node, weight = gauss_legendre(LEVERS)
+    first, last = pair.active_path
+    levers = friction_levers(pair, first + (last - first) * (1 + node) / 2)
+    shares = weight * levers / (weight @ levers)
     return [
-        (gear.mesh, mean.mesh_loss, formulas.friction_lever),
+        *(
+            (gear.mesh, mean.mesh_loss * float(f), float(lever))
+            for f, lever in zip(shares, levers, strict=True)
+        ),
         (gear.yoke, mean.plunger_loss, gain),
         (gear.bush, mean.bush_loss, gain),
         (gear.bearing, mean.bearing_loss, gear.pinion.shaft_diameter / 2),
     ]
+
+
+def friction_levers(pair: GearPair, place: np.ndarray) -> np.ndarray:
+    """Return sliding speed over pinion speed at places on the path of contact, from the pitch point (n,) [m]:
+    l^2 = l_s^2 + q^2 + 2 q l_s sin(alpha_t) sin(beta_p), as in `closed_form.mean_lever`."""
+    along = -pair.reference_radius * np.sin(pair.delta) / np.cos(pair.beta_r)
+    turned = np.sin(pair.alpha_t) * np.sin(pair.beta_p)
+    return np.asarray(np.sqrt(along**2 + place**2 + 2 * place * along * turned))
 
 
 def _part(law: FrictionLaw, torque: float, lever: float) -> Rubbing:

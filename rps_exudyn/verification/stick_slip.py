@@ -80,3 +80,84 @@ def _stop(model: Oscillator):  # type: ignore[no-untyped-def]
 
     stops.terminal, stops.direction = True, -1  # type: ignore[attr-defined]
     return stops
+
+
+# --- maps, and methods that know no events --------------------------------------------------------------
+def on_bristles(
+    model: Oscillator, presliding: float, speed: np.ndarray, damping: np.ndarray, periods: int = 40
+) -> np.ndarray:
+    """Return how the gear moves on bristles, from just before it breaks away on: the least speed over the
+    last third, over the wheel's, of the shape of the speeds [rad/s] and dampings [N m s/rad].
+
+    Near 1 it slides, near 0 it sticks. The bristle's equation is solved exactly over each step of even slip,
+    the motion by leaps between.
+    """
+    step = 2 * np.pi / model.frequency / BRISTLE_STEPS
+    kinetic, static = sum(part.torque for part in model.parts), float(model.friction(0.0))
+    bent = np.full(speed.shape, BEFORE_BREAKAWAY * static / kinetic)
+    twist, omega, least = kinetic * bent / model.stiffness, np.zeros(speed.shape), np.ones(speed.shape)
+    for i in range(periods * BRISTLE_STEPS):
+        curve = model.friction(np.abs(omega)) / kinetic
+        rest = np.exp(-np.abs(omega) * step / (presliding * curve))
+        bent = np.sign(omega) * curve + (bent - np.sign(omega) * curve) * np.where(omega == 0, 1.0, rest)
+        pull = model.stiffness * twist + damping * (speed - omega) - kinetic * bent
+        omega = omega + step * pull / model.inertia
+        twist = twist + step * (speed - omega)
+        if i > periods * BRISTLE_STEPS * 2 // 3:
+            least = np.minimum(least, omega / speed)
+    return least
+
+
+BRISTLE_STEPS = 200  # in a natural period
+BEFORE_BREAKAWAY = 0.95  # of static friction
+
+
+def regularised(
+    model: Oscillator, drive: float, zone: float, step: float, end: float, implicit: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return instants [s] and twists [rad] of motion from rest on, friction linear below a speed `zone`
+    [rad/s], by classical Runge-Kutta or by the implicit trapezoidal rule."""
+    method = _trapezoid if implicit else _runge_kutta
+    state = np.zeros(2)
+    states = np.empty((int(end / step) + 1, 2))
+    for i in range(len(states)):
+        states[i] = state
+        state = method(model, drive, zone, step, state)
+    return step * np.arange(len(states)), states[:, 0]
+
+
+def _rates(model: Oscillator, drive: float, zone: float, state: np.ndarray) -> np.ndarray:
+    twist, speed = state
+    rubbing = float(model.friction(abs(speed))) * speed / max(abs(speed), zone)
+    torque = model.stiffness * twist + model.damping * (drive - speed) - rubbing
+    return np.array([drive - speed, torque / model.inertia])
+
+
+def _runge_kutta(model: Oscillator, drive: float, zone: float, step: float, state: np.ndarray) -> np.ndarray:
+    first = _rates(model, drive, zone, state)
+    second = _rates(model, drive, zone, state + step / 2 * first)
+    third = _rates(model, drive, zone, state + step / 2 * second)
+    last = _rates(model, drive, zone, state + step * third)
+    return np.asarray(state + step / 6 * (first + 2 * second + 2 * third + last))
+
+
+def _trapezoid(model: Oscillator, drive: float, zone: float, step: float, state: np.ndarray) -> np.ndarray:
+    """Newton's method on the speed at the end, with a difference for its slope."""
+    begin = _rates(model, drive, zone, state)
+
+    def left(speed: float) -> float:
+        twist = state[0] + step * (drive - (state[1] + speed) / 2)
+        end = _rates(model, drive, zone, np.array([twist, speed]))
+        return speed - state[1] - step / 2 * float(begin[1] + end[1])
+
+    speed = float(state[1])
+    for _ in range(NEWTONS):
+        value = left(speed)
+        if abs(value) < 1e-10 * drive:
+            break
+        small = 1e-3 * zone
+        speed -= value / ((left(speed + small) - value) / small)
+    return np.array([state[0] + step * (drive - (state[1] + speed) / 2), speed])
+
+
+NEWTONS = 25

@@ -1,0 +1,115 @@
+"""Where the whole gear's steady sliding behind its column loses its stability: measured by growth, bisected.
+
+The wheel turns at a constant speed and the gear slides settled; then the wheel is nudged by a small angle,
+and the vibration of the column's twist grows or decays. The damping between both is the limit that
+`Oscillator.linear_limit` and `Oscillator.bristle_margin` predict.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.maneuver import Maneuver
+from rps_exudyn.scenes.run_maneuver import run_maneuver
+from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.solvers.drive import Steady
+from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
+from rps_exudyn.solvers.settled_start import SteadyApproach
+
+PER_PERIOD, PERIODS = 60, 9  # steps in a natural period, and periods in a run ...
+FIRST = 1  # ... of which those from this one on show the vibration
+NUDGE = 0.02  # of the angle that the wheel turns in a natural period
+
+
+@dataclass(frozen=True)
+class Nudged(Steady):
+    """A motion at constant rate, moved on by a small angle over a time from the start on."""
+
+    angle: float = 0.0  # [rad]
+    within: float = 1.0  # [s]
+
+    def place(self, time: np.ndarray | float) -> np.ndarray:
+        """Return start + speed t + angle (1 - cos(pi t / within)) / 2."""
+        share = np.clip(np.asarray(time) / self.within, 0, 1)
+        return super().place(time) + self.angle * (1 - np.cos(np.pi * share)) / 2
+
+    def rate(self, time: np.ndarray | float) -> np.ndarray:
+        """Return its time derivative."""
+        share = np.clip(np.asarray(time) / self.within, 0, 1)
+        return super().rate(time) + self.angle * np.pi / self.within * np.sin(np.pi * share) / 2
+
+    @property
+    def of_time(self) -> tuple[Callable[[float], float], Callable[[float], float]]:
+        """Place and rate of the driven coordinate as functions of an instant [s]."""
+        return (lambda t: self.sign * float(self.place(t))), (lambda t: self.sign * float(self.rate(t)))
+
+
+def growth(gear: SteeringGear, fidelity: Fidelity) -> float:
+    """Return the growth rate of a small vibration about steady sliding [1/s], below 0 where it decays.
+
+    Raises:
+        ArithmeticError: the run failed.
+    """
+    model, speed = reduced_gear(gear), gear.test.speed
+    period = 2 * np.pi / model.frequency
+    pitch = 2 * np.pi / gear.pinion.teeth / speed
+    drive = Nudged("wheel", gear.test.start_angle, speed, NUDGE * speed * period, period / 2)
+    approach = SteadyApproach(pitch, 4 * pitch)
+    maneuver = Maneuver(drive, period / PER_PERIOD, 0, PERIODS * PER_PERIOD, approach=approach)
+    run = run_maneuver(gear, fidelity, maneuver, RunOptions(check=lambda outcome, *checked: outcome))
+    if not run.ok:
+        raise ArithmeticError(run.outcome.message)
+    vibration = _without_drift(run.signals["column_twist"][1:])
+    periods = range(FIRST, PERIODS - 1)
+    sizes = [float(np.std(vibration[at * PER_PERIOD : (at + 1) * PER_PERIOD])) for at in periods]
+    return float(np.polyfit(np.array(periods) * period, np.log(sizes), 1)[0])
+
+
+def predicted_damping(gear: SteeringGear) -> float:
+    """Return the damping of the column at which the limits say that growth is 0 [N m s/rad]; nan where
+    sliding is stable without any."""
+    model, presliding, speed = reduced_gear(gear), presliding_angle(gear), gear.test.speed
+    if not presliding:
+        return model.linear_limit(speed) or np.nan
+    damping = np.linspace(0, 1.2 * max(model.linear_limit(speed), 1e-9), 121)
+    margins = np.array([replace(model, damping=each).bristle_margin(speed, presliding) for each in damping])
+    unstable = np.flatnonzero(margins < 0)
+    if not unstable.size or unstable[-1] + 1 == damping.size:
+        return float("nan")
+    last = slice(unstable[-1], unstable[-1] + 2)
+    return float(np.interp(0.0, margins[last], damping[last]))
+
+
+def measured_damping(gear: SteeringGear, fidelity: Fidelity, near: float, tolerance: float = 0.01) -> float:
+    """Return the damping at which a small vibration neither grows nor decays [N m s/rad], by secants.
+
+    Args:
+        near: where to begin [N m s/rad].
+        tolerance: share of it to which the limit is found.
+
+    Raises:
+        ArithmeticError: a run failed, or no limit is found between a third and three times `near`.
+    """
+    low, high = near / 3, 3 * near
+    rates = [growth(gear.replace({"column.damping": each}), fidelity) for each in (low, high)]
+    if not rates[0] > 0 > rates[1]:
+        raise ArithmeticError(
+            f"growth is {rates[0]:.3g} and {rates[1]:.3g} per s at {low:.3g} and {high:.3g}"
+        )
+    while high - low > tolerance * near:
+        middle = low + (high - low) * float(np.clip(rates[0] / (rates[0] - rates[1]), 0.1, 0.9))
+        rate = growth(gear.replace({"column.damping": middle}), fidelity)
+        if rate > 0:
+            low, rates[0] = middle, rate
+        else:
+            high, rates[1] = middle, rate
+    return (low + high) / 2
+
+
+def _without_drift(values: np.ndarray) -> np.ndarray:
+    """The values less their mean over a natural period about each, which the torque's ripple hardly moves."""
+    mean = np.convolve(np.pad(values, PER_PERIOD // 2, mode="edge"), np.ones(PER_PERIOD) / PER_PERIOD, "same")
+    return np.asarray(values - mean[PER_PERIOD // 2 : PER_PERIOD // 2 + values.size])
