@@ -3,6 +3,7 @@
 from benchmarks import (
     bar_section_cell,
     efficiency_map,
+    explorer,
     flank_contact,
     free_pinion_torque,
     geometry,
@@ -14,6 +15,7 @@ from benchmarks import (
     scenes,
     stick_slip,
     study_runner,
+    ten_minutes,
     tooth_compliance,
     validation,
 )
@@ -55,5 +57,7 @@ TOPICS: dict[str, Topic] = {
     "damaged_files": damaged_files.TOPIC,
     "bad_inputs": bad_inputs.TOPIC,
     "study_runner": study_runner.TOPIC,
+    "ten_minutes": ten_minutes.TOPIC,
+    "explorer": explorer.TOPIC,
     "validation": validation.TOPIC,
 }
