@@ -19,6 +19,11 @@ from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result
 
 DATA = "needs.json"
+PARTS = ("mesh", "yoke", "bush", "bearing")
+BRISTLES: dict[str, object] = {f"{part}.friction_law": "bristle" for part in PARTS}
+FALLING: dict[str, object] = {f"{part}.friction_law": "stribeck" for part in PARTS} | {
+    f"{part}.static_ratio": 1.2 for part in PARTS
+}
 LEAD_ERROR = 0.2e-3 * SteeringGear().pinion.face_width  # over the face [m]
 
 
@@ -55,6 +60,10 @@ CHANGES = {
     "lead error -0.2 mrad": Change(gear={"pinion.lead_error": -LEAD_ERROR}),
     "friction zone half as wide": Change({"zone_ratio": Fidelity().zone_ratio / 2}),
     "step half as long": Change({"step_angle": Fidelity().step_angle / 2}),
+    "friction: bristles of 5 um": Change(gear=BRISTLES),
+    "column: half as stiff": Change(gear={"column.stiffness": SteeringGear().column.stiffness / 2}),
+    "column: half as damped": Change(gear={"column.damping": SteeringGear().column.damping / 2}),
+    "column: universal joint bent by 20 deg": Change(gear={"column.joint_angle": "20 deg"}),
     "gravity, pinion below the rack": Change(gear={"installation.gravity": "9.81 m/s^2"}),
     "gravity, pinion above the rack": Change(gear={"installation.gravity": "-9.81 m/s^2"}),
 }
@@ -132,6 +141,25 @@ NEEDS = {
             Metric("lost_motion", absolute=0.5e-6),
             Metric("reversal_angle", fraction=0.1),
         ],
+    ),
+    "steering-feel": Need(
+        "steering-feel",
+        [
+            Metric("feel_area", fraction=0.01),
+            Metric("on_centre_stiffness", fraction=0.05),
+            Metric("feel_angle_hysteresis", fraction=0.05),
+            Metric("breakaway_ratio", absolute=0.02),
+        ],
+    ),
+    "stick-slip": Need(
+        "stick-slip",
+        [
+            Metric("stick_slip_torque", fraction=0.1),
+            Metric("stick_slip_frequency", fraction=0.1),
+            Metric("stick_share", absolute=0.05),
+            Metric("breakaway_ratio", absolute=0.02),
+        ],
+        FALLING,
     ),
     "radial-play": Need(
         "radial-play",

@@ -19,7 +19,7 @@ from shell import Command
 STUDIES = sorted((Path(__file__).parents[2] / "studies").glob("*.toml"))
 SHIPPED = (
     "preload friction runout installation_angle preload_friction_runout yoke_clearance load_map tolerance "
-    "bent_rack radial_play rattle_threshold"
+    "bent_rack radial_play rattle_threshold steering_column"
 )
 
 
@@ -49,6 +49,7 @@ def test_study_runs_at_toy_size(file: Path, tmp_path: Path) -> None:
         "rack-push": "push_force_mean",
         "radial-play": "radial_play_y",
         "rattle": "rattle_threshold_force",
+        "steering-feel": "feel_area",
     }.get(store.description.scene, "torque_mean")
     for _, row in store.rows():
         assert row.status is not Status.OK or expected in row.summary
