@@ -31,6 +31,17 @@ from rps_exudyn.uncertainty.samples import Samples
 
 SCENE, FIGURE = "free-pinion-torque", "torque_mean"
 POINTS, RUNS = 1024, 64
+ERRORS = (
+    "installation.angle_error",
+    "installation.axis_offset",
+    "pinion.runout",
+    "pinion.runout_angle",
+    "pinion.profile_slope",
+    "pinion.pitch_error",
+    "pinion.lead_error",
+    "pinion.crowning",
+)
+"""Inputs that the formula's mean is taken without: gears that differ in these share one field of contact."""
 PHASES = np.linspace(0, 2 * np.pi, 72, endpoint=False)  # of the pinion over a turn [rad]
 
 
@@ -100,8 +111,9 @@ def formula_torques(gear: SteeringGear, points: Samples) -> np.ndarray:
     """
     found, direction = np.empty(len(points)), gear.test.direction
     for i, settings in enumerate(points.settings()):
-        varied = _changed(gear, settings)
-        found[i] = mean_state(varied, direction, 0.0).torque + direction * stop_torque(varied)
+        known = _changed(gear, {path: value for path, value in settings.items() if path not in ERRORS})
+        found[i] = mean_state(known, direction, 0.0).torque
+        found[i] += direction * stop_torque(_changed(gear, settings))
     return found
 
 
