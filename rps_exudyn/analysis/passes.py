@@ -81,7 +81,10 @@ def _maneuvers(signals: Signals) -> list[Signals]:
     """The records from which this one was joined."""
     angle = signals["pinion_angle"]
     joints = np.flatnonzero(np.diff(signals.get("time", np.arange(angle.size))) <= 0) + 1
-    ends = [0, *sorted({*joints.tolist(), *_jumps_back(angle)}), angle.size]
+    inner = sorted({*joints.tolist(), *_jumps_back(angle)})
+    if not inner:
+        return [signals]
+    ends = [0, *inner, angle.size]
     return [{name: values[i:j] for name, values in signals.items()} for i, j in pairwise(ends)]
 
 

@@ -12,6 +12,8 @@
 The pinion's cutter has the shape of the *spaces* of this rack: its tip is the rack's root.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from rps_exudyn.base.roots import bracketed_root
@@ -96,6 +98,11 @@ def crest_width(pair: GearPair, radius: float) -> float:
 
 def pointed_radius(pair: GearPair) -> float:
     """Radius at which the two flanks of a tooth meet [m]."""
+    return _pointed_radius(pair.design)
+
+
+@lru_cache(maxsize=64)
+def _pointed_radius(pair: GearPair) -> float:
     return tip_radius_for_crest(pair, 0.0)
 
 

@@ -32,12 +32,16 @@ def rack_tip_interference(pair: GearPair) -> float:
     return pair.rack_addendum - straight_depth(pair)
 
 
-@lru_cache(maxsize=64)
 def pinion_tip_interference(pair: GearPair, positions: int = 2001) -> float:
     """Depth to which the pinion's tip corners cut into the rack's root fillets, across the teeth [m].
 
     Negative: the least room; minus infinity if the corners never come as deep as the fillets.
     """
+    return _pinion_tip_interference(pair.design, positions)
+
+
+@lru_cache(maxsize=64)
+def _pinion_tip_interference(pair: GearPair, positions: int) -> float:
     r, ra, half = pair.reference_radius, pair.tip_radius, half_angle(pair, pair.tip_radius)
     from_centre = np.linspace(-0.5, 0.5, positions) * np.pi  # of the corner, from the line pinion to rack
     turn = from_centre + half  # of its tooth; the rack's space is at X = -r turn

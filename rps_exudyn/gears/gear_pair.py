@@ -19,7 +19,7 @@ At phi = 0 and rack displacement 0 a tooth space of the pinion and a tooth of th
 Symbols follow ISO 21771; formulas without a source are derived in the geometry page of the documentation.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -73,6 +73,11 @@ class GearPair:
             runout_angle=pinion.runout_angle,
         )
         return _shared(pair)
+
+    @cached_property
+    def design(self) -> "GearPair":
+        """The pair without runout and errors of installation: what gears of one design have in common."""
+        return _shared(replace(self, angle_error=0.0, axis_offset=0.0, runout=0.0, runout_angle=0.0))
 
     # --- pinion ------------------------------------------------------------------------------
     @cached_property

@@ -71,13 +71,17 @@ def root_section(pair: GearPair) -> tuple[float, float]:
     return float(along @ [x, y]), abs(float(across @ [x, y]))
 
 
-@lru_cache(maxsize=64)
 def form_point(pair: GearPair) -> FormPoint:
     """The point where the pinion's involute ends and its root begins.
 
     Raises:
         ValueError: undercut leaves nothing of the involute.
     """
+    return _form_point(pair.design)
+
+
+@lru_cache(maxsize=64)
+def _form_point(pair: GearPair) -> FormPoint:
     r, rb = pair.reference_radius, pair.base_radius
     height = pair.profile_shift * pair.module - straight_depth(pair)  # of C1 above the pitch line
     q = r * np.sin(pair.alpha_t) + height / np.sin(pair.alpha_t)
