@@ -16,6 +16,7 @@ from benchmarks import (
     scenes,
     stick_slip,
     study_runner,
+    study_scaling,
     ten_minutes,
     tooth_compliance,
     validation,
@@ -62,4 +63,5 @@ TOPICS: dict[str, Topic] = {
     "ten_minutes": ten_minutes.TOPIC,
     "explorer": explorer.TOPIC,
     "validation": validation.TOPIC,
+    "study_scaling": study_scaling.TOPIC,
 }

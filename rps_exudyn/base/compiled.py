@@ -5,6 +5,7 @@ from operator import attrgetter
 from typing import Any
 
 import numba
+from numba.core.datamodel import default_manager
 from numba.core.registry import CPUDispatcher
 from numba.experimental import structref
 
@@ -41,6 +42,20 @@ def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     return dispatcher
 
 
+def borrowing(function: Callable[..., Any]) -> Callable[..., Any]:
+    """An inlined kernel that counts no references to the arrays in its arguments.
+
+    A tuple of constants holds several arrays; to count them in and out of each small function took more than
+    half of the time of the flanks' contact. It must neither make arrays, which does not compile, nor return
+    any, which is refused, nor call what returns some, which would never be freed.
+    """
+    dispatcher = _compiled(
+        function, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False
+    )
+    dispatcher.__class__ = _Borrowing
+    return dispatcher
+
+
 class _WithinKernels(CPUDispatcher):
     """Knows compiled code that only compiled code can call."""
 
@@ -50,6 +65,20 @@ class _WithinKernels(CPUDispatcher):
 
     def _compile_for_args(self, *arguments: Any) -> Any:
         return self.py_func  # what is called then
+
+
+class _Borrowing(_WithinKernels):
+    """Such code that counts no references."""
+
+    def add_overload(self, cres: Any) -> None:
+        """Keep it unless it returns an array: its caller would free what belongs to someone else.
+
+        Raises:
+            TypeError: it does.
+        """
+        if default_manager[cres.signature.return_type].contains_nrt_meminfo():
+            raise TypeError(f"{self.__name__} is borrowing and returns an array: make it inlined.")
+        super().add_overload(cres)
 
 
 def kernel_over(function: Callable[..., Any], *kernels: Callable[..., Any]) -> Callable[..., Any]:

@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inlined, kernel
+from rps_exudyn.base.compiled import borrowing, kernel
 from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.forces.rigid_motion import cross, dot, on_angles, plus, scaled, spin_of, turn_of, vector
 
@@ -23,7 +23,7 @@ class DeadForceData(NamedTuple):
 NO_FORCE = DeadForceData(STILL, 0.0)
 
 
-@inlined
+@borrowing
 def add_dead_force(total, q, data):  # type: ignore[no-untyped-def]
     """Add the force to the rack's generalised forces."""
     turn = turn_of(q[3:6])

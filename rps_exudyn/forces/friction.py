@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inlined, kernel
+from rps_exudyn.base.compiled import borrowing, kernel
 from rps_exudyn.forces.memory import NO_MEMORY, TIME, Memory
 from rps_exudyn.parameters.friction_law import FrictionLaw
 
@@ -79,7 +79,7 @@ def constant_drag(size, rate, zone):  # type: ignore[no-untyped-def]
     return size * rate / max(abs(rate), zone)
 
 
-@inlined
+@borrowing
 def stribeck(slip, law):  # type: ignore[no-untyped-def]
     """Stribeck's curve g: friction at a slip speed over that at high speed."""
     if law.surplus == 0:
@@ -87,7 +87,7 @@ def stribeck(slip, law):  # type: ignore[no-untyped-def]
     return 1.0 + law.surplus * np.exp(-((slip / law.speed) ** law.exponent))
 
 
-@inlined
+@borrowing
 def by_load(load, law):  # type: ignore[no-untyped-def]
     """Factor of the friction of a contact under its whole load."""
     if law.load_exponent == 1.0 or not load > 0:
@@ -95,20 +95,20 @@ def by_load(load, law):  # type: ignore[no-untyped-def]
     return (load / law.usual_load) ** (law.load_exponent - 1.0)
 
 
-@inlined
+@borrowing
 def step_of(law):  # type: ignore[no-untyped-def]
     """Duration of the step [s]; infinite at the start of a motion that has gone on for long."""
     return law.memory[1, TIME] - law.memory[0, TIME]
 
 
-@inlined
+@borrowing
 def clear(patch, law):  # type: ignore[no-untyped-def]
     """Begin to add up what a patch will remember."""
     for i in range(PATCH):
         law.memory[1, patch + i] = 0.0
 
 
-@inlined
+@borrowing
 def bristle(load, along, across, patch, friction, law):  # type: ignore[no-untyped-def]
     """Friction against a slip velocity at a point of a patch, its components, and the power lost.
 
@@ -140,7 +140,7 @@ def bristle(load, along, across, patch, friction, law):  # type: ignore[no-untyp
     return size * t_a, size * t_b, size * max(lost, 0.0)
 
 
-@inlined
+@borrowing
 def stored(patch, friction, law):  # type: ignore[no-untyped-def]
     """Energy of a patch's bristles at the end of the step [J]."""
     load = law.memory[1, patch + LOAD]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inlined, kernel
+from rps_exudyn.base.compiled import borrowing, kernel
 
 Vector = tuple[float, float, float]
 
@@ -49,37 +49,37 @@ def times_transposed(m, x):  # type: ignore[no-untyped-def]
 
 
 # --- vectors as tuples, which need no memory ---------------------------------------------------------
-@inlined
+@borrowing
 def vector(x):  # type: ignore[no-untyped-def]
     """An array (3,) as a tuple."""
     return x[0], x[1], x[2]
 
 
-@inlined
+@borrowing
 def plus(a, b):  # type: ignore[no-untyped-def]
     """The sum a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-@inlined
+@borrowing
 def minus(a, b):  # type: ignore[no-untyped-def]
     """The difference a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@inlined
+@borrowing
 def scaled(k, a):  # type: ignore[no-untyped-def]
     """The multiple k a."""
     return k * a[0], k * a[1], k * a[2]
 
 
-@inlined
+@borrowing
 def dot(a, b):  # type: ignore[no-untyped-def]
     """The scalar product a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@inlined
+@borrowing
 def cross(a, b):  # type: ignore[no-untyped-def]
     """The vector product a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
@@ -93,7 +93,7 @@ class Turn(NamedTuple):
     about_c: Vector  # and of the third
 
 
-@inlined
+@borrowing
 def turn_of(angles):  # type: ignore[no-untyped-def]
     """The first column of the rotation matrix and the last two of G."""
     ca, sa = np.cos(angles[0]), np.sin(angles[0])
@@ -104,14 +104,14 @@ def turn_of(angles):  # type: ignore[no-untyped-def]
     )
 
 
-@inlined
+@borrowing
 def spin_of(turn, rates):  # type: ignore[no-untyped-def]
     """Angular velocity G (a', b', c')."""
     b, c = turn.about_b, turn.about_c
     return rates[0] + c[0] * rates[2], b[1] * rates[1] + c[1] * rates[2], b[2] * rates[1] + c[2] * rates[2]
 
 
-@inlined
+@borrowing
 def on_angles(turn, moment):  # type: ignore[no-untyped-def]
     """Moments on the angles, G^T m."""
     return moment[0], dot(turn.about_b, moment), dot(turn.about_c, moment)

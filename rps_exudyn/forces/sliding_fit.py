@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inlined, kernel
+from rps_exudyn.base.compiled import borrowing, kernel
 from rps_exudyn.forces.bush import RIGID_END, Chain, housing_station, lateral_stiffness
 from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.forces.friction import BRISTLE, Law, bristle, clear, coulomb, law_of, stored, stribeck
@@ -62,7 +62,7 @@ class FitLoads(NamedTuple):
     drag: float
 
 
-@inlined
+@borrowing
 def fit_loads(carrier, rack, data):  # type: ignore[no-untyped-def]
     """Loads between rack and carrier: the rack slides and rolls in its carrier and swivels with it.
 
@@ -109,13 +109,13 @@ def fit_loads(carrier, rack, data):  # type: ignore[no-untyped-def]
     )
 
 
-@inlined
+@borrowing
 def _held(q, v):  # type: ignore[no-untyped-def]
     turn = turn_of(q[3:6])
     return Held(vector(q), vector(v), turn.axis, spin_of(turn, v[3:6])), turn
 
 
-@inlined
+@borrowing
 def _fill(out, loads, turn):  # type: ignore[no-untyped-def]
     """Fill the forces on the rack, the energy terms, and the outputs."""
     moment = plus(loads.moment, cross(loads.lever_rack, loads.force))

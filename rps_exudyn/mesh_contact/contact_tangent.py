@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inlined, kernel
+from rps_exudyn.base.compiled import borrowing, inlined, kernel
 from rps_exudyn.forces.rigid_motion import Vector, cross, dot, minus, plus, scaled, vector
 from rps_exudyn.mesh_contact import wrench
 from rps_exudyn.mesh_contact.flank_line import (
@@ -55,7 +55,7 @@ class Slopes(NamedTuple):
     stance: Stance
 
 
-@inlined
+@borrowing
 def stance_of(side, angle, position, data):  # type: ignore[no-untyped-def]
     """Return a side's line frame in the housing."""
     _, _, gx, gy, gz = gear_centre(angle, position, data)
@@ -72,14 +72,14 @@ def slopes_of(stiffness, factor_q, factor_v, side, angle, position, data):  # ty
     return Slopes(wanted, stiffness, factor_q, factor_v, stance_of(side, angle, position, data))
 
 
-@inlined
+@borrowing
 def arm_of(p_r, p_t, z, stance):  # type: ignore[no-untyped-def]
     """From the rack's reference point to a point of the line frame."""
     along = plus(scaled(p_r, stance.radial), plus(scaled(p_t, stance.tangential), scaled(z, stance.axis)))
     return plus(stance.centre, along)
 
 
-@inlined
+@borrowing
 def add_outer(matrix, factor, force_a, moment_a, force_b, moment_b):  # type: ignore[no-untyped-def]
     """Add factor times the product of two wrenches."""
     a = (force_a[0], force_a[1], force_a[2], moment_a[0], moment_a[1], moment_a[2])
@@ -89,7 +89,7 @@ def add_outer(matrix, factor, force_a, moment_a, force_b, moment_b):  # type: ig
             matrix[i, j] += factor * a[i] * b[j]
 
 
-@inlined
+@borrowing
 def friction_direction(p_r, p_t, z, side, stance, data):  # type: ignore[no-untyped-def]
     """Return the friction on the pinion per unit load, the sliding's parts along e_r and B, and its speed."""
     slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t
@@ -100,7 +100,7 @@ def friction_direction(p_r, p_t, z, side, stance, data):  # type: ignore[no-unty
     return rub, slip_r, slip_b, slip
 
 
-@inlined
+@borrowing
 def add_station(stiffness, load, p_r, p_t, z, side, data, slopes):  # type: ignore[no-untyped-def]
     """Add what a load at a point changes by: its own stiffness [N/m], and its friction's."""
     stance = slopes.stance
@@ -113,7 +113,7 @@ def add_station(stiffness, load, p_r, p_t, z, side, data, slopes):  # type: igno
     add_viscous(load, arm, slip_r, slip_b, slip, data, slopes)
 
 
-@inlined
+@borrowing
 def add_viscous(load, arm, slip_r, slip_b, slip, data, slopes):  # type: ignore[no-untyped-def]
     """Add the friction's change with the rates: across the sliding, in the friction zone also along it."""
     drag = -slopes.factor_v * data.friction * load / max(slip, data.zone)
@@ -130,7 +130,7 @@ def add_viscous(load, arm, slip_r, slip_b, slip, data, slopes):  # type: ignore[
         add_outer(slopes.stiffness, drag, way, moment, way, moment)
 
 
-@inlined
+@borrowing
 def add_turn_of_loads(sums, side, slopes):  # type: ignore[no-untyped-def]
     """Add what the loads of one side change by as they turn with the flank and as their points move."""
     stance = slopes.stance
@@ -165,7 +165,7 @@ def motions_of(angle, position, map_, data):  # type: ignore[no-untyped-def]
     return motions
 
 
-@inlined
+@borrowing
 def pinion_axis(angle, position, data):  # type: ignore[no-untyped-def]
     """Direction of the pinion's axis, and the way to it from the rack's reference point."""
     ecc_e, ecc_y, gx, gy, gz = gear_centre(angle, position, data)

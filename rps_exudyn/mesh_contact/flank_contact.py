@@ -24,7 +24,7 @@ GeneralContact). Loads act normal to the rack's plane, at points of the pinion's
 
 import numpy as np
 
-from rps_exudyn.base.compiled import apart, inlined
+from rps_exudyn.base.compiled import apart, borrowing
 from rps_exudyn.mesh_contact.contact_tangent import add_turn_of_loads, slopes_of
 from rps_exudyn.mesh_contact.flank_generator import press_area
 from rps_exudyn.mesh_contact.flank_line import (
@@ -106,7 +106,7 @@ def flank_contact_tangent(  # type: ignore[no-untyped-def]
     return out
 
 
-@inlined
+@borrowing
 def _plain_line(line, side, data, sums, slopes):  # type: ignore[no-untyped-def]
     """Law "line": add the loads on one line of unmodified flanks; the greatest depth."""
     low, high = plain_ends(line, 0.0, side, data)
@@ -120,7 +120,7 @@ def _plain_line(line, side, data, sums, slopes):  # type: ignore[no-untyped-def]
     return max(line.d_0 + line.d_1 * low, line.d_0 + line.d_1 * high)
 
 
-@inlined
+@borrowing
 def _integrate(strip, cuts, breaks, band, line, side, data, sums, slopes):  # type: ignore[no-untyped-def]
     """Add the loads on one line within a band of the flank; the greatest depth."""
     band = band_on_flank(line, band, data)
@@ -171,7 +171,7 @@ def _integrate(strip, cuts, breaks, band, line, side, data, sums, slopes):  # ty
     return _deepest_place(strip, ends, cuts, watched, breaks, count, data)
 
 
-@inlined
+@borrowing
 def _deepest_place(strip, ends, cuts, watched, breaks, count, data):  # type: ignore[no-untyped-def]
     """The greatest depth of a strip: where its crest is highest, or at an end, or where a limit cuts it."""
     low, high, deepest = breaks[0], breaks[count - 1], 0.0
@@ -192,7 +192,7 @@ def _deepest_place(strip, ends, cuts, watched, breaks, count, data):  # type: ig
     return deepest
 
 
-@inlined
+@borrowing
 def _across_station(strip, z, ends, cuts, watched, data):  # type: ignore[no-untyped-def]
     """Where the leaning station at Z is pressed, the rule across it, and its depth's coefficients in xi."""
     lean = ends.lean + ends.turn * (z - ends.low)
@@ -216,7 +216,7 @@ def _across_station(strip, z, ends, cuts, watched, data):  # type: ignore[no-unt
     return low, high, rule, c_0, c_1, c_2, c_3
 
 
-@inlined
+@borrowing
 def _area_station(strip, z, ends, length, eased, cuts, watched, line, band, side, data, sums, slopes):  # type: ignore[no-untyped-def]
     """Law "area": add the pressure on the leaning station at Z."""
     low, high, rule, c_0, c_1, c_2, c_3 = _across_station(strip, z, ends, cuts, watched, data)
@@ -235,7 +235,7 @@ def _area_station(strip, z, ends, length, eased, cuts, watched, line, band, side
     note_line_load((sums[LOAD] - before) / length, line.q_0 + line.q_1 * z, sums)
 
 
-@inlined
+@borrowing
 def _line_station(strip, z, length, line, band, side, data, sums, slopes):  # type: ignore[no-untyped-def]
     """Law "line": add the load at the strip's crest."""
     xi, depth = crest_of(strip, z)
@@ -243,7 +243,7 @@ def _line_station(strip, z, length, line, band, side, data, sums, slopes):  # ty
     _press_line(depth, length, p_r, p_t, q, z, side, data, sums, slopes)
 
 
-@inlined
+@borrowing
 def _press_line(depth, length, p_r, p_t, q, z, side, data, sums, slopes):  # type: ignore[no-untyped-def]
     """Law "line": add the load on a part of the line about a point."""
     if not depth > 0:  # the end of what is pressed is found to a few digits; damping presses nothing apart

@@ -7,7 +7,7 @@ interval with exact ends; that holds for strips of any width.
 
 import numpy as np
 
-from rps_exudyn.base.compiled import apart, inlined, kernel
+from rps_exudyn.base.compiled import apart, borrowing, kernel
 from rps_exudyn.mesh_contact.flank_line import surplus
 from rps_exudyn.mesh_contact.pressed_point import press
 
@@ -49,7 +49,7 @@ def _last(xi, step, band, line, side, data):  # type: ignore[no-untyped-def]
     return xi
 
 
-@inlined
+@borrowing
 def _on_generator(xi, line, side, data):  # type: ignore[no-untyped-def]
     """(P_r, P_t, q) at Z = 0 and their slopes, of the perfect flank."""
     s, rb = side.sign, data.base_radius
@@ -59,7 +59,7 @@ def _on_generator(xi, line, side, data):  # type: ignore[no-untyped-def]
     return rb * cos - s * q * sin, rb * sin + s * q * cos, q, -s * dq * sin, s * dq * cos, dq
 
 
-@inlined
+@borrowing
 def _depth(xi, band, line, side, data):  # type: ignore[no-untyped-def]
     """Coefficients of 1, Z, Z^2."""
     s, rb, n_p = side.sign, data.base_radius, side.n_p
@@ -74,7 +74,7 @@ def _depth(xi, band, line, side, data):  # type: ignore[no-untyped-def]
     return at_middle, slope, -n_p * cos * (data.crowning + band.relief * dq * dq)
 
 
-@inlined
+@borrowing
 def clip(low, high, c_0, c_1, c_2):  # type: ignore[no-untyped-def]
     """The part of an interval where c_0 + c_1 Z + c_2 Z^2 > 0, c_2 <= 0."""
     square = c_1 * c_1 - 4 * c_2 * c_0
@@ -90,14 +90,14 @@ def clip(low, high, c_0, c_1, c_2):  # type: ignore[no-untyped-def]
     return low, high
 
 
-@inlined
+@borrowing
 def _on_axis(coefficients, p_r, p_t, d_r, d_t):  # type: ignore[no-untyped-def]
     """One of the rack's coordinates on a generator, at Z = 0, and its slope."""
     c, c_r, c_t, c_z = coefficients
     return c + c_r * p_r + c_t * p_t, c_r * d_r + c_t * d_t + c_z
 
 
-@inlined
+@borrowing
 def interval(xi, band, line, side, data):  # type: ignore[no-untyped-def]
     """The Z between which a generator is in contact."""
     p_r, p_t, q, d_r, d_t, dq = _on_generator(xi, line, side, data)
@@ -130,7 +130,7 @@ def interval(xi, band, line, side, data):  # type: ignore[no-untyped-def]
     return low, high
 
 
-@inlined
+@borrowing
 def _approach(p_r, p_t, z, side):  # type: ignore[no-untyped-def]
     """Rate of the depth at a point."""
     w_r, w_t, w_z = side.spin
@@ -139,7 +139,7 @@ def _approach(p_r, p_t, z, side):  # type: ignore[no-untyped-def]
     return -side.sign * side.n_p * v_t + side.n_z * v_z
 
 
-@inlined
+@borrowing
 def _press_generator(xi, width, band, line, side, data, sums, slopes):  # type: ignore[no-untyped-def]
     """Add the loads on a generator that stands for a strip of the given width [rad]; the greatest depth."""
     low, high = interval(xi, band, line, side, data)

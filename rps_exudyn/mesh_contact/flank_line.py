@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inlined
+from rps_exudyn.base.compiled import borrowing
 from rps_exudyn.forces.friction import BRISTLE, PATCH, bristle, by_load, clear, coulomb, stored, stribeck
 from rps_exudyn.forces.rigid_motion import Vector
 from rps_exudyn.mesh_contact import wrench
@@ -78,25 +78,25 @@ SUMS = 16
 LEAST_ROLL = 1e-6  # tangent length where pressures are taken at least [m]
 
 
-@inlined
+@borrowing
 def affine(coefficients, p_r, p_t, z):  # type: ignore[no-untyped-def]
     """The value at a point of the line frame."""
     return coefficients[0] + coefficients[1] * p_r + coefficients[2] * p_t + coefficients[3] * z
 
 
-@inlined
+@borrowing
 def _to_pinion(x, z, data):  # type: ignore[no-untyped-def]
     """Components along e and k of the pinion frame from those along X and Z of the housing."""
     return data.cos_delta * x - data.sin_delta * z, data.sin_delta * x + data.cos_delta * z
 
 
-@inlined
+@borrowing
 def _to_line(e, y, sin, cos):  # type: ignore[no-untyped-def]
     """Components along e_r and e_t from those along e and Y."""
     return cos * e + sin * y, cos * y - sin * e
 
 
-@inlined
+@borrowing
 def gear_centre(angle, position, data):  # type: ignore[no-untyped-def]
     """The gear's centre from its axis of rotation (e, Y), and from the rack's reference point (X, Y, Z)."""
     ca, sa = np.cos(angle), np.sin(angle)
@@ -108,7 +108,7 @@ def gear_centre(angle, position, data):  # type: ignore[no-untyped-def]
     return ecc_e, ecc_y, gx, gy, gz
 
 
-@inlined
+@borrowing
 def side_of(sign, angle, rate, position, rotation, velocity, spin, data):  # type: ignore[no-untyped-def]
     """The line frame of side `sign` at this pose and motion."""
     ecc_e, ecc_y, gx, gy, gz = gear_centre(angle, position, data)
@@ -147,7 +147,7 @@ def side_of(sign, angle, rate, position, rotation, velocity, spin, data):  # typ
     )
 
 
-@inlined
+@borrowing
 def _rack_axis(i, rotation, gx, gy, gz, sin, cos, data):  # type: ignore[no-untyped-def]
     """The rack's own coordinate i of a point, as coefficients."""
     x, y, z = rotation[0, i], rotation[1, i], rotation[2, i]
@@ -156,7 +156,7 @@ def _rack_axis(i, rotation, gx, gy, gz, sin, cos, data):  # type: ignore[no-unty
     return x * gx + y * gy + z * gz, r, t, k
 
 
-@inlined
+@borrowing
 def first_tooth(angle, side, data):  # type: ignore[no-untyped-def]
     """Number of the first tooth whose line lies on the flank, and q*(0) there and per tooth further on."""
     theta = data.theta + angle
@@ -175,7 +175,7 @@ def first_tooth(angle, side, data):  # type: ignore[no-untyped-def]
     return int(tooth), int(last), turn
 
 
-@inlined
+@borrowing
 def line_of(tooth, turn, side, data):  # type: ignore[no-untyped-def]
     """The line of one tooth against the flank of the rack that is nearest to it."""
     s, rb, p = side.sign, data.base_radius, data.normal_base_pitch
@@ -188,13 +188,13 @@ def line_of(tooth, turn, side, data):  # type: ignore[no-untyped-def]
     return Line(q_0, q_1, d_0 + s * rack_tooth * p, side.n_p * q_1 - side.n_z, rack_tooth)
 
 
-@inlined
+@borrowing
 def bands(data):  # type: ignore[no-untyped-def]
     """How many bands the flank has: one, or with tip relief two."""
     return 2 if data.relief > 0 else 1
 
 
-@inlined
+@borrowing
 def band_of(part, data):  # type: ignore[no-untyped-def]
     """The band of the flank below the tip relief, 0, or that with it, 1."""
     if part == 0:
@@ -202,14 +202,14 @@ def band_of(part, data):  # type: ignore[no-untyped-def]
     return Band(data.relief_start, data.q_tip, data.relief, data.relief_start)
 
 
-@inlined
+@borrowing
 def surplus(q, z_squared, band, data):  # type: ignore[no-untyped-def]
     """Surplus of the flank along the transverse tangent, at the tangent length q and the square of Z [m]."""
     relieved = q - band.relief_from
     return data.slope * (q - data.q_form) - band.relief * relieved * relieved - data.crowning * z_squared
 
 
-@inlined
+@borrowing
 def band_on_flank(line, band, data):  # type: ignore[no-untyped-def]
     """The band with its ends where the modified flank meets form and tip circle.
 
@@ -227,7 +227,7 @@ def band_on_flank(line, band, data):  # type: ignore[no-untyped-def]
     return Band(low, high, band.relief, band.relief_from)
 
 
-@inlined
+@borrowing
 def _crossing_place(q, line, data):  # type: ignore[no-untyped-def]
     """Square of the Z where a line has the tangent length q, within the face."""
     z, b = (q - line.q_0) / line.q_1, data.half_face
@@ -235,7 +235,7 @@ def _crossing_place(q, line, data):  # type: ignore[no-untyped-def]
 
 
 # --- loads -----------------------------------------------------------------------------------------
-@inlined
+@borrowing
 def point(xi, z, line, side, data):  # type: ignore[no-untyped-def]
     """P_r, P_t and the tangent length q."""
     s, rb = side.sign, data.base_radius
@@ -245,7 +245,7 @@ def point(xi, z, line, side, data):  # type: ignore[no-untyped-def]
     return rb * cos - along * sin, rb * sin + along * cos, s * along
 
 
-@inlined
+@borrowing
 def formed_point(xi, z, line, band, side, data):  # type: ignore[no-untyped-def]
     """P_r, P_t on the modified flank and the tangent length q of the perfect one."""
     p_r, p_t, q = point(xi, z, line, side, data)
@@ -253,7 +253,7 @@ def formed_point(xi, z, line, band, side, data):  # type: ignore[no-untyped-def]
     return p_r - along * xi, p_t + along, q
 
 
-@inlined
+@borrowing
 def add_load(load, p_r, p_t, z, side, data, sums):  # type: ignore[no-untyped-def]
     """Add a normal load at a point, with its friction."""
     slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t
@@ -280,7 +280,7 @@ def add_load(load, p_r, p_t, z, side, data, sums):  # type: ignore[no-untyped-de
     sums[FRICTION_LOSS] += lost
 
 
-@inlined
+@borrowing
 def rolling_slip(p_r, p_t, side, data):  # type: ignore[no-untyped-def]
     """Direction of the slip at a point while pinion and rack run steadily, components along e_r and B.
 
@@ -294,13 +294,13 @@ def rolling_slip(p_r, p_t, side, data):  # type: ignore[no-untyped-def]
     return (r / size, b / size) if size > 0 else (1.0, 0.0)
 
 
-@inlined
+@borrowing
 def patch_of(side, data):  # type: ignore[no-untyped-def]
     """Place of one side's bristles in the memory."""
     return data.law.place + (PATCH if side.sign > 0 else 0)
 
 
-@inlined
+@borrowing
 def begin_side(side, data, sums):  # type: ignore[no-untyped-def]
     """Begin to add up one side's loads."""
     sums[:] = 0.0
@@ -308,7 +308,7 @@ def begin_side(side, data, sums):  # type: ignore[no-untyped-def]
         clear(patch_of(side, data), data.law)
 
 
-@inlined
+@borrowing
 def _end_friction(side, data, sums):  # type: ignore[no-untyped-def]
     """Give the friction the size that belongs to the side's whole load, and add what its bristles store."""
     law, factor = data.law, by_load(sums[LOAD], data.law)
@@ -320,13 +320,13 @@ def _end_friction(side, data, sums):  # type: ignore[no-untyped-def]
         sums[ENERGY] += stored(patch_of(side, data), factor * data.friction, law)
 
 
-@inlined
+@borrowing
 def note_line_load(load_per_length, q, sums):  # type: ignore[no-untyped-def]
     """Keep the largest load per length over tangent length [N/m^2]: Hertz's pressure is its root."""
     sums[PER_ROLL] = max(sums[PER_ROLL], load_per_length / max(q, LEAST_ROLL))
 
 
-@inlined
+@borrowing
 def add_side(sums, angle, position, side, data, out):  # type: ignore[no-untyped-def]
     """Add one side's loads to `out` (`wrench` layout): line frame -> housing frame."""
     _end_friction(side, data, sums)

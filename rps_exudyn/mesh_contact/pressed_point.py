@@ -1,11 +1,11 @@
 """Load at one point of the flanks by its depth, with friction, damping and, if asked for, its tangent."""
 
-from rps_exudyn.base.compiled import inlined
+from rps_exudyn.base.compiled import borrowing
 from rps_exudyn.mesh_contact.contact_tangent import add_station
 from rps_exudyn.mesh_contact.flank_line import DAMPING_LOSS, ENERGY, add_load, affine
 
 
-@inlined
+@borrowing
 def press(depth, stiffness, eased, p_r, p_t, z, side, data, sums, slopes):  # type: ignore[no-untyped-def]
     """Add the load stiffness * (depth + d * its rate) at a point, with its friction.
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inlined, kernel, kernel_over
+from rps_exudyn.base.compiled import borrowing, kernel, kernel_over
 from rps_exudyn.forces.bearing import bearing_force
 from rps_exudyn.forces.external_load import dead_force
 from rps_exudyn.forces.rigid_motion import cross, dot, minus, plus, scaled, spin_of, turn_of, vector
@@ -36,7 +36,7 @@ SEAT_LOADS = 25  # first of the seat's own two outputs
 PLUNGER = 7
 
 
-@inlined
+@borrowing
 def _add_outer(tangent, factor, force, moment, plunger, by_force, by_moment, by_plunger):  # type: ignore[no-untyped-def]
     """Add factor times the product of two wrenches on rack and plunger."""
     a = (force[0], force[1], force[2], moment[0], moment[1], moment[2], plunger)
@@ -152,7 +152,7 @@ def newton_forces(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
     return kernel_over(forces_and_tangent, mesh_tangent, seat_force)
 
 
-@inlined
+@borrowing
 def _put(out, first, values, total, begin, count):  # type: ignore[no-untyped-def]
     """Keep an element's output, and add its forces."""
     for i in range(values.size):

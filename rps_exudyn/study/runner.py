@@ -23,7 +23,7 @@ from rps_exudyn.simulate.isolated_run import result_of_ended_process
 from rps_exudyn.simulate.processes import Done, Run, Task
 from rps_exudyn.study.cases import describe, setup_of
 from rps_exudyn.study.definition import Study
-from rps_exudyn.study.description import Case, Description
+from rps_exudyn.study.description import Case, Description, settings_of
 from rps_exudyn.study.messages import Group, groups
 from rps_exudyn.study.progress import bar, case_line, log_line
 from rps_exudyn.study.store import CaseRow, Store
@@ -140,12 +140,13 @@ def _begin(work: StudyWork) -> None:
 def _task(work: StudyWork, case: Case, form: str) -> Task:
     """A case as a process gets it; `form` is what becomes of its result: a "file", or what comes back: the
     file's "content", or a "record"."""
-    setup = setup_of(work.study, case)
+    gear = work.study.tables_of(settings_of(work.study.axes, case.values))
+    fidelity = gear.pop("fidelity")
     return {
         "hash": case.hash,
         "scene": work.description.scene,
-        "gear": setup.model_dump(exclude={"fidelity"}),
-        "fidelity": setup.fidelity.model_dump(),
+        "gear": gear,
+        "fidelity": fidelity,
         "keep": asdict(work.description.signals),
         "path": str(work.store.path_of(case.hash).resolve()) if form == "file" else None,
         "form": form,
