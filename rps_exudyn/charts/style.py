@@ -197,7 +197,7 @@ def tell_where_it_begins(axes: Axes) -> None:
     low, high = axes.get_ylim()
     if low > 0 or high < 0:
         at = axes.transAxes
-        axes.text(0.005, 0.015, NOT_ZERO, transform=at, fontsize=8, color=COLOURS["reference"])
+        axes.text(0.005, 0.015, NOT_ZERO, transform=at, fontsize=10, color=COLOURS["reference"])
 
 
 def save(figure: Figure, path: str | Path) -> None:
