@@ -22,6 +22,7 @@ from benchmarks.accuracy_speed.measurement import (
     measure_point,
 )
 from benchmarks.accuracy_speed.tables import TABLES
+from benchmarks.accuracy_speed.variants import VARIANTS, of_family, reference_of_variant
 from benchmarks.topic import Topic
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.charts import style
@@ -36,14 +37,15 @@ from rps_exudyn.study.study_file import read_study
 from rps_exudyn.study.table import axis_quantity
 from rps_exudyn.verification.faceted import Surface, faceted_run, largest_deviation, meshed, shaped, spheres
 from rps_exudyn.verification.flywheel import explicit_run
-from rps_exudyn.verification.references import Method, as_run, by_generators, by_strips, moving, reference_of
+from rps_exudyn.verification.references import Method, as_run, by_generators, by_strips, reference_of
 from rps_exudyn.verification.runs import SceneReference, run_scene
 from rps_exudyn.verification.work_precision import Reference
 
 PLANS = Path(__file__).parent / "plans"
 OF_TORQUE = (
     "closed_form ratio quasi_static quasi_static_turn generators spheres_at_rest flank newton bush "
-    "general_contact general_contact_step explicit faceted quasi_static_teeth flank_teeth"
+    "general_contact general_contact_step explicit faceted quasi_static_line flank_line quasi_static_teeth "
+    "flank_teeth quasi_static_bending flank_bending quasi_static_bristles flank_bristles"
 )
 FILES = {
     "free-pinion-torque": OF_TORQUE.split(),
@@ -69,7 +71,6 @@ CHORDS = (3e-6, 1e-6, 0.3e-6, 0.1e-6)
 FACETED = spheres(108, 36, "1 deg")
 GEAR = SteeringGear().replace({"mesh.law": "area"})  # as in the plans
 PITCH = GEAR.replace({"test.turns": 1 / 6})
-BENDING = GEAR.replace({"mesh.law": "teeth"})  # another torque: its points have a reference of their own
 
 
 def run(
@@ -161,17 +162,11 @@ def _faceted(study: str, label: str, family: str, surface: Surface) -> PlannedPo
 
 
 def reference_for(plan: PlannedPoint, reference: SceneReference) -> SceneReference:
-    """The scene's reference; for faceted pinions the same spheres on the analytic flank, for teeth that bend
-    the same law in finer steps and stations."""
-    if plan.family.endswith("teeth"):
-        return of_bending_teeth(reference.scene)
+    """The scene's reference; for faceted pinions the same spheres on the analytic flank, for models of other
+    physics the same in finer steps and stations."""
+    if name := of_family(plan.family):
+        return reference_of_variant(reference.scene, name)
     return reference if plan.fidelity is not FACETED else on_analytic_flank(reference.scene)
-
-
-@cache
-def of_bending_teeth(scene: str) -> SceneReference:
-    """Reference of law "teeth", which generators do not know: its equilibria and dynamics, much finer."""
-    return reference_of(scene, BENDING, OF_BENDING)
 
 
 @cache
@@ -196,18 +191,13 @@ def warm_up(scene: str, plan: PlannedPoint) -> None:
     fidelity = plan.fidelity
     kind = f"{plan.family} {fidelity.solver} {fidelity.mesh} {fidelity.bush}"
     if kind not in WARM:
-        gear = BENDING if plan.family.endswith("teeth") else GEAR
+        name = of_family(plan.family)
+        gear = SteeringGear().replace(dict(VARIANTS[name].gear)) if name else GEAR
         run_scene(scene, gear.replace({"test.turns": 0.01}), fidelity)
         WARM.add(kind)
 
 
 BUILT = {"explicit": explicit_points, "faceted": faceted_points}
-
-OF_BENDING = {
-    "equilibria, 12 stations, 0.1 deg": as_run(by_strips("0.1 deg")),
-    "equilibria, 10 stations, 0.2 deg": as_run(by_strips("0.2 deg").replace({"strip_stations": 10})),
-    "Exudyn, 12 stations, 0.5 deg": as_run(moving("0.5 deg", 1e-5)),
-}
 
 COARSE = {"generators": as_run(by_generators(40, "3 deg")), "strips": as_run(by_strips("3 deg"))}
 

@@ -12,6 +12,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from benchmarks.accuracy_speed.variants import variant_of
 from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.hdf5 import opened
@@ -33,8 +34,14 @@ FAMILIES = {
     "flank": "analytic flank contact in Exudyn",
     "flank, bush chain": "the same with the bush as a chain",
     "quasi-static": "the same contact in equilibrium",
-    "flank, teeth": "the same in Exudyn, teeth that bend together, compared with their own reference",
+    "flank, line": "flank contact by the default law, compared with its own reference",
+    "quasi-static, line": "that in equilibrium",
+    "flank, teeth": "teeth that bend together, likewise",
     "quasi-static, teeth": "that in equilibrium",
+    "flank, bending rack": "the default law and a rack that bends, likewise",
+    "quasi-static, bending rack": "that in equilibrium",
+    "flank, bristles": "the default law and friction that remembers, likewise",
+    "quasi-static, bristles": "that in equilibrium",
     "generators": "equilibrium, contact integrated over generators",
     "spheres at rest": "equilibrium, contact of the spheres",
     "shaped pinion": "spheres at rest on flanks as they are cut, compared with those on the analytic flank",
@@ -53,13 +60,12 @@ PRESET_FAMILIES = {
 }
 
 
-def family_of(fidelity: Fidelity, law: str) -> str:
-    """The family of a model of a gear with this `mesh.law`, one of `FAMILIES`."""
-    family = _family_of_any_law(fidelity)
-    return f"{family}, teeth" if law == "teeth" else family
+def family_of(gear: SteeringGear, fidelity: Fidelity) -> str:
+    """The family of a model of a gear, one of `FAMILIES`."""
+    return ", ".join(filter(None, (_kind_of(fidelity), variant_of(gear, fidelity))))
 
 
-def _family_of_any_law(fidelity: Fidelity) -> str:
+def _kind_of(fidelity: Fidelity) -> str:
     if fidelity.solver == "closed-form":
         return "closed form"
     if fidelity.solver == "equilibrium":
@@ -173,7 +179,7 @@ class PlannedPoint:
     ) -> "PlannedPoint":
         """Plan a run of the package."""
         turned = revolutions(scene, gear)
-        family = family_of(fidelity, gear.mesh.law)
+        family = family_of(gear, fidelity)
         return cls(study, label, family, fidelity, turned, lambda: run_scene(scene, gear, fidelity))
 
 

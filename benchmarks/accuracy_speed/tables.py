@@ -18,10 +18,16 @@ WANTED = (1.0, 0.3, 0.1, 0.02, 0.01)
 """Errors for which the cheapest model is shown [%]."""
 
 CHOICES = (
-    "quasi-static",
+    "quasi-static, line",
     "quasi-static, teeth",
-    "flank",
+    "quasi-static, bending rack",
+    "quasi-static, bristles",
+    "quasi-static",
+    "flank, line",
     "flank, teeth",
+    "flank, bending rack",
+    "flank, bristles",
+    "flank",
     "general contact",
     "explicit",
 )
@@ -31,8 +37,14 @@ MODELS = {
     "bush": ("segments 25, step_angle 1 °",),
     "flank": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("0.3", "1", "3", "6")),
     "quasi_static": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "2.5", "5", "15")),
+    "flank_line": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "3")),
+    "quasi_static_line": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "5")),
     "flank_teeth": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "3")),
     "quasi_static_teeth": tuple(f"step_angle {step} °, {DEFAULT_STRIPS}" for step in ("1", "5")),
+    "flank_bending": tuple(f"modes {modes}, step_angle 1 °" for modes in (2, 4, 8)),
+    "quasi_static_bending": tuple(f"modes {modes}, step_angle 1 °" for modes in (2, 4, 8)),
+    "flank_bristles": ("step_angle 1 °", "step_angle 3 °"),
+    "quasi_static_bristles": ("step_angle 1 °", "step_angle 5 °"),
     "closed_form": ("",),
     "ratio": ("",),
 }
