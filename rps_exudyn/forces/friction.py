@@ -55,7 +55,7 @@ def law_of(part: FrictionLaw, memory: Memory, patches: int = 1, usual_load: floa
     kind = KINDS[part.friction_law]
     return Law(
         kind,
-        part.static_ratio - 1.0,
+        part.static_ratio - 1.0 if kind else 0.0,  # Coulomb's law knows one coefficient
         part.stribeck_speed,
         part.stribeck_exponent,
         float(getattr(part, "load_exponent", 1.0)) if kind else 1.0,

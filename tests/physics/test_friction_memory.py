@@ -242,6 +242,16 @@ def test_stribecks_law_at_three_speeds() -> None:
         assert found.summary["torque_mean"] == pytest.approx(factor * usual, rel=5e-3)
 
 
+def test_coulombs_law_knows_one_coefficient() -> None:
+    """What belongs to other laws changes nothing, whatever the speed."""
+    gear = with_law(static_ratio=1.5, stribeck_speed="50 mm/s")
+    torques = [
+        rps.run("free-pinion-torque", each, fidelity="quasi-static", turns=1 / 6, speed="0.5 rpm").summary
+        for each in (GEAR, gear)
+    ]
+    assert torques[0]["torque_mean"] == torques[1]["torque_mean"]
+
+
 def test_friction_of_less_than_proportional_load() -> None:
     """Under a load that presses the coast flanks less and the drive flanks more, an exponent below 1 lowers
     the friction where the load is above the preload's."""
