@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS
+from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.gear_kernel import tangent
 from rps_exudyn.verification.runge_kutta import FreeMotion, runge_kutta
 

@@ -8,7 +8,7 @@ from rps_exudyn.gears import solids
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.inertia import six_moments
 from rps_exudyn.multibody.steering_model import SteeringModel
-from rps_exudyn.solvers.equilibrium import SIZE
+from rps_exudyn.solvers.balance import SIZE
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from rps_exudyn.forces.bush import stored_in_chain
 from rps_exudyn.forces.external_load import axis_velocity
 from rps_exudyn.forces.memory import TIME
 from rps_exudyn.multibody.steering_model import SteeringModel
-from rps_exudyn.solvers.equilibrium import SIZE
+from rps_exudyn.solvers.balance import SIZE
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, Kernel
 from rps_exudyn.solvers.record import Record
 

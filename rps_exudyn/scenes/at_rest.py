@@ -20,8 +20,9 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Outcome, Status
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, outcome_of_path
+from rps_exudyn.solvers.balance import SIZE
 from rps_exudyn.solvers.drive import Drive
-from rps_exudyn.solvers.equilibrium import SIZE, EquilibriumPath, PathInterrupted, equilibrium_path
+from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.record import Record, record_of_path, signals_of

@@ -24,10 +24,11 @@ from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_options import DEFAULT, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined, outcome_of_path
 from rps_exudyn.solvers.adaptive_path import adaptive_path
+from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.column_path import path_behind_column
 from rps_exudyn.solvers.drive import SetOff, Steady, Swing, travel_per_radian
-from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS, EquilibriumPath, PathInterrupted
+from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
 from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
 from rps_exudyn.solvers.record_of_column import behind_column

@@ -6,8 +6,9 @@ import numpy as np
 
 from rps_exudyn.analysis.resolution import missed
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.drive import Drive
-from rps_exudyn.solvers.equilibrium import Balance, EquilibriumPath
+from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.settled_start import Approach, settled_path
 
 MAX_HALVINGS = 8

@@ -13,13 +13,9 @@ import numpy as np
 
 from rps_exudyn.base.progress import reached
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.drive import Drive
-from rps_exudyn.solvers.equilibrium import (
-    Balance,
-    EquilibriumPath,
-    PathInterrupted,
-    inertia_forces,
-)
+from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, inertia_forces
 from rps_exudyn.solvers.path_follower import backward_difference, follower
 from rps_exudyn.solvers.settled_start import Approach, settled_path
 from rps_exudyn.solvers.steering_column import BehindColumn, SteeringColumn, pinion_at_start

@@ -7,53 +7,25 @@ by backward differences, so that this is the limit of slow dynamics and not a mo
 instant they are those of steady motion: rack and pinion move at the gear's gain, nothing else moves.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from rps_exudyn.base.progress import reached
-from rps_exudyn.forces.memory import NO_MEMORY, begin_step, forget
+from rps_exudyn.forces.memory import begin_step, forget
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.drive import Drive, Steady, travel_per_radian
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
-from rps_exudyn.solvers.newton_path import LONGEST, Found, NewtonLaw, newton_path
+from rps_exudyn.solvers.newton_path import LONGEST, Found, newton_path
 from rps_exudyn.solvers.path_follower import follower
 from rps_exudyn.solvers.rescue import JUMP, Beginning, search
 from rps_exudyn.solvers.settling import TYPICAL_APPROACH
 
-SIZE = 8  # coordinates of pinion, rack and plunger; modes of a flexible rack follow
-CHARACTERISTIC_LENGTHS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0])  # coordinates to lengths [m]
-
 PIECE = 2000  # instants followed at once: Ctrl-C is heard between them
 MAX_RESCUES = 50
 SHORTEST = 0.01  # of the steps asked for, that between an instant found and one that is not
-
-
-class Balance(NamedTuple):
-    """Forces to be balanced."""
-
-    force: Callable[..., Any]  # (q, v, data) -> (n,), a kernel of `gear_kernel` or `flexible_kernel`
-    data: Any
-    locked: tuple[int, ...] = ()  # coordinates that are held at zero
-    inertia: tuple[float, float] = (0.0, 0.0)  # of what follows the drive: pinion [kg m^2] and rack [kg]
-    memory: np.ndarray = NO_MEMORY  # of friction that remembers, see `forces.memory`
-    outside: Callable[[np.ndarray], np.ndarray] | None = None  # times (t,) -> generalised forces (t, 8)
-    modes: int = 0  # of the rack's bending
-    newton: NewtonLaw | None = None  # the same forces with their tangent
-
-    @property
-    def size(self) -> int:
-        """Return the number of coordinates n, with those of the modes."""
-        return SIZE + self.modes
-
-    @property
-    def lengths(self) -> np.ndarray:
-        """Return what turns the coordinates into lengths, shape (n,) [m]; a mode moves a bar of one kilogram
-        by about its coordinate."""
-        return np.append(CHARACTERISTIC_LENGTHS, np.ones(self.modes))
 
 
 @dataclass(frozen=True)
@@ -174,94 +146,163 @@ def equilibrium_path(
     Raises:
         PathInterrupted: Ctrl-C; it carries the path until then.
     """
-    fixed = {drive.coordinate, *balance.locked}
-    free = np.array([i for i in range(balance.size) if i not in fixed])
-    rows = _Rows.along(balance, pair, drive, np.asarray(time, dtype=float))
-    angle, speed = drive.pinion_angle(pair.gain, time[0]), drive.pinion_speed(pair.gain, time[0])
-    guess, steady = starting_guess(pair, angle, balance.size), steady_rates(pair, speed, balance.size)
-    guess[list(balance.locked)] = 0.0
-    rows.coordinates[0, free], rows.rates[0, free] = guess[free], steady[free]
-
-    forget(balance.memory)
-    balance.memory[1, :1] = time[0]
-    counts, rescues, unbalanced, found = np.zeros(3, dtype=int), 0, 0.0, 0
-    if led is not None and len(led.time) > 1:
-        found, unbalanced, rescues = rows.follow(led), led.residual, led.rescues
-        counts += led.evaluations, led.iterations, led.tangents
-    interrupted, residual, outputs = False, 0.0, None
+    following = _Following.of(balance, pair, drive, np.asarray(time, dtype=float), led)
+    interrupted = False
     try:
-        if balance.newton is not None and _is_plain(balance, drive, rows):
-            by_newton = _by_newton(balance, pair, drive, rows, found, free)
-            outputs = _joined_outputs(led if found else None, found, by_newton)
-            counts, found = counts + by_newton.costs, by_newton.rows
-            unbalanced = max(unbalanced, by_newton.residual) if found == len(rows.time) else unbalanced
-        while found < len(rows.time):
-            state = rows.coordinates, rows.rates, rows.forces, rows.applied
-            end = min(found + PIECE, len(rows.time))
-            found, *more, residual = follower(balance.force)(
-                found,
-                rows.time[:end],
-                drive.coordinate,
-                free,
-                balance.lengths,
-                *state,
-                rows.kept,
-                balance.memory,
-                balance.data,
-            )
-            counts += more
-            if found and rows.time[-1] > 0:
-                reached(rows.time[found - 1] / rows.time[-1], partial(drive.shown, rows.time[found - 1]))
-            if found == end < len(rows.time):
-                continue
-            unbalanced = max(unbalanced, residual if found == len(rows.time) else 0.0)
-            if found == len(rows.time) or rescues == MAX_RESCUES or (found == 0 and rescues > 0):
-                break
-            rescues += 1
-            if found == 0:
-                begin = Beginning(balance, free, rows.coordinates[0], rows.rates[0], rows.applied[0])
-                rows.coordinates[0], rows.rates[0] = begin.found(
-                    2 * np.pi / pair.teeth / abs(speed) if speed else 0
-                )
-                continue
-            begin_step(balance.memory, rows.kept[found - 1, 1], rows.time[found])
-            residual = search(balance, free, rows.time, found, *state)
-            rows.kept[found] = balance.memory
-            if residual <= JUMP:
-                unbalanced = max(unbalanced, residual)
-                found += 1
-            elif not rows.halve(found, balance, pair, drive):
-                break
+        following.to_the_end()
     except KeyboardInterrupt:
-        interrupted, found = True, max(found, rows.filled)
-        if found < 2:
+        interrupted, following.found = True, max(following.found, following.rows.filled)
+        if following.found < 2:
             raise
-    path = rows.path(found, counts, rescues, residual if found < len(rows.time) else unbalanced)
-    if outputs is not None and len(outputs) == len(path.time):
-        path = replace(path, outputs=outputs)
+    path = following.path()
     if interrupted:
         raise PathInterrupted(path)
     return path
+
+
+@dataclass
+class _Following:
+    """A path while it is followed: up to which instant, at what cost, how well it balances."""
+
+    balance: Balance
+    pair: GearPair
+    drive: Drive
+    rows: "_Rows"
+    free: np.ndarray  # coordinates that are unknown
+    led: EquilibriumPath | None  # path along the first instants
+    found: int = 0  # instants
+    counts: np.ndarray = field(
+        default_factory=lambda: np.zeros(3, dtype=int)
+    )  # evaluations, iterations, tangents
+    rescues: int = 0
+    unbalanced: float = 0.0  # largest force left at the instants found [N]
+    residual: float = 0.0  # at the last one looked for [N]
+    outputs: np.ndarray | None = None  # of the force elements, where all are known
+
+    @classmethod
+    def of(
+        cls, balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray, led: EquilibriumPath | None
+    ) -> "_Following":
+        """Begin with the guess for the first instant, or behind a path that leads along the first ones."""
+        fixed = {drive.coordinate, *balance.locked}
+        free = np.array([i for i in range(balance.size) if i not in fixed])
+        rows = _Rows.along(balance, pair, drive, time)
+        following = cls(balance, pair, drive, rows, free, led if led and len(led.time) > 1 else None)
+        guess = starting_guess(pair, drive.pinion_angle(pair.gain, time[0]), balance.size)
+        guess[list(balance.locked)] = 0.0
+        steady = steady_rates(pair, following.speed, balance.size)
+        rows.coordinates[0, free], rows.rates[0, free] = guess[free], steady[free]
+        forget(balance.memory)
+        balance.memory[1, :1] = time[0]
+        if led := following.led:
+            following.found, following.unbalanced, following.rescues = (
+                rows.follow(led),
+                led.residual,
+                led.rescues,
+            )
+            following.counts += led.evaluations, led.iterations, led.tangents
+        return following
+
+    @property
+    def speed(self) -> float:
+        """Speed of the pinion at the first instant [rad/s]."""
+        return self.drive.pinion_speed(self.pair.gain, self.rows.time[0])
+
+    @property
+    def whole(self) -> bool:
+        """Tell whether all instants are found."""
+        return self.found == len(self.rows.time)
+
+    @property
+    def state(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Coordinates, rates, forces and what is applied, one row per instant."""
+        return self.rows.coordinates, self.rows.rates, self.rows.forces, self.rows.applied
+
+    def to_the_end(self) -> None:
+        """Find what can be found."""
+        if self.balance.newton is not None and _is_plain(self.balance, self.drive, self.rows):
+            self.by_newton()
+        while not self.whole and (self.advance() or self.whole or self.rescued()):
+            pass
+
+    def by_newton(self) -> None:
+        """Go as far as Newton's method leads; where it does not begin, the guess stays."""
+        balance, rows, guess = self.balance, self.rows, self.rows.coordinates[0].copy()
+        assert balance.newton is not None
+        by_newton = newton_path(
+            balance.newton,
+            self.pair,
+            self.drive,
+            rows.time,
+            self.found,
+            self.free,
+            balance.lengths,
+            self.state[:3],
+            balance.data,
+        )
+        if by_newton.rows == 0:
+            rows.coordinates[0] = guess
+        self.outputs = _joined_outputs(self.led, self.found, by_newton)
+        self.counts, self.found = self.counts + by_newton.costs, by_newton.rows
+        if self.whole:
+            self.unbalanced = max(self.unbalanced, by_newton.residual)
+
+    def advance(self) -> bool:
+        """Follow one piece of the path; tell whether all of it was found."""
+        time = self.rows.time
+        end = min(self.found + PIECE, len(time))
+        self.found, *more, self.residual = follower(self.balance.force)(
+            self.found,
+            time[:end],
+            self.drive.coordinate,
+            self.free,
+            self.balance.lengths,
+            *self.state,
+            self.rows.kept,
+            self.balance.memory,
+            self.balance.data,
+        )
+        self.counts += more
+        if self.found and time[-1] > 0:
+            reached(time[self.found - 1] / time[-1], partial(self.drive.shown, time[self.found - 1]))
+        if self.whole:
+            self.unbalanced = max(self.unbalanced, self.residual)
+        return self.found == end
+
+    def rescued(self) -> bool:
+        """Look further for the next instant; tell whether there is something to go on from."""
+        if self.rescues == MAX_RESCUES or (self.found == 0 and self.rescues > 0):
+            return False
+        self.rescues += 1
+        balance, rows, k = self.balance, self.rows, self.found
+        if k == 0:
+            begin = Beginning(balance, self.free, rows.coordinates[0], rows.rates[0], rows.applied[0])
+            pitch = 2 * np.pi / self.pair.teeth / abs(self.speed) if self.speed else 0
+            rows.coordinates[0], rows.rates[0] = begin.found(pitch)
+            return True
+        begin_step(balance.memory, rows.kept[k - 1, 1], rows.time[k])
+        self.residual = search(balance, self.free, rows.time, k, *self.state)
+        rows.kept[k] = balance.memory
+        if self.residual <= JUMP:
+            self.unbalanced = max(self.unbalanced, self.residual)
+            self.found += 1
+            return True
+        return rows.halve(k, balance, self.pair, self.drive)
+
+    def path(self) -> EquilibriumPath:
+        """Return what was found."""
+        path = self.rows.path(
+            self.found, self.counts, self.rescues, self.unbalanced if self.whole else self.residual
+        )
+        if self.outputs is not None and len(self.outputs) == len(path.time):
+            return replace(path, outputs=self.outputs)
+        return path
 
 
 def _is_plain(balance: Balance, drive: Drive, rows: "_Rows") -> bool:
     """Tell whether a path is steady motion under the gear's own forces."""
     moves = type(drive) is Steady and drive.body != "wheel" and drive.speed != 0
     return moves and balance.outside is None and not any(balance.inertia) and len(rows.time) <= LONGEST
-
-
-def _by_newton(
-    balance: Balance, pair: GearPair, drive: Drive, rows: "_Rows", first: int, free: np.ndarray
-) -> Found:
-    """Fill rows from the first on by Newton's method; where it does not begin, their guess stays."""
-    assert balance.newton is not None
-    guess, state = rows.coordinates[0].copy(), (rows.coordinates, rows.rates, rows.forces)
-    found = newton_path(
-        balance.newton, pair, drive, rows.time, first, free, balance.lengths, state, balance.data
-    )
-    if found.rows == 0:
-        rows.coordinates[0] = guess
-    return found
 
 
 def _joined_outputs(led: EquilibriumPath | None, first: int, by_newton: Found) -> np.ndarray | None:

@@ -23,9 +23,9 @@ from rps_exudyn.mesh_contact.sampled_contact import sampled_element
 from rps_exudyn.mesh_contact.spheres import contact_data
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar, bent_bar
 from rps_exudyn.solvers.closed_form import closed_form
-from rps_exudyn.solvers.equilibrium import Balance
 from rps_exudyn.solvers.flexible_kernel import FlexibleData, flexible_gear_force, flexible_tangent
 from rps_exudyn.solvers.gear_kernel import (
     COORDINATE_BLOCKS,

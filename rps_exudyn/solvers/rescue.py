@@ -1,15 +1,12 @@
 """Equilibria that Newton's method does not find: the gear settles, or creeps, to them."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.path_follower import TOLERANCE, backward_difference
 from rps_exudyn.solvers.settling import settled
-
-if TYPE_CHECKING:
-    from rps_exudyn.solvers.equilibrium import Balance
 
 RESCUING_STEPS = 100  # most rescues take 30 to 80
 CREEP_PARTS, CREEP_STEPS = 12, 3  # of a tooth pitch, of which a gear that finds no rest makes steps
@@ -20,7 +17,7 @@ JUMP = 0.5  # of the contact's forces where its quadrature changes [N]: an equil
 class Beginning:
     """The search for the first instant of a path where the guess is too far off."""
 
-    balance: "Balance"
+    balance: Balance
     free: np.ndarray
     guess: np.ndarray  # (8,)
     rates: np.ndarray  # (8,) of steady motion
@@ -69,7 +66,7 @@ class Beginning:
 
 
 def search(
-    balance: "Balance",
+    balance: Balance,
     free: np.ndarray,
     time: np.ndarray,
     k: int,

@@ -13,14 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS, Balance
 from rps_exudyn.solvers.drive import Drive
-from rps_exudyn.solvers.equilibrium import (
-    CHARACTERISTIC_LENGTHS,
-    Balance,
-    EquilibriumPath,
-    Start,
-    equilibrium_path,
-)
+from rps_exudyn.solvers.equilibrium import EquilibriumPath, Start, equilibrium_path
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 
 DISTANCES = (1, 2, 4, 8, 16, 32)  # tooth pitches before the start at which equilibria begin

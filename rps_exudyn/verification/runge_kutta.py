@@ -19,9 +19,9 @@ from rps_exudyn.multibody.solve import SolverPlan, solve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.scene_run import Signals
+from rps_exudyn.solvers.balance import SIZE
 from rps_exudyn.solvers.bent_bar import BentBar
 from rps_exudyn.solvers.drive import Drive, Steady
-from rps_exudyn.solvers.equilibrium import SIZE
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, GearData, Kernel
 from rps_exudyn.solvers.record import Record, signals_of
 

@@ -7,7 +7,7 @@ from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.flank_element import flank_element
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS
+from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 
 LENGTHS = CHARACTERISTIC_LENGTHS[:7]  # of pinion (1), rack (6)
 STEP = 1e-8  # of differences [m]: their error is below 1e-6 of the largest entry

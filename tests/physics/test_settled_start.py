@@ -11,8 +11,9 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.maneuver import maneuvers_of_test, swing_maneuver
+from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.drive import Swing
-from rps_exudyn.solvers.equilibrium import CHARACTERISTIC_LENGTHS, SETTLED, Start, equilibrium_path
+from rps_exudyn.solvers.equilibrium import SETTLED, Start, equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.path_follower import TOLERANCE
 from rps_exudyn.solvers.settled_start import settled_path
