@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import (
@@ -29,6 +29,7 @@ from pydantic_core.core_schema import no_info_before_validator_function
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.distribution import Distribution, is_distribution
+from rps_exudyn.parameters.problem import ConflictError, Problem
 
 DEG = math.pi / 180  # for limits of angles
 SMALLEST, LARGEST = 1e-30, 1e20  # of all numbers, in SI: powers of others are beyond what a computer knows
@@ -289,25 +290,6 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         raise InputError(f"{path} is not a TOML file: it is not UTF-8 text.") from None
     except (ValueError, RecursionError) as error:  # no TOML, a number too long, or nested too deep
         raise InputError(f"{path} is not a TOML file: {error}.") from None
-
-
-class Problem(NamedTuple):
-    """One thing that is wrong: the parameters' paths, and a sentence that says what is allowed."""
-
-    paths: tuple[str, ...]
-    sentence: str
-
-    def concerns(self, settings: Iterable[str]) -> bool:
-        """Tell whether one of its parameters (or a table of theirs) is among the paths `settings`."""
-        return any(f"{setting}.".startswith(f"{path}.") for setting in settings for path in self.paths)
-
-
-class ConflictError(ValueError):
-    """Raised where parameters that are each fine alone do not fit each other."""
-
-    def __init__(self, problems: list[Problem]) -> None:
-        self.problems = problems
-        super().__init__("\n".join(problem.sentence for problem in problems))
 
 
 def _merged(tables: Mapping[str, Any], settings: Mapping[str, object]) -> dict[str, Any]:

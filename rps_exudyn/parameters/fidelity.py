@@ -17,7 +17,14 @@ import numpy as np
 from pydantic import computed_field, model_validator
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.parameters.declaration import Angle, Declared, Number, Problem, Table, parameter
+from rps_exudyn.parameters.declaration import (
+    Angle,
+    Declared,
+    Number,
+    Table,
+    parameter,
+)
+from rps_exudyn.parameters.problem import Problem
 
 CHAINS = ("chain", "adams-chain")
 RATIOS = ("ratio", "ratio-with-loss")

@@ -26,7 +26,6 @@ from rps_exudyn.parameters.declaration import (
     Mass,
     Number,
     Pressure,
-    Problem,
     SpringRate,
     Table,
     Time,
@@ -34,6 +33,7 @@ from rps_exudyn.parameters.declaration import (
     parameter,
 )
 from rps_exudyn.parameters.friction_law import FrictionLaw, LoadedFrictionLaw
+from rps_exudyn.parameters.problem import Problem
 from rps_exudyn.parameters.rig import Test, conflicts_of_test
 
 STEEPEST_LEAD = 0.01  # lead error over face width [rad]: the flanks' normals are those of the design to 1e-4

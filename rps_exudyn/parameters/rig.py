@@ -11,13 +11,13 @@ from rps_exudyn.parameters.declaration import (
     Frequency,
     Mass,
     Number,
-    Problem,
     Speed,
     Table,
     Time,
     Torque,
     parameter,
 )
+from rps_exudyn.parameters.problem import Problem
 
 
 class Test(Table):
