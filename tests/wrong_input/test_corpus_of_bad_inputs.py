@@ -41,7 +41,7 @@ def test_long_cell_of_a_measured_curve_is_refused() -> None:
     bad = BadInput("x", ("run", "--measured", "m.csv", "--out", "precious.h5"), {"m.csv": b"x" * 200000})
     row = dict(zip(COLUMNS, tried(bad, precious_file()), strict=True))
     assert (row["status"], row["traceback"]) == (2, False)
-    assert "m.csv is no table" in str(row["said"])
+    assert "m.csv has no column pinion_angle" in str(row["said"])
 
 
 def test_table_counts_what_went_wrong(tmp_path: Path) -> None:
