@@ -4,6 +4,7 @@ The alarm comes as Ctrl-C does, so that a run keeps what it has recorded. It is 
 within compiled code: whoever started the process ends it for certain, `GRACE` later.
 """
 
+import gc
 import signal
 import threading
 from collections.abc import Iterator
@@ -11,11 +12,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import monotonic
 from traceback import walk_tb
-from types import TracebackType
+from types import FrameType, TracebackType
 
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
 
+LATER = 0.01  # [s] after which an alarm rings again that would not be heard
 GRACE = 1.0  # [s] for a run to end by itself, before its process is ended
 
 # Where an interrupted run was, by a piece of the innermost file's path that says it
@@ -64,13 +66,25 @@ def alarm(seconds: float) -> Iterator[None]:
     if not can or seconds == float("inf"):
         yield
         return
-    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    before = signal.signal(signal.SIGALRM, _interrupt)
     signal.setitimer(signal.ITIMER_REAL, max(seconds, 1e-6))
     try:
         yield
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    """Raise KeyboardInterrupt; a little later where Python would drop it, in what garbage collection calls."""
+    dropping = {getattr(called, "__code__", None) for called in gc.callbacks}
+    at = frame
+    while at is not None:
+        if at.f_code in dropping or at.f_code.co_name == "__del__":
+            signal.setitimer(signal.ITIMER_REAL, LATER)
+            return
+        at = at.f_back
+    signal.default_int_handler(number, frame)
 
 
 def sentence(seconds: float, where: str, cpu: float, wall: float) -> str:

@@ -1,9 +1,11 @@
 """A time limit holds wherever a run is, and what was recorded until then is kept."""
 
+import gc
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -157,3 +159,32 @@ def test_memory_that_is_enough_is_not_refused() -> None:
     memory.check_memory(1000)
     with pytest.raises(InputError, match="1e\\+12 steps"):
         memory.check_memory(10**12)
+
+
+def test_alarm_in_garbage_collection_rings_again() -> None:
+    """Python drops an exception that is raised in a callback of the collector or in a `__del__`."""
+
+    def busy(*_: object) -> None:
+        end = time.monotonic() + 0.1
+        while time.monotonic() < end:
+            pass
+
+    class Dying:
+        def __del__(self) -> None:
+            busy()
+
+    def collect() -> None:
+        gc.callbacks.append(busy)
+        try:
+            gc.collect()
+        finally:
+            gc.callbacks.remove(busy)
+
+    def then_wait(work: Callable[[], object]) -> None:
+        with alarm(0.05):
+            work()
+            time.sleep(5)
+
+    for work in (collect, Dying):
+        with pytest.raises(KeyboardInterrupt):
+            then_wait(work)
