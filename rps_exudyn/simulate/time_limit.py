@@ -76,7 +76,7 @@ def alarm(seconds: float) -> Iterator[None]:
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    """Raise KeyboardInterrupt; a little later where Python would drop it, in what garbage collection calls."""
+    """Raise KeyboardInterrupt; a little later where Python would drop it, in what the collector calls."""
     dropping = {getattr(called, "__code__", None) for called in gc.callbacks}
     at = frame
     while at is not None:
