@@ -152,6 +152,6 @@ TOPIC = Topic(
     "6 min",
     "study_runner",
     run,
-    {"counts": (4, 8), "gears": 2},
+    {"counts": (2, 4), "gears": 2},
     {"study_scaling": scaling_table},
 )
