@@ -87,16 +87,18 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
     chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE)})
     maneuvers = list(shaken_by_road(gear))
     run = run_maneuvers(gear, chosen, maneuvers, options)
-    if test.road_shape == GROWING:
-        figures = threshold(run.signals, maneuvers)
-        remark = _threshold_remark(gear, figures)
-    else:
-        band = Band(test.band_low, test.band_high)
-        figures = describe_rattle(run.signals, 1 / test.road_frequency, gear.yoke.plunger_mass, band)
-        remark = ""
-    described = run.noting("" if chosen.rack == "flexible" else RIGID, remark).described(
-        lambda signals: figures | balance(signals)
-    )
+    growing = test.road_shape == GROWING
+    band = Band(test.band_low, test.band_high)
+
+    def figures(signals: Signals) -> dict[str, float]:
+        if growing:
+            return threshold(signals, maneuvers) | balance(signals)
+        of_cycles = describe_rattle(signals, 1 / test.road_frequency, gear.yoke.plunger_mass, band)
+        return of_cycles | balance(signals)
+
+    described = run.described(figures).noting("" if chosen.rack == "flexible" else RIGID)
+    if growing:
+        described = described.noting(_threshold_remark(gear, described.summary))
     return replace(described, signals=_thinned(described.signals, maneuvers))
 
 
@@ -120,7 +122,7 @@ def threshold(signals: Signals, maneuvers: Sequence[Maneuver]) -> dict[str, floa
 
 def _threshold_remark(gear: SteeringGear, figures: Mapping[str, float]) -> str:
     test = gear.test
-    if not figures:
+    if "rattle_threshold_force" not in figures:
         return f"the yokenut is not hit up to test.road_force = {test.road_force:.4g} N"
     growth = test.road_force / test.road_cycles
     return f"the force grows by {growth:.3g} N per cycle, by which the threshold may be too high"

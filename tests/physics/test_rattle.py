@@ -9,10 +9,11 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.external_load import RoadForce
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.rattle import GrowingForce, threshold
+from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.solvers.drive import Steady
 
 GEAR = SteeringGear()
@@ -166,6 +167,18 @@ def test_model_without_inertia_is_refused() -> None:
 def test_teeth_that_never_part_are_refused() -> None:
     with pytest.raises(InputError, match="nothing presses the plunger"):
         rps.run("rattle", GEAR, fidelity=Fidelity().replace({"mesh": "ratio"}))
+
+
+@pytest.mark.quick
+def test_a_growing_force_on_a_gear_that_finds_no_start_keeps_its_cause(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Nothing is recorded then: there is no threshold to read, and nothing to remark."""
+    lost = SceneRun(Outcome(Status.NO_CONVERGENCE, "no start was found"))
+    monkeypatch.setattr("rps_exudyn.scenes.rattle.run_maneuvers", lambda *_: lost)
+    growing = FAST | {"test.road_shape": "growing-sine"}
+    result = rps.run("rattle", GEAR.replace(growing))
+    assert (result.status, result.message) == (Status.NO_CONVERGENCE, "no start was found")
 
 
 @pytest.mark.quick
