@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.atomic import write_json
 from rps_exudyn.results.provenance import provenance
 
 ROOT = Path(__file__).parents[1]
@@ -45,8 +45,7 @@ def save_data(path: Path, content: Mapping[str, Any]) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    with replacing(path) as partial:
-        partial.write_text(json.dumps({"origin": provenance(), **content}, indent=1) + "\n")
+    write_json(path, {"origin": provenance(), **content})
 
 
 def load_data(path: Path) -> Any:

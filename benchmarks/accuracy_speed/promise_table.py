@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.topic import Topic, markdown
-from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.atomic import replacing, write_json
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
@@ -166,8 +166,7 @@ def publish(
         scenes[scene] = scene_rows(choices, rows, alike)
     scenes = {name: scenes[name] for name in SETTINGS if name in scenes}
     made = {"origin": provenance(), "seed": SEED, "scenes": scenes}
-    with replacing(path) as partial:
-        partial.write_text(json.dumps(made, indent=1) + "\n")
+    write_json(path, made)
 
 
 def scene_rows(choices: Sequence[Choice], rows: list[dict[str, Any]], alike: list[bool]) -> dict[str, Any]:

@@ -1,10 +1,12 @@
 """Writing files so that they are complete or absent: beside the target, then renamed onto it."""
 
+import json
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import Path
+from typing import Any
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import short
@@ -30,6 +32,16 @@ def replacing(path: str | Path) -> Iterator[Path]:
         raise InputError(f"{path} cannot be written: {error.strerror or error}.") from error
     finally:
         partial.unlink(missing_ok=True)
+
+
+def write_json(path: str | Path, content: Any) -> None:
+    """Write content as JSON of one value a line.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    with replacing(path) as partial:
+        partial.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
 
 def check_writable(path: str | Path, suffixes: Sequence[str] = ()) -> Path:

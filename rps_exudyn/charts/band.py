@@ -35,7 +35,7 @@ def _headline(band: Band) -> str:
     name = scene_named(band.nominal.scene).figure
     parts = [scene_of(band.nominal), band.method]
     if (found := band.figures.get(name)) is not None:
-        low, high = (SUMMARY[name].show(float(found.values[at])) for at in (0, -1))
+        low, high = (SUMMARY[name].show(end) for end in (found.low, found.high))
         parts.append(f"{name.replace('_', ' ')} {low} to {high} (90 %)")
     return " · ".join(parts)
 

@@ -1,14 +1,14 @@
 """The option `run --band`: a scene with the uncertainty of its inputs."""
 
-import json
 import sys
 from collections.abc import Iterable
 from contextlib import redirect_stdout
 from dataclasses import replace
 from pathlib import Path
 
-from rps_exudyn.base.atomic import number_existing, replacing
+from rps_exudyn.base.atomic import number_existing, write_json
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.sentence import as_sentence
 from rps_exudyn.cli.app import DONE, INTERRUPTED
 from rps_exudyn.cli.kept import say
 from rps_exudyn.cli.options import SetupOptions, parse_settings
@@ -47,7 +47,7 @@ def do_band(
     own = carried(options.tables(), settings)
     setup = _with_cheap_model(options)
     gear = setup.steering_gear
-    chosen = uncertain_inputs(gear, inputs or ("own" if own else "series"), own)
+    chosen = uncertain_inputs(gear, inputs, own)
     quick = count is None and scene == SCENE
     told = _told if sys.stderr.isatty() else None
     with redirect_stdout(sys.stderr):
@@ -59,12 +59,11 @@ def do_band(
     if older := [str(kept) for path in (out, plot, table) if (kept := number_existing(path))]:
         say(f"older files are kept: {', '.join(older)}.")
     band.nominal.save(out)
-    with replacing(table) as partial:
-        partial.write_text(json.dumps(band.as_dict(), indent=1) + "\n", encoding="utf-8")
+    content = band.as_dict()
+    write_json(table, content)
     save(band_figure(band), plot)
     files = [out, table, plot]
     if as_json:
-        content = band.as_dict()
         del content["values"]  # the file has them
         print_json(
             content | {"nominal": result_as_dict(band.nominal), "files": [str(file) for file in files]}
@@ -104,16 +103,15 @@ def print_band(band: Band, files: Iterable[Path]) -> None:
 
 
 _HEAD = ("quantity", "medians' run", "5 %", "median", "95 %", "error of 5 %", "error of 95 %")
-_ENDS, _MEDIAN = (0, -1), 2  # places in LEVELS
 
 
 def _figure_rows(band: Band) -> Iterable[tuple[str, ...]]:
     for name, found in band.figures.items():
-        show, low, high = SUMMARY[name].show, *(float(found.values[at]) for at in _ENDS)
-        errors = [show(float(found.errors[at])) for at in _ENDS]
+        show = SUMMARY[name].show
+        errors = [show(float(found.errors[at])) for at in (0, -1)]
         nominal = band.nominal.summary.get(name)
         shown = "" if nominal is None else show(nominal)
-        yield name, shown, show(low), show(float(found.values[_MEDIAN])), show(high), *errors
+        yield name, shown, show(found.low), show(found.median), show(found.high), *errors
 
 
 def _end(name: str, value: float) -> str:
@@ -129,8 +127,7 @@ def _beside(band: Band, name: str) -> str:
     if band.law is not None:
         low, high = (100 * each for each in band.law.mean_torque)
         parts.append(f"the contact law {band.law.law} is off by {low:+.2g} to {high:+.2g} %")
-    text = "; ".join(parts)
-    return f"{text[0].upper()}{text[1:]}."
+    return as_sentence("; ".join(parts))
 
 
 def _with_cheap_model(options: SetupOptions) -> Setup:

@@ -1,11 +1,10 @@
 """The command `check`: the requirement sheet of a gear."""
 
-import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from rps_exudyn.base.atomic import check_writable, replacing
+from rps_exudyn.base.atomic import check_writable, write_json
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import to_si
 from rps_exudyn.cli.kept import say
@@ -36,12 +35,11 @@ def do_check(
         torque = to_si(rated, "N*m")
     except ValueError as error:
         raise InputError(f"--rated-torque {error}.") from None
-    drawn = uncertain_inputs(gear, inputs or ("own" if own else "series"), own)
+    drawn = uncertain_inputs(gear, inputs, own)
     told = (lambda text: say(f"computing: {text}")) if sys.stderr.isatty() else None
     sheet = list(judge(gear, drawn, asked, torque, told=told))
     if out is not None:
-        with replacing(out) as partial:
-            partial.write_text(json.dumps(_as_dict(sheet), indent=1) + "\n", encoding="utf-8")
+        write_json(out, _as_dict(sheet))
     if as_json:
         print_json(_as_dict(sheet))
     else:

@@ -1,11 +1,10 @@
 """The command `validate`: rows of data from outside against this package, on one page."""
 
-import json
 import sys
 from collections import Counter
 from pathlib import Path
 
-from rps_exudyn.base.atomic import check_writable, replacing
+from rps_exudyn.base.atomic import check_writable, replacing, write_json
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.kept import say
 from rps_exudyn.cli.printed import grid_of, plain_console, print_json
@@ -37,8 +36,7 @@ def do_validate(folder: Path | None, only: tuple[str, ...], out: Path, as_json: 
         partial.write_text(validation_page(comparisons), encoding="utf-8")
     save(validation_figure(comparisons), out.with_suffix(PICTURE))
     content = {"origin": provenance(), "rows": [each.as_dict() for each in comparisons]}
-    with replacing(out.with_suffix(DATA)) as partial:
-        partial.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    write_json(out.with_suffix(DATA), content)
     files = [out, out.with_suffix(DATA), out.with_suffix(PICTURE)]
     if as_json:
         print_json(content | {"files": [str(file) for file in files]})

@@ -35,7 +35,6 @@ LEVEL = {
 """Parameters of the torque's level; deviations of the logarithm. Sources: spread of service manuals and of
 tables of friction coefficients, docs/measured-curves.md."""
 
-COEFFICIENTS = ("mesh.friction", "yoke.friction")
 MOST = 1.0  # of a coefficient of friction
 
 VECTORS = {"pinion.runout": Believed(20e-6, 2e-6)}

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.sentence import as_sentence
 from rps_exudyn.charts.fit import beliefs_figure, curves_figure
 from rps_exudyn.fitting import findings
 from rps_exudyn.fitting.estimate import Fit
@@ -47,12 +48,12 @@ def _found(fit: Fit) -> Iterable[Block]:
     if not fit.converged:
         yield Warning("The fit did not converge: these values are where it ended, and no estimates.")
     if sentence := findings.level_sentence(fit):
-        yield Text(f"{sentence[0].upper()}{sentence[1:]}.")
+        yield Text(as_sentence(sentence))
     for sentence in findings.open_sentences(fit):
-        yield Text(f"{sentence[0].upper()}{sentence[1:]}.")
+        yield Text(as_sentence(sentence))
     yield Grid(COLUMNS, [list(row) for row in findings.rows(fit)])
     if sentence := findings.offset_sentence(fit):
-        yield Text(f"{sentence[0].upper()}{sentence[1:]}.")
+        yield Text(as_sentence(sentence))
     yield Text(
         "A good fit proves nothing about single parameters: crowning, tip relief or a friction that depends "
         "on speed pass unseen under noise, and move friction coefficients by several percent."
@@ -72,7 +73,7 @@ def _pictures(fit: Fit) -> Iterable[Block]:
 
 def _basis(fit: Fit) -> Iterable[Block]:
     for sentence in fit.warnings:
-        yield Text(f"{sentence[0].upper()}{sentence[1:]}.")
+        yield Text(as_sentence(sentence))
     yield Fold("What was assumed of the files", [Text(sentence) for sentence in fit.assumed])
     if claims := shape_claims(fit):
         table = [

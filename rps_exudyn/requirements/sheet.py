@@ -148,8 +148,8 @@ def _from_band(name: str, figure: str, band: Band, limits: Mapping[str, Limit]) 
     known = numbers[np.isfinite(numbers)]
     nominal = band.nominal.summary[figure]
     share = float(np.count_nonzero(limit.keeps(known)) / numbers.size)
-    low, high = (float(band.figures[figure].values[at]) for at in (0, -1))
+    found = band.figures[figure]
     missing = numbers.size - known.size
     cause = next(iter(band.drawn.failures), "")
     remark = f"{missing} of {numbers.size} samples failed, most often {cause}" if missing else ""
-    return Judged(name, limit, nominal, low, high, share, missing / numbers.size, remark)
+    return Judged(name, limit, nominal, found.low, found.high, share, missing / numbers.size, remark)

@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from rps_exudyn.base.sentence import as_sentence
 from rps_exudyn.parameters.gear import SteeringGear
 
 Range = tuple[float, float]
@@ -36,7 +37,7 @@ class LawError:
     @property
     def sentence(self) -> str:
         """The error as a sentence."""
-        return f"{self.clause[0].upper()}{self.clause[1:]}."
+        return as_sentence(self.clause)
 
     @property
     def clause(self) -> str:

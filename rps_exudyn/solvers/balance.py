@@ -29,6 +29,10 @@ class Balance(NamedTuple):
         """Return the number of coordinates n, with those of the modes."""
         return SIZE + self.modes
 
+    def free(self, driven: int) -> np.ndarray:
+        """Return the coordinates that are unknown where the rig drives one, shape (m,)."""
+        return np.array([i for i in range(self.size) if i not in {driven, *self.locked}])
+
     @property
     def lengths(self) -> np.ndarray:
         """Return what turns the coordinates into lengths, shape (n,) [m]; a mode moves a bar of one kilogram

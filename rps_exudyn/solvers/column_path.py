@@ -98,8 +98,7 @@ class _March:
         cls, balance: Balance, pair: GearPair, ahead: BehindColumn, start: EquilibriumPath, time: np.ndarray
     ) -> "_March":
         """The first row where the gear has settled."""
-        held = {ahead.coordinate, *balance.locked}
-        free = np.array([i for i in range(balance.size) if i not in held])
+        free = balance.free(ahead.coordinate)
         coordinates, rates, forces = (np.zeros((len(time), balance.size)) for _ in range(3))
         kept = np.zeros((len(time), *balance.memory.shape))
         for rows, first in ((coordinates, start.coordinates), (rates, start.rates), (forces, start.forces)):

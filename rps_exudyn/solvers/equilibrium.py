@@ -184,8 +184,7 @@ class _Following:
         cls, balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray, led: EquilibriumPath | None
     ) -> "_Following":
         """Begin with the guess for the first instant, or behind a path that leads along the first ones."""
-        fixed = {drive.coordinate, *balance.locked}
-        free = np.array([i for i in range(balance.size) if i not in fixed])
+        free = balance.free(drive.coordinate)
         rows = _Rows.along(balance, pair, drive, time)
         following = cls(balance, pair, drive, rows, free, led if led and len(led.time) > 1 else None)
         guess = starting_guess(pair, drive.pinion_angle(pair.gain, time[0]), balance.size)

@@ -26,7 +26,7 @@ def uncertain_axes(
     own = carried(gear, settings)
     given = {path for axis in others for path in (*axis.paths, *axis.along)}
     nominal = SteeringGear.from_tables(gear, settings)
-    found = uncertain_inputs(nominal, inputs or ("own" if own or others else "series"), own, bool(others))
+    found = uncertain_inputs(nominal, inputs, own, bool(others))
     declared = {item.path: item for item in SteeringGear.declared()}
     axes = []
     for path, each in found.items():

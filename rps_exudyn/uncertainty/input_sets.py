@@ -89,19 +89,20 @@ SETS = {"unknown": UNKNOWN, "series": SERIES, "own": ()}
 
 
 def uncertain_inputs(
-    gear: SteeringGear, inputs: str, own: Mapping[str, Distribution], may_be_none: bool = False
+    gear: SteeringGear, inputs: str | None, own: Mapping[str, Distribution], may_be_none: bool = False
 ) -> dict[str, Distribution]:
     """Return path -> distribution: the gear's own, and those of a set for all other parameters.
 
     Args:
         gear: its values are those about which a set scatters.
-        inputs: name of the set.
+        inputs: name of the set; None or "" for `own` where something varies without one, else `series`.
         own: distributions that the gear's parameters carry.
         may_be_none: something else varies.
 
     Raises:
         InputError: no such set, nothing that varies, or a distribution that leaves its parameter's limits.
     """
+    inputs = inputs or ("own" if own or may_be_none else "series")
     if inputs not in SETS:
         raise InputError(f"the set of inputs is {inputs!r}; it must be one of {', '.join(SETS)}.")
     found = dict(own)

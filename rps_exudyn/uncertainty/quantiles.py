@@ -7,6 +7,7 @@ import numpy as np
 LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
 """Fractions below the quantiles: the band of 90 %, that of 50 %, and the median."""
 
+MEDIAN = LEVELS.index(0.5)
 RESAMPLES, SEED = 200, 0
 
 
@@ -20,9 +21,24 @@ class Quantiles:
     highest: np.ndarray  # likewise above, inf: unknown
 
     @property
+    def low(self) -> float:
+        """Lower end of the band of 90 %."""
+        return float(self.values[0])
+
+    @property
+    def median(self) -> float:
+        """The median."""
+        return float(self.values[MEDIAN])
+
+    @property
+    def high(self) -> float:
+        """Upper end of the band of 90 %."""
+        return float(self.values[-1])
+
+    @property
     def half_width(self) -> float:
         """Half the width of the band of 90 %."""
-        return float(self.values[-1] - self.values[0]) / 2
+        return (self.high - self.low) / 2
 
     @property
     def standard(self) -> float:

@@ -16,13 +16,13 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.uncertainty.band import Band, band_of_runs, numerical_error
 from rps_exudyn.uncertainty.input_sets import uncertain_inputs
+from rps_exudyn.uncertainty.quantiles import MEDIAN
 from rps_exudyn.uncertainty.quick_band import quick_band
 from rps_exudyn.validation.calculations import CALCULATIONS
 from rps_exudyn.validation.row import Procedure, Row
 from rps_exudyn.validation.verdict import Verdict, verdict, verdict_on_limit
 
 STEP = "2 deg"  # of equilibria
-MEDIAN = 2  # place in LEVELS
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,6 @@ class Comparison:
 
     row: Row
     simulated: Simulated
-    verdict: Verdict
 
     @property
     def error(self) -> float:
@@ -56,6 +55,16 @@ class Comparison:
         return float(
             np.hypot(np.hypot(self.simulated.u_num, self.simulated.u_input), self.row.data.uncertainty)
         )
+
+    @property
+    def verdict(self) -> Verdict:
+        """Return what E and u_val say of the row's criterion."""
+        data = self.row.data
+        if self.row.not_comparable:
+            return Verdict.NOT_COMPARABLE
+        if data.side:
+            return verdict_on_limit(self.error, self.uncertainty, data.side)
+        return verdict(self.error, self.uncertainty, self.row.agreement * abs(data.value))
 
     @property
     def message(self) -> str:
@@ -102,17 +111,7 @@ def compare_rows(rows: Sequence[Row], told: Callable[[str], None] | None = None)
         found = (
             done[key].get(row.data.quantity) or done[key].get("") or _missing("the run has no such number")
         )
-        yield Comparison(row, found, _verdict(row, found))
-
-
-def _verdict(row: Row, found: Simulated) -> Verdict:
-    if row.not_comparable:
-        return Verdict.NOT_COMPARABLE
-    uncertainty = float(np.hypot(np.hypot(found.u_num, found.u_input), row.data.uncertainty))
-    error = found.value - row.data.value
-    if row.data.side:
-        return verdict_on_limit(error, uncertainty, row.data.side)
-    return verdict(error, uncertainty, row.agreement * abs(row.data.value))
+        yield Comparison(row, found)
 
 
 def _outcome(row: Row) -> dict[str, Simulated]:
@@ -163,8 +162,7 @@ def _of_band(band: Band) -> dict[str, Simulated]:
     found = {}
     for name, each in band.figures.items():
         error = float(np.hypot(each.errors[MEDIAN], band.numerical.get(name, 0.0)))
-        low, middle, high = (float(each.values[at]) for at in (0, MEDIAN, -1))
-        found[name] = Simulated(middle, error, each.standard, low, high, failed)
+        found[name] = Simulated(each.median, error, each.standard, each.low, each.high, failed)
     return found
 
 
