@@ -114,6 +114,14 @@ def test_model_that_knows_no_play_is_refused(scene: str, change: dict[str, str],
         rps.run(scene, GEAR, fidelity=model)
 
 
+def test_more_stations_of_the_seat_change_nothing(play: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Depth is linear along the seat, so that two Gauss points are exact wherever a sloping bar touches."""
+    monkeypatch.setattr("rps_exudyn.forces.yoke.LENGTH_POINTS", 6)
+    finer = rps.run("radial-play", GEAR, fidelity=MODEL)
+    for name in ("radial_play_y", "radial_play_z"):
+        assert finer.summary[name] == pytest.approx(play.summary[name], rel=1e-9)
+
+
 def test_chain_of_segments_yields_as_its_condensed_stiffness(rigid_play: Result) -> None:
     """At rest both are the same springs: the same numbers."""
     chain = Fidelity.preset("flank").replace({"rack": "free", "bush": "chain"})
