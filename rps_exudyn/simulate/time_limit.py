@@ -4,20 +4,20 @@ The alarm comes as Ctrl-C does, so that a run keeps what it has recorded. It is 
 within compiled code: whoever started the process ends it for certain, `GRACE` later.
 """
 
-import gc
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import monotonic
 from traceback import walk_tb
-from types import FrameType, TracebackType
+from types import TracebackType
 
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
 
-LATER = 0.01  # [s] after which an alarm rings again that would not be heard
+LATER = 0.01  # [s] after which an alarm rings again that was not heard
 GRACE = 1.0  # [s] for a run to end by itself, before its process is ended
 
 # Where an interrupted run was, by a piece of the innermost file's path that says it
@@ -66,25 +66,36 @@ def alarm(seconds: float) -> Iterator[None]:
     if not can or seconds == float("inf"):
         yield
         return
-    before = signal.signal(signal.SIGALRM, _interrupt)
-    signal.setitimer(signal.ITIMER_REAL, max(seconds, 1e-6))
+    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    with _dropped_interrupt_rings_again():
+        signal.setitimer(signal.ITIMER_REAL, max(seconds, 1e-6))
+        try:
+            yield
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0)
+            signal.signal(signal.SIGALRM, before)
+
+
+@contextmanager
+def _dropped_interrupt_rings_again() -> Iterator[None]:
+    """Ring a little later where Python dropped an interrupt.
+
+    It drops what is raised in callbacks of the garbage collector and of weak references and in `__del__`,
+    and reports it to `sys.unraisablehook`.
+    """
+    report = sys.unraisablehook
+
+    def ring_again(dropped: "sys.UnraisableHookArgs") -> None:
+        if issubclass(dropped.exc_type, KeyboardInterrupt):
+            signal.setitimer(signal.ITIMER_REAL, LATER)
+        else:
+            report(dropped)
+
+    sys.unraisablehook = ring_again
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
-
-
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    """Raise KeyboardInterrupt; a little later where Python would drop it, in what the collector calls."""
-    dropping = {getattr(called, "__code__", None) for called in gc.callbacks}
-    at = frame
-    while at is not None:
-        if at.f_code in dropping or at.f_code.co_name == "__del__":
-            signal.setitimer(signal.ITIMER_REAL, LATER)
-            return
-        at = at.f_back
-    signal.default_int_handler(number, frame)
+        sys.unraisablehook = report
 
 
 def sentence(seconds: float, where: str, cpu: float, wall: float) -> str:

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+import weakref
 from collections.abc import Callable
 from pathlib import Path
 
@@ -161,30 +162,45 @@ def test_memory_that_is_enough_is_not_refused() -> None:
         memory.check_memory(10**12)
 
 
-def test_alarm_in_garbage_collection_rings_again() -> None:
-    """Python drops an exception that is raised in a callback of the collector or in a `__del__`."""
+def in_a_callback_of_the_collector() -> None:
+    gc.callbacks.append(busy)
+    try:
+        gc.collect()
+    finally:
+        gc.callbacks.remove(busy)
 
-    def busy(*_: object) -> None:
-        end = time.monotonic() + 0.1
-        while time.monotonic() < end:
-            pass
 
+def in_a_callback_of_a_weak_reference() -> None:
+    class Thing:
+        pass
+
+    thing = Thing()
+    _reference = weakref.ref(thing, busy)
+    del thing
+
+
+def in_a_finalizer() -> None:
     class Dying:
         def __del__(self) -> None:
             busy()
 
-    def collect() -> None:
-        gc.callbacks.append(busy)
-        try:
-            gc.collect()
-        finally:
-            gc.callbacks.remove(busy)
+    Dying()
 
-    def then_wait(work: Callable[[], object]) -> None:
+
+def busy(*_: object) -> None:
+    end = time.monotonic() + 0.1
+    while time.monotonic() < end:
+        pass
+
+
+@pytest.mark.parametrize(
+    "work", [in_a_callback_of_the_collector, in_a_callback_of_a_weak_reference, in_a_finalizer]
+)
+def test_alarm_that_python_drops_rings_again(work: Callable[[], None]) -> None:
+    def then_wait() -> None:
         with alarm(0.05):
             work()
             time.sleep(5)
 
-    for work in (collect, Dying):
-        with pytest.raises(KeyboardInterrupt):
-            then_wait(work)
+    with pytest.raises(KeyboardInterrupt):
+        then_wait()
