@@ -19,6 +19,7 @@ if not __package__:  # run as a script: its checkout holds the package `benchmar
 def main(arguments: list[str] | None = None) -> None:
     """Do what the command line asks for."""
     from benchmarks.pages import write_pages
+    from benchmarks.published import recording
     from benchmarks.topic import RESULTS
     from benchmarks.topics import TOPICS
 
@@ -43,7 +44,8 @@ def main(arguments: list[str] | None = None) -> None:
         topic, folder = TOPICS[name], asked.out / TOPICS[name].folder
         folder.mkdir(parents=True, exist_ok=True)
         print(f"--- {name}: {topic.shows}", flush=True)
-        topic.run(folder, **(topic.toy if asked.toy else {}))
+        with recording(asked.out, name, topic.folder):
+            topic.run(folder, **(topic.toy if asked.toy else {}))
         if asked.out.resolve() != RESULTS:
             print(*(table(folder) for table in topic.tables.values()), sep="\n\n")
     if asked.out.resolve() == RESULTS:

@@ -9,6 +9,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
+from benchmarks.published import origins_table
 from benchmarks.topic import RESULTS, ROOT, Topic
 
 REGION = re.compile(r"(<!-- table: (\S+) -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -35,6 +36,7 @@ def written(text: str, topics: Mapping[str, Topic], results: Path = RESULTS) -> 
         for topic in topics.values()
         for name, table in topic.tables.items()
     }
+    tables["published"] = (origins_table, results)
 
     def region(found: re.Match[str]) -> str:
         table, folder = tables[found[2]]

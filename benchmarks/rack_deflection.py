@@ -1,13 +1,17 @@
-"""The default rack under a force across its end: its line over the bar, to scale and enlarged."""
+"""The default rack under a force across its end, its line over the bar and its play; its lift by a torque."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from benchmarks.topic import Topic, save_data
+import rps_exudyn as rps
+from benchmarks.topic import Topic, digits, load_data, markdown, save_data
 from rps_exudyn.charts import style
+from rps_exudyn.charts.scene import draw
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam
@@ -25,14 +29,48 @@ FORCE = 98.0  # [N]
 MODEL = Fidelity.preset("quasi-static").replace({"rack": "flexible"})
 ENLARGED = 100.0
 DATA = "deflection.json"
+SHOWN = {
+    ("radial-play", "flexible"): ("radial_play_y", "radial_play_z"),
+    ("radial-play", "free"): ("radial_play_y", "radial_play_z"),
+    ("rack-lift", "flexible"): ("rack_lift", "rack_lift_closed_form", "rack_lift_end"),
+}
 
 
-def run(folder: Path, force: float = FORCE) -> None:
-    """Compute the bar's line under a force along Y [N] and draw it."""
+def run(folder: Path, force: float = FORCE, scenes: Sequence[tuple[str, str]] = tuple(SHOWN)) -> None:
+    """Compute and draw the bar's line under a force along Y [N], and these scenes of the default gear."""
     gear = SteeringGear()
     line = deflected_line(gear, force)
-    save_data(folder / DATA, {"force": force, "station": line[0].tolist(), "deflection": line[1].tolist()})
     style.save(picture(gear, line, force), folder / "deflected.png")
+    rows = [moved(scene, rack, folder) for scene, rack in scenes]
+    save_data(
+        folder / DATA,
+        {"force": force, "station": line[0].tolist(), "deflection": line[1].tolist(), "scenes": rows},
+    )
+
+
+def moved(scene: str, rack: str, folder: Path) -> dict[str, Any]:
+    """Figures of a scene [SI]; that of the flexible rack is drawn.
+
+    Raises:
+        SystemExit: the run is not ok.
+    """
+    result = rps.run(scene, fidelity=MODEL.replace({"rack": rack}))
+    if result.status != "ok":
+        raise SystemExit(f"{scene}, {rack} rack: {result.status}, {result.message}")
+    if rack == "flexible":
+        draw(result, folder / f"{scene.replace('-', '_')}.png")
+    figures = {name: result.summary[name] for name in SHOWN[scene, rack]}
+    return {"scene": scene, "rack": rack, "figures": figures}
+
+
+def moves_table(folder: Path) -> str:
+    """What the rack's end and the mesh move, rigid and flexible rack."""
+    rows = [
+        [row["scene"], row["rack"], f"`{name}`", digits(1e6 * value, 3)]
+        for row in load_data(folder / DATA)["scenes"]
+        for name, value in row["figures"].items()
+    ]
+    return markdown(["scene", "rack", "quantity", "µm"], rows)
 
 
 def deflected_line(gear: SteeringGear, force: float) -> np.ndarray:
@@ -75,9 +113,10 @@ def _box(x: float, y: float, width: float, height: float) -> Rectangle:
 
 
 TOPIC = Topic(
-    "line of the rack under a force across its end",
-    "5 s",
+    "line of the rack under a force across its end, radial play and lift",
+    "10 s",
     "flexible_rack",
     run,
-    {"force": 50.0},
+    {"force": 50.0, "scenes": (("rack-lift", "flexible"),)},
+    {"play_and_lift": moves_table},
 )

@@ -35,6 +35,10 @@ QUICK = (
 COMPILING = "smoke/test_real_runs.py"  # every preset
 SLOW = (  # files, or single tests, in the folders above that are not quick
     COMPILING,
+    "contract/test_handle.py",
+    "contract/test_kernel_cache.py::test_one_process_compiles_and_all_compute_the_same",
+    "contract/test_kernels_free_memory.py",
+    "contract/test_small_inverse.py",
     "geometry/test_geometry_picture.py",
     "geometry/test_pinion_mesh.py",
     "geometry/test_rigid_mesh.py",
@@ -49,6 +53,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "smoke/test_fit.py",
     "smoke/test_one_entry.py",
     "smoke/test_pages.py",
+    "smoke/test_progress.py::test_motion_in_exudyn_tells_how_much_is_done",
     "smoke/test_report.py",
     "smoke/test_report_in_browser.py",
     "smoke/test_studies.py",

@@ -6,6 +6,8 @@ import pytest
 
 from benchmarks.make import main
 from benchmarks.pages import pages, regions, written
+from benchmarks.published import origins, origins_table, recording
+from benchmarks.topic import RESULTS
 from benchmarks.topics import TOPICS
 
 
@@ -30,7 +32,33 @@ def test_tables_of_a_page_are_those_of_the_data_files(page: Path) -> None:
 
 def test_every_table_is_shown() -> None:
     shown = {name for page in pages() for name in regions(page.read_text(encoding="utf-8"))}
-    assert shown == {name for topic in TOPICS.values() for name in topic.tables}
+    assert shown == {name for topic in TOPICS.values() for name in topic.tables} | {"published"}
+
+
+def test_every_published_file_has_its_origin() -> None:
+    """A file that no command of the repository makes could not be checked by anyone."""
+    files = {str(file.relative_to(RESULTS)) for file in RESULTS.rglob("*.*") if file.is_file()}
+    pages_by_hand = {str(page.relative_to(RESULTS)) for page in RESULTS.rglob("README.md")}
+    entries = origins(RESULTS)
+    assert files - pages_by_hand - {"published.json", "published.md"} == set(entries)
+    for file, entry in entries.items():
+        topic = TOPICS[str(entry["command"]).removeprefix("python benchmarks/make.py ")]
+        assert file.startswith(f"{topic.folder}/")
+
+
+def test_files_that_a_topic_writes_are_recorded_also_if_it_fails(tmp_path: Path) -> None:
+    (tmp_path / "geometry").mkdir()
+    (tmp_path / "geometry" / "older.json").write_text("{}")
+
+    def stopped() -> None:
+        with recording(tmp_path, "geometry", "geometry"):
+            (tmp_path / "geometry" / "new.json").write_text("{}")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        stopped()
+    assert list(origins(tmp_path)) == ["geometry/new.json"]
+    assert "`python benchmarks/make.py geometry`" in origins_table(tmp_path)
 
 
 def test_without_a_topic_all_are_listed(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,0 +1,77 @@
+"""Origin of every published file: command, commit, machine, date and CPU time, kept beside the results."""
+
+import json
+import resource
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from benchmarks.topic import markdown
+from rps_exudyn.base.atomic import write_json
+from rps_exudyn.results.provenance import provenance
+
+FILE = "published.json"
+"""In the results' folder: path of a published file -> its origin."""
+
+Stamps = dict[str, tuple[int, int]]
+
+
+@contextmanager
+def recording(results: Path, name: str, folder: str) -> Iterator[None]:
+    """Keep the origin of every file that a topic writes in its folder within the block, also if it fails.
+
+    A topic that goes on where it was stopped counts the CPU time of its last run.
+    """
+    before, began = _stamps(results / folder), _cpu_time()
+    try:
+        yield
+    finally:
+        after = _stamps(results / folder)
+        made = provenance()
+        entry = {
+            "command": f"python benchmarks/make.py {name}",
+            "commit": made["git_hash"],
+            "date": made["date"],
+            "machine": made["machine"],
+            "cpu_time": round(_cpu_time() - began, 1),
+        }
+        entries = origins(results)
+        entries |= {f"{folder}/{file}": entry for file, stamp in after.items() if before.get(file) != stamp}
+        write_json(results / FILE, dict(sorted(entries.items())))
+
+
+def origins(results: Path) -> dict[str, dict[str, object]]:
+    """Path below the results' folder -> origin of every published file."""
+    file = results / FILE
+    return json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+
+
+def origins_table(results: Path) -> str:
+    """One row a file; where CPU time was not counted yet, none is given."""
+    rows = []
+    for file, entry in origins(results).items():
+        seconds = entry.get("cpu_time")
+        commit, dirty = str(entry["commit"])[:10], str(entry["commit"]).endswith("-dirty")
+        rows.append(
+            [
+                f"[{file}]({file})",
+                f"`{entry['command']}`",
+                f"`{commit}`{' with edits' if dirty else ''}",
+                str(entry["date"])[:10],
+                entry["machine"],
+                "" if seconds is None else f"{seconds:g}",
+            ]
+        )
+    return markdown(["file", "command", "commit", "date", "machine", "CPU time s"], rows)
+
+
+def _stamps(folder: Path) -> Stamps:
+    """File name -> time of its last change [ns] and size."""
+    stats = {file.name: file.stat() for file in folder.iterdir() if file.is_file()}
+    return {name: (stat.st_mtime_ns, stat.st_size) for name, stat in stats.items()}
+
+
+def _cpu_time() -> float:
+    """CPU time of this process and of all that it has started and seen ending [s]."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(each.ru_utime + each.ru_stime for each in used)
