@@ -1,6 +1,6 @@
 """A measured torque curve, compared with a simulated one in each direction; `measured.reading` reads it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,6 +18,7 @@ class MeasuredTorque:
     name: str
     signals: dict[str, np.ndarray]  # pinion_angle [rad], pinion_torque [N m], shape (n,); or of a rack push
     assumed: tuple[str, ...] = ()  # what the reading of the file took for granted
+    beside: dict[str, np.ndarray] = field(default_factory=dict)  # clock [s], speed [rad/s]; (n,)
 
 
 @dataclass(frozen=True, eq=False)

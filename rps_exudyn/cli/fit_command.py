@@ -129,6 +129,8 @@ def do_fit(
     out: Path,
     plot: Path | None,
     report: Path | None,
+    series: Path | None,
+    like: Path | None,
 ) -> tuple["Fit", list[Path]]:
     """Check what is to be written, fit, and write it.
 
@@ -137,12 +139,13 @@ def do_fit(
     """
     from rps_exudyn.charts.file_types import PICTURES
     from rps_exudyn.fitting.fit import fit
+    from rps_exudyn.fitting.series import read_series, write_series
     from rps_exudyn.fitting.unknowns import USUAL
 
     if not files:
         raise InputError("fit needs at least one measured file, for instance rps-exudyn fit measured.csv.")
     check_writable(out, (".toml",))
-    for path, suffixes in ((plot, PICTURES), (report, PAGES)):
+    for path, suffixes in ((plot, PICTURES), (report, PAGES), (series, (".json",))):
         if path:
             check_writable(path, suffixes)
     found = fit(
@@ -152,5 +155,9 @@ def do_fit(
         priors=parse_priors(priors),
         columns=columns,
         other_law=other_law,
+        like=read_series(like) if like else None,
     )
-    return found, write_files(found, out, plot, report)
+    written = write_files(found, out, plot, report)
+    if series:
+        write_series(found.series, series)
+    return found, [*written, *([series] if series else [])]

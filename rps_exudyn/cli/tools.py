@@ -18,6 +18,8 @@ def fit(
     out: Path = Path("fitted.toml"),
     plot: Path | None = None,
     report: Path | None = None,
+    series: Path | None = None,
+    like: Path | None = None,
     json: Flag = False,
 ) -> int:
     """Estimate preload, friction, drag and runout from measured curves, and say what they cannot tell apart.
@@ -29,6 +31,8 @@ def fit(
         out: gear file (.toml) with the estimates in place.
         plot: picture (.png, .svg, .pdf) of measured and fitted torque.
         report: page (.html) with pictures, intervals, correlations and what was assumed.
+        series: file (.json) with what this fit leaves for the next gear of the series.
+        like: such a file of another gear, with the same tests: this fit begins there.
         json: print the fit as JSON.
     """
     from rps_exudyn.cli.fit_command import do_fit, print_fit
@@ -43,6 +47,8 @@ def fit(
         out=out,
         plot=plot,
         report=report,
+        series=series,
+        like=like,
     )
     if json:
         from rps_exudyn.cli.printed import print_json

@@ -10,15 +10,16 @@ bearing        the pinion alone in its bearings
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from rps_exudyn.analysis.measured import MeasuredTorque
-from rps_exudyn.analysis.passes import passes
+from rps_exudyn.analysis.passes import Pass, passes
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.measured.clock import speeds
 from rps_exudyn.measured.reading import PUSH, TORQUE, read_curve
 from rps_exudyn.solvers.closed_form import GRAVITY
 
@@ -26,6 +27,7 @@ KINDS = ("free", "reversal", "load-test", "rack-push", "yoke-out", "bearing")
 FREE_TURNING = ("free", "reversal")  # whose curves are compared angle by angle, others by their means
 _NAMED = re.compile(rf"(?P<kind>{'|'.join(KINDS)})(?:@(?P<load>[^=]+))?=(?P<file>.+)", re.S)
 MOST_POINTS = 720  # of a pass: more are taken together by their medians
+MIXED = 1.5  # of two speeds, from which on friction may differ between them
 TURNING = np.radians(3.0)  # after a turn of a reversal, where friction is still turning about
 
 
@@ -56,6 +58,7 @@ class MeasuredPass:
     direction: int  # +1 moves the rack along +X
     angle: np.ndarray  # pinion angle, or displacement of a rack push, rising [rad] or [m], shape (n,)
     value: np.ndarray  # torque [N m] or force [N], shape (n,)
+    speeds: np.ndarray = field(default_factory=lambda: np.zeros(0))  # [rad/s] or [m/s], where it is recorded
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,10 +124,9 @@ def measurement_of(curves: Iterable[tuple[BenchTest, MeasuredTorque]]) -> Measur
     names, assumed = [], []
     for run, (test, curve) in enumerate(curves):
         driven, measured = PUSH if test.kind == "rack-push" else TORQUE
-        turned = passes({"pinion_angle": curve.signals[driven], "value": curve.signals[measured]})
-        own = [
-            _measured_pass(test, run, each.direction, each.angle, each.signals["value"]) for each in turned
-        ]
+        signals = {"pinion_angle": curve.signals[driven], "value": curve.signals[measured]}
+        turned = passes(signals | curve.beside)
+        own = [_measured_pass(test, run, each) for each in turned]
         own = _counted_by_the_motion(own, longest=max(np.ptp(each.angle) for each in own))
         own, said = _with_signs(own)
         found += own
@@ -135,9 +137,8 @@ def measurement_of(curves: Iterable[tuple[BenchTest, MeasuredTorque]]) -> Measur
     return Measurement(tuple(found), tuple(names), tuple(assumed))
 
 
-def _measured_pass(
-    test: BenchTest, run: int, direction: int, angle: np.ndarray, value: np.ndarray
-) -> MeasuredPass:
+def _measured_pass(test: BenchTest, run: int, turned: Pass) -> MeasuredPass:
+    angle, value = turned.angle, turned.signals["value"]
     if test.kind == "reversal":
         inside = (angle > angle.min() + TURNING) & (angle < angle.max() - TURNING)
         angle, value = (angle[inside], value[inside]) if inside.sum() > 2 else (angle, value)
@@ -147,7 +148,7 @@ def _measured_pass(
         parts = np.array_split(np.arange(angle.size), MOST_POINTS)
         angle = np.array([angle[part].mean() for part in parts])
         value = np.array([np.median(value[part]) for part in parts])
-    return MeasuredPass(test, run, direction, angle, value)
+    return MeasuredPass(test, run, turned.direction, angle, value, speeds(turned.signals))
 
 
 def _counted_by_the_motion(found: list[MeasuredPass], longest: float) -> list[MeasuredPass]:
@@ -175,4 +176,28 @@ def _with_signs(found: list[MeasuredPass]) -> tuple[list[MeasuredPass], list[str
 
 
 def _replaced(each: MeasuredPass, test: BenchTest, sign: int) -> MeasuredPass:
-    return MeasuredPass(test, each.run, each.direction, each.angle, sign * each.value)
+    return replace(each, test=test, value=sign * each.value)
+
+
+def mixed_speeds(measurement: Measurement, gain: float) -> list[str]:
+    """Return what is to be said if curves were turned at different speeds, as far as they are recorded.
+
+    `gain` is the rack's travel per turning angle [m/rad], which compares a rack push with the others.
+    """
+    found = [
+        (float(np.min(each.speeds)) / size, float(np.max(each.speeds)) / size, each)
+        for each in measurement.passes
+        if each.speeds.size and (size := gain if each.test.kind == "rack-push" else 1.0)
+    ]
+    if not found:
+        return []
+    slowest, fastest = min(found, key=lambda each: each[0]), max(found, key=lambda each: each[1])
+    if fastest[1] < MIXED * slowest[0]:
+        return []
+    low, high = (f"{np.degrees(speed):.3g} deg/s" for speed in (slowest[0], fastest[1]))
+    where = [f"{measurement.names[each.run]} ({each.test.title})" for *_, each in (slowest, fastest)]
+    places = where[0] if where[0] == where[1] else " and ".join(where)
+    return [
+        f"speeds are mixed, {low} to {high} in {places}: one coefficient of friction is fitted to all of "
+        "them; turn every test at one speed"
+    ]

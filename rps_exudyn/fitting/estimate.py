@@ -6,7 +6,8 @@ from enum import StrEnum
 import numpy as np
 
 from rps_exudyn.fitting.identify import Advice, Combination
-from rps_exudyn.fitting.problem import Problem, State
+from rps_exudyn.fitting.problem import Problem
+from rps_exudyn.fitting.series import Series
 from rps_exudyn.parameters.gear import SteeringGear
 
 
@@ -61,16 +62,6 @@ class FittedPass:
 
 
 @dataclass(frozen=True, eq=False)
-class Series:
-    """What a fit leaves for the next gear of a series."""
-
-    paths: tuple[str, ...]
-    problem: Problem
-    state: State
-    by_law: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
 class Fit:
     """What measured curves tell of a gear."""
 
@@ -90,7 +81,8 @@ class Fit:
     converged: bool
     simulations: int
     cpu_s: float
-    series: Series | None = field(default=None, repr=False)  # for the next gear
+    problem: Problem = field(repr=False)
+    series: Series = field(repr=False)  # for the next gear
 
     def estimate(self, path: str) -> Estimate:
         """The estimate of one parameter.

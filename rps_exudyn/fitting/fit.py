@@ -22,6 +22,7 @@ from rps_exudyn.fitting.noise import SENSOR, Found, Repeats, found_noise, noises
 from rps_exudyn.fitting.outcome import outcome_of
 from rps_exudyn.fitting.prediction import TURN, NoPredictionError, Prediction, within_the_teeth
 from rps_exudyn.fitting.problem import ZERO, Problem, State, white_noise
+from rps_exudyn.fitting.series import Series
 from rps_exudyn.fitting.solve import Solved, solve
 from rps_exudyn.fitting.start import first_slopes, scanned_offset, start_of
 from rps_exudyn.fitting.unknowns import USUAL, settings_of, unknowns_of
@@ -42,7 +43,7 @@ def fit(
     priors: Mapping[str, tuple[float, float]] | None = None,
     columns: Mapping[str, str] | None = None,
     other_law: bool = True,
-    like: Fit | None = None,
+    like: Fit | Series | None = None,
 ) -> Fit:
     """Estimate parameters of a gear from measured curves.
 
@@ -53,7 +54,8 @@ def fit(
         priors: path -> (expected value, standard deviation), SI.
         columns: quantity -> "TITLE [unit]" of files whose header does not tell.
         other_law: fit by another contact law as well, whose difference is added to the intervals.
-        like: the fit of another gear of the series, with the same tests: its slopes are taken over.
+        like: the fit of another gear of the series, or what it left: with the same tests and free
+            parameters, its end and its slopes are where this fit begins.
 
     Raises:
         InputError: files that cannot be read, curves too short, a prior that cannot be, or a gear that has no
@@ -63,15 +65,19 @@ def fit(
     measurement = files if isinstance(files, Measurement) else read_measurement(files, columns)
     free, warnings = _tellable(measurement, gear, list(free))
     problem = _problem(measurement, gear, free, priors or {})
+    before = like.series if isinstance(like, Fit) else like
+    if before is not None and (why := before.misfit(problem, gear.mesh.law)):
+        warnings.append(f"the fit of the series is not taken over: {why}")
+        before = None
     try:
-        solved, problem, found, repeats = _solved(problem, gear, like)
+        solved, problem, found, repeats = _solved(problem, gear, before)
     except NoPredictionError as error:
         raise InputError(
             f"the fit finds no equilibrium where it begins: {error}; give a gear that runs, by --gear."
         ) from None
     by_law = np.zeros(len(problem.unknowns))
-    if like is not None and like.series is not None:
-        by_law = like.series.by_law
+    if before is not None:
+        by_law = before.by_law
     elif other_law:
         by_law, said = _by_other_law(problem, gear, solved)
         warnings += said
@@ -112,9 +118,10 @@ def _problem(
 ) -> Problem:
     turning = [each for each in measurement.passes if each.test.kind in FREE_TURNING]
     whole = None
-    if gear.rack.bow:
+    if gear.rack.bow or "rack.bow" in free:
         angles = np.concatenate([each.angle for each in turning]) if turning else np.array([-np.pi, np.pi])
-        whole = within_the_teeth(gear, float(angles.min()), float(angles.max()))
+        half = TURN / gear.pinion.teeth / 2  # by which an offset may shift them
+        whole = within_the_teeth(gear, float(angles.min()) - half, float(angles.max()) + half)
     unknowns = unknowns_of(gear, free, priors)
     if not unknowns:
         raise InputError("a fit needs at least one free parameter of which its curves can tell.")
@@ -141,10 +148,10 @@ def _problem(
 
 
 def _solved(
-    problem: Problem, gear: SteeringGear, like: Fit | None
+    problem: Problem, gear: SteeringGear, before: Series | None
 ) -> tuple[Solved, Problem, list[Found], dict[str, Repeats]]:
     """Solve, find the noise in what is left, and solve again with that noise."""
-    state = _start(problem, gear, like)
+    state = _start(problem, gear, before)
     solved = solve(problem, gear, state, lambda at: first_slopes(problem, gear, at))
     passes, rows = problem.measurement.passes, solved.equations.rows
     found = [
@@ -160,14 +167,10 @@ def _solved(
     return again, problem, found, repeats
 
 
-def _start(problem: Problem, gear: SteeringGear, like: Fit | None) -> State:
-    paths = tuple(each.path for each in problem.unknowns)
-    if like is None or like.series is None or like.series.paths != paths:
+def _start(problem: Problem, gear: SteeringGear, before: Series | None) -> State:
+    if before is None:
         return start_of(problem, gear)
-    before = like.series.state
-    state = replace(before, zeros=np.zeros(len(problem.quiet)), offset=0.0, gain=0.0)
-    if before.values.size != sum(block.size for block in problem.prediction.blocks):
-        return start_of(problem, gear)
+    state = replace(before.state, zeros=np.zeros(len(problem.quiet)), offset=0.0, gain=0.0)
     return replace(state, offset=scanned_offset(problem, state)) if problem.with_offset else state
 
 

@@ -5,8 +5,8 @@ from time import process_time
 
 import numpy as np
 
-from rps_exudyn.fitting.bench_tests import FREE_TURNING
-from rps_exudyn.fitting.estimate import Estimate, Fit, FittedPass, Level, Series, Verdict
+from rps_exudyn.fitting.bench_tests import FREE_TURNING, mixed_speeds
+from rps_exudyn.fitting.estimate import Estimate, Fit, FittedPass, Level, Verdict
 from rps_exudyn.fitting.identify import (
     NARROWED,
     LevelData,
@@ -16,8 +16,10 @@ from rps_exudyn.fitting.identify import (
 )
 from rps_exudyn.fitting.noise import REPEATABILITY, SENSOR, Found, Repeats, friction_part
 from rps_exudyn.fitting.problem import Problem
+from rps_exudyn.fitting.series import Series, titles
 from rps_exudyn.fitting.solve import Solved
 from rps_exudyn.fitting.unknowns import LEVEL, VECTORS, settings_of
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 
 NORMAL = 1.959964  # quantile of 97.5 %
@@ -68,11 +70,14 @@ def outcome_of(
         offset_sd=float(np.sqrt(covariance[count, count])),
         passes=_fitted_passes(problem, solved, covariance, quantile),
         assumed=problem.measurement.assumed,
-        warnings=(*warnings, *_warnings(problem, solved, found, repeats, estimates)),
+        warnings=(*warnings, *_warnings(problem, fitted, solved, found, repeats, estimates)),
         converged=solved.converged,
         simulations=problem.prediction.simulations,
         cpu_s=process_time() - began,
-        series=Series(tuple(each.path for each in problem.unknowns), problem, state, by_law),
+        problem=problem,
+        series=Series(
+            gear.mesh.law, tuple(each.path for each in problem.unknowns), titles(problem), state, by_law
+        ),
     )
 
 
@@ -252,6 +257,7 @@ def _fitted_passes(
 
 def _warnings(
     problem: Problem,
+    gear: SteeringGear,
     solved: Solved,
     found: Sequence[Found],
     repeats: dict[str, Repeats],
@@ -270,6 +276,7 @@ def _warnings(
         said.append(
             f"the torque drifts by {100 * worst:.2g} % over a pass: a bent rack, warming, or the sensor"
         )
+    said += mixed_speeds(problem.measurement, float(GearPair.of(gear).gain))
     for test in problem.measurement.tests:
         ways = {each.direction for each in problem.measurement.passes if each.test == test}
         if len(ways) == 1:

@@ -20,8 +20,7 @@ def shape_claims(fit: Fit) -> dict[str, float]:
 
     One simulation for each parameter of the level.
     """
-    assert fit.series is not None
-    problem, state = fit.series.problem, fit.series.state
+    problem, state = fit.problem, fit.series.state
     slopes = state.slopes.copy()
     gear, unknowns = fit.given, problem.unknowns
     try:

@@ -20,6 +20,7 @@ from rps_exudyn.analysis.measured import FEWEST, MeasuredTorque
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import short
+from rps_exudyn.measured.clock import recorded
 from rps_exudyn.measured.columns import Column, find_columns, known_columns
 from rps_exudyn.measured.layout import SEPARATORS, Layout, Row, layout_of
 from rps_exudyn.measured.numbers import AmbiguousNumbersError, Format, as_number, format_of, is_missing
@@ -66,7 +67,7 @@ def read_curve(
         )
     found = find_columns(path, layout, wanted, {name: chosen[name] for name in wanted if name in chosen})
     numbers = _format(path, layout, found)
-    values, notes = _values(path, layout, found, numbers)
+    values, notes, lines = _values(path, layout, found, numbers)
     if len(values) < FEWEST:
         raise InputError(f"{path} holds {len(values)} points; a torque curve needs at least {FEWEST}.")
     table = values.T * np.array([column.size for column in found])[:, None]
@@ -79,7 +80,8 @@ def read_curve(
     if named := _ENCODINGS.get(encoding, encoding.upper()):
         first = f"text in {named}, {first}"
     taken = [_taken(column) for column in found]
-    return MeasuredTorque(Path(path).stem, signals, (first, *taken, *notes))
+    beside = recorded(layout, lines, numbers)
+    return MeasuredTorque(Path(path).stem, signals, (first, *taken, *notes), beside)
 
 
 def _taken(column: Column) -> str:
@@ -102,8 +104,8 @@ def _format(path: str | Path, layout: Layout, columns: list[Column]) -> Format:
 
 def _values(
     path: str | Path, layout: Layout, columns: list[Column], numbers: Format
-) -> tuple[np.ndarray, list[str]]:
-    """The numbers, shape (n, columns), and what was left out."""
+) -> tuple[np.ndarray, list[str], list[int]]:
+    """The numbers, shape (n, columns), what was left out, and the numbers of their lines."""
     kept, text, missing = [], [], []
     for row in layout.rows:
         cells = [row[1][column.index] if column.index < len(row[1]) else "" for column in columns]
@@ -126,7 +128,8 @@ def _values(
         notes.append(
             f"{len(text)} lines that are no numbers are left out: {_lines([row[0] for row, *_ in text])}"
         )
-    return np.array([values for _, values in kept], dtype=float).reshape(-1, len(columns)), notes
+    table = np.array([values for _, values in kept], dtype=float).reshape(-1, len(columns))
+    return table, notes, [line for line, _ in kept]
 
 
 def _is_label(row: Row) -> bool:

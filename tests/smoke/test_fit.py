@@ -29,6 +29,15 @@ def test_fit_prints_what_is_known_and_writes_its_files(command: Command, files: 
     assert Path("fit.png").stat().st_size > 20_000
 
 
+def test_the_next_gear_of_a_series_is_fitted_like_the_first(command: Command, files: list[str]) -> None:
+    """Of the same curve the second fit has nothing left to do."""
+    first = command(["fit", files[0], "--single-law", "--series", "series.json", "--json"])
+    assert first.json["files"] == ["fitted.toml", "series.json"]
+    second = command(["fit", files[0], "--like", "series.json", "--json", "--out", "next.toml"])
+    assert second.json["simulations"] <= 3
+    assert second.json["level"]["value"] == pytest.approx(first.json["level"]["value"], rel=1e-4)
+
+
 def test_fit_as_json(command: Command, files: list[str]) -> None:
     answer = command(["fit", files[0], "--single-law", "--json", "--free", "yoke.preload"])
     assert answer.json["estimates"]["yoke.preload"]["verdict"] == "follows from what was given of others"

@@ -10,8 +10,9 @@ import pytest
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.fit_command import parse_priors
-from rps_exudyn.fitting.bench_tests import named_test, read_measurement
+from rps_exudyn.fitting.bench_tests import mixed_speeds, named_test, read_measurement
 from rps_exudyn.fitting.fit import fit
+from rps_exudyn.fitting.series import read_series
 from rps_exudyn.parameters.gear import SteeringGear
 from shell import Command
 
@@ -95,12 +96,53 @@ def test_priors_are_read_with_units() -> None:
     assert np.isfinite(priors["yoke.preload"][0])
 
 
+def timed(path: Path, speeds: tuple[float, float]) -> str:
+    """A curve to and fro with a clock, at two speeds [deg/s]."""
+    forth = np.arange(-90.0, 91.0, 2.0)
+    angle = np.concatenate([forth, forth[-2::-1]])
+    speed = np.where(np.arange(angle.size) < forth.size, *speeds)
+    rows = zip(np.cumsum(2.0 / speed), angle, np.where(speed == speeds[0], 0.6, -0.6), strict=True)
+    path.write_text(
+        "time [s], angle [deg], torque [N m]\n" + "".join(f"{t:.4f},{a},{m}\n" for t, a, m in rows)
+    )
+    return str(path)
+
+
+def test_mixed_speeds_are_said(tmp_path: Path) -> None:
+    """Within a file, and between files; a speed column tells as the clock does."""
+    even, uneven = timed(tmp_path / "even.csv", (5, 5.001)), timed(tmp_path / "uneven.csv", (5, 20))
+    rotating = tmp_path / "rotating.csv"
+    table = "".join(f"{a};{1 if a % 60 else 7};0,6\n" for a in range(0, 360, 3))
+    rotating.write_text("Winkel;Drehzahl;Moment\n[°];[1/min];[Nm]\n" + table)
+    gain = 5.6e-3
+    assert mixed_speeds(read_measurement([even]), gain) == []
+    (sentence,) = mixed_speeds(read_measurement([uneven]), gain)
+    assert sentence.startswith("speeds are mixed, 5 deg/s to 20 deg/s in uneven (free):")
+    (between,) = mixed_speeds(read_measurement([rotating, f"bearing={uneven}", even]), gain)
+    assert "5 deg/s to 20 deg/s" in between
+    assert mixed_speeds(read_measurement([rotating, even]), gain) == []
+
+
+def test_a_file_that_is_no_series_is_refused(tmp_path: Path) -> None:
+    for content, sentence in (
+        ("[]", "is no file of a series"),
+        ('{"what": "a gear"}', "is no file of a series"),
+        ("{", "is no file of a series"),
+    ):
+        (tmp_path / "s.json").write_text(content)
+        with pytest.raises(InputError, match=sentence):
+            read_series(tmp_path / "s.json")
+    with pytest.raises(InputError, match="cannot be read: No such file"):
+        read_series(tmp_path / "none.json")
+
+
 def test_command_refuses_in_one_sentence(command: Command, short: Path) -> None:
     for arguments, sentence in (
         ([], "fit needs at least one measured file"),
         ([str(short)], "a level needs a tooth pitch"),
         (["none.csv"], "none.csv cannot be read: No such file"),
         ([str(short), "--out", "a.json"], "a.json"),
+        ([str(short), "--like", "none.json"], "none.json cannot be read"),
         ([str(short), "--prior", "x"], "--prior x: x cannot be fitted"),
     ):
         answer = command(["fit", *arguments])
