@@ -12,7 +12,7 @@ import numpy as np
 from rps_exudyn.base.compiled import kernel
 
 TIME, PLACES = 0, 1
-MOST_COORDINATES = 14
+MOST_COORDINATES = 88  # of a rack with as many modes as `rack.modes` allows
 PATCHES = PLACES + MOST_COORDINATES
 NO_MEMORY = np.zeros((2, 0))
 ROOM = 32
@@ -63,14 +63,23 @@ def begin_step(memory, begin, time):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def duration(memory):  # type: ignore[no-untyped-def]
+    """Duration of the step over which slip is a mean [s]; 0 where rates are those given."""
+    if memory.shape[1] == 0:
+        return 0.0
+    h = memory[1, 0] - memory[0, 0]
+    return h if 0 < h < np.inf else 0.0
+
+
+@kernel
 def slip_rates(q, v, memory):  # type: ignore[no-untyped-def]
     """Rates with which bodies slip: without memory those given, with it the means over the step."""
     if memory.shape[1] == 0:
         return v
-    h = memory[1, 0] - memory[0, 0]
+    h = duration(memory)
     for i in range(q.size):
         memory[1, 1 + i] = q[i]
-    if not 0 < h < np.inf:
+    if h == 0:
         return v
     rates = np.empty(q.size)
     for i in range(q.size):

@@ -22,9 +22,16 @@ import numpy as np
 from rps_exudyn.base.compiled import kernel, kernel_over
 from rps_exudyn.forces.bearing import bearing_force
 from rps_exudyn.forces.external_load import add_dead_force, dead_force
+from rps_exudyn.forces.memory import duration, slip_rates
 from rps_exudyn.forces.sliding_fit import held_fit_force
 from rps_exudyn.forces.yoke import nut_force, spring_force
-from rps_exudyn.solvers.gear_kernel import GearData, Kernel
+from rps_exudyn.solvers.gear_kernel import (
+    GearData,
+    Kernel,
+    difference_steps,
+    differences,
+    steps_in_zone,
+)
 
 MODES = 8  # where the modes begin in the stack
 
@@ -173,6 +180,8 @@ def flexible_gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
 
     def flexible_force(q, v, handle):  # type: ignore[no-untyped-def]
         gear, bar, total = handle.data.gear, handle.data.bar, np.zeros(q.size)
+        add_elasticity(total, q, v, bar)
+        v = slip_rates(q, v, gear.memory)
         sections = bar_sections(-q[1], bar)  # mesh and yoke stand at X = 0
         pose = local_pose(q, v, sections, -1.0, bar)
         forces = contact(with_neighbours(q, pose[POSE]), with_neighbours(v, pose[RATE]), gear)
@@ -188,40 +197,12 @@ def flexible_gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
             load = dead_force(pose[POSE], pose[RATE], gear.load)
             add_to_bar(total, load, pose, sections, 0.0, bar)
         add_dead_force(total[1:], q[1:7], gear.weight)  # on the rigid body: it bends no mode of a free bar
-        add_elasticity(total, q, v, bar)
         return total
 
     return kernel_over(flexible_force, mesh_force, seat_force)
 
 
 # --- tangent ---------------------------------------------------------------------------------------
-@cache
-def local_tangent(force: Kernel) -> Kernel:
-    """Forward differences of a law over its own coordinates: (q, v, data, steps, factor_q, factor_v) ->
-    factor_q dF/dq + factor_v dF/dv, shape (n, n); `steps` (n,) as in `gear_kernel.tangent`."""
-
-    def differences(q, v, data, steps, factor_q, factor_v):  # type: ignore[no-untyped-def]
-        n = q.size
-        result, here = np.zeros((n, n)), force(q, v, data)
-        place, rate = q.copy(), v.copy()
-        for j in range(n):
-            if factor_q != 0:
-                place[j] += steps[j]
-                moved = force(place, v, data)
-                place[j] = q[j]
-                for i in range(n):
-                    result[i, j] += factor_q / steps[j] * (moved[i] - here[i])
-            if factor_v != 0:
-                rate[j] += 100 * steps[j]
-                moved = force(q, rate, data)
-                rate[j] = v[j]
-                for i in range(n):
-                    result[i, j] += factor_v / (100 * steps[j]) * (moved[i] - here[i])
-        return result
-
-    return kernel_over(differences, force)
-
-
 @kernel
 def pose_by_bar(n, pose, sections, drifts, bar):  # type: ignore[no-untyped-def]
     """Return the derivatives of a local pose by all coordinates, shape (6, n)."""
@@ -253,33 +234,39 @@ def flexible_tangent(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
     """The tangent of `flexible_gear_force`, a function as `gear_kernel.tangent` returns: differences of the
     laws over their own coordinates, and the chain rule to the modes."""
     contact = contact_force(mesh_force, seat_force)
-    of_contact, of_fit, of_load = (local_tangent(law) for law in (contact, held_fit_force, dead_force))
+    of_contact, of_fit, of_load = (differences(law) for law in (contact, held_fit_force, dead_force))
 
     def chain_rule_tangent(q, v, handle, factor_q, factor_v):  # type: ignore[no-untyped-def]
         gear, bar, n = handle.data.gear, handle.data.bar, q.size
-        steps = np.array([1e-8, 1e-9, 1e-9, 1e-9, 1e-8, 1e-8, 1e-8, 1e-9])
+        steps = difference_steps(MODES)
+        rate_steps = steps_in_zone(steps, gear.fit.zone)
         result = np.zeros((n, n))
+        for k in range(bar.stiffness.size):
+            result[MODES + k, MODES + k] -= factor_q * bar.stiffness[k] + factor_v * bar.damping[k]
+        v, h = slip_rates(q, v, gear.memory), duration(gear.memory)
+        if h > 0:  # rates of the laws are what the coordinates moved over the step
+            factor_v = factor_q / h
         sections = bar_sections(-q[1], bar)
         pose = local_pose(q, v, sections, -1.0, bar)
         place, rate = with_neighbours(q, pose[POSE]), with_neighbours(v, pose[RATE])
         by = np.zeros((8, n))
         by[0, 0] = by[7, 7] = 1.0
         by[1:7] = pose_by_bar(n, pose, sections, -1.0, bar)
-        result += by.T @ (of_contact(place, rate, gear, steps, factor_q, factor_v) @ by)
+        result += by.T @ (of_contact(place, rate, gear, steps, rate_steps, factor_q, factor_v) @ by)
         add_geometric(result, contact(place, rate, gear)[1:7], sections, -1.0, factor_q, bar)
         sections = bar_sections(gear.fit.station - q[1], bar)
         pose = local_pose(q, v, sections, -1.0, bar)
         held = pose_by_bar(n, pose, sections, -1.0, bar)
-        result += held.T @ (of_fit(pose[POSE], pose[RATE], gear.fit, steps[1:7], factor_q, factor_v) @ held)
+        by_fit = of_fit(pose[POSE], pose[RATE], gear.fit, steps[1:7], rate_steps[1:7], factor_q, factor_v)
+        result += held.T @ (by_fit @ held)
         on_fit = held_fit_force(pose[POSE], pose[RATE], gear.fit)
         add_geometric(result, on_fit, sections, -1.0, factor_q, bar)
         if gear.load.place != 0:
             sections = bar_sections(gear.load.place, bar)
             pose = local_pose(q, v, sections, 0.0, bar)
             end = pose_by_bar(n, pose, sections, 0.0, bar)
-            result += end.T @ (of_load(pose[POSE], pose[RATE], gear.load, steps[1:7], factor_q, 0.0) @ end)
-        for k in range(bar.stiffness.size):
-            result[MODES + k, MODES + k] -= factor_q * bar.stiffness[k] + factor_v * bar.damping[k]
+            on_end = of_load(pose[POSE], pose[RATE], gear.load, steps[1:7], rate_steps[1:7], factor_q, 0.0)
+            result += end.T @ (on_end @ end)
         return result
 
     return kernel_over(chain_rule_tangent, mesh_force, seat_force)

@@ -33,7 +33,7 @@ from rps_exudyn.solvers.gear_kernel import (
     Kernel,
     chain_gear_force,
     gear_force,
-    tangent,
+    gear_tangent,
 )
 from rps_exudyn.solvers.newton_follower import newton_follower
 from rps_exudyn.solvers.newton_path import NewtonLaw
@@ -115,7 +115,7 @@ class GearForces:
         """Compiled tangent of `dynamics`, a function as `gear_kernel.tangent` returns."""
         if self.bar is not None:
             return flexible_tangent(self.mesh.kernel, self.seat.kernel)
-        return tangent(self.dynamics[0])
+        return gear_tangent(self.dynamics[0])
 
     def _data(self, fit: ForceElement) -> Handle:
         parts = {name: getattr(self, name) for name in GearData._fields if name != "memory"} | {"fit": fit}
@@ -190,12 +190,6 @@ def check_friction_laws(gear: SteeringGear, fidelity: Fidelity) -> None:
                 f"{part}.friction_law is bristle, but fidelity.mesh = general-contact remembers nothing: "
                 "choose fidelity.mesh = flank."
             )
-    if "bristle" in laws.values() and (fidelity.rack == "flexible" or gear.rack.bow):
-        part = next(part for part, law in laws.items() if law == "bristle")
-        raise InputError(
-            f"{part}.friction_law is bristle, which a rack that bends or is not straight does not know yet: "
-            "choose fidelity.rack = free and rack.bow = 0."
-        )
     if laws["mesh"] != "coulomb" and not fidelity.mesh.startswith("flank"):
         raise InputError(
             f"mesh.friction_law is {laws['mesh']}, but fidelity.mesh = {fidelity.mesh} knows only coulomb: "

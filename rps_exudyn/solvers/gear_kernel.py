@@ -12,14 +12,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inlined, kernel_over
+from rps_exudyn.base.compiled import inlined, kernel, kernel_over
 from rps_exudyn.forces.bearing import BearingData, bearing_force
 from rps_exudyn.forces.external_load import DeadForceData, add_dead_force
-from rps_exudyn.forces.memory import begin_step, slip_rates
+from rps_exudyn.forces.memory import begin_step, duration, slip_rates
 from rps_exudyn.forces.sliding_fit import FitData, fit_force, held_fit_force
 from rps_exudyn.forces.yoke import NutData, SpringData, nut_force, spring_force
 
 Kernel = Callable[..., Any]
+
+STEPS_PER_SECOND = 100.0  # of a rate's difference over that of its coordinate, at most ...
+PART_OF_ZONE = 0.04  # ... and that difference over the friction zone
+SHORTEST_STEP = 1e-15  # [m]: of a coordinate of 0.1 m the last digits
 
 COORDINATE_BLOCKS = {
     "pinion": slice(0, 1),
@@ -100,30 +104,84 @@ def chain_gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
 
 
 @cache
-def tangent(force: Kernel) -> Kernel:
-    """Forward differences: a function (q, v, data, factor_q, factor_v) -> factor_q dF/dq + factor_v dF/dv.
+def differences(force: Kernel) -> Kernel:
+    """Forward differences of a law: (q, v, data, steps, rate_steps, factor_q, factor_v) ->
+    factor_q dF/dq + factor_v dF/dv, shape (n, n), in steps (n,) of coordinates and of rates.
 
-    `force` is any kernel whose first outputs are the forces on the coordinates, stacked as above. The steps
-    stay far below penetrations (micrometres) and friction zones (0.01 mm/s), for 1 % of the largest entries,
-    enough for Newton's method; rotations act at distances of centimetres.
+    `force` is any kernel whose first outputs are the forces on the coordinates.
     """
 
-    def difference_tangent(q, v, data, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    def forward_differences(q, v, data, steps, rate_steps, factor_q, factor_v):  # type: ignore[no-untyped-def]
         n = q.size
-        result, here = np.zeros((n, n)), force(q, v, data)[:n]
+        result, here = np.zeros((n, n)), force(q, v, data)
         place, rate = q.copy(), v.copy()
         for j in range(n):
-            step = 1e-9 if 1 <= j <= 3 or 7 <= j <= 10 else 1e-8
-            place[j] += step
-            result[:, j] = factor_q / step * (force(place, v, data)[:n] - here)
-            place[j] = q[j]
+            if factor_q != 0:
+                place[j] += steps[j]
+                moved, per_step = force(place, v, data), factor_q / (place[j] - q[j])
+                place[j] = q[j]
+                for i in range(n):
+                    result[i, j] += per_step * (moved[i] - here[i])
             if factor_v != 0:
-                rate[j] += 100 * step
-                result[:, j] += factor_v / (100 * step) * (force(q, rate, data)[:n] - here)
+                rate[j] += rate_steps[j]
+                moved, per_step = force(q, rate, data), factor_v / (rate[j] - v[j])
                 rate[j] = v[j]
+                for i in range(n):
+                    result[i, j] += per_step * (moved[i] - here[i])
         return result
 
+    return kernel_over(forward_differences, force)
+
+
+@kernel
+def difference_steps(n):  # type: ignore[no-untyped-def]
+    """Steps of n coordinates stacked as above: far below penetrations (micrometres), for 1 % of the largest
+    entries of a tangent, enough for Newton's method; rotations act at distances of centimetres."""
+    steps = np.full(n, 1e-8)
+    for j in range(n):
+        if 1 <= j <= 3 or 7 <= j <= 10:
+            steps[j] = 1e-9
+    return steps
+
+
+@kernel
+def steps_in_zone(steps, zone):  # type: ignore[no-untyped-def]
+    """Steps of the rates, far below the zone [m/s] in which friction turns about."""
+    return min(STEPS_PER_SECOND, PART_OF_ZONE * zone / 1e-9) * steps
+
+
+@cache
+def tangent(force: Kernel) -> Kernel:
+    """Differences of a law that knows no gear: (q, v, data, factor_q, factor_v) ->
+    factor_q dF/dq + factor_v dF/dv."""
+    by_steps = differences(force)
+
+    def difference_tangent(q, v, data, factor_q, factor_v):  # type: ignore[no-untyped-def]
+        steps = difference_steps(q.size)
+        return by_steps(q, v, data, steps, STEPS_PER_SECOND * steps, factor_q, factor_v)
+
     return kernel_over(difference_tangent, force)
+
+
+@cache
+def gear_tangent(force: Kernel) -> Kernel:
+    """The same of all forces of a gear, in steps within its friction zone.
+
+    Where friction remembers, its laws see no rates but what the coordinates moved over the step: a step of a
+    coordinate is one of its rate then, and as short.
+    """
+    by_steps = differences(force)
+
+    def zone_tangent(q, v, handle, factor_q, factor_v):  # type: ignore[no-untyped-def]
+        steps = difference_steps(q.size)
+        rate_steps = steps_in_zone(steps, handle.data.fit.zone)
+        h = duration(handle.data.memory)
+        if h > 0:
+            factor_v = 0.0
+            steps = np.minimum(steps, np.maximum(h * rate_steps, SHORTEST_STEP))
+        return by_steps(q, v, handle, steps, rate_steps, factor_q, factor_v)
+
+    return kernel_over(zone_tangent, force)
 
 
 @cache

@@ -10,7 +10,7 @@ from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.stick_slip import Oscillator, Rubbing
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.friction import ACROSS, ALONG, BRISTLE, LOAD, Law, bristle, clear, stored
-from rps_exudyn.forces.memory import PATCHES, TIME, Memory
+from rps_exudyn.forces.memory import PATCHES, PLACES, TIME, Memory
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -188,6 +188,76 @@ def test_dynamics_remember_as_equilibria_do() -> None:
     still, moving = (reversal("bristle", "5 um", model).summary for model in ("quasi-static", "flank"))
     for name in ("reversal_angle", "hysteresis_area"):
         assert moving[name] == pytest.approx(still[name], rel=0.01)
+
+
+# --- parts that remember beside parts that do not, and racks that bend ---------------------------------
+@pytest.fixture(scope="module")
+def mixed() -> Result:
+    """The combination that asked for 99 381 Jacobians while their steps left the friction zone."""
+    gear = GEAR.replace({f"{part}.friction_law": "bristle" for part in ("yoke", "bush")})
+    return rps.run("reversal", gear, fidelity="flank")
+
+
+def test_bristles_beside_a_friction_zone_cost_no_more(mixed: Result) -> None:
+    """At most twice the Jacobians of friction zones alone; the loop lies between both laws'."""
+    coulomb, bristles = reversal("coulomb", fidelity="flank"), reversal("bristle", "5 um", "flank")
+    assert mixed.status is Status.OK, mixed.message
+    assert mixed.counters["jacobians"] < 2 * coulomb.counters["jacobians"]
+    area = mixed.summary["hysteresis_area"]
+    assert bristles.summary["hysteresis_area"] < area < coulomb.summary["hysteresis_area"]
+
+
+@pytest.mark.parametrize("remembering", [("yoke", "bush"), ()])
+def test_tangent_within_the_friction_zone(remembering: tuple[str, ...]) -> None:
+    """Against central differences in steps of 1 % of the zone, at rates of a third of it and over a step of
+    0.1 ms: entries to 2 % of the diagonal's."""
+    gear = GEAR.replace({f"{part}.friction_law": "bristle" for part in remembering} | {"test.speed": "1 rpm"})
+    forces = gear_forces(gear, Fidelity.preset("flank"))
+    (force, data), memory, h = forces.dynamics, forces.memory.array, 1e-4
+    q = equilibrium_path(
+        forces.statics, GearPair.of(gear), Steady("pinion", 0.0, gear.test.speed), np.zeros(1)
+    ).coordinates[0]
+    v = np.zeros(8)
+    v[1] = 0.3 * forces.friction_zone
+    if remembering:
+        memory[0, PLACES : PLACES + 8] = q - h * v
+        memory[:, TIME] = 0.0, h
+    found = forces.dynamics_tangent(q, v, data, 1.0, 1 / h)
+    expected, step = np.empty((8, 8)), 0.01 * forces.friction_zone * np.where(np.arange(8) % 4, 1, 10)
+    for j in range(8):
+        dv = step * (np.arange(8) == j)
+        expected[:, j] = (force(q + h * dv, v + dv, data)[:8] - force(q - h * dv, v - dv, data)[:8]) / (
+            2 * h * step[j]
+        )
+    size = np.sqrt(np.abs(np.diag(expected)))
+    assert np.abs((found - expected) / np.outer(size, size)).max() < 0.02
+
+
+@pytest.fixture(scope="module")
+def bending() -> dict[str, Result]:
+    """Reversals on bristles of 5 um of a rack with two modes in each plane."""
+    gear = with_law(GEAR.replace({"rack.modes": 2}), friction_law="bristle", bristle_travel="5 um")
+    models = {name: Fidelity.preset(name).replace({"rack": "flexible"}) for name in ("quasi-static", "flank")}
+    return {name: rps.run("reversal", gear, fidelity=model) for name, model in models.items()}
+
+
+def test_a_bending_rack_remembers_in_dynamics_as_in_equilibria(bending: dict[str, Result]) -> None:
+    """Angle and area to 0.5 %; the balance of the work, bristles' energy and all, to 0.2 %."""
+    still, moving = (bending[name] for name in ("quasi-static", "flank"))
+    for result in (still, moving):
+        assert result.status is Status.OK, result.message
+        assert abs(result.summary["energy_residual"]) < 2e-3
+    for name in ("reversal_angle", "hysteresis_area"):
+        assert moving.summary[name] == pytest.approx(still.summary[name], rel=5e-3)
+
+
+def test_a_bar_that_hardly_bends_is_a_rigid_one() -> None:
+    """A thousand times the modulus: a reversal's angle on bristles to 0.1 %, of which bending makes 5 %."""
+    gear = with_law(GEAR.replace({"rack.modes": 2}), friction_law="bristle", bristle_travel="5 um")
+    stiff = gear.replace({"rack.youngs_modulus": 1e3 * gear.rack.youngs_modulus})
+    bent = Fidelity.preset("quasi-static").replace({"rack": "flexible"})
+    angle = rps.run("reversal", stiff, fidelity=bent).summary["reversal_angle"]
+    assert angle == pytest.approx(reversal("bristle", "5 um").summary["reversal_angle"], rel=1e-3)
 
 
 @pytest.mark.parametrize("step", ["1 deg", "0.1 deg"])
