@@ -135,7 +135,7 @@ def title(figure: Figure, headline: str, failure: str = "") -> None:
 def _wrapped(headline: str, width: int) -> str:
     """The headline, broken between its parts if it is too long for one line of so many letters."""
     unbroken = headline.replace(" ", "\xa0").replace("\xa0·\xa0", "\xa0· ")
-    return textwrap.fill(unbroken, width=width).replace("\xa0", " ")
+    return textwrap.fill(unbroken, width=width).replace("\xa0", " ").replace(" ·\n", "\n")
 
 
 def widen(axes: Axes, least: float) -> None:

@@ -1,6 +1,7 @@
 """What the cases of a study say, linked to them: remarks on those that ended ok, and causes of failure."""
 
 from collections.abc import Iterable, Sequence
+from hashlib import sha256
 
 from rps_exudyn.report.blocks import Block, Cell, Fold, Grid, Link, Links, Section, Text, Warning
 from rps_exudyn.study.description import Case
@@ -13,8 +14,9 @@ LINK_DIGITS = 3
 
 
 def case_id(table: CaseTable, case: Case) -> str:
-    """The place of a case on its page, among all cases."""
-    return f"{table.description.name}-{case.hash}".replace(" ", "-")
+    """The place of a case on its page, among all cases, also those of another folder of the same study."""
+    folder = sha256(str(table.path).encode(errors="replace")).hexdigest()[:6]
+    return f"{table.description.name}-{folder}-{case.hash}".replace(" ", "-")
 
 
 def case_link(table: CaseTable, case: Case) -> Links:

@@ -252,6 +252,18 @@ def test_same_study_gives_the_same_page(made_up_result: Result, tmp_path: Path, 
     assert (tmp_path / "a.html").read_bytes() == (tmp_path / "b.html").read_bytes()
 
 
+def test_two_folders_of_one_study_share_no_place(
+    made_up_result: Result, tmp_path: Path, command: Command
+) -> None:
+    """A link would lead to the first of two elements with one id."""
+    make_study(tmp_path / "s", made_up_result)
+    make_study(tmp_path / "again" / "s", made_up_result)
+    command(["report", "s", "again/s", "--out", "both.html"])
+    elements = Page(tmp_path / "both.html").elements
+    rows = [found["id"] for tag, found in elements if tag == "tr" and "id" in found]
+    assert len(rows) == len(set(rows)) == 12  # six cases each
+
+
 def test_result_without_signals(made_up_result: Result, tmp_path: Path, command: Command) -> None:
     dataclasses.replace(made_up_result, signals={}).save(tmp_path / "r.h5")
     assert command(["report", "r.h5"]).status == 0

@@ -5,7 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
+from rps_exudyn.charts import style
 from rps_exudyn.charts.scene import draw
 from rps_exudyn.charts.style import NOT_ZERO
 from rps_exudyn.charts.torque import torque_figure
@@ -73,3 +75,10 @@ def test_result_is_drawn_again(made_up_result: Result, command: Command, tmp_pat
     picture = (tmp_path / "again.svg").read_text(encoding="utf-8")
     assert picture.startswith("<?xml")
     assert command(["show", "r.h5", "--plot", "again.doc"]).status == 2
+
+
+def test_headline_is_broken_between_its_parts_and_no_line_ends_with_a_mark() -> None:
+    figure = Figure(figsize=(4, 3))
+    style.title(figure, "Free pinion torque · mean 0.62 N m · peak to peak 0.03 N m · preload 300 N")
+    text = figure.get_suptitle()
+    assert text == "Free pinion torque · mean 0.62 N m\npeak to peak 0.03 N m · preload 300 N"
