@@ -23,6 +23,7 @@ from benchmarks import (
 )
 from benchmarks.accuracy_speed import law_and_scaling, measured_points, promise_table
 from benchmarks.bad_inputs import bad_inputs, damaged_files
+from benchmarks.peers import scene_files
 from benchmarks.stability import (
     check_cost,
     corpus,
@@ -64,4 +65,5 @@ TOPICS: dict[str, Topic] = {
     "explorer": explorer.TOPIC,
     "validation": validation.TOPIC,
     "study_scaling": study_scaling.TOPIC,
+    "peer_scene": scene_files.TOPIC,
 }

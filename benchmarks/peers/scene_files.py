@@ -1,0 +1,125 @@
+"""The scene as a folder that others can run: geometry, parameters, reference curve, and how a curve is judged."""
+
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+
+from benchmarks.peers import score
+from benchmarks.peers.reference import ANGLES, COARSE, FINE, at_angles, reference
+from benchmarks.peers.scene import (
+    APPROACH,
+    FRICTION,
+    GEAR,
+    PAIR,
+    PRELOAD,
+    RACK_MASS,
+    SETTINGS,
+    SPEED,
+    STIFFNESS,
+)
+from benchmarks.topic import Topic, load_data, markdown, save_data
+from rps_exudyn.base.atomic import replacing
+from rps_exudyn.gears.assembly import assembled
+from rps_exudyn.verification.references import Method
+
+PARAMETERS, CURVE, SCORE = "parameters.json", score.REFERENCE, "score.py"
+CHORD_ERRORS = {"pinion": 8e-6, "rack": 4e-5}
+"""Of the published solids [m], which are small so. The rack's flanks are planes, and exact in any mesh."""
+
+
+def run(folder: Path, methods: Mapping[str, Method] | None = None) -> None:
+    """Write the folder's files."""
+    found = reference(methods or FINE)
+    torque = at_angles(found)
+    save_data(
+        folder / PARAMETERS,
+        {
+            "scene": scene_parameters(),
+            "gear": GEAR.model_dump(include={"basic_rack", "pinion", "rack", "installation", "mesh"}),
+            "changed_from_default": SETTINGS,
+            "reference": {
+                "mean": float(np.mean(torque[:-1])),
+                "peak_to_peak": float(np.ptp(torque)),
+                "uncertainty_percent": found.uncertainty,
+                "differences_percent": found.differences,
+            },
+        },
+    )
+    uncertainty = found.uncertainty / 100 * float(np.mean(torque))
+    rows = ["pinion angle deg,pinion torque N m,uncertainty N m"]
+    rows += [f"{a:g},{t:.7f},{uncertainty:.1e}" for a, t in zip(ANGLES, torque, strict=True)]
+    with replacing(folder / CURVE) as partial:
+        partial.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    write_geometry(folder)
+    shutil.copyfile(score.__file__, folder / SCORE)
+
+
+def scene_parameters() -> dict[str, Any]:
+    """Return what a program needs beside the geometry [SI]."""
+    return {
+        "preload": PRELOAD,
+        "friction": FRICTION,
+        "pressure_per_depth": STIFFNESS,
+        "pinion_speed": SPEED,
+        "rack_mass": RACK_MASS,
+        "rack_freedoms": ["X", "Y"],
+        "pinion_axis": PAIR.pinion_frame[:, 2].tolist(),
+        "pinion_turns_about_its_axis": -1,
+        "rack_travel_per_radian": PAIR.gain,
+        "bar_axis_height": PAIR.bar_axis_height,
+        "rack_pressed_in_by": APPROACH,
+        "base_radius": PAIR.base_radius,
+        "base_helix_angle": PAIR.beta_b,
+        "normal_base_pitch": PAIR.normal_base_pitch,
+    }
+
+
+def write_geometry(folder: Path) -> None:
+    """Write pinion and rack at pinion angle 0, housing frame: STL in millimetres, both in one GLB in metres."""
+    meshes = {}
+    for name, chord_error in CHORD_ERRORS.items():
+        solid = assembled(GEAR, chord_error=chord_error)[name]
+        meshes[name] = trimesh.Trimesh(solid.vertices, solid.faces, process=False)
+    with replacing(folder / "gear.glb") as partial:
+        partial.write_bytes(trimesh.Scene(meshes).export(file_type="glb"))
+    for name, mesh in meshes.items():
+        mesh.apply_scale(1e3)
+        with replacing(folder / f"{name}.stl") as partial:
+            partial.write_bytes(mesh.export(file_type="stl"))
+
+
+# --- tables ------------------------------------------------------------------------------------------
+def parameters_table(folder: Path) -> str:
+    """Parameters of the scene."""
+    rows = []
+    for name, value in load_data(folder / PARAMETERS)["scene"].items():
+        shown = value if isinstance(value, list) else [value]
+        rows.append(
+            (name.replace("_", " "), ", ".join(x if isinstance(x, str) else f"{x:.6g}" for x in shown))
+        )
+    return markdown(("parameter", "value [SI]"), rows)
+
+
+def reference_table(folder: Path) -> str:
+    """Mean and variation of the reference, and how far its methods differ."""
+    found = load_data(folder / PARAMETERS)["reference"]
+    rows = [
+        ("mean", f"{found['mean']:.5f} N m"),
+        ("peak to peak", f"{found['peak_to_peak']:.5f} N m"),
+        *((f"{pair}, RMS", f"{off:.2g} %") for pair, off in found["differences_percent"].items()),
+    ]
+    return markdown(("reference", ""), rows)
+
+
+TOPIC = Topic(
+    "the scene of the peers as a benchmark for any program: geometry, parameters, curve, measure",
+    "20 s",
+    "peers/benchmark",
+    run,
+    {"methods": COARSE},
+    {"peer_scene": parameters_table, "peer_reference": reference_table},
+)
