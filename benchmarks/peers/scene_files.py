@@ -1,4 +1,4 @@
-"""The scene as a folder that others can run: geometry, parameters, reference curve, and how a curve is judged."""
+"""The scene as a folder that others can run: geometry, parameters, reference curve, measure."""
 
 import shutil
 from collections.abc import Mapping
@@ -79,7 +79,7 @@ def scene_parameters() -> dict[str, Any]:
 
 
 def write_geometry(folder: Path) -> None:
-    """Write pinion and rack at pinion angle 0, housing frame: STL in millimetres, both in one GLB in metres."""
+    """Write pinion and rack at pinion angle 0, housing frame: STL [mm] of each, GLB [m] of both."""
     meshes = {}
     for name, chord_error in CHORD_ERRORS.items():
         solid = assembled(GEAR, chord_error=chord_error)[name]

@@ -15,7 +15,7 @@ from benchmarks.topics import TOPICS
 def test_topic_runs_at_toy_size_and_writes_its_tables(name: str, tmp_path: Path) -> None:
     topic = TOPICS[name]
     folder = tmp_path / topic.folder
-    folder.mkdir()
+    folder.mkdir(parents=True)
     topic.run(folder, **topic.toy)
     assert any(folder.iterdir())
     for table in topic.tables.values():

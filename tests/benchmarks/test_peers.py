@@ -65,7 +65,7 @@ def test_curve_that_is_off_by_more_than_a_percent_fails(
 
 def test_curve_shifted_by_half_a_pitch_has_the_right_mean_and_the_wrong_shape(own_curve: Curve) -> None:
     angle, torque = own_curve
-    found = score.score(angle, np.roll(torque[:-1], 30).tolist() + [torque[30]], ANGLE, TORQUE)
+    found = score.score(angle, np.append(np.roll(torque[:-1], 30), torque[30]), ANGLE, TORQUE)
     ripple = 100 * np.std(TORQUE[:-1]) / np.mean(TORQUE)
     assert abs(found.mean) < 0.01  # the mean does not know of the shift
     assert found.shape > ripple  # two curves out of step differ by more than a flat one does
