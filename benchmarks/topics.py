@@ -21,7 +21,7 @@ from benchmarks import (
     tooth_compliance,
     validation,
 )
-from benchmarks.accuracy_speed import law_and_scaling, measured_points, promise_table
+from benchmarks.accuracy_speed import law_and_scaling, measured_points, overview, promise_table
 from benchmarks.bad_inputs import bad_inputs, damaged_files
 from benchmarks.peers import scene_files
 from benchmarks.stability import (
@@ -50,6 +50,7 @@ TOPICS: dict[str, Topic] = {
     "stick_slip": stick_slip.TOPIC,
     "accuracy_speed": measured_points.TOPIC,
     "law_and_scaling": law_and_scaling.TOPIC,
+    "overview": overview.TOPIC,
     "promise_table": promise_table.TOPIC,
     "stability_maps": maps.TOPIC,
     "explicit_limits": explicit_limits.TOPIC,

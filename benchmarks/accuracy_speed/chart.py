@@ -51,7 +51,7 @@ DEFAULT_LAW = ", line"  # of the families whose gear has the default contact law
 def work_precision_figure(measurement: Measurement) -> Figure:
     """Cost upwards, error to the right, both in decades; each family's Pareto front is its line."""
     figure, (axes,) = style.panels([5.6], 9.0)
-    _in_decades(axes)
+    in_decades(axes)
     floor = measurement.reference.uncertainty
     drawn = [point for point in measurement.points if point.ok and np.isfinite(point.error)]
     for family in FAMILIES:
@@ -80,7 +80,8 @@ def unfinished(measurement: Measurement) -> str:
     return f"unfinished: {total} of {len(measurement.planned)} points are missing ({parts})"
 
 
-def _in_decades(axes: Axes) -> None:
+def in_decades(axes: Axes) -> None:
+    """Scale both axes by decades, with plain numbers."""
     axes.set(xscale="log", yscale="log")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(lambda value, _: f"{value:g}")
@@ -150,7 +151,7 @@ def _draw_floor(axes: Axes, floor: float) -> None:
 def scaling_figure(measured: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> Figure:
     """Cost over size of each problem, sizes and CPU seconds (n,), with the exponent fitted to them."""
     figure, (axes,) = style.panels([4.6], 9.0)
-    _in_decades(axes)
+    in_decades(axes)
     for colour, (name, (size, cost)) in zip(cycle(style.SEVERAL), measured.items(), strict=False):
         power, factor = power_law(size, cost)
         axes.plot(size, cost, "o", color=colour, markersize=5, label=f"{name}: exponent {power:.2f}")

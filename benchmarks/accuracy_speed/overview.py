@@ -1,0 +1,142 @@
+"""What a digit costs and what it is worth: cost against numerical error, beside the other uncertainties.
+
+Cost and error are the measured points of the free pinion torque. An error far below that of the contact law,
+or below what is known of the gear, tells nothing about the gear.
+"""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from benchmarks.accuracy_speed.chart import STYLES, in_decades
+from benchmarks.accuracy_speed.measurement import Point, load_measurement
+from benchmarks.topic import Topic, digits, load_data, markdown, save_data
+from rps_exudyn.charts import style
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.law_error import MEASURED
+from rps_exudyn.uncertainty.input_sets import uncertain_inputs
+from rps_exudyn.uncertainty.quick_band import quick_band
+from rps_exudyn.verification.work_precision import pareto_front
+
+POINTS, DATA, PICTURE = "free-pinion-torque.h5", "overview.json", "overview.png"
+SHOWN = {
+    "general contact": "full: spheres on triangles, as in the paper",
+    "flank, line": "flank: Exudyn, analytic contact",
+    "quasi-static, teeth": "equilibria, teeth that bend together",
+    "quasi-static, line": "quasi-static: equilibria",
+    "closed form": "closed form",
+}
+"""Family -> its name for a reader, in the order of their costs."""
+
+INPUTS = {
+    "series": "inputs of a series",
+    "unknown": "inputs unknown",
+}
+WANTED = (10.0, 3.0, 1.0, 0.1, 0.01)  # [%]
+
+
+def run(folder: Path, runs: int = 64) -> None:
+    """Find the uncertainties of the mean free torque, and draw them with the measured points, if there are."""
+    found = uncertainties(runs)
+    rows = []
+    if (folder / POINTS).exists():
+        points = [point for point in load_measurement(folder / POINTS).points if point.ok]
+        style.save(overview_figure(points, found), folder / PICTURE)
+        rows = [row for wanted in WANTED if (row := cheapest(points, wanted))]
+    save_data(folder / DATA, {"uncertainties": found, "cheapest": rows})
+
+
+def uncertainties(runs: int) -> dict[str, float]:
+    """What -> half width of the mean free torque's uncertainty [%]: contact laws and inputs, 5 to 95 %."""
+    laws = {f"contact law {name}": 100 * MEASURED[name].largest for name in ("teeth", "line")}
+    return laws | {INPUTS[name]: 100 * half_width(name, runs) for name in INPUTS}
+
+
+def half_width(inputs: str, runs: int) -> float:
+    """Half width of the band over the mean torque's median."""
+    gear = SteeringGear()
+    drawn = uncertain_inputs(gear, inputs, {})
+    mean = quick_band(gear, Fidelity.preset("quasi-static"), drawn, runs).figures["torque_mean"]
+    return mean.half_width / mean.median
+
+
+def cheapest(points: Iterable[Point], wanted: float) -> dict[str, object] | None:
+    """The cheapest shown model that keeps an error [%]; None if no model does."""
+    fit = [point for point in points if point.family in SHOWN and point.error <= wanted]
+    if not fit:
+        return None
+    best = min(fit, key=lambda point: point.cost)
+    return {"wanted": wanted, "family": best.family, "error": best.error, "cost": best.cost}
+
+
+def overview_figure(points: Iterable[Point], uncertain: Mapping[str, float]) -> Figure:
+    """Fronts of a few families in plain words, and a line at each uncertainty [%]."""
+    figure, (axes,) = style.panels([4.8], 9.0)
+    in_decades(axes)
+    every = [point for point in points if np.isfinite(point.error)]
+    for family, name in SHOWN.items():
+        front = _front([point for point in every if point.family == family])
+        colour, marker = STYLES[family]
+        axes.plot(*front, marker + "-", color=colour, markersize=6, label=name)
+    _mark(axes, uncertain)
+    axes.set_xlim(0.001, 100)
+    axes.set_xlabel("numerical error of the torque, RMS over the motion [% of the mean]")
+    axes.set_ylabel("CPU time of the solver [s per revolution]")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, frameon=False)
+    style.title(figure, "Free pinion torque: what a digit costs, and what it is worth")
+    return figure
+
+
+def _front(points: list[Point]) -> tuple[np.ndarray, np.ndarray]:
+    """Error [%] and cost [s] of the points that no other beats, by error."""
+    error, cost = (np.array([getattr(point, name) for point in points]) for name in ("error", "cost"))
+    front = pareto_front(cost, error)
+    order = np.argsort(error[front])
+    return error[front][order], cost[front][order]
+
+
+def _mark(axes: Axes, uncertain: Mapping[str, float]) -> None:
+    """Draw a line at each uncertainty; what lies left of it is lost in it."""
+    for name, percent in uncertain.items():
+        axes.axvline(percent, **style.REFERENCE_LINE)
+        axes.annotate(
+            f"{name}: {digits(percent)} %",
+            (percent, 0.5),
+            xycoords=("data", "axes fraction"),
+            xytext=(-3, 0),
+            textcoords="offset points",
+            rotation=90,
+            ha="right",
+            va="center",
+            fontsize=9,
+            color="#444444",
+        )
+
+
+def worth_table(folder: Path) -> str:
+    """What each digit costs, and in which uncertainties it is lost."""
+    data = load_data(folder / DATA)
+    rows = [
+        [
+            f"{row['wanted']:g} %",
+            SHOWN[row["family"]],
+            f"{digits(1e3 * row['cost'])} ms",
+            ", ".join(name for name, value in data["uncertainties"].items() if value > row["wanted"]) or "-",
+        ]
+        for row in data["cheapest"]
+    ]
+    return markdown(["numerical error", "cheapest model", "CPU time per revolution", "lost in"], rows)
+
+
+TOPIC = Topic(
+    "what a digit of the torque costs, beside the uncertainties of contact law and inputs",
+    "5 s",
+    "accuracy_speed",
+    run,
+    {"runs": 12},
+    {"digits_worth": worth_table},
+)
