@@ -66,9 +66,9 @@ def origins_table(results: Path) -> str:
 
 
 def _stamps(folder: Path) -> Stamps:
-    """File name -> time of its last change [ns] and size."""
-    stats = {file.name: file.stat() for file in folder.iterdir() if file.is_file()}
-    return {name: (stat.st_mtime_ns, stat.st_size) for name, stat in stats.items()}
+    """Path of a file in the folder or below -> time of its last change [ns] and size."""
+    stats = {file.relative_to(folder): file.stat() for file in folder.rglob("*") if file.is_file()}
+    return {path.as_posix(): (stat.st_mtime_ns, stat.st_size) for path, stat in stats.items()}
 
 
 def _cpu_time() -> float:

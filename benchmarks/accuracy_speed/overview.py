@@ -40,7 +40,7 @@ WANTED = (10.0, 3.0, 1.0, 0.1, 0.01)  # [%]
 
 
 def run(folder: Path, runs: int = 64) -> None:
-    """Find the uncertainties of the mean free torque, and draw them with the measured points, if there are."""
+    """Find the uncertainties of the mean free torque; draw them with the measured points, if any."""
     found = uncertainties(runs)
     rows = []
     if (folder / POINTS).exists():
