@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 EVEN_POINTS = 3601  # of a piece, at which curves are compared
 
@@ -24,6 +23,8 @@ class Curve:
 
     def over(self, grids: Sequence[np.ndarray], smooth: bool = True) -> np.ndarray:
         """Values at given times [s], a grid for each piece, one after the other."""
+        from scipy.interpolate import CubicSpline  # half a second, which runs that compare nothing are spared
+
         found = []
         for (time, values), grid in zip(self.pieces, grids, strict=True):
             if smooth and time.size > 3:

@@ -32,6 +32,7 @@ _COMMON: dict[str, dict[str, float]] = {
     "rad": {"rad": 1.0, "mrad": 1e-3, "deg": pi / 180},
     "rad/s": {"rad/s": 1.0, "rpm": 2 * pi / 60},
     "s": {"s": 1.0, "ms": 1e-3},
+    "Hz": {"Hz": 1.0, "kHz": 1e3},
     "kg": {"kg": 1.0, "g": 1e-3},
     "kg/m^3": {"kg/m^3": 1.0},
     "N": {"N": 1.0, "kN": 1e3},

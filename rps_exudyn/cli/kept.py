@@ -51,8 +51,8 @@ def _draw(result: "Result", plot: Path, measured: "MeasuredTorque | None") -> No
     """Draw the picture; the result is safe by then."""
     import matplotlib.artist
 
-    # matplotlib documents each class when it is loaded, for a third of that time; a command shows none of it
-    matplotlib.artist.kwdoc = lambda artist: ""
+    # matplotlib documents each class when it is loaded, for half of that time; a command shows none of it
+    matplotlib.artist.Artist._update_set_signature_and_docstring = lambda: None
     from rps_exudyn.charts.scene import draw
 
     draw(result, plot, measured)

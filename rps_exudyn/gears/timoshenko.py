@@ -9,7 +9,6 @@ are exact (Przemieniecki 1968; shape functions as in Friedman and Kosmatka 1993)
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eigh
 
 from rps_exudyn.base.quadrature import gauss_legendre
 
@@ -100,6 +99,8 @@ class TimoshenkoBeam:
             return np.zeros(0), np.zeros((0, self.nodes.size, 2))
         rigid = 2
         stiffness, mass = self.matrices()
+        from scipy.linalg import eigh  # a quarter of a second, which a rigid rack is spared
+
         squares, vectors = eigh(stiffness, mass, subset_by_index=[rigid, rigid + count - 1])
         modes = (vectors * np.sign(vectors[0])).T.reshape(count, -1, 2)
         return np.sqrt(squares), modes
