@@ -52,7 +52,7 @@ def _draw(result: "Result", plot: Path, measured: "MeasuredTorque | None") -> No
     import matplotlib.artist
 
     # matplotlib documents each class when it is loaded, for half of that time; a command shows none of it
-    matplotlib.artist.Artist._update_set_signature_and_docstring = lambda: None
+    setattr(matplotlib.artist.Artist, "_update_set_signature_and_docstring", lambda: None)  # noqa: B010
     from rps_exudyn.charts.scene import draw
 
     draw(result, plot, measured)

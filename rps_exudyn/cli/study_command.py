@@ -159,10 +159,14 @@ def _print_tally(work: StudyWork, tally: Tally, json: bool) -> None:
             for group in tally.said
         ]
         content: dict[str, Any] = {"folder": str(folder), "cases": count, "statuses": statuses}
-        print(json_text.dumps(content | {"said": said, "done_now": tally.done_now}, indent=2))
+        content |= {"said": said, "done_now": tally.done_now, "in_groups": tally.through_batch}
+        print(json_text.dumps(content, indent=2))
         return
     outcomes = ", ".join(f"{number} {status}" for status, number in sorted(tally.statuses.items()))
-    print(f"{work.study.title}: {count} cases in {folder} ({outcomes}), {tally.done_now} of them done now")
+    how = f" ({tally.through_batch} in groups)" if tally.through_batch else ""
+    print(
+        f"{work.study.title}: {count} cases in {folder} ({outcomes}), {tally.done_now} of them done now{how}"
+    )
     print_said(tally.said)
 
 

@@ -8,6 +8,7 @@ import difflib
 import math
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -162,13 +163,36 @@ class Table(BaseModel):
             for problem in problems
         )
 
-    def replace(self, settings: Mapping[str, object]) -> Self:
+    def replace(self, settings: Mapping[str, object], where: str = "") -> Self:
         """Return the same with single parameters changed: {"yoke.preload": "400 N"}.
+
+        Only the tables that change are validated again, and what must fit together.
+
+        Args:
+            settings: path -> value.
+            where: origin of the other values, for messages.
 
         Raises:
             InputError: an unknown path, or a value that is not allowed.
         """
-        return self.from_tables(self.model_dump(), settings)
+        if settings and all(self._stands_alone(path) for path in settings):
+            with suppress(ValidationError):  # the whole is asked then, which says what is wrong
+                return type(self).model_validate(self._with(settings))
+        return self.from_tables(self.model_dump(), settings, where)
+
+    def _stands_alone(self, path: str) -> bool:
+        """Tell whether a path leads into a nested table, and nothing follows from its parameter."""
+        table, _, name = path.partition(".")
+        return bool(name) and isinstance(getattr(self, table, None), Table)
+
+    def _with(self, settings: Mapping[str, object]) -> dict[str, Any]:
+        """The tables, those that settings change taken apart."""
+        changing = {path.partition(".")[0] for path in settings}
+        tables = {name: getattr(self, name) for name in type(self).model_fields}
+        return _merged(
+            {name: table.model_dump() if name in changing else table for name, table in tables.items()},
+            settings,
+        )
 
     def changes(self) -> dict[str, Any]:
         """Return path -> value of all parameters that differ from their defaults."""

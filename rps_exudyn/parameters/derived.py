@@ -100,6 +100,11 @@ DERIVED: Mapping[str, Callable[[Teeth], float]] = {
 }
 
 
+def is_involved(path: str) -> bool:
+    """Tell whether a parameter follows from others, or others from it."""
+    return path in SOURCES or path in DERIVED
+
+
 @cache
 def _default_crest() -> float:
     return DEFAULT.crest(_TIP / 2)
@@ -153,10 +158,10 @@ def _is(tables: Mapping[str, Any], path: str, value: float) -> bool:
 
 
 def value_in(tables: Mapping[str, Any], path: str) -> Any:
-    """The value at a dotted path of nested tables; None where there is none."""
+    """The value at a dotted path of nested tables, as dictionaries or models; None where there is none."""
     value: Any = tables
     for name in path.split("."):
-        value = value.get(name) if isinstance(value, Mapping) else None
+        value = value.get(name) if isinstance(value, Mapping) else getattr(value, name, None)
     return value
 
 

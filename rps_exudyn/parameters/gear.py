@@ -294,6 +294,9 @@ class SteeringGear(Table):
         """
         return super().from_tables(derived.without_followers(tables, settings or {}), settings, where)
 
+    def _stands_alone(self, path: str) -> bool:
+        return not derived.is_involved(path) and super()._stands_alone(path)
+
     def conflicts(self) -> Iterator[Problem]:
         """Yield parameters that do not fit each other."""
         return _conflicts(self)

@@ -1,6 +1,8 @@
-"""One case, from its parameters to the bytes of its file; whatever happens is an outcome."""
+"""One case, or a group of them, from its parameters to the bytes of its file; whatever happens is an outcome."""
 
 import os
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from time import monotonic, process_time
 from typing import Any
@@ -14,6 +16,7 @@ from rps_exudyn.results.block import CaseRecord
 from rps_exudyn.results.case_file import FileForms, Keep, kept
 from rps_exudyn.results.outcome import Interrupted, Status
 from rps_exudyn.results.result import Result, failed
+from rps_exudyn.simulate.batch import batch
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.simulate.time_limit import alarm, place_of, sentence
 
@@ -42,13 +45,30 @@ class CaseRunner:
     def warm_up(self, task: dict[str, Any], turns: float) -> None:
         """Run the task's scene over a few degrees of the default gear and discard it: loads what cases
         need."""
-        gear = SteeringGear().replace({"test.turns": turns})
-        result = _outcome(task | {"gear": gear.model_dump()})
+        gear = SteeringGear().replace({"test.turns": turns}).model_dump()
+        result = _outcome(task | {"gear": gear})
         self._forms.content(kept(result, _keep(task)))
+        if "members" in task:
+            with suppress(InputError):
+                _outcomes(task | {"gear": gear, "members": task["members"][:2]})
 
     def run(self, task: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
         """Return the case's row for the index, and the bytes of its file or, if asked for, of its record."""
-        result = kept(_outcome(task), _keep(task))
+        return self._answer(_outcome(task), task, task["hash"])
+
+    def run_group(self, task: dict[str, Any]) -> list[tuple[dict[str, Any], bytes]] | None:
+        """Return the same for each member of a group; None if they are to be done singly."""
+        try:
+            results = _outcomes(task)
+        except (InputError, KeyboardInterrupt):  # of the table as a whole; of its time
+            return None
+        return [
+            self._answer(result, task, member["hash"])
+            for result, member in zip(results, task["members"], strict=True)
+        ]
+
+    def _answer(self, whole: Result, task: dict[str, Any], case_hash: str) -> tuple[dict[str, Any], bytes]:
+        result = kept(whole, _keep(task))
         row = {
             "status": result.status.value,
             "message": result.message,
@@ -57,13 +77,27 @@ class CaseRunner:
             "summary": dict(result.summary),
         }
         if task.get("form") == "record":
-            return row, CaseRecord.of(task["hash"], result).to_bytes()
+            return row, CaseRecord.of(case_hash, result).to_bytes()
         return row, self._forms.content(result)
 
 
 def _keep(task: dict[str, Any]) -> Keep:
     names = task["keep"]["signals"]
     return Keep(None if names is None else tuple(names), task["keep"]["samples"])
+
+
+def _outcomes(task: dict[str, Any]) -> Sequence[Result]:
+    """The results of a group's members, within the time of the task.
+
+    Raises:
+        InputError: what they have in common is wrong.
+        KeyboardInterrupt: the time is over.
+    """
+    gear, fidelity = SteeringGear.from_tables(task["gear"]), Fidelity.from_tables(task["fidelity"])
+    settings = [member["settings"] for member in task["members"]]
+    values = {path: [each[path] for each in settings] for path in settings[0]}
+    with alarm(task.get("time_limit", float("inf"))):
+        return batch(task["scene"], gear, values, fidelity=fidelity).results
 
 
 def _outcome(task: dict[str, Any]) -> Result:

@@ -4,7 +4,8 @@ It reads one JSON object per line from standard input and answers each by one on
 
     {"scene", "gear", "fidelity", "keep", "path" or null}  ->  {"status", "message", "cpu_s", ..., "content"}
 
-With a `path` the result's file is written there, else its bytes come back. The first line is warmed up at
+A group of cases, its "members", is answered by {"cases": one answer each}, or by {"cases": null} where they are
+to be done singly. With a `path` the result's file is written there, else its bytes come back. The first line is warmed up at
 a small size before the worker calls itself ready, so that compiling and loading the kernels is on no case's
 clock. A process that compiled kernels asks for another one in its place. When standard input ends, because
 whoever started it has ended, so does the worker, at once.
@@ -18,7 +19,12 @@ import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
+
+if TYPE_CHECKING:
+    from rps_exudyn.simulate.case_run import CaseRunner
+
+Answer = Callable[[dict[str, Any]], None]
 
 WARM_UP_TURNS = 0.05
 
@@ -41,21 +47,38 @@ def main() -> None:
     while True:
         task = json.loads(lines.get())
         try:
-            row, content = runner.run(task)
-            if runner.has_compiled:
-                _begin_again(answer)
-            stored = _store(task["path"], content)
+            row = _group(runner, task, answer) if "members" in task else _case(runner, task, answer)
         except InputError as error:  # of storing: the simulation's own are outcomes
             answer({"error": str(error)})
         except Exception as error:
             answer({"error": f"{type(error).__name__}: {error}"})
         else:
-            answer(row | stored)
-            if row["status"] == "timeout":  # of what was interrupted nothing shall be left
-                _begin_again(answer)
+            answer(row)
+            if row.get("status") == "timeout" or row.get("cases", ()) is None:
+                _begin_again(answer)  # of what was interrupted nothing shall be left
 
 
-def _begin_again(answer: Callable[[dict[str, Any]], None]) -> NoReturn:
+def _case(runner: "CaseRunner", task: dict[str, Any], answer: Answer) -> dict[str, Any]:
+    """Return the answer to a single case."""
+    row, content = runner.run(task)
+    if runner.has_compiled:
+        _begin_again(answer)
+    return row | _store(task["path"], content)
+
+
+def _group(runner: "CaseRunner", task: dict[str, Any], answer: Answer) -> dict[str, Any]:
+    """Return the answers to the members of a group."""
+    found = runner.run_group(task)
+    if runner.has_compiled:
+        _begin_again(answer)
+    if found is None:
+        return {"cases": None}
+    paths = [member["path"] for member in task["members"]]
+    rows = [row | _store(path, content) for path, (row, content) in zip(paths, found, strict=True)]
+    return {"cases": rows}
+
+
+def _begin_again(answer: Answer) -> NoReturn:
     """Let another process, which loads what this one has compiled, do the case."""
     answer({"again": os.getpid()})
     os._exit(0)

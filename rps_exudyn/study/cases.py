@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.declaration import Table
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.setup import Setup
@@ -19,18 +20,34 @@ MODEL_VERSION = 1
 
 MOST_CASES = 1_000_000
 MOST_PROBLEMS = 10  # reported at once
+MOST_KNOWN = 4096
 
 
 def case_hash(scene: str, gear: SteeringGear, fidelity: Fidelity) -> str:
     """Sixteen hex digits that name a case: of all that its numbers depend on, and nothing else."""
-    content = {
-        "scene": scene,
-        "gear": gear.model_dump(include=set(SteeringGear.model_fields)),
-        "fidelity": fidelity.model_dump(exclude={"name", "based_on"}),
-        "model": MODEL_VERSION,
-    }
-    canonical = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(canonical.encode()).hexdigest()[:16]
+    tables = ",".join(f'"{name}":{_json(getattr(gear, name))}' for name in sorted(SteeringGear.model_fields))
+    model = _json(fidelity, frozenset({"name", "based_on"}))
+    content = (
+        f'{{"fidelity":{model},"gear":{{{tables}}},"model":{MODEL_VERSION},"scene":{_canonical(scene)}}}'
+    )
+    return hashlib.sha256(content.encode()).hexdigest()[:16]
+
+
+_known: dict[int, tuple[Table, str]] = {}  # of tables by their identity: cases share those that do not vary
+
+
+def _json(table: Table, without: frozenset[str] = frozenset()) -> str:
+    """The canonical JSON of a table, remembered for as long as a few thousand others are asked for."""
+    known = _known.get(id(table))
+    if known is None or known[0] is not table:
+        if len(_known) >= MOST_KNOWN:
+            _known.clear()
+        known = _known[id(table)] = table, _canonical(table.model_dump(exclude=set(without)))
+    return known[1]
+
+
+def _canonical(content: Any) -> str:
+    return json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)
 
 
 def count_of(study: Study) -> int:

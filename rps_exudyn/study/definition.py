@@ -6,7 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn.parameters.derived import DERIVED, SOURCES, with_values
+from rps_exudyn.parameters.derived import is_involved, with_values
 from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.case_file import Keep
 from rps_exudyn.study.description import Axis
@@ -51,11 +51,11 @@ class Study:
         Raises:
             InputError: they do not fit each other.
         """
-        return Setup.from_tables(self._base_tables, settings, where=str(self.file))
+        return self.base.replace(settings, where=str(self.file))
 
     def tables_of(self, settings: Mapping[str, Any]) -> dict[str, Any]:
         """Return the tables of a setup that is known to be right, without another validation."""
-        if any(path in SOURCES or path in DERIVED or path.count(".") != 1 for path in settings):
+        if any(is_involved(path) or path.count(".") != 1 for path in settings):
             return self.setup(settings).model_dump()  # what follows from the settings changes too
         return with_values(self._base_tables, settings)
 

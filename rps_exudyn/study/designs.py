@@ -77,12 +77,12 @@ def unit_problem(names: Iterable[str]) -> dict[str, Any]:
 
 def _unit_points(design: str, axes: int, samples: int, seed: int) -> np.ndarray:
     """Points of a sampled design in the unit cube, shape (points, axes)."""
-    from scipy.stats import qmc
-
     rng, problem = np.random.default_rng(seed), unit_problem(map(str, range(axes)))
     if design in ("latin-hypercube", UNCERTAIN_DESIGN):
-        points = qmc.LatinHypercube(axes, rng=rng).random(samples)
+        points = latin_hypercube(rng, samples, axes)
     elif design == "sobol":
+        from scipy.stats import qmc
+
         power = max(0, math.ceil(math.log2(samples)))  # the sequence is even over powers of two
         points = qmc.Sobol(axes, rng=rng).random_base2(power)[:samples]
     elif design == "random":
@@ -92,3 +92,16 @@ def _unit_points(design: str, axes: int, samples: int, seed: int) -> np.ndarray:
     else:
         points = salib("sample.sobol").sample(problem, samples, calc_second_order=False, seed=seed)
     return np.asarray(points)
+
+
+def latin_hypercube(rng: np.random.Generator, samples: int, axes: int) -> np.ndarray:
+    """Points in the unit cube, one in each of `samples` slices of every axis, shape (samples, axes).
+
+    They are those of scipy's `qmc.LatinHypercube`, which takes a second to load.
+    """
+    (rng,) = rng.spawn(1)
+    within = rng.uniform(size=(samples, axes))
+    slices = np.tile(np.arange(1, samples + 1), (axes, 1))
+    for row in slices:
+        rng.shuffle(row)
+    return np.asarray((slices.T - within) / samples)

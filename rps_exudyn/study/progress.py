@@ -1,6 +1,6 @@
 """Progress of a running study: a bar with rate and time left in a terminal, one line per case in a log."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
@@ -17,9 +17,10 @@ from rps_exudyn.study.store import CaseRow
 from rps_exudyn.study.table import show_value
 
 
-def log_line(path: Path, text: str) -> None:
-    """Append a line to a study's log, with the time before it."""
-    append(path, f"{datetime.now().astimezone().isoformat(timespec='seconds')} {text}\n")
+def log_lines(path: Path, texts: Sequence[str]) -> None:
+    """Append lines to a study's log, with the time before each."""
+    now = datetime.now().astimezone().isoformat(timespec="seconds")
+    append(path, "".join(f"{now} {text}\n" for text in texts))
 
 
 def case_line(description: Description, case: Case, row: CaseRow) -> str:
@@ -29,8 +30,8 @@ def case_line(description: Description, case: Case, row: CaseRow) -> str:
 
 
 @contextmanager
-def bar(total: int) -> Iterator[Callable[[Status], None]]:
-    """Show a bar over `total` cases if standard error is a terminal; yields a function that counts one."""
+def bar(total: int) -> Iterator[Callable[[Sequence[Status]], None]]:
+    """Show a bar over `total` cases if standard error is a terminal; yields a function that counts some."""
     console = Console(stderr=True)
     columns = (
         TextColumn("{task.description}"),
@@ -44,9 +45,10 @@ def bar(total: int) -> Iterator[Callable[[Status], None]]:
     ) as progress:
         task = progress.add_task("cases", total=total, failed=0)
 
-        def count(status: Status) -> None:
-            failed = progress.tasks[0].fields["failed"] + (status is not Status.OK)
-            progress.update(task, advance=1, failed=failed)
+        def count(statuses: Sequence[Status]) -> None:
+            failed = sum(status is not Status.OK for status in statuses)
+            failed += progress.tasks[0].fields["failed"]
+            progress.update(task, advance=len(statuses), failed=failed)
 
         yield count
 

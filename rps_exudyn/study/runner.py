@@ -10,7 +10,7 @@ import sys
 from base64 import b64decode
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rps_exudyn.base.atomic import replacing
@@ -20,12 +20,13 @@ from rps_exudyn.results.case_file import FileForms
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.simulate.isolated_run import result_of_ended_process
-from rps_exudyn.simulate.processes import Done, Run, Task
+from rps_exudyn.simulate.processes import Done, Run
 from rps_exudyn.study.cases import describe, setup_of
 from rps_exudyn.study.definition import Study
-from rps_exudyn.study.description import Case, Description, settings_of
+from rps_exudyn.study.description import Case, Description
+from rps_exudyn.study.handover import Handover
 from rps_exudyn.study.messages import Group, groups
-from rps_exudyn.study.progress import bar, case_line, log_line
+from rps_exudyn.study.progress import bar, case_line, log_lines
 from rps_exudyn.study.store import CaseRow, Store
 
 
@@ -77,6 +78,7 @@ class Tally:
     said: Sequence[Group]  # causes of failure and remarks
     done_now: int
     skipped: list[tuple[Path, str]]  # each with the reason
+    through_batch: int = 0  # of those done now; the others were simulated singly
 
 
 def run_study(work: StudyWork, run: Run, workers_write: bool) -> Tally:
@@ -105,25 +107,24 @@ def _run(work: StudyWork, run: Run, workers_write: bool) -> Tally:
         skipped = store.skipped
         _begin(work)
         log, forms = store.path / "study.log", FileForms()
-        log_line(log, f"{len(work.missing)} of {len(work.description.hashes)} cases to be done")
-        by_hash = {case.hash: case for case in work.missing}
+        log_lines(log, [f"{len(work.missing)} of {len(work.description.hashes)} cases to be done"])
         form = "file" if workers_write else "content"
-        tasks = (_task(work, case, "record" if in_blocks else form) for case in work.missing)
+        tasks = Handover(work.study, store, work.missing, "record" if in_blocks else form)
         try:
             with bar(len(work.missing)) as count:
                 for done in run(tasks):
-                    case = by_hash[done.task["hash"]]
-                    row = _stored(work, case, done, forms)
-                    store.add_to_index(case, row)
-                    log_line(log, case_line(work.description, case, row))
-                    count(row.status)
+                    ended = [(case, _stored(work, case, one, forms)) for case, one in tasks.answers(done)]
+                    store.add_to_index(ended)
+                    log_lines(log, [case_line(work.description, *each) for each in ended])
+                    count([row.status for _, row in ended])
         finally:
             store.blocks.flush()
         store.rebuild_index()
         store.write_description()
         rows = list(store.rows())
         statuses = Counter(row.status for _, row in rows)
-        return Tally(statuses, groups(rows), len(work.missing), skipped + store.skipped)
+        skipped = skipped + store.skipped
+        return Tally(statuses, groups(rows), len(work.missing), skipped, tasks.through_batch)
 
 
 def _begin(work: StudyWork) -> None:
@@ -135,22 +136,6 @@ def _begin(work: StudyWork) -> None:
     store.write_description()
     store.set_aside()
     store.rebuild_index()
-
-
-def _task(work: StudyWork, case: Case, form: str) -> Task:
-    """A case as a process gets it; `form` is what becomes of its result: a "file", or what comes back: the
-    file's "content", or a "record"."""
-    gear = work.study.tables_of(settings_of(work.study.axes, case.values))
-    fidelity = gear.pop("fidelity")
-    return {
-        "hash": case.hash,
-        "scene": work.description.scene,
-        "gear": gear,
-        "fidelity": fidelity,
-        "keep": asdict(work.description.signals),
-        "path": str(work.store.path_of(case.hash).resolve()) if form == "file" else None,
-        "form": form,
-    }
 
 
 def _stored(work: StudyWork, case: Case, done: Done, forms: FileForms) -> CaseRow:

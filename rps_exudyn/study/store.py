@@ -235,11 +235,11 @@ class Store:
             for case, row in rows:
                 file.write(self._line(case, row))
 
-    def add_to_index(self, case: Case, row: CaseRow) -> None:
-        """Append the row of a case that has a file of its own; blocks are their own index."""
-        if not self.path_of(case.hash).exists():
-            return
-        append(self.path / "index.csv", self._line(case, row))
+    def add_to_index(self, ended: Sequence[tuple[Case, CaseRow]]) -> None:
+        """Append the rows of cases that have files of their own; blocks are their own index."""
+        lines = [self._line(*each) for each in ended if self.path_of(each[0].hash).exists()]
+        if lines:
+            append(self.path / "index.csv", "".join(lines))
 
     def _line(self, case: Case, row: CaseRow) -> str:
         size, modified = _stamp(self.path_of(row.hash).stat())

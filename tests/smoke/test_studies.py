@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 from edited import edited
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.processes import Done, Task
+from rps_exudyn.study.designs import points
 from rps_exudyn.study.runner import StudyWork, run_study
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.study_file import read_study
@@ -19,7 +21,7 @@ from shell import Command
 STUDIES = sorted((Path(__file__).parents[2] / "studies").glob("*.toml"))
 SHIPPED = (
     "preload friction runout installation_angle preload_friction_runout yoke_clearance load_map tolerance "
-    "bent_rack radial_play rattle_threshold steering_column"
+    "bent_rack radial_play rattle_threshold steering_column uncertain_gear"
 )
 
 
@@ -54,6 +56,19 @@ def test_study_runs_at_toy_size(file: Path, tmp_path: Path) -> None:
     for _, row in store.rows():
         assert row.status is not Status.OK or expected in row.summary
     assert not store.skipped
+
+
+def test_uncertain_study_varies_what_carries_a_distribution() -> None:
+    """And nothing else; its points keep to the distributions' ends."""
+    file = next(file for file in STUDIES if file.stem == "uncertain_gear")
+    study, settings = read_study(file), tomllib.loads(file.read_text())["set"]
+    given = {f"{table}.{name}" for table, names in settings.items() for name in names}
+    assert {axis.name for axis in study.axes} == given
+    drawn = list(points(study.axes, study.design, study.samples, study.seed))
+    for path, low, high in (("pinion.runout", 0.0, 20e-6), ("yoke.preload", 210.0, 390.0)):
+        values = [point[path] for point in drawn]
+        assert low <= min(values) < low + 0.05 * (high - low)
+        assert high >= max(values) > high - 0.05 * (high - low)
 
 
 def test_study_from_the_command_line_and_one_case_again(command: Command) -> None:

@@ -67,6 +67,7 @@ def test_repeated_study_does_nothing_and_extended_one_only_what_is_new(
         "statuses": {"ok": 3},
         "said": [],
         "done_now": 1,
+        "in_groups": 0,
     }
     after = {path.name: path.stat().st_mtime_ns for path in (tmp_path / "s" / "cases").iterdir()}
     assert before.items() <= after.items()

@@ -1,0 +1,123 @@
+"""Cases handed to those who do them: in groups where many gears go through `batch` at once, else singly.
+
+A group is sized by what its predecessors took, so that it ends in some seconds and the last ones are small.
+One that does not answer, because its process died or its time was over, is done again case by case: then each
+has a time limit of its own, and what is wrong with one of them harms no other.
+"""
+
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.simulate.processes import Done, Task
+from rps_exudyn.study.definition import FIDELITY, Study
+from rps_exudyn.study.description import Case, Description, settings_of
+from rps_exudyn.study.store import Store
+
+SECONDS = 2.0  # of work in a group
+FEWEST = 64  # missing cases, from which groups pay
+SMALLEST, LARGEST = 8, 1024  # cases of a group
+SHARES = 8  # of what is left, one of which is the most that a group takes
+OF_LIMIT = 4  # groups that fit into one case's time limit: a group has no more time than a case
+
+
+class Handover(Iterator[Task]):
+    """Yields tasks, also after it has ended, where an answer brought new ones."""
+
+    def __init__(
+        self,
+        study: Study,
+        store: Store,
+        missing: Sequence[Case],
+        form: str,
+        seconds: float = SECONDS,
+    ) -> None:
+        """`form` is what becomes of a result: a "file", or what comes back: the file's "content", or a
+        "record"."""
+        self._study, self._store, self._form = study, store, form
+        self._cases = {case.hash: case for case in missing}
+        self._alone: deque[Case] = deque()
+        self._left = deque(missing)
+        self._grouped = in_groups(study, store.description, len(missing))
+        self._seconds = min(seconds, study.time_limit / OF_LIMIT)
+        self._cost: float | None = None  # of a case in a group [s]
+        self.through_batch = 0
+        """Cases that were answered in groups; all others were done singly."""
+
+    def __next__(self) -> Task:
+        if self._alone:
+            return self._single(self._alone.popleft())
+        if not self._left:
+            raise StopIteration
+        if not self._grouped:
+            return self._single(self._left.popleft())
+        cases = [self._left.popleft() for _ in range(min(self._size, len(self._left)))]
+        return self._group(cases)
+
+    @property
+    def _size(self) -> int:
+        if self._cost is None:
+            return SMALLEST
+        most = min(LARGEST, max(SMALLEST, len(self._left) // SHARES))
+        return max(1, min(most, int(self._seconds / self._cost)))
+
+    def answers(self, done: Done) -> list[tuple[Case, Done]]:
+        """Return each case of a task with its own answer; a group without any is handed over again, singly."""
+        members = done.task.get("members")
+        if members is None:
+            return [(self._cases[done.task["hash"]], done)]
+        cases = [self._cases[member["hash"]] for member in members]
+        answers = done.answer.get("cases") if done.answer else None
+        if answers is None:
+            self._alone.extend(cases)
+            return []
+        cost = done.wall_s / len(cases)
+        self._cost = cost if self._cost is None else (self._cost + cost) / 2
+        self.through_batch += len(cases)
+        form = {"form": done.task["form"]}
+        return [
+            (case, Done({"hash": case.hash, **form}, answer))
+            for case, answer in zip(cases, answers, strict=True)
+        ]
+
+    def _common(self) -> dict[str, Any]:
+        description = self._store.description
+        return {"scene": description.scene, "keep": asdict(description.signals), "form": self._form}
+
+    def _path(self, case: Case) -> str | None:
+        return str(self._store.path_of(case.hash).resolve()) if self._form == "file" else None
+
+    def _single(self, case: Case) -> Task:
+        gear = self._study.tables_of(settings_of(self._study.axes, case.values))
+        fidelity = gear.pop("fidelity")
+        about = {"hash": case.hash, "gear": gear, "fidelity": fidelity, "path": self._path(case)}
+        return self._common() | about
+
+    def _group(self, cases: Sequence[Case]) -> Task:
+        gear = self._study.tables_of({})
+        fidelity = gear.pop("fidelity")
+        members = [
+            {
+                "hash": case.hash,
+                "settings": settings_of(self._study.axes, case.values),
+                "path": self._path(case),
+            }
+            for case in cases
+        ]
+        name = f"{cases[0].hash} and {len(cases) - 1} more"
+        return self._common() | {"hash": name, "gear": gear, "fidelity": fidelity, "members": members}
+
+
+def in_groups(study: Study, description: Description, cases: int) -> bool:
+    """Tell whether cases go through `batch`: many of one model, each of them steady and cheap."""
+    paths = [path for axis in study.axes for path in (*axis.paths, *axis.along)]
+    model = study.base.fidelity
+    return (
+        cases >= FEWEST
+        and scene_named(description.scene).steady
+        and model.solver in ("equilibrium", "closed-form")
+        and model.mesh != "general-contact"
+        and not any(path.startswith(FIDELITY) for path in paths)
+    )

@@ -1,0 +1,122 @@
+"""Cases that go through `batch` in groups end as they do singly, whatever happens to a group."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.simulate.case_run import CaseRunner
+from rps_exudyn.simulate.processes import Done, Task
+from rps_exudyn.study import handover
+from rps_exudyn.study.handover import FEWEST, Handover
+from rps_exudyn.study.runner import StudyWork
+from rps_exudyn.study.store import Store
+from rps_exudyn.study.study_file import read_study
+from shell import Command
+from study_files import write_grid, write_stand_in
+
+
+def tasks_of(folder: Path, cases: int, extra: str = "") -> Handover:
+    """The tasks of a study over so many preloads from 100 N."""
+    file = write_grid(folder / "s.toml", *range(100, 100 + cases))
+    file.write_text(file.read_text().replace("[[axis]]", f"{extra}[[axis]]"))
+    work = StudyWork.of(read_study(file), folder / "s")
+    return Handover(work.study, work.store, work.missing, "record")
+
+
+def answered(task: Task, seconds: float = 1.0) -> Done:
+    """A group whose members all end ok."""
+    answer = {"cases": [{"status": "ok", "message": ""} for _ in task["members"]]}
+    return Done(task, answer, wall_s=seconds)
+
+
+def test_groups_grow_to_their_time_and_shrink_towards_the_end(tmp_path: Path) -> None:
+    tasks, sizes = tasks_of(tmp_path, 1000), []
+    for task in tasks:
+        sizes.append(len(task["members"]))
+        assert len(tasks.answers(answered(task, 0.01 * sizes[-1]))) == sizes[-1]
+    assert sum(sizes) == tasks.through_batch == 1000
+    assert sizes[0] == handover.SMALLEST
+    assert max(sizes) <= handover.SECONDS / 0.01
+    assert sizes[1:] == sorted(sizes[1:], reverse=True)
+    assert sizes[-2] == handover.SMALLEST
+
+
+def test_a_group_takes_less_than_the_time_limit_of_a_case(tmp_path: Path) -> None:
+    tasks = tasks_of(tmp_path, 4000)
+    tasks._seconds = 100.0 / handover.OF_LIMIT
+    for _ in range(3):
+        task = next(tasks)
+        tasks.answers(answered(task, 0.5 * len(task["members"])))
+    assert 0.5 * len(next(tasks)["members"]) <= 100.0 / handover.OF_LIMIT
+
+
+@pytest.mark.parametrize("answer", [None, {"cases": None}])
+def test_a_group_without_answers_is_done_singly(tmp_path: Path, answer: dict[str, Any] | None) -> None:
+    tasks = tasks_of(tmp_path, FEWEST)
+    lost = next(tasks)
+    for task in list(tasks):
+        tasks.answers(answered(task))
+    assert tasks.answers(Done(lost, answer, "killed")) == []
+    again = list(tasks)  # the iterator had ended before
+    assert [task["hash"] for task in again] == [member["hash"] for member in lost["members"]]
+    assert all("members" not in task for task in again)
+    assert tasks.through_batch == FEWEST - len(again)
+
+
+@pytest.mark.parametrize(
+    "extra",
+    ['[set]\nfidelity.solver = "generalized-alpha"\n', '[set]\nfidelity.mesh = "general-contact"\n'],
+)
+def test_dear_models_are_done_singly(tmp_path: Path, extra: str) -> None:
+    """Each of their cases takes seconds, and has a time limit of its own."""
+    assert all("members" not in task for task in tasks_of(tmp_path, FEWEST, extra))
+
+
+def test_few_cases_are_done_singly(tmp_path: Path) -> None:
+    assert all("members" not in task for task in tasks_of(tmp_path, FEWEST - 1))
+
+
+def test_members_of_a_group_end_bit_for_bit_as_single_cases(tmp_path: Path) -> None:
+    """A gear that cannot exist among them; only times differ."""
+    settings = "[set]\ntest.turns = 0.2\n"
+    tasks = tasks_of(tmp_path, FEWEST, settings)
+    group = dict(next(tasks))
+    group["members"] = [dict(member) for member in group["members"][:4]]
+    group["members"][2]["settings"] = {"yoke.preload": -1.0}
+    tasks._grouped = False
+    tasks._alone.extend(tasks._cases[member["hash"]] for member in group["members"])
+    singles = [next(tasks) for _ in group["members"]]
+    runner = CaseRunner()
+    found = runner.run_group(group)
+    assert found is not None
+    for index in (0, 1, 3):
+        row, (alone, _) = found[index][0], runner.run(dict(singles[index]))
+        assert {**row, "cpu_s": 0, "wall_s": 0} == {**alone, "cpu_s": 0, "wall_s": 0}
+    assert [row["status"] for row, _ in found] == ["ok", "ok", "invalid", "ok"]
+
+
+def test_time_of_a_group_that_is_over_gives_no_answers(tmp_path: Path) -> None:
+    group = dict(next(tasks_of(tmp_path, FEWEST)))
+    assert CaseRunner().run_group(group | {"time_limit": 1e-3}) is None
+
+
+def test_bad_cases_of_a_group_harm_no_other(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A process that dies, an error and a failure, in processes that simulate nothing."""
+    monkeypatch.setenv("PYTHONPATH", str(write_stand_in(tmp_path)))
+    file = write_grid(tmp_path / "s.toml", *range(100, 170), 901, 903, 904)
+    file.write_text(file.read_text() + "[keep]\nblocks = true\nsamples = 11\n")
+    answer = command(["study", str(file), "--jobs", "1", "--json"])
+    assert answer.status == 1
+    assert 0 < answer.json["in_groups"] < 73
+    found = {case.values["yoke.preload"]: row for case, row in Store.open(tmp_path / "s").rows()}
+    assert {preload: row.status for preload, row in found.items() if row.status is not Status.OK} == {
+        901: Status.CRASHED,
+        903: Status.CRASHED,
+        904: Status.DIVERGED,
+    }
+    assert len(found) == 73
+    assert found[169].summary["torque_mean"] == 169 / 500
