@@ -1,4 +1,4 @@
-"""One case, or a group of them, from its parameters to the bytes of its file; whatever happens is an outcome."""
+"""One case, or a group, from its parameters to the bytes of its file; whatever happens is an outcome."""
 
 import os
 from collections.abc import Sequence

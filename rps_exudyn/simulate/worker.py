@@ -4,11 +4,12 @@ It reads one JSON object per line from standard input and answers each by one on
 
     {"scene", "gear", "fidelity", "keep", "path" or null}  ->  {"status", "message", "cpu_s", ..., "content"}
 
-A group of cases, its "members", is answered by {"cases": one answer each}, or by {"cases": null} where they are
-to be done singly. With a `path` the result's file is written there, else its bytes come back. The first line is warmed up at
-a small size before the worker calls itself ready, so that compiling and loading the kernels is on no case's
-clock. A process that compiled kernels asks for another one in its place. When standard input ends, because
-whoever started it has ended, so does the worker, at once.
+A group of cases, its "members", is answered by {"cases": one answer each}, or by {"cases": null} where they
+are to be done singly. With a `path` the result's file is written there, else its bytes come back.
+
+The first line is warmed up at a small size before the worker calls itself ready, so that compiling and
+loading the kernels is on no case's clock. A process that compiled kernels asks for another one in its place.
+When standard input ends, because whoever started it has ended, so does the worker, at once.
 """
 
 import base64

@@ -64,7 +64,7 @@ class Handover(Iterator[Task]):
         return max(1, min(most, int(self._seconds / self._cost)))
 
     def answers(self, done: Done) -> list[tuple[Case, Done]]:
-        """Return each case of a task with its own answer; a group without any is handed over again, singly."""
+        """Return each case of a task with its answer; a group without any is handed over again, singly."""
         members = done.task.get("members")
         if members is None:
             return [(self._cases[done.task["hash"]], done)]
