@@ -107,11 +107,18 @@ def kills(folder: Path, number: int = 25) -> Measured:
     settings = '[set]\npinion.runout = "10 um"\nfidelity.step_angle = "0.03 deg"'
     file = written(folder, "kills", grid((8, 5, 5), samples=181, settings=settings))
     watched(file, folder / "undisturbed", 2)
+    seen = killed(file, folder / "disturbed", number)
+    what = f"200 cases after {seen['parent']} kills of the parent and {seen['worker']} of a worker"
+    return [(what, compared(folder / "undisturbed", folder / "disturbed"))]
+
+
+def killed(file: Path, out: Path, number: int, pause: tuple[float, float] = (0.3, 3.0)) -> Counter[str]:
+    """Run a study to its end under so many SIGKILLs, after random pauses [s]; count whom they hit."""
     chance = random.Random(1)
-    killed: Counter[str] = Counter()
-    process = started(file, folder / "disturbed", 2)
-    while killed.total() < number:
-        time.sleep(chance.uniform(0.3, 3.0))
+    hit: Counter[str] = Counter()
+    process = started(file, out, 2)
+    while hit.total() < number:
+        time.sleep(chance.uniform(*pause))
         if process.poll() is not None:
             break  # the study is done
         victim = chance.choice(("parent", "worker"))
@@ -120,13 +127,12 @@ def kills(folder: Path, number: int = 25) -> Measured:
             continue
         with contextlib.suppress(ProcessLookupError):
             os.kill(target, signal.SIGKILL)
-        killed[victim] += 1
+        hit[victim] += 1
         if victim == "parent":
             process.wait()
-            process = started(file, folder / "disturbed", 2)
+            process = started(file, out, 2)
     process.wait()
-    what = f"200 cases after {killed['parent']} kills of the parent and {killed['worker']} of a worker"
-    return [(what, compared(folder / "undisturbed", folder / "disturbed"))]
+    return hit
 
 
 def storing(folder: Path, cases: int = 50) -> Measured:

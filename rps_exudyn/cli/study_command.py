@@ -77,17 +77,17 @@ def do_study(request: Request, json: bool) -> int:
 
     limit = work.study.time_limit
     if request.cluster:
-        from rps_exudyn.study.cluster import cluster
+        from rps_exudyn.study.cluster import SECONDS, cluster
 
         def run_all() -> Tally:
-            with cluster(request.cluster or "", limit) as run:
-                return run_study(work, run, workers_write=False)
+            with cluster(request.cluster or "", limit) as (run, threads):
+                return run_study(work, run, workers_write=False, workers=threads, seconds=SECONDS)
     else:
         from rps_exudyn.simulate.processes import Processes
 
         def run_all() -> Tally:
             with Processes(jobs, limit, request.out / "messages.log") as processes:
-                return run_study(work, processes.run, workers_write=True)
+                return run_study(work, processes.run, workers_write=True, workers=jobs)
 
     try:
         tally = run_all()

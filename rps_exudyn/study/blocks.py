@@ -1,11 +1,13 @@
 """The folder of a large study's blocks: DIR/blocks/00000.h5, each with up to `CASES` cases.
 
-A block is written whole when it is full, or when the runner ends; a runner that is killed loses no more than
-the block that it was filling. Where a case stands in several blocks, the last one counts.
+A block is written whole: when it is full, when the runner ends, and every `SECONDS` until then, in its own
+place. A runner that is killed loses no more than the cases since. Where a case stands in several blocks, the
+last one counts.
 """
 
 from collections import OrderedDict
 from pathlib import Path
+from time import monotonic
 
 from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
@@ -15,6 +17,7 @@ from rps_exudyn.results.result import Result
 
 CASES = 512  # in a block: 1e5 cases are 196 files
 IN_MEMORY = 4  # blocks read whole
+SECONDS = 5.0  # of work that may be lost, where a block is not full before
 
 
 class Blocks:
@@ -24,9 +27,11 @@ class Blocks:
         self.folder = folder
         self._cases = cases
         self._waiting: dict[str, CaseRecord] = {}
+        self._filling: Path | None = None  # where those that wait have been written already
+        self._written = monotonic()
         self._homes: dict[str, Path] = {}
         self._seen = 0  # when the folder had changed, as far as `_homes` knows
-        self._read: OrderedDict[Path, Block] = OrderedDict()
+        self._read: OrderedDict[tuple[Path, int, int, int], Block] = OrderedDict()
 
     @property
     def exist(self) -> bool:
@@ -39,28 +44,33 @@ class Blocks:
         return sorted(path for path in self.folder.glob("*.h5") if path.stem.isdigit())
 
     def add(self, record: CaseRecord) -> None:
-        """Take a case; write the block if that fills it.
+        """Take a case; write the block if that fills it, or if it has not been written for long.
 
         Raises:
             InputError: the block cannot be written; its cases wait on.
         """
         self._waiting[record.hash] = record
-        if len(self._waiting) >= self._cases:
+        full = len(self._waiting) >= self._cases
+        if full or monotonic() - self._written > SECONDS:
             self.flush()
+        if full:
+            self._waiting.clear()
+            self._filling = None
 
     def flush(self) -> None:
-        """Write the cases that wait.
+        """Write the cases of the block that is being filled.
 
         Raises:
             InputError: the block cannot be written.
         """
         if not self._waiting:
             return
-        last = max((int(path.stem) for path in self._numbered()), default=-1)
-        with replacing(self.folder / f"{last + 1:05d}.h5") as partial:
+        if self._filling is None:
+            last = max((int(path.stem) for path in self._numbered()), default=-1)
+            self._filling = self.folder / f"{last + 1:05d}.h5"
+        with replacing(self._filling) as partial:
             partial.write_bytes(packed(list(self._waiting.values())))
-        self._waiting.clear()
-        self._seen = 0
+        self._written, self._seen = monotonic(), 0
 
     def _numbered(self) -> list[Path]:
         """All files whose names are taken, also those set aside."""
@@ -88,11 +98,13 @@ class Blocks:
         path = self.home_of(case_hash)
         if path is None:
             raise InputError(f"{self.folder} holds no case {case_hash}.")
-        if path not in self._read:
-            self._read[path] = Block.read(path)
+        stat = path.stat()
+        version = path, stat.st_mtime_ns, stat.st_ino, stat.st_size  # one that is filled is replaced
+        if version not in self._read:
+            self._read[version] = Block.read(path)
             if len(self._read) > IN_MEMORY:
                 self._read.popitem(last=False)
-        return self._read[path]
+        return self._read[version]
 
     def result(self, case_hash: str) -> Result:
         """Return a case's whole result.

@@ -19,14 +19,16 @@ if TYPE_CHECKING:
     from distributed import Client
 
 CONNECTING = 20  # [s]
-AHEAD = 4  # cases submitted per thread of the cluster: none waits, and few are lost with a worker
+AHEAD = 2  # tasks submitted per thread of the cluster: none waits, and few are lost with a worker
+SECONDS = 7.0  # of work in a group: Dask takes a millisecond for each task, and its connections some more
 
 _own = threading.local()
 
 
 @contextmanager
-def cluster(address: str, time_limit: float) -> Iterator[Run]:
-    """A function that does tasks on the cluster whose scheduler has this address (tcp://10.0.0.1:8786).
+def cluster(address: str, time_limit: float) -> Iterator[tuple[Run, int]]:
+    """A function that does tasks on the cluster whose scheduler has this address (tcp://10.0.0.1:8786), and
+    how many it does at the same time.
 
     Raises:
         InputError: no cluster there, no workers, or workers with another rps-exudyn.
@@ -37,7 +39,7 @@ def cluster(address: str, time_limit: float) -> Iterator[Run]:
         def run(tasks: Iterator[Task]) -> Iterator[Done]:
             return _run(client, tasks, time_limit, AHEAD * threads)
 
-        yield run
+        yield run, threads
 
 
 @contextmanager

@@ -19,7 +19,7 @@ from rps_exudyn.study.store import Store
 SECONDS = 2.0  # of work in a group
 FEWEST = 64  # missing cases, from which groups pay
 SMALLEST, LARGEST = 8, 1024  # cases of a group
-SHARES = 8  # of what is left, one of which is the most that a group takes
+SHARES = 4  # of what is left, for each worker: one of them is the most that a group takes
 OF_LIMIT = 4  # groups that fit into one case's time limit: a group has no more time than a case
 
 
@@ -32,15 +32,25 @@ class Handover(Iterator[Task]):
         store: Store,
         missing: Sequence[Case],
         form: str,
+        workers: int = 2,
         seconds: float = SECONDS,
     ) -> None:
-        """`form` is what becomes of a result: a "file", or what comes back: the file's "content", or a
-        "record"."""
+        """Prepare to hand over the missing cases.
+
+        Args:
+            study: what they belong to.
+            store: its folder.
+            missing: the cases.
+            form: what becomes of a result: a "file", or what comes back: the file's "content", or a "record".
+            workers: how many do them at the same time.
+            seconds: of work in a group.
+        """
         self._study, self._store, self._form = study, store, form
         self._cases = {case.hash: case for case in missing}
         self._alone: deque[Case] = deque()
         self._left = deque(missing)
         self._grouped = in_groups(study, store.description, len(missing))
+        self._shares = SHARES * workers
         self._seconds = min(seconds, study.time_limit / OF_LIMIT)
         self._cost: float | None = None  # of a case in a group [s]
         self.through_batch = 0
@@ -60,7 +70,7 @@ class Handover(Iterator[Task]):
     def _size(self) -> int:
         if self._cost is None:
             return SMALLEST
-        most = min(LARGEST, max(SMALLEST, len(self._left) // SHARES))
+        most = min(LARGEST, max(SMALLEST, len(self._left) // self._shares))
         return max(1, min(most, int(self._seconds / self._cost)))
 
     def answers(self, done: Done) -> list[tuple[Case, Done]]:

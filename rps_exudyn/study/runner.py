@@ -24,7 +24,7 @@ from rps_exudyn.simulate.processes import Done, Run
 from rps_exudyn.study.cases import describe, setup_of
 from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Case, Description
-from rps_exudyn.study.handover import Handover
+from rps_exudyn.study.handover import SECONDS, Handover
 from rps_exudyn.study.messages import Group, groups
 from rps_exudyn.study.progress import bar, case_line, log_lines
 from rps_exudyn.study.store import CaseRow, Store
@@ -81,24 +81,28 @@ class Tally:
     through_batch: int = 0  # of those done now; the others were simulated singly
 
 
-def run_study(work: StudyWork, run: Run, workers_write: bool) -> Tally:
+def run_study(
+    work: StudyWork, run: Run, workers_write: bool, workers: int = 2, seconds: float = SECONDS
+) -> Tally:
     """Simulate the missing cases.
 
     Args:
         work: the study in its folder.
         run: does the tasks.
         workers_write: whether those who do the tasks write the files, too; else they return their contents.
+        workers: how many do tasks at the same time.
+        seconds: of work that is handed over at once, where cases go in groups.
 
     Raises:
         InputError: the folder cannot be written, or another runner is at work on it; finished cases are kept.
     """
     try:
-        return _run(work, run, workers_write)
+        return _run(work, run, "file" if workers_write else "content", workers, seconds)
     except OSError as error:  # log or index
         raise InputError(f"{work.store.path} cannot be written: {error.strerror or error}.") from error
 
 
-def _run(work: StudyWork, run: Run, workers_write: bool) -> Tally:
+def _run(work: StudyWork, run: Run, form: str, workers: int, seconds: float) -> Tally:
     store = work.store
     in_blocks = store.in_blocks(work.study.blocks)
     store.make_folders(in_blocks)
@@ -108,8 +112,8 @@ def _run(work: StudyWork, run: Run, workers_write: bool) -> Tally:
         _begin(work)
         log, forms = store.path / "study.log", FileForms()
         log_lines(log, [f"{len(work.missing)} of {len(work.description.hashes)} cases to be done"])
-        form = "file" if workers_write else "content"
-        tasks = Handover(work.study, store, work.missing, "record" if in_blocks else form)
+        form = "record" if in_blocks else form
+        tasks = Handover(work.study, store, work.missing, form, workers, seconds)
         try:
             with bar(len(work.missing)) as count:
                 for done in run(tasks):

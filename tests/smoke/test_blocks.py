@@ -120,6 +120,21 @@ def test_case_done_again_counts_once_and_anew(twins: tuple[Store, Store], made_u
     assert [row.message for row in rows if row.hash == failed.hash] == ["mended"]
 
 
+def test_a_block_that_fills_slowly_is_written_meanwhile(
+    made_up_result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In its own place, and readers that knew it before find what has come since."""
+    monkeypatch.setattr("rps_exudyn.study.blocks.SECONDS", -1.0)
+    (folder := tmp_path / "blocks").mkdir()
+    blocks, reader = Blocks(folder, cases=3), Blocks(folder)
+    hashes = [f"{at:016x}" for at in range(7)]
+    for at, name in enumerate(hashes):
+        blocks.add(CaseRecord.of(name, made_up_result))
+        os.utime(folder, ns=(at + 1, at + 1))  # changes within one tick of the clock are told apart
+        assert all(same(reader.result(each), made_up_result) for each in hashes[: at + 1])
+    assert [len(Block.read(path).places) for path in blocks.paths] == [3, 3, 1]
+
+
 @pytest.fixture
 def stand_in(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
     """Worker processes simulate nothing."""
