@@ -1,7 +1,7 @@
 """Blocks of cases, killed and damaged: nothing lost, nothing wrong, nothing double.
 
-One study of real equilibria is done undisturbed, another one under SIGKILLs of its parent and its workers. Then
-bytes anywhere in the blocks are changed, one after the other, and each time the same command mends the study.
+One study of real equilibria is done undisturbed, another one under SIGKILLs of its parent and its workers.
+Then bytes anywhere in the blocks are changed, one after the other, and the same command mends the study.
 """
 
 import random
@@ -37,7 +37,8 @@ def run(
         watched(file, place / "undisturbed", 2)
         seen = killed(file, place / "disturbed", kills, PAUSE)
         cases = sides[0] * sides[1] * sides[2]
-        what = f"{cases} cases in blocks after {seen['parent']} kills of the parent, {seen['worker']} of a worker"
+        victims = f"{seen['parent']} kills of the parent, {seen['worker']} of a worker"
+        what = f"{cases} cases in blocks after {victims}"
         rows.append((what, compared(place / "undisturbed", place / "disturbed")))
         rows.append(("blocks left by it", str(len(Store.open(place / "disturbed").blocks.paths))))
         rows.append((f"{flips} changed bytes, one at a time", noticed(place / "disturbed", flips)))

@@ -1,7 +1,7 @@
 """Start of the commands: CPU time with compiled kernels, of the first run, and of the libraries alone.
 
-Each command is a process of its own in an empty folder. Other work on the machine makes CPU times up to three times
-as long as on a quiet one; the libraries' own import, measured in turn with the commands, shows by how much.
+Each command is a process of its own in an empty folder. Other work on the machine makes CPU times up to three
+times as long; the libraries' own import, measured in turn with the commands, shows by how much.
 """
 
 import sys

@@ -9,6 +9,7 @@ from rps_exudyn.base import units
 from rps_exudyn.base.atomic import check_writable, number_existing, replacing
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.kept import say
+from rps_exudyn.cli.progress import shown_progress
 
 if TYPE_CHECKING:
     from rps_exudyn.fitting.estimate import Fit
@@ -148,15 +149,16 @@ def do_fit(
     for path, suffixes in ((plot, PICTURES), (report, PAGES), (series, (".json",))):
         if path:
             check_writable(path, suffixes)
-    found = fit(
-        files,
-        gear,
-        free=free or USUAL,
-        priors=parse_priors(priors),
-        columns=columns,
-        other_law=other_law,
-        like=read_series(like) if like else None,
-    )
+    with shown_progress(asked=False):
+        found = fit(
+            files,
+            gear,
+            free=free or USUAL,
+            priors=parse_priors(priors),
+            columns=columns,
+            other_law=other_law,
+            like=read_series(like) if like else None,
+        )
     written = write_files(found, out, plot, report)
     if series:
         write_series(found.series, series)
