@@ -62,8 +62,3 @@ def scene_named(name: str) -> "Scene":
         raise InputError(f"SCENE is {name!r}; it must be one of {', '.join((*SCENE_NAMES, *_OWN))}.")
     scene: Scene = import_module(f"{__name__}.{name.replace('-', '_')}").SCENE
     return scene
-
-
-def all_scenes() -> "list[Scene]":
-    """Return every scene, in the order of `SCENE_NAMES`."""
-    return [scene_named(name) for name in SCENE_NAMES]
