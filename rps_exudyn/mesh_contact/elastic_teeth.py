@@ -8,7 +8,7 @@ bending cancels, which laws without it miss.
 
 import numpy as np
 
-from rps_exudyn.base.compiled import apart, inlined
+from rps_exudyn.base.compiled import apart, borrowing, inlined
 from rps_exudyn.mesh_contact.contact_tangent import add_turn_of_loads, slopes_of
 from rps_exudyn.mesh_contact.flank_line import (
     DAMPING_LOSS,
@@ -71,7 +71,7 @@ def teeth_contact_tangent(  # type: ignore[no-untyped-def]
     return out
 
 
-@inlined
+@borrowing
 def _add_loads(lines, line, force, elastic, side, flank, sums):  # type: ignore[no-untyped-def]
     """Add the loads of one line."""
     stations, count, pressed = lines.stations, flank.along.shape[2], False
@@ -129,7 +129,7 @@ def solve_loads(matrix, lines, data, force, elastic):  # type: ignore[no-untyped
     return found
 
 
-@inlined
+@borrowing
 def stored_energy(lines, elastic):  # type: ignore[no-untyped-def]
     """Elastic energy of teeth and contact [J]: half of force times bending, and of the Hertzian part."""
     energy = 0.0

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inlined
+from rps_exudyn.base.compiled import borrowing, inlined
 from rps_exudyn.mesh_contact import flank_strip
 from rps_exudyn.mesh_contact.flank_line import (
     Band,
@@ -86,7 +86,7 @@ def find_lines(angle, drive, coast, data):  # type: ignore[no-untyped-def]
     return lines, n
 
 
-@inlined
+@borrowing
 def _overlap(angle, drive, coast, flank):  # type: ignore[no-untyped-def]
     """How many lines there may be, none if no flanks overlap, and the deepest overlap."""
     deepest, most = 0.0, 0
@@ -104,7 +104,7 @@ def _overlap(angle, drive, coast, flank):  # type: ignore[no-untyped-def]
     return (most if deepest > 0 else 0), deepest
 
 
-@inlined
+@borrowing
 def _describe_line(strip, band, line, side, margin, flank):  # type: ignore[no-untyped-def]
     """Describe a line's strip, `margin` deeper than it is, and return between which Z it lies."""
     low, high = within_band(line, band, flank)
@@ -120,7 +120,7 @@ def _describe_line(strip, band, line, side, margin, flank):  # type: ignore[no-u
     return ends.low, ends.high
 
 
-@inlined
+@borrowing
 def _fill_plain_line(lines, n, margin, tooth, line, side, data):  # type: ignore[no-untyped-def]
     """Fill one line of unmodified flanks; 1, or 0 where the flanks are apart."""
     flank = data.flank
@@ -138,7 +138,7 @@ def _fill_plain_line(lines, n, margin, tooth, line, side, data):  # type: ignore
     return 1
 
 
-@inlined
+@borrowing
 def _fill_line(lines, n, strip, margin, band, tooth, line, side, data):  # type: ignore[no-untyped-def]
     """Fill one line within a band of modified flanks; 1, or 0 where the flanks are apart."""
     flank = data.flank
@@ -158,7 +158,7 @@ def _fill_line(lines, n, strip, margin, band, tooth, line, side, data):  # type:
     return 1
 
 
-@inlined
+@borrowing
 def _fill_station(lines, i, p_r, p_t, q, z, side, data):  # type: ignore[no-untyped-def]
     """Fill what follows from a station's point: its motion, and its places on both teeth."""
     flank, stations = data.flank, lines.stations
@@ -185,7 +185,7 @@ def _fill_station(lines, i, p_r, p_t, q, z, side, data):  # type: ignore[no-unty
     stations[TOP, i] = np.log(thickness * data.per_width) - FLATTENED
 
 
-@inlined
+@borrowing
 def polynomial(coefficients, row, x):  # type: ignore[no-untyped-def]
     """Return the value of a polynomial, the highest power first."""
     value = coefficients[row, 0]

@@ -7,7 +7,7 @@ stations are pressed does not change; the change of the compliance, which moves 
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inlined
+from rps_exudyn.base.compiled import borrowing, inlined
 from rps_exudyn.forces.rigid_motion import cross, plus
 from rps_exudyn.mesh_contact.contact_tangent import add_viscous, arm_of, friction_direction
 from rps_exudyn.mesh_contact.steel import HERTZ
@@ -50,7 +50,7 @@ def add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data):  # 
                 stiffness[i, j] -= value * yields[row, j]
 
 
-@inlined
+@borrowing
 def _fill_wrenches(stations, i, row, load, yields, loads, side, data, slopes):  # type: ignore[no-untyped-def]
     """Fill a station's wrenches per load, without and with friction; add what its friction alone changes."""
     p_r, p_t, z, stance = stations[P_R, i], stations[P_T, i], stations[P_Z, i], slopes.stance

@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inlined
+from rps_exudyn.base.compiled import borrowing
 from rps_exudyn.gears.basic_rack import cutter_tip_centre
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.trochoid import root_section
@@ -94,13 +94,13 @@ PLACE = 7  # s [m]
 PLACE_SIZE = 8
 
 
-@inlined
+@borrowing
 def fill_place(places, i, cos, cos_y, cos_tan, s, half_length, data):  # type: ignore[no-untyped-def]
     """Fill the column of a station at s [m] from the middle of a tooth of some half length [m]."""
     fill_between_ends(places, i, cos, cos_y, cos_tan, s, np.exp(-half_length / data.length), data)
 
 
-@inlined
+@borrowing
 def fill_between_ends(places, i, cos, cos_y, cos_tan, s, end, data):  # type: ignore[no-untyped-def]
     """Fill the same from `end`, exp(-half length / l)."""
     places[COS, i], places[COS_Y, i], places[COS_TAN, i] = cos, cos_y, cos_tan
@@ -122,7 +122,7 @@ class Row(NamedTuple):
     end_b: float
 
 
-@inlined
+@borrowing
 def row_of(places, i, scale, data):  # type: ignore[no-untyped-def]
     """The row of a station, times a factor."""
     cos, cos_y = places[COS, i], places[COS_Y, i]
@@ -137,25 +137,25 @@ def row_of(places, i, scale, data):  # type: ignore[no-untyped-def]
     )
 
 
-@inlined
+@borrowing
 def kappa_of(row, places, j):  # type: ignore[no-untyped-def]
     """kappa_ij of a row and another station, with the row's factor."""
     return row.per_y * places[COS_Y, j] + row.per_cos * places[COS, j] + row.per_tan * places[COS_TAN, j]
 
 
-@inlined
+@borrowing
 def direct(row, places, j):  # type: ignore[no-untyped-def]
     """exp(-|s_i - s_j| / l)."""
     return min(row.rise * places[FALL, j], row.fall * places[RISE, j])
 
 
-@inlined
+@borrowing
 def by_ends(row, places, j):  # type: ignore[no-untyped-def]
     """What the tooth's ends add to that."""
     return row.end_a * places[END_A, j] + row.end_b * places[END_B, j]
 
 
-@inlined
+@borrowing
 def add_block(matrix, places, rows, columns, count, sigma, data):  # type: ignore[no-untyped-def]
     """Add the compliance between `count` stations from `rows` on and as many from `columns` on [m/N].
 
@@ -167,7 +167,7 @@ def add_block(matrix, places, rows, columns, count, sigma, data):  # type: ignor
             matrix[i, j] += kappa_of(row, places, j) * (direct(row, places, j) + by_ends(row, places, j))
 
 
-@inlined
+@borrowing
 def add_line(matrix, places, start, nodes, weights, data):  # type: ignore[no-untyped-def]
     """Add the compliance between the stations of one line to the lower triangle [m/N].
 

@@ -205,3 +205,22 @@ def test_random_gears_are_solved_at_any_pose() -> None:
             out = element.kernel(q, np.zeros(7), element.data)
             assert np.isfinite(out).all()
             assert min(out[10], out[11]) >= 0
+
+
+def test_core_twists_as_a_shaft() -> None:
+    """Turned back by what the torque twists, a stiff core presses as one that twists.
+
+    The torque enters evenly over the face and leaves at one end, T b / (2 G I_p). The core's turn shifts the
+    lines along the flanks by 1e-3 of their length.
+    """
+    gear = SteeringGear().replace({"mesh.law": "teeth", "mesh.friction": 0.0})
+    element = flank_element(gear, friction_zone=1e-5, along=6, across=2)
+    stiff = element.data._replace(torsion=0.0)
+    q, still = np.array([0.3, -0.3 * GAIN + 30e-6, 0, 0, 0, 0, 0]), np.zeros(7)
+    loads = np.asarray(element.kernel(q, still, element.data))
+    assert min(loads[10:12]) == 0  # one flank carries
+    polar, shear_modulus = np.pi / 2 * GearPair.of(gear).root_radius ** 4, 206e9 / 2.6
+    twist = loads[0] * gear.pinion.face_width / 2 / (shear_modulus * polar)
+    q[0] += twist
+    assert abs(twist) > 5e-4
+    assert np.asarray(element.kernel(q, still, stiff))[:4] == pytest.approx(loads[:4], rel=3e-3)
