@@ -1,11 +1,12 @@
 """One signal over time, as a scene records it, and how far two such curves lie apart."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 EVEN_POINTS = 3601  # of a piece, at which curves are compared
+UNEVEN = 1.5  # of neighbouring steps, from which on a cubic spline may overshoot
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,16 +23,27 @@ class Curve:
         return zip(np.split(self.time, joints), np.split(self.values, joints), strict=True)
 
     def over(self, grids: Sequence[np.ndarray], smooth: bool = True) -> np.ndarray:
-        """Values at given times [s], a grid for each piece, one after the other."""
-        from scipy.interpolate import CubicSpline  # half a second, which runs that compare nothing are spared
+        """Values at given times [s], a grid for each piece, one after the other.
 
+        Smooth is a cubic spline; between uneven steps, where that one overshoots, a monotone interpolant.
+        """
         found = []
         for (time, values), grid in zip(self.pieces, grids, strict=True):
             if smooth and time.size > 3:
-                found.append(CubicSpline(time, values)(grid))
+                found.append(_smooth(time, values)(grid))
             else:
                 found.append(np.interp(grid, time, values))
         return np.concatenate(found)
+
+
+def _smooth(time: np.ndarray, values: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """A smooth interpolant that stays between its values where steps of time are uneven."""
+    # half a second, which runs that compare nothing are spared
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
+    steps = np.diff(time)
+    even = (np.maximum(steps[1:], steps[:-1]) <= UNEVEN * np.minimum(steps[1:], steps[:-1])).all()
+    return CubicSpline(time, values) if even else PchipInterpolator(time, values)
 
 
 def size_of(curve: Curve) -> float:

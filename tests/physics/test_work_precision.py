@@ -53,6 +53,16 @@ def test_part_of_the_motion_is_compared_with_that_part() -> None:
     assert curve_errors(pitch, FINE).rms < 1e-3
 
 
+def test_between_uneven_steps_nothing_overshoots() -> None:
+    """A torque that changes sign within a hundredth of the steps beside it, and two instants that rounding
+    leaves apart: a cubic spline goes beyond the values there by 10 % and more."""
+    time = np.array([0.0, 1.0, 2.0, 3.0, 3.01, 4.0, 5.0, 5.0 + 1e-15, 6.0])
+    values = np.array([-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 1.0])
+    smooth = Curve(time, values).over([np.linspace(0, 6, 1201)])
+    assert np.abs(smooth).max() <= 1.0 + 1e-12
+    assert smooth[600] == pytest.approx(-1.0)
+
+
 def test_joined_maneuvers_are_compared_piece_by_piece() -> None:
     def joined(steps: int) -> Curve:
         forth = torque(steps)
