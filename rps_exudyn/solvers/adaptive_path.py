@@ -9,7 +9,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
-from rps_exudyn.solvers.settled_start import Approach, settled_path
+from rps_exudyn.solvers.settled_start import Approach, path_from, settled_start
 
 MAX_HALVINGS = 8
 
@@ -27,7 +27,8 @@ def adaptive_path(
     An instant is missed by as much as the force differs from the cubic through its four neighbours; the
     intervals beside one that is missed by more than `tolerance` [N m or N] are halved, until none is.
     """
-    path = settled_path(balance, pair, drive, approach, time)
+    led = settled_start(balance, pair, drive, approach, time[:1])
+    path = path_from(led, balance, pair, drive, time)
     evaluations, iterations, tangents = path.evaluations, path.iterations, path.tangents
     for _ in range(MAX_HALVINGS):
         if not path.converged:
@@ -37,8 +38,8 @@ def adaptive_path(
         if not halved.any():
             break
         time = np.insert(time, np.flatnonzero(halved) + 1, ((time[:-1] + time[1:]) / 2)[halved])
-        path = settled_path(balance, pair, drive, approach, time)
-        evaluations += path.evaluations
-        iterations += path.iterations
-        tangents += path.tangents
+        path = path_from(led, balance, pair, drive, time)
+        evaluations += path.evaluations - (led.evaluations if led else 0)
+        iterations += path.iterations - (led.iterations if led else 0)
+        tangents += path.tangents - (led.tangents if led else 0)
     return replace(path, evaluations=evaluations, iterations=iterations, tangents=tangents)

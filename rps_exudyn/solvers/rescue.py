@@ -1,12 +1,15 @@
 """Equilibria that Newton's method does not find: the gear settles, or creeps, to them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from rps_exudyn.solvers.balance import Balance
-from rps_exudyn.solvers.path_follower import TOLERANCE, backward_difference
-from rps_exudyn.solvers.settling import settled
+from rps_exudyn.solvers.path_follower import TOLERANCE, backward_difference, inverse_tangent_of
+from rps_exudyn.solvers.settling import Tangent, settled
+
+At = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # free coordinates -> all, and their rates
 
 RESCUING_STEPS = 100  # most rescues take 30 to 80
 CREEP_PARTS, CREEP_STEPS = 12, 3  # of a tooth pitch, of which a gear that finds no rest makes steps
@@ -50,9 +53,14 @@ class Beginning:
     def settled(self, start: np.ndarray, per_time: float) -> tuple[np.ndarray, float]:
         """Return the free coordinates that balance, with the rates of coming there from the start, and the
         residual [N]."""
-        return settled(
-            lambda place: self.unbalanced(place, start, per_time), start, self.balance.lengths[self.free]
-        )
+
+        def at(place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            return self.at(place, start, per_time)
+
+        base = start - self.rates[self.free] / per_time if per_time else start
+        tangent = _compiled_tangent(self.balance, self.free, base, per_time, self.applied, at)
+        levers = self.balance.lengths[self.free]
+        return settled(lambda place: self.unbalanced(place, start, per_time), start, levers, tangent=tangent)
 
     def unbalanced(self, place: np.ndarray, before: np.ndarray, per_time: float) -> np.ndarray:
         q, v = self.at(place, before, per_time)
@@ -63,6 +71,26 @@ class Beginning:
         q[self.free] = place
         v[self.free] += (place - before) * per_time
         return q, v
+
+
+def _compiled_tangent(
+    balance: Balance, free: np.ndarray, base: np.ndarray, per_time: float, applied: np.ndarray, at: At
+) -> Tangent:
+    """The tangent by free coordinates from differences in compiled code, of which the follower keeps one.
+
+    `base` (m,) and `per_time` give the rates, see `path_follower.rates_from`; `at` coordinates and rates.
+    """
+    inverse_tangent, lengths = inverse_tangent_of(balance.force), balance.lengths
+    bases = np.zeros(balance.size)
+    bases[free] = base
+
+    def tangent(place: np.ndarray) -> np.ndarray:
+        q, v = at(place)
+        v, here = v.copy(), np.asarray(balance.force(q, v, balance.data)) + applied
+        inverse = inverse_tangent(q, v, bases, per_time, free, lengths, balance.data, applied, here)
+        return np.asarray(np.linalg.inv(inverse))
+
+    return tangent
 
 
 def search(
@@ -87,16 +115,20 @@ def search(
         stretch = (time[k] - time[k - 1]) / (time[k - 1] - time[k - 2])
         ahead = coordinates[k - 1] + stretch * (coordinates[k - 1] - coordinates[k - 2])
 
-    def force(place: np.ndarray) -> np.ndarray:
+    def at(place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         coordinates[k, free], rates[k, free] = place, (place - base[free]) * per_time
-        return np.asarray(balance.force(coordinates[k], rates[k], balance.data)) + applied[k]
+        return coordinates[k], rates[k]
 
+    def force(place: np.ndarray) -> np.ndarray:
+        return np.asarray(balance.force(*at(place), balance.data)) + applied[k]
+
+    tangent = _compiled_tangent(balance, free, base[free], per_time, applied[k], at)
     residual = np.inf
     for start in (ahead, coordinates[k - 1]):
         with np.errstate(all="ignore"):  # far from an equilibrium the forces may be of any size
             try:
                 place, residual = settled(
-                    lambda place: force(place)[free], start[free], levers, RESCUING_STEPS
+                    lambda place: force(place)[free], start[free], levers, RESCUING_STEPS, tangent
                 )
             except np.linalg.LinAlgError:  # not finite there
                 continue

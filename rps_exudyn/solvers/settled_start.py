@@ -103,7 +103,20 @@ def settled_path(
     start to settle. If no equilibria lead to the start, the gear starts where it rests without them, which
     may be far from where it will slide. Without an approach the start itself is such a place of rest.
     """
-    led = None if approach is None else _Search(balance, pair, drive, approach, time[:1]).settled()
+    return path_from(settled_start(balance, pair, drive, approach, time[:1]), balance, pair, drive, time)
+
+
+def settled_start(
+    balance: Balance, pair: GearPair, drive: Drive, approach: Approach | None, start: np.ndarray
+) -> EquilibriumPath | None:
+    """Return the equilibria that lead to the instant `start`, shape (1,) [s]; None where the gear rests."""
+    return None if approach is None else _Search(balance, pair, drive, approach, start).settled()
+
+
+def path_from(
+    led: EquilibriumPath | None, balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray
+) -> EquilibriumPath:
+    """Follow the equilibria at times [s] from a settled start at the first of them, or from rest there."""
     if led is None:
         return equilibrium_path(balance, pair, drive, time)
     path = equilibrium_path(balance, pair, drive, np.concatenate([led.time, time[1:]]), led)

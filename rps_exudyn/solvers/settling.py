@@ -9,7 +9,12 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.solvers.newton_approach import CLOSE, newton_approach
 from rps_exudyn.solvers.path_follower import TOLERANCE
 
+Force = Callable[[np.ndarray], np.ndarray]  # of coordinates (n,) -> (n,)
+Tangent = Callable[[np.ndarray], np.ndarray]  # -> (n, n)
+
 SETTLING_STEPS = 600
+PATIENCE, PROGRESS = 150, 0.9  # steps over which the least force must fall to that share: what settles at
+# last may first stand still for more than 50 steps
 TYPICAL_APPROACH = 15e-6  # of the rack under the yoke's preload [m]
 
 
@@ -51,28 +56,31 @@ def static_approach(
 
 
 def settled(
-    force: Callable[[np.ndarray], np.ndarray],
+    force: Force,
     start: np.ndarray,
     levers: np.ndarray,
     steps: int = SETTLING_STEPS,
+    tangent: Tangent | None = None,
 ) -> tuple[np.ndarray, float]:
     """Let the coordinates creep to where the force vanishes; return the place and the residual [N].
 
     Pseudo-transient continuation: implicit Euler steps of levers^2 dq/dt = force, which cannot overshoot far,
-    longer the smaller the force has become until they are Newton's. `levers` turn rotations into lengths [m].
+    longer the smaller the force has become until they are Newton's. `levers` turn rotations into lengths [m];
+    without a `tangent` of the force it is taken from differences.
+
+    Raises:
+        LinAlgError: the force is not finite.
     """
     q, r = start.copy(), force(start)
+    slope, least = tangent or differences(force, levers), [np.inf]
     stretch = 1e-9  # [m/N]
     for _ in range(steps):
         norm = float(np.abs(r / levers).max())
-        if norm <= TOLERANCE / 10:
+        least.append(min(norm, least[-1]))
+        stagnates = len(least) > PATIENCE + 1 and least[-1] > PROGRESS * least[-1 - PATIENCE]
+        if norm <= TOLERANCE / 10 or stagnates:
             break
-        tangent = np.empty((q.size, q.size))
-        for j, step in enumerate(1e-9 / levers):
-            moved = q.copy()
-            moved[j] += step
-            tangent[:, j] = (force(moved) - r) / step
-        move = np.linalg.lstsq(np.diag(levers**2) / stretch - tangent, r, rcond=None)[0]
+        move = _solution(np.diag(levers**2) / stretch - slope(q), r)
         move *= min(1.0, 20e-6 / float(np.abs(move * levers).max() or 1.0))
         r_next = force(q + move)
         growth = norm / float(np.abs(r_next / levers).max() or norm)
@@ -80,3 +88,26 @@ def settled(
         if growth > 0.2:
             q, r = q + move, r_next
     return q, float(np.abs(r / levers).max())
+
+
+def differences(force: Force, levers: np.ndarray) -> Tangent:
+    """Return the tangent of a force by forward differences of 1 nm."""
+
+    def tangent(q: np.ndarray) -> np.ndarray:
+        here, slope = force(q), np.empty((q.size, q.size))
+        for j, step in enumerate(1e-9 / levers):
+            moved = q.copy()
+            moved[j] += step
+            slope[:, j] = (force(moved) - here) / step
+        return slope
+
+    return tangent
+
+
+def _solution(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solve a small system; the least squares serve where it is singular, and refuse what is not finite."""
+    try:
+        found = np.linalg.solve(matrix, right)
+    except np.linalg.LinAlgError:
+        found = np.full(right.size, np.nan)
+    return found if np.isfinite(found).all() else np.linalg.lstsq(matrix, right, rcond=None)[0]
