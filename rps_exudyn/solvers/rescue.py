@@ -7,7 +7,7 @@ import numpy as np
 
 from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.path_follower import TOLERANCE, backward_difference, inverse_tangent_of
-from rps_exudyn.solvers.settling import Tangent, settled
+from rps_exudyn.solvers.settling import Tangent, differences, settled
 
 At = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # free coordinates -> all, and their rates
 
@@ -53,14 +53,17 @@ class Beginning:
     def settled(self, start: np.ndarray, per_time: float) -> tuple[np.ndarray, float]:
         """Return the free coordinates that balance, with the rates of coming there from the start, and the
         residual [N]."""
+        levers, tangent = self.balance.lengths[self.free], self.tangent(start, per_time)
+        return settled(lambda place: self.unbalanced(place, start, per_time), start, levers, tangent=tangent)
+
+    def tangent(self, start: np.ndarray, per_time: float) -> Tangent:
+        """Return the tangent of `unbalanced` by the free coordinates."""
 
         def at(place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             return self.at(place, start, per_time)
 
         base = start - self.rates[self.free] / per_time if per_time else start
-        tangent = _compiled_tangent(self.balance, self.free, base, per_time, self.applied, at)
-        levers = self.balance.lengths[self.free]
-        return settled(lambda place: self.unbalanced(place, start, per_time), start, levers, tangent=tangent)
+        return _compiled_tangent(self.balance, self.free, base, per_time, self.applied, at)
 
     def unbalanced(self, place: np.ndarray, before: np.ndarray, per_time: float) -> np.ndarray:
         q, v = self.at(place, before, per_time)
@@ -76,7 +79,8 @@ class Beginning:
 def _compiled_tangent(
     balance: Balance, free: np.ndarray, base: np.ndarray, per_time: float, applied: np.ndarray, at: At
 ) -> Tangent:
-    """The tangent by free coordinates from differences in compiled code, of which the follower keeps one.
+    """The tangent by free coordinates from differences in compiled code; from Python where it is singular,
+    as of a gear that yields without resistance.
 
     `base` (m,) and `per_time` give the rates, see `path_follower.rates_from`; `at` coordinates and rates.
     """
@@ -84,11 +88,19 @@ def _compiled_tangent(
     bases = np.zeros(balance.size)
     bases[free] = base
 
+    def force(place: np.ndarray) -> np.ndarray:
+        return (np.asarray(balance.force(*at(place), balance.data)) + applied)[free]
+
+    by_python = differences(force, lengths[free])
+
     def tangent(place: np.ndarray) -> np.ndarray:
         q, v = at(place)
         v, here = v.copy(), np.asarray(balance.force(q, v, balance.data)) + applied
-        inverse = inverse_tangent(q, v, bases, per_time, free, lengths, balance.data, applied, here)
-        return np.asarray(np.linalg.inv(inverse))
+        try:
+            inverse = inverse_tangent(q, v, bases, per_time, free, lengths, balance.data, applied, here)
+            return np.asarray(np.linalg.inv(inverse))
+        except np.linalg.LinAlgError:
+            return by_python(place)
 
     return tangent
 

@@ -11,12 +11,15 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.maneuver import maneuvers_of_test, swing_maneuver
+from rps_exudyn.solvers import adaptive_path
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.drive import Swing
-from rps_exudyn.solvers.equilibrium import SETTLED, Start, equilibrium_path
+from rps_exudyn.solvers.equilibrium import SETTLED, Start, equilibrium_path, starting_guess, steady_rates
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.path_follower import TOLERANCE
-from rps_exudyn.solvers.settled_start import settled_path
+from rps_exudyn.solvers.rescue import Beginning
+from rps_exudyn.solvers.settled_start import settled_path, settled_start
+from rps_exudyn.solvers.settling import differences
 
 CASES = bad_cases()
 CREEPS_LONG, CREEPS = (CASES[f"a soft seat, {found}"].plan.gear for found in ("creeps long", "creeps"))
@@ -54,6 +57,33 @@ def test_steps_that_lead_to_the_start_are_not_followed_twice() -> None:
     assert parts.coordinates == pytest.approx(whole.coordinates, abs=1e-7)
     assert parts.forces[:, 0] == pytest.approx(whole.forces[:, 0], rel=1e-4)
     assert parts.evaluations < 1.1 * whole.evaluations
+
+
+def test_refined_steps_share_one_search_for_the_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The start is the same whatever the steps after it; the search for it may take far longer than these."""
+    gear, searches = SteeringGear().replace({"pinion.runout": "20 um"}), []
+    monkeypatch.setattr(
+        adaptive_path, "settled_start", lambda *course: searches.append(course) or settled_start(*course)
+    )
+    maneuver = maneuvers_of_test(gear, "pinion", np.deg2rad(20))[0].one_period()
+    course = gear_forces(gear, FIDELITY).statics, GearPair.of(gear), maneuver.drive, maneuver.approach
+    path = adaptive_path.adaptive_path(*course, maneuver.time, 1e-3)
+    assert len(searches) == 1
+    assert len(path.time) > 1.5 * len(maneuver.time)
+
+
+@pytest.mark.parametrize("per_time", [0.0, 5.0])
+def test_the_tangent_of_a_beginning_is_that_of_its_forces(per_time: float) -> None:
+    """Compiled differences of 1 and 10 nm beside those of 1 nm: 1 % of the largest entry, as Newton needs."""
+    balance, pair = gear_forces(SteeringGear(), FIDELITY).statics, GearPair.of(SteeringGear())
+    free, none = balance.free(0), np.zeros(balance.size)
+    begin = Beginning(balance, free, starting_guess(pair, 0.2), steady_rates(pair, 1.0), none)
+    start = begin.guess[free]
+    levers = balance.lengths[free]
+    found = begin.tangent(start, per_time)(start)
+    true = differences(lambda place: begin.unbalanced(place, start, per_time), levers)(start)
+    scale = np.outer(levers, levers)
+    assert found / scale == pytest.approx(true / scale, abs=1e-2 * np.abs(true / scale).max())
 
 
 def test_an_ordinary_gear_settles_at_once() -> None:
