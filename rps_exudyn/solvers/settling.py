@@ -105,9 +105,14 @@ def differences(force: Force, levers: np.ndarray) -> Tangent:
 
 
 def _solution(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solve a small system; the least squares serve where it is singular, and refuse what is not finite."""
+    """Solve a small system, by least squares where it is singular.
+
+    Raises:
+        LinAlgError: it is not finite, which LAPACK would print a line about.
+    """
+    if not (np.isfinite(matrix).all() and np.isfinite(right).all()):
+        raise np.linalg.LinAlgError("the force is not finite")
     try:
-        found = np.linalg.solve(matrix, right)
+        return np.linalg.solve(matrix, right)
     except np.linalg.LinAlgError:
-        found = np.full(right.size, np.nan)
-    return found if np.isfinite(found).all() else np.linalg.lstsq(matrix, right, rcond=None)[0]
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0])
