@@ -17,6 +17,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
+from rps_exudyn.verification.guides_limit import damping_with_guides
 from rps_exudyn.verification.sliding_limit import measured_damping, predicted_damping
 from rps_exudyn.verification.stick_slip import event_based, on_bristles, regularised
 
@@ -154,6 +155,7 @@ def bisected(travel: float, speed: float) -> dict[str, Any]:
     gear = gear_with(1.2, travel, speed=speed)
     predicted = predicted_damping(gear)
     case = {"travel": travel, "speed": speed, "predicted": predicted}
+    case["with_guides"] = damping_with_guides(gear, Fidelity.preset("flank"))
     if not np.isfinite(predicted):
         return {**case, "predicted": None, "message": "stable without damping"}
     try:
@@ -227,12 +229,14 @@ def limits_table(folder: Path) -> str:
         law = f"bristles {1e6 * case['travel']:g} um" if case["travel"] else "speed alone"
         row = [law, f"{case['speed']:g}"]
         if "message" in case:
-            rows.append([*row, _shown(case["predicted"]), f"*{case['message']}*", ""])
+            predicted = [_shown(case["predicted"]), _shown(case["with_guides"])]
+            rows.append([*row, *predicted, f"*{case['message']}*", ""])
         else:
-            share = f"{case['measured'] / case['predicted']:.3f}"
-            rows.append([*row, _shown(case["predicted"]), _shown(case["measured"]), share])
-    head = ["friction", "speed rad/s", "predicted N m s/rad", "measured N m s/rad", "measured / predicted"]
-    return markdown(head, rows)
+            share = f"{case['measured'] / case['with_guides']:.3f}"
+            limits = [_shown(case[name]) for name in ("predicted", "with_guides", "measured")]
+            rows.append([*row, *limits, share])
+    head = ["friction", "speed rad/s", "one inertia N m s/rad", "with guides N m s/rad", "measured N m s/rad"]
+    return markdown([*head, "measured / with guides"], rows)
 
 
 def _shown(value: float | None) -> str:
