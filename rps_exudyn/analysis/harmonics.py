@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rps_exudyn.analysis.many import number_of, over_instants
+
 LEAST_PER_PERIOD = 6  # recorded points that a period needs to be resolved
 EVEN_PER_PERIOD = 128  # even angles in a period, at least
 
@@ -38,14 +40,17 @@ def order_spectrum(angle: np.ndarray, values: np.ndarray, highest: int) -> Spect
 def order_amplitude(angle: np.ndarray, values: np.ndarray, order: int) -> float | None:
     """Amplitude of the harmonic `order` times per revolution; None if no whole period was recorded.
 
+    `values` are of shape (..., n).
+
     `order` = number of teeth gives the tooth order, for which a tooth pitch is enough; 1 the first order.
     """
     harmonics = _harmonics(angle, values, 2 * np.pi / order, 1)
-    return None if harmonics is None else float(abs(harmonics[1]))
+    return None if harmonics is None else number_of(abs(harmonics[1]))
 
 
 def _harmonics(angle: np.ndarray, values: np.ndarray, period: float, highest: int) -> np.ndarray | None:
-    """Complex c_k with values ~ Re sum c_k exp(2 pi i k angle / period), k = 0 .. highest."""
+    """Complex c_k with values ~ Re sum c_k exp(2 pi i k angle / period), k = 0 .. highest; (highest + 1, ...)
+    of values (..., n)."""
     whole = int(abs(angle[-1] - angle[0]) / period * (1 + 1e-9)) if len(angle) > 1 else 0
     if whole == 0:
         return None
@@ -54,7 +59,9 @@ def _harmonics(angle: np.ndarray, values: np.ndarray, period: float, highest: in
     sense = np.sign(angle[-1] - angle[0])
     even = angle[0] + sense * period / per_period * np.arange(per_period * whole)
     rising = slice(None) if sense > 0 else slice(None, None, -1)
-    mean_period = np.interp(even, angle[rising], values[rising]).reshape(whole, per_period).mean(axis=0)
+    at_even = over_instants(even, angle[rising], values[..., rising])
+    mean_period = at_even.reshape(*values.shape[:-1], whole, per_period).mean(axis=-2)
     k = np.arange(highest + 1)
     turned = np.exp(-2j * np.pi / period * np.outer(k, even[:per_period]))
-    return np.where(k == 0, 1, 2) * (turned @ mean_period) / per_period
+    found = np.where(k == 0, 1, 2) * (mean_period @ turned.T) / per_period
+    return np.asarray(np.moveaxis(found, -1, 0))

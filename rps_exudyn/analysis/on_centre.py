@@ -6,6 +6,7 @@ Each direction of turning is a curve of its own.
 
 import numpy as np
 
+from rps_exudyn.analysis.many import number_of, spread
 from rps_exudyn.analysis.passes import Pass, Signals, passes
 from rps_exudyn.analysis.torque import mean
 
@@ -28,16 +29,21 @@ def describe_on_centre(signals: Signals, teeth: int, window: float = WINDOW) -> 
         for low, high in ((-np.inf, -window), (window, np.inf))
         for part in parts(each, low, high, least=pitch)
     ]
-    figures = {}
+    figures: dict[str, float] = {}
     if on:
-        figures["torque_on_centre"] = float(np.mean([mean(*part) for part in on]))
-        figures["torque_on_centre_max"] = max(float(torque.max()) for _, torque in on)
-        figures["torque_on_centre_variation"] = max(float(np.ptp(torque)) for _, torque in on)
+        figures |= {f"torque_on_centre{name}": value for name, value in _figures(on).items()}
     if off:
-        figures["torque_off_centre"] = float(np.mean([mean(*part) for part in off]))
-        figures["torque_off_centre_max"] = max(float(torque.max()) for _, torque in off)
-        figures["torque_off_centre_variation"] = max(float(np.ptp(torque)) for _, torque in off)
+        figures |= {f"torque_off_centre{name}": value for name, value in _figures(off).items()}
     return figures
+
+
+def _figures(pieces: list[tuple[np.ndarray, np.ndarray]]) -> dict[str, float]:
+    """Mean, largest value and variation of pieces of curves, by the ends of their names."""
+    return {
+        "": number_of(np.mean([mean(*piece) for piece in pieces], axis=0)),
+        "_max": number_of(np.max([torque.max(axis=-1) for _, torque in pieces], axis=0)),
+        "_variation": number_of(np.max([spread(torque) for _, torque in pieces], axis=0)),
+    }
 
 
 def parts(turned: Pass, low: float, high: float, least: float) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -46,4 +52,4 @@ def parts(turned: Pass, low: float, high: float, least: float) -> list[tuple[np.
     angle = turned.angle[inside]
     if angle.size < 2 or np.ptp(angle) < least:
         return []
-    return [(angle, turned.direction * turned.signals["pinion_torque"][inside])]
+    return [(angle, turned.direction * turned.signals["pinion_torque"][..., inside])]

@@ -19,7 +19,7 @@ LEAST_JUMP = 0.3  # of the range, that one step back goes where another pass in 
 
 @dataclass(frozen=True, eq=False)
 class Pass:
-    """The signals recorded while the pinion turned one way, each of shape (n,)."""
+    """The signals recorded while the pinion turned one way, each of shape (n,) or, of many gears, (..., n)."""
 
     direction: int  # +1 moves the rack along +X
     signals: dict[str, np.ndarray]  # in the order of time; the pinion angle strictly monotone
@@ -154,7 +154,9 @@ def _pass(signals: Signals, first: int, last: int) -> Pass:
     angle = signals["pinion_angle"][first : last + 1]
     direction = 1 if angle[-1] > angle[0] else -1
     if (direction * np.diff(angle) > 0).all():
-        return Pass(direction, {name: values[first : last + 1] for name, values in signals.items()})
+        return Pass(direction, {name: values[..., first : last + 1] for name, values in signals.items()})
     farthest = np.maximum.accumulate(direction * angle)
     ahead = np.append(True, direction * angle[1:] > farthest[:-1])
-    return Pass(direction, {name: values[first : last + 1][ahead] for name, values in signals.items()})
+    return Pass(
+        direction, {name: values[..., first : last + 1][..., ahead] for name, values in signals.items()}
+    )

@@ -3,15 +3,16 @@
 import numpy as np
 
 from rps_exudyn.analysis.harmonics import order_amplitude
+from rps_exudyn.analysis.many import largest, number_of, spread
 from rps_exudyn.analysis.passes import Signals, passes
 
 RANGES = {"rack_lift_range": "rack_y", "rack_roll_range": "rack_roll", "rack_yaw_range": "rack_yaw"}
 
 
 def transmission_error(signals: Signals, gain: float) -> np.ndarray:
-    """Rack displacement minus `gain` [m/rad] times pinion angle, from its mean, shape (n,) [m]."""
+    """Rack displacement minus `gain` [m/rad] times pinion angle, from its mean, shape (..., n) [m]."""
     error = signals["rack_displacement"] - gain * signals["pinion_angle"]
-    return np.asarray(error - error.mean() if error.size else error)
+    return np.asarray(error - error.mean(axis=-1, keepdims=True) if error.size else error)
 
 
 def describe_rack(signals: Signals, gain: float) -> dict[str, float]:
@@ -20,10 +21,10 @@ def describe_rack(signals: Signals, gain: float) -> dict[str, float]:
     The transmission error is the larger of those in the two directions: the difference between directions is
     lost motion, see `hysteresis`.
     """
-    figures = {name: float(np.ptp(signals[signal])) for name, signal in RANGES.items() if signal in signals}
+    figures = {name: spread(signals[signal]) for name, signal in RANGES.items() if signal in signals}
     if "seat_force" in signals:
-        figures["yoke_force_min"] = float(signals["seat_force"].min())
-        figures["yoke_force_max"] = float(signals["seat_force"].max())
+        figures["yoke_force_min"] = number_of(signals["seat_force"].min(axis=-1))
+        figures["yoke_force_max"] = number_of(signals["seat_force"].max(axis=-1))
     return _transmission(signals, gain) | figures
 
 
@@ -31,8 +32,8 @@ def _transmission(signals: Signals, gain: float) -> dict[str, float]:
     each_way = [(turned.angle, transmission_error(turned.signals, gain)) for turned in passes(signals)]
     if not each_way:
         return {}
-    figures = {"transmission_error_peak_to_peak": max(float(np.ptp(error)) for _, error in each_way)}
+    figures = {"transmission_error_peak_to_peak": largest([spread(error) for _, error in each_way])}
     first = [order_amplitude(angle, error, 1) for angle, error in each_way]
     if known := [amplitude for amplitude in first if amplitude is not None]:
-        figures["transmission_error_first_order"] = max(known)
+        figures["transmission_error_first_order"] = largest(known)
     return figures

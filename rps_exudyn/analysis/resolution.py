@@ -14,20 +14,20 @@ UNRESOLVED = 0.03  # of the mean; below that the ripples of random gears are rig
 def missed(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Distance of each value from the cubic through its four neighbours; 0 at the two ends each way.
 
-    All of shape (n,), x strictly monotone.
+    x of shape (n,), strictly monotone, y of shape (..., n).
     """
-    distance = np.zeros(len(x))
+    distance = np.zeros(y.shape)
     at = x[2:-2]
     nodes = [x[:-4], x[1:-3], x[3:-1], x[4:]]
-    values = [y[:-4], y[1:-3], y[3:-1], y[4:]]
-    cubic = np.zeros(len(at))
+    values = [y[..., :-4], y[..., 1:-3], y[..., 3:-1], y[..., 4:]]
+    cubic = np.zeros(y[..., 2:-2].shape)
     for i, value in enumerate(values):
         weight = np.ones(len(at))
         for j, node in enumerate(nodes):
             if j != i:
                 weight *= (at - node) / (nodes[i] - node)
         cubic += weight * value
-    distance[2:-2] = np.abs(y[2:-2] - cubic)
+    distance[..., 2:-2] = np.abs(y[..., 2:-2] - cubic)
     return distance
 
 

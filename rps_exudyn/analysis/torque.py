@@ -6,23 +6,24 @@ A record in both directions is first divided into `passes`.
 import numpy as np
 
 from rps_exudyn.analysis.harmonics import LEAST_PER_PERIOD, order_amplitude
+from rps_exudyn.analysis.many import number_of, spread
 
 
 def mean(angle: np.ndarray, values: np.ndarray) -> float:
-    """Mean of values over the angle by the trapezoidal rule; both of shape (n,)."""
+    """Mean of values (..., n) over the angle (n,) by the trapezoidal rule."""
     if angle[-1] == angle[0]:
-        return float(values[0])
-    return float(np.trapezoid(values, angle) / (angle[-1] - angle[0]))
+        return number_of(values[..., 0])
+    return number_of(np.trapezoid(values, angle) / (angle[-1] - angle[0]))
 
 
 def describe_torque(angle: np.ndarray, torque: np.ndarray, teeth: int) -> dict[str, float]:
-    """The summary's torque figures from angle [rad] and torque [N m], shape (n,) both.
+    """The summary's torque figures from angle [rad], shape (n,), and torque [N m], shape (..., n).
 
     Ripple and orders are left out where the record is too short or too coarse for them.
     """
     figures: dict[str, float | None] = {"torque_mean": mean(angle, torque)}
     if np.abs(np.diff(angle)).max() <= 2 * np.pi / teeth / LEAST_PER_PERIOD * (1 + 1e-9):
-        figures["torque_peak_to_peak"] = float(np.ptp(torque))
+        figures["torque_peak_to_peak"] = spread(torque)
         figures["torque_tooth_order"] = order_amplitude(angle, torque, teeth)
     figures["torque_first_order"] = order_amplitude(angle, torque, 1)
     return {name: value for name, value in figures.items() if value is not None}

@@ -5,6 +5,7 @@ from collections.abc import Collection
 import numpy as np
 
 from rps_exudyn.analysis.direction import describe_directions
+from rps_exudyn.analysis.many import number_of
 from rps_exudyn.analysis.on_centre import describe_on_centre
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.rack_motion import describe_rack
@@ -45,7 +46,7 @@ def figures_of_motion(signals: Signals, gear: SteeringGear) -> dict[str, float]:
 def gain(signals: Signals) -> float:
     """Return the displacement of the rack per revolution of the pinion over a record in one direction [m]."""
     angle, place = signals["pinion_angle"], signals["rack_displacement"]
-    return float((place[-1] - place[0]) / (angle[-1] - angle[0]) * 2 * np.pi)
+    return number_of((place[..., -1] - place[..., 0]) / (angle[-1] - angle[0]) * 2 * np.pi)  # type: ignore[no-any-return]
 
 
 def balance(signals: Signals) -> dict[str, float]:

@@ -9,7 +9,7 @@ Every row ends as a single run of that gear would: same equations, statuses, mes
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -20,27 +20,46 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.simulate.looped import Looped, looped, why_not
 from rps_exudyn.simulate.run import simulate
 
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """What became of n gears, in the order of the table's rows. All values are SI."""
+    """What became of n gears, in the order of the table's rows. All values are SI.
 
-    results: tuple[Result, ...]
+    Attributes:
+        results: of the rows that were simulated one by one; None where the loop over many gears found them.
+        found: what the loop found; None if it was not asked for, or could not begin.
+        alone: why rows were simulated one by one, where the loop was asked for: "" if none was for another
+            reason than its own outcome.
+    """
+
+    results: tuple[Result | None, ...]
+    found: Looped | None = None
+    alone: str = ""
 
     def __len__(self) -> int:
         return len(self.results)
 
     @property
+    def in_loop(self) -> np.ndarray:
+        """Which rows are the loop's, shape (n,); they know the torque alone, see `batch`."""
+        return np.array([result is None for result in self.results], dtype=bool)
+
+    @property
     def statuses(self) -> tuple[Status, ...]:
         """How each gear ended."""
-        return tuple(result.status for result in self.results)
+        return tuple(Status.OK if result is None else result.status for result in self.results)
 
     @property
     def messages(self) -> tuple[str, ...]:
         """Cause of each failure, or remarks on a gear that ended ok."""
-        return tuple(result.message for result in self.results)
+        of_loop = [""] * len(self) if self.found is None else self.found.messages
+        return tuple(
+            said if result is None else result.message
+            for result, said in zip(self.results, of_loop, strict=True)
+        )
 
     @property
     def ok(self) -> np.ndarray:
@@ -49,17 +68,25 @@ class Batch:
 
     @property
     def summary(self) -> dict[str, np.ndarray]:
-        """Figures by the names of `quantities`, shape (n,) each; nan where a gear has none."""
-        names = dict.fromkeys(name for result in self.results for name in result.summary)
-        return {
-            name: np.array([result.summary.get(name, np.nan) for result in self.results]) for name in names
-        }
+        """Figures by the names of `quantities`, shape (n,) each; nan where a gear has none.
+
+        Where the loop found gears, these are the figures that it knows.
+        """
+        known = {} if self.found is None else self.found.summary
+        names = dict.fromkeys(name for result in self.results if result for name in result.summary)
+        columns = {}
+        for name in known or names:
+            column = np.array(
+                [np.nan if result is None else result.summary.get(name, np.nan) for result in self.results]
+            )
+            columns[name] = np.where(self.in_loop, known[name], column) if name in known else column
+        return columns
 
     def curves(self, name: str, angle: np.ndarray, direction: int = +1) -> np.ndarray:
         """Return a signal over pinion angles.
 
         Args:
-            name: of the signal, by `quantities`.
+            name: of the signal, by `quantities`; of gears in the loop the pinion torque.
             angle: rising pinion angles [rad], shape (m,).
             direction: sense in which the pinion turns, +1 moves the rack along +X.
 
@@ -68,12 +95,25 @@ class Batch:
             that did not end ok.
         """
         found = np.full((len(self.results), len(angle)), np.nan)
-        for row, result in zip(found, self.results, strict=True):
+        for i, (row, result) in enumerate(zip(found, self.results, strict=True)):
+            if result is None:
+                row[:] = self._of_loop(i, name, angle, direction)
+                continue
             turned = longest_pass(result.signals, direction) if result.status is Status.OK else None
             if turned is not None and name in turned.signals:
                 inside = (angle >= turned.angle.min()) & (angle <= turned.angle.max())
                 row[inside] = turned.over(angle[inside], name)
         return found
+
+    def _of_loop(self, i: int, name: str, angle: np.ndarray, direction: int) -> np.ndarray:
+        """The pinion torque of a gear in the loop at rising angles [rad]; nan where it is not known."""
+        row = np.full(len(angle), np.nan)
+        assert self.found is not None
+        turned = self.found.angle[::direction]
+        if name == "pinion_torque" and turned[-1] > turned[0]:
+            inside = (angle >= turned[0]) & (angle <= turned[-1])
+            row[inside] = np.interp(angle[inside], turned, self.found.torque[i, ::direction])
+        return row
 
 
 def batch(
@@ -82,25 +122,55 @@ def batch(
     values: Mapping[str, Sequence[Any] | np.ndarray],
     *,
     fidelity: str | Fidelity = "quasi-static",
+    keep: Literal["signals", "torque"] = "signals",
 ) -> Batch:
     """Simulate gears that differ from one in the parameters of a table.
 
     Each row is simulated on its own; a gear that cannot exist is a row with the status `invalid`, and its
     message says why.
 
+    Where only the torque is to be kept, one compiled loop finds most gears of a free pinion torque, some ten
+    times as fast: means within 1e-4 and peaks to peaks within about 1 % of single runs in steps of 1 degree.
+    It keeps no other signals, and of the figures not those that need no run (`torque_closed_form`) or tell
+    of the solution (`energy_residual`). What it does not know or does not find well within the bounds of all
+    checks is simulated one by one; `Batch.in_loop` and `Batch.alone` say so. Tables of few gears are not
+    worth a loop.
+
     Args:
         scene: one of `scenes.SCENE_NAMES`.
         gear: what all have in common.
         values: path of a parameter -> its n values, SI or text with a unit.
         fidelity: name of a preset, or a `Fidelity`.
+        keep: "signals", all of them; or "torque", the torque's curve and figures.
 
     Raises:
-        InputError: no such scene, fidelity or parameter, or columns of different length.
+        InputError: no such scene, fidelity or parameter, columns of different length, or nothing of that name
+            to keep.
     """
     scene_named(scene)
+    if keep not in ("signals", "torque"):
+        raise InputError(f"keep is {keep!r}; it must be signals or torque.")
     chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity)
     rows = rows_of(values)
-    return Batch(tuple(_row(scene, gear, row, chosen) for row in rows))
+    found, alone = (None, "") if keep == "signals" else _in_loop(scene, gear, values, chosen)
+    return Batch(
+        tuple(
+            None if found is not None and found.ended[i] else _row(scene, gear, row, chosen)
+            for i, row in enumerate(rows)
+        ),
+        found,
+        alone,
+    )
+
+
+def _in_loop(
+    scene: str, gear: SteeringGear, values: Mapping[str, Any], fidelity: Fidelity
+) -> tuple[Looped | None, str]:
+    """What the loop finds, and why it is not asked."""
+    if reason := why_not(scene, gear, fidelity, values):
+        return None, reason
+    found = looped(gear, fidelity, {path: np.asarray(each, dtype=float) for path, each in values.items()})
+    return found, "" if found else "the table has too few gears for a loop, or its middle gear is not found"
 
 
 def rows_of(values: Mapping[str, Sequence[Any] | np.ndarray]) -> list[dict[str, Any]]:

@@ -70,6 +70,7 @@ class GearForces:
     locked: tuple[int, ...]  # coordinates of the stack that are held at zero
     bar: BentBar | None  # of the rack, where it bends or is not straight
     approach: float  # of the rack under the preload at rest [m]
+    ideal: ForceElement  # the mesh without friction and runout, by which the yoke is adjusted
     memory: Memory = field(default_factory=Memory)  # of friction that remembers
 
     @property
@@ -117,10 +118,14 @@ class GearForces:
             return flexible_tangent(self.mesh.kernel, self.seat.kernel)
         return gear_tangent(self.dynamics[0])
 
-    def _data(self, fit: ForceElement) -> Handle:
+    def packed(self, fit: ForceElement) -> GearData:
+        """Return the constants of all force laws, with the rack in a fit."""
         parts = {name: getattr(self, name) for name in GearData._fields if name != "memory"} | {"fit": fit}
         data = {name: part.data if part else NOTHING[name] for name, part in parts.items()}
-        gear = GearData(**data, memory=self.memory.array)
+        return GearData(**data, memory=self.memory.array)
+
+    def _data(self, fit: ForceElement) -> Handle:
+        gear = self.packed(fit)
         return Handle(gear if self.bar is None else FlexibleData(gear, self.bar.data))
 
 
@@ -173,6 +178,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         locked=(*(GUIDED if fidelity.rack == "guided" else ()), *(() if with_plunger else (PLUNGER,))),
         bar=bent_bar(gear, fidelity, places),
         approach=approach,
+        ideal=ideal,
         memory=memory,
     )
 

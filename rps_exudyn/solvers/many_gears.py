@@ -1,0 +1,226 @@
+"""Equilibria of many gears of one design: a reference gear, how its motion responds, and the compiled loop.
+
+A few gears are followed at close angles: the reference, and two for each parameter that varies. What they do
+is known of all others to first order; the loop finds the rest of their motion at angles further apart. That
+rest is smooth, so that a spline carries it to the angles between.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.mesh_contact.flank_element import flank_force_and_tangent
+from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
+from rps_exudyn.solvers.gear_forces import GearForces
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
+from rps_exudyn.solvers.gear_loop import FOUND, KEPT, gear_loop
+from rps_exudyn.solvers.gear_numbers import COLUMN, PRELOAD, REST_GAP
+from rps_exudyn.solvers.newton_approach import newton_approach
+
+COARSE, FINE = 5.0, 0.05  # residual [N] from which a last step is not evaluated: of all gears, of the known
+RACK = COORDINATE_BLOCKS["rack"].start
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Gears as rows of numbers, see `gear_numbers`."""
+
+    numbers: np.ndarray  # (n, COUNT)
+    references: np.ndarray  # (n or 1, 3)
+    points: np.ndarray  # (n or 1, ., 4)
+    stiffnesses: np.ndarray  # (n or 1, 4, 4)
+    seat_stiffness: np.ndarray  # (n,) [N/m]
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    def of(self, rows: np.ndarray) -> "Rows":
+        """Return some of the gears."""
+        arrays = (self.references, self.points, self.stiffnesses)
+        chosen = (each if len(each) == 1 else each[rows] for each in arrays)
+        return Rows(self.numbers[rows], *chosen, self.seat_stiffness[rows])
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What became of the gears: the columns of `gear_loop` at each angle."""
+
+    out: np.ndarray  # (n, angles, KEPT)
+    ended: np.ndarray  # (n,)
+    counts: np.ndarray  # (n, 2) evaluations of the forces, instants
+    adjusted: np.ndarray  # (n,) place of the rack under the preload, along Y [m]
+
+    @property
+    def found(self) -> np.ndarray:
+        """Which gears were found at all angles, shape (n,)."""
+        return np.asarray(self.ended == FOUND)
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """One compiled loop over gears that share laws, drive and angles."""
+
+    forces: GearForces  # of the reference gear
+    pair: GearPair
+    speed: float  # of the pinion, with its sense [rad/s]
+    place: tuple[float, float] = field(init=False)  # of the reference rack under its preload [m]
+
+    def __post_init__(self) -> None:
+        data = self.forces.ideal.data
+        x, y, _ = newton_approach(flank_force_and_tangent)(
+            self.forces.spring.data.preload, 0.0, self.pair.axis_offset - self.forces.approach, data
+        )
+        object.__setattr__(self, "place", (float(x), float(y)))
+
+    def follow(
+        self,
+        rows: Rows,
+        angles: np.ndarray,
+        per_pitch: int,
+        known: "Known",
+        features: np.ndarray,
+        accepted: float,
+    ) -> Found:
+        """Follow gears over even angles (k,) [rad]; `features` (n, f) are what the known motion responds to."""
+        balance, n = self.forces.statics, len(rows)
+        numbers = rows.numbers.copy()
+        numbers[:, REST_GAP] = rows.seat_stiffness
+        out = np.zeros((n, len(angles), KEPT))
+        ended, counts = np.zeros(n, dtype=np.int64), np.zeros((n, 2), dtype=np.int64)
+        x, y = self.place
+        gear_loop(self.forces.mesh.tangent, self.forces.seat.kernel)(
+            balance.data,
+            numbers,
+            rows.references,
+            rows.points,
+            rows.stiffnesses,
+            0,
+            balance.free(0),
+            CHARACTERISTIC_LENGTHS,
+            float(np.cos(self.pair.beta_p) / np.cos(self.pair.beta_r)),
+            angles,
+            np.full(n, self.speed),
+            per_pitch,
+            *known.at(angles),
+            np.ascontiguousarray(features),
+            np.array([x, y - self.pair.axis_offset, y]),
+            accepted,
+            out,
+            ended,
+            counts,
+        )
+        adjusted = numbers[:, PRELOAD] / rows.seat_stiffness - numbers[:, REST_GAP]
+        return Found(out, ended, counts, adjusted)
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """A reference gear's coordinates at the mesh beside gain and runout, and how they respond, over angles."""
+
+    motion: CubicSpline  # -> (8,)
+    response: CubicSpline | None = None  # -> (f, 8) per feature
+
+    def at(self, angles: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Return motion, its derivative by the angle, response and its derivative, (k, 8) and (k, f, 8)."""
+        found = [np.ascontiguousarray(self.motion(angles, order)) for order in (0, 1)]
+        if self.response is None:
+            return *found, *[np.zeros((len(angles), 0, 8))] * 2
+        return *found, *(np.ascontiguousarray(self.response(angles, order)) for order in (0, 1))
+
+
+def motion_at_mesh(
+    angles: np.ndarray, coordinates: np.ndarray, rows: Rows, pair: GearPair, shift: np.ndarray
+) -> np.ndarray:
+    """Return coordinates (n, k, 8) as places at the mesh, beside gain, runout and a shift (n,) along Y [m]."""
+    at = coordinates.copy()
+    x, yaw, pitch = (coordinates[..., i] for i in (RACK, RACK + 4, RACK + 5))
+    at[..., RACK + 1] -= x * pitch
+    at[..., RACK + 2] += x * yaw
+    towards_e, towards_y, gain = (
+        rows.numbers[:, COLUMN["mesh", name], None] for name in ("eccentric_e", "eccentric_y", "gain")
+    )
+    across = towards_y * np.sin(angles) + towards_e * np.cos(angles)
+    lift = towards_y * np.cos(angles) - towards_e * np.sin(angles)
+    at[..., 0] += angles
+    at[..., RACK] -= gain * angles + across * np.cos(pair.beta_p) / np.cos(pair.beta_r)
+    at[..., RACK + 1] -= lift + shift[:, None]
+    at[..., RACK + 6] -= lift
+    return at
+
+
+@dataclass(frozen=True, eq=False)
+class Between:
+    """What is known of gears over a record, from what the loop found at its own angles.
+
+    Columns are those of the loop; each is a gear's known part and the spline of the rest.
+    """
+
+    at_nodes: np.ndarray  # (nodes, KEPT) columns of the reference gear at the loop's angles
+    response_at_nodes: np.ndarray  # (nodes, f, KEPT)
+    at_record: np.ndarray  # (m, KEPT) at the record's angles
+    response_at_record: np.ndarray  # (m, f, KEPT)
+    weights: np.ndarray  # (nodes, m) of the spline from one to the other
+
+    @classmethod
+    def of(
+        cls, columns: CubicSpline, response: CubicSpline, nodes: np.ndarray, record: np.ndarray
+    ) -> "Between":
+        """From columns of the reference gear and their response over the angle; nodes (k,), record (m,)."""
+        order = np.argsort(nodes)
+        weights = np.empty((len(nodes), len(record)))
+        weights[order] = CubicSpline(nodes[order], np.eye(len(nodes)))(record).T
+        return cls(columns(nodes), response(nodes), columns(record), response(record), weights)
+
+    def over_record(self, out: np.ndarray, features: np.ndarray, which: Sequence[int]) -> np.ndarray:
+        """Return columns of the loop's `out` (n, nodes, KEPT) over the record, shape (columns, n, m)."""
+        found = np.empty((len(which), len(out), self.weights.shape[1]))
+        for row, column in zip(found, which, strict=True):
+            np.matmul(self.rest(out, features, column), self.weights, out=row)
+            row += self.at_record[:, column] + features @ self.response_at_record[:, :, column].T
+        return found
+
+    def weighed(
+        self, out: np.ndarray, features: np.ndarray, which: Sequence[int], weights: np.ndarray
+    ) -> np.ndarray:
+        """Return sums of columns over the record with weights (m, s), shape (columns, n, s): integrals, ends."""
+        found, on_nodes = np.empty((len(which), len(out), weights.shape[1])), self.weights @ weights
+        for row, column in zip(found, which, strict=True):
+            row[:] = self.at_record[:, column] @ weights + self.rest(out, features, column) @ on_nodes
+            row += features @ (self.response_at_record[:, :, column].T @ weights)
+        return found
+
+    def rest(self, out: np.ndarray, features: np.ndarray, column: int) -> np.ndarray:
+        """What is not known before the loop, (n, nodes)."""
+        known = self.at_nodes[:, column] + features @ self.response_at_nodes[:, :, column].T
+        return np.asarray(out[:, :, column] - known)
+
+
+def rising(angles: np.ndarray, values: np.ndarray) -> CubicSpline:
+    """Return the spline of values (k, ...) over angles (k,) that rise or fall."""
+    order = slice(None) if angles[-1] > angles[0] else slice(None, None, -1)
+    return CubicSpline(angles[order], values[order])
+
+
+def learned(
+    loop: Loop, rows: Rows, steps: np.ndarray, angles: np.ndarray, per_pitch: int, known: Known
+) -> tuple[Known, CubicSpline, CubicSpline] | None:
+    """Follow the reference gear and two for each feature, `steps` (f,) above and below it.
+
+    `rows` are these gears in this order; returns what is known then, and the reference gear's columns and
+    their response over the angle; None if one of them was not found.
+    """
+    found = loop.follow(rows, angles, per_pitch, known, np.zeros((len(rows), 0)), FINE)
+    if not found.found.all():
+        return None
+    shift = found.adjusted - loop.place[1]
+    motion = motion_at_mesh(angles, found.out[..., :8], rows, loop.pair, shift)
+
+    def slope(values: np.ndarray) -> np.ndarray:
+        difference = (values[1::2] - values[2::2]) / (2 * steps[:, None, None])
+        return np.moveaxis(difference, 0, 1)
+
+    responding = Known(rising(angles, motion[0]), rising(angles, slope(motion)))
+    return responding, rising(angles, found.out[0]), rising(angles, slope(found.out))
