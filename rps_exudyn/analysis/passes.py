@@ -19,7 +19,7 @@ LEAST_JUMP = 0.3  # of the range, that one step back goes where another pass in 
 
 @dataclass(frozen=True, eq=False)
 class Pass:
-    """The signals recorded while the pinion turned one way, each of shape (n,) or, of many gears, (..., n)."""
+    """The signals recorded while the pinion turned one way, each of shape (n,), of many gears (..., n)."""
 
     direction: int  # +1 moves the rack along +X
     signals: dict[str, np.ndarray]  # in the order of time; the pinion angle strictly monotone
@@ -157,6 +157,5 @@ def _pass(signals: Signals, first: int, last: int) -> Pass:
         return Pass(direction, {name: values[..., first : last + 1] for name, values in signals.items()})
     farthest = np.maximum.accumulate(direction * angle)
     ahead = np.append(True, direction * angle[1:] > farthest[:-1])
-    return Pass(
-        direction, {name: values[..., first : last + 1][..., ahead] for name, values in signals.items()}
-    )
+    kept = first + np.flatnonzero(ahead)
+    return Pass(direction, {name: values[..., kept] for name, values in signals.items()})

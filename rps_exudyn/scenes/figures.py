@@ -46,7 +46,7 @@ def figures_of_motion(signals: Signals, gear: SteeringGear) -> dict[str, float]:
 def gain(signals: Signals) -> float:
     """Return the displacement of the rack per revolution of the pinion over a record in one direction [m]."""
     angle, place = signals["pinion_angle"], signals["rack_displacement"]
-    return number_of((place[..., -1] - place[..., 0]) / (angle[-1] - angle[0]) * 2 * np.pi)  # type: ignore[no-any-return]
+    return number_of((place[..., -1] - place[..., 0]) / (angle[-1] - angle[0]) * 2 * np.pi)
 
 
 def balance(signals: Signals) -> dict[str, float]:

@@ -25,7 +25,6 @@ from rps_exudyn.checks.after_run import (
 from rps_exudyn.checks.before_run import refused
 from rps_exudyn.checks.needs_finer import MEAN, PEAK, ROLLING
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.report import check_gear
 from rps_exudyn.mesh_contact.steel import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -51,7 +50,7 @@ from rps_exudyn.solvers.record import axis_at_pitch_point
 from rps_exudyn.solvers.settled_start import settled_path
 
 SCENE = "free-pinion-torque"
-SPACING = np.deg2rad(3.0)  # of the loop's angles, at most
+SPACING = np.deg2rad(2.0)  # of the loop's angles, at most
 LEAD = 2  # of its instants before the record
 PER_INSTANT, PER_SPACING = 3, 4  # instants of known gears, and of the reference gear, in one of the loop's
 FEWEST = 4  # gears for each that is followed to learn from: with fewer single runs are quicker
@@ -59,6 +58,7 @@ STEADY = 2e-3  # of torque and travel: what drifts more over a period is left to
 TOGETHER = 256  # gears whose signals are held at once
 SAFE = 0.8  # of a bound, from which on a single run judges
 
+SINGLE_OUT = (RUNOUT, "pinion.pitch_error")  # a tooth or a direction: the curve repeats with the turn
 TABLES = ("basic_rack", "pinion", "rack", "installation", "yoke", "bush", "bearing", "mesh")
 NOT_NUMBERS = ("rack.bow", "rack.side_force", "rack.side_angle", "installation.gravity")
 
@@ -116,7 +116,7 @@ def _rows(
     gear: SteeringGear, fidelity: Fidelity, table: Mapping[str, np.ndarray]
 ) -> tuple[np.ndarray, Rows | None, SteeringGear]:
     """Which gears can exist, their rows, and the reference gear."""
-    valid = np.arange(len(next(iter(table.values()))))
+    valid: np.ndarray = np.arange(len(next(iter(table.values()))))
     for attempt in range(2):
         part = {path: np.asarray(values, dtype=float)[valid] for path, values in table.items()}
         try:
@@ -127,7 +127,9 @@ def _rows(
         except InputError:
             if attempt:
                 break
-            valid = np.array([row for row in valid if _can_exist(gear, table, row)], dtype=int)
+            valid = np.array(
+                [row for row in valid.tolist() if _can_exist(gear, fidelity, table, row)], dtype=np.intp
+            )
             if not valid.size:
                 break
     return valid, None, gear
@@ -137,9 +139,9 @@ def _fixed_runout(table: Mapping[str, Any]) -> bool:
     return RUNOUT_ANGLE in table and RUNOUT not in table
 
 
-def _can_exist(gear: SteeringGear, table: Mapping[str, np.ndarray], row: int) -> bool:
+def _can_exist(gear: SteeringGear, fidelity: Fidelity, table: Mapping[str, np.ndarray], row: int) -> bool:
     try:
-        check_gear(gear.replace({path: float(values[row]) for path, values in table.items()}))
+        packed_rows([gear.replace({path: float(values[row]) for path, values in table.items()})], fidelity)
     except InputError:
         return False
     return True
@@ -164,9 +166,7 @@ class _Design:
     @classmethod
     def of(cls, gear: SteeringGear, fidelity: Fidelity, table: Mapping[str, np.ndarray]) -> "_Design | None":
         """Follow the reference gear, and those from which the others' motion is learned."""
-        alike = not any(
-            np.any(table.get(path, gear.value_at(path))) for path in (RUNOUT, "pinion.pitch_error")
-        )
+        alike = not any(np.any(table.get(path, gear.value_at(path))) for path in SINGLE_OUT)
         of_record = gear if alike else gear.replace({RUNOUT: 1e-6})
         whole = maneuvers_of_test(of_record, "pinion", fidelity.step_angle)[0]
         maneuver = whole.one_period()
@@ -320,7 +320,7 @@ class _Part:
             **_shares(works),
         }
         messages = _remarks(design, rows, found, kept)
-        blank = {name: np.where(kept, values, np.nan) for name, values in summary.items()}
+        blank = {name: np.where(kept, np.asarray(values), np.nan) for name, values in summary.items()}
         return cls(kept, blank, messages, np.where(kept[:, None], whole["pinion_torque"], np.nan))
 
 
@@ -415,7 +415,7 @@ def _surely_ok(
         late < SAFE * min(ROLLING, LAG_BOUND),
         hidden < np.maximum(SAFE * MEAN * np.abs(work), least),
         missed(angle, torque).max(axis=-1) < SAFE * PEAK * size,
-        drift < STEADY,
+        (drift < STEADY) | (not design.maneuver.closes),
         np.abs(works["edges"]) < np.maximum(edges, least),
     )
     return np.asarray(np.logical_and.reduce(checks))

@@ -123,12 +123,15 @@ def keep(q, force, mesh, seat, bush, row):  # type: ignore[no-untyped-def]
 @cache
 def gear_loop(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
     """Compile follow(handle, rows, references, points, stiffnesses, driven, free, lengths, swing, angles,
-    speeds, per_pitch, known, known_rates, adjusted, accepted, out, ended, counts) for laws of forces.
+    speeds, per_pitch, known, known_rates, response, response_rates, features, adjusted, accepted, out, ended,
+    counts) for laws of forces.
 
     For gear g with the numbers `rows[g]`, see `gear_numbers`: `known` (k, 8) are a reference gear's
-    coordinates at the mesh beside gain and runout, `known_rates` their derivatives by the angle, `adjusted`
-    the place (x, y) of its rack under the preload less the axis offset. Fills `out[g]` (k, `KEPT`), `ended[g]` and `counts[g]`
-    (evaluations, instants found), and the row's rest gap, which is that of the adjusted yoke.
+    coordinates at the mesh beside gain and runout, `known_rates` their derivatives by the angle, `response`
+    and `response_rates` (k, f, 8) what both change by per feature of the gear, `features[g]` (f,). `adjusted`
+    is the place (x, y) of the reference rack under its preload, y less its axis offset, and y itself.
+    Fills `out[g]` (k, `KEPT`), `ended[g]`, `counts[g]` (evaluations, instants found), and the row's rest gap,
+    which stands for the seat's stiffness before.
     A step that begins at a residual up to `accepted` [N] is not evaluated.
     """
     approach_of = newton_approach(flank_force_and_tangent)
@@ -184,9 +187,9 @@ def gear_loop(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
             ideal[9] = ideal[10] = ideal[29] = 0.0  # no runout, no friction
             reference = references[min(g, references.shape[0] - 1)]
             without = flank_of(ideal, reference, data.mesh)
-            x, y, rest = approach_of(row[PRELOAD], adjusted[0], adjusted[1] + row[18], without)
+            _, y, rest = approach_of(row[PRELOAD], adjusted[0], adjusted[1] + row[18], without)
             if not rest <= CLOSE:
-                x, y, rest = approach_of(row[PRELOAD], 0.0, row[18] - TYPICAL_APPROACH, without)
+                _, y, rest = approach_of(row[PRELOAD], 0.0, row[18] - TYPICAL_APPROACH, without)
             if not rest <= CLOSE:
                 ended[g] = NO_REST
                 continue

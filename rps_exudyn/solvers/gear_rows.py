@@ -41,7 +41,8 @@ def packed_rows(gears: list[SteeringGear], fidelity: Fidelity) -> Rows:
         numbers.append(numbers_of(data))
         arrays.append(arrays_of(data))
     seat = np.array([gear.yoke.seat_stiffness for gear in gears])
-    return Rows(np.array(numbers), *(_stacked(each) for each in zip(*arrays, strict=True)), seat)
+    references, points, stiffnesses = (_stacked(each) for each in zip(*arrays, strict=True))
+    return Rows(np.array(numbers), references, points, stiffnesses, seat)
 
 
 def _stacked(arrays: tuple[np.ndarray, ...]) -> np.ndarray:

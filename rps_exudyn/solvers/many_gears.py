@@ -40,8 +40,8 @@ class Rows:
     def of(self, rows: np.ndarray) -> "Rows":
         """Return some of the gears."""
         arrays = (self.references, self.points, self.stiffnesses)
-        chosen = (each if len(each) == 1 else each[rows] for each in arrays)
-        return Rows(self.numbers[rows], *chosen, self.seat_stiffness[rows])
+        reference, points, stiffness = (each if len(each) == 1 else each[rows] for each in arrays)
+        return Rows(self.numbers[rows], reference, points, stiffness, self.seat_stiffness[rows])
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,9 +69,10 @@ class Loop:
     place: tuple[float, float] = field(init=False)  # of the reference rack under its preload [m]
 
     def __post_init__(self) -> None:
-        data = self.forces.ideal.data
+        data, spring = self.forces.ideal.data, self.forces.spring
+        assert spring is not None  # the loop knows gears with a plunger
         x, y, _ = newton_approach(flank_force_and_tangent)(
-            self.forces.spring.data.preload, 0.0, self.pair.axis_offset - self.forces.approach, data
+            spring.data.preload, 0.0, self.pair.axis_offset - self.forces.approach, data
         )
         object.__setattr__(self, "place", (float(x), float(y)))
 
@@ -84,7 +85,7 @@ class Loop:
         features: np.ndarray,
         accepted: float,
     ) -> Found:
-        """Follow gears over even angles (k,) [rad]; `features` (n, f) are what the known motion responds to."""
+        """Follow gears over even angles (k,) [rad]; the known motion responds to `features` (n, f)."""
         balance, n = self.forces.statics, len(rows)
         numbers = rows.numbers.copy()
         numbers[:, REST_GAP] = rows.seat_stiffness
@@ -118,7 +119,7 @@ class Loop:
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """A reference gear's coordinates at the mesh beside gain and runout, and how they respond, over angles."""
+    """A reference gear's coordinates at the mesh beside gain and runout, and their response."""
 
     motion: CubicSpline  # -> (8,)
     response: CubicSpline | None = None  # -> (f, 8) per feature
@@ -134,7 +135,7 @@ class Known:
 def motion_at_mesh(
     angles: np.ndarray, coordinates: np.ndarray, rows: Rows, pair: GearPair, shift: np.ndarray
 ) -> np.ndarray:
-    """Return coordinates (n, k, 8) as places at the mesh, beside gain, runout and a shift (n,) along Y [m]."""
+    """Return coordinates (n, k, 8) at the mesh, beside gain, runout and a shift (n,) along Y [m]."""
     at = coordinates.copy()
     x, yaw, pitch = (coordinates[..., i] for i in (RACK, RACK + 4, RACK + 5))
     at[..., RACK + 1] -= x * pitch
@@ -185,7 +186,7 @@ class Between:
     def weighed(
         self, out: np.ndarray, features: np.ndarray, which: Sequence[int], weights: np.ndarray
     ) -> np.ndarray:
-        """Return sums of columns over the record with weights (m, s), shape (columns, n, s): integrals, ends."""
+        """Return sums of columns over the record with weights (m, s): integrals, ends; (columns, n, s)."""
         found, on_nodes = np.empty((len(which), len(out), weights.shape[1])), self.weights @ weights
         for row, column in zip(found, which, strict=True):
             row[:] = self.at_record[:, column] @ weights + self.rest(out, features, column) @ on_nodes
