@@ -23,6 +23,8 @@ from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.looped import Looped, looped, why_not
 from rps_exudyn.simulate.run import simulate
 
+ROUNDING = 1e-9  # of an angle [rad]
+
 
 @dataclass(frozen=True, eq=False)
 class Batch:
@@ -111,7 +113,7 @@ class Batch:
         assert self.found is not None
         turned = self.found.angle[::direction]
         if name == "pinion_torque" and turned[-1] > turned[0]:
-            inside = (angle >= turned[0]) & (angle <= turned[-1])
+            inside = (angle >= turned[0] - ROUNDING) & (angle <= turned[-1] + ROUNDING)
             row[inside] = np.interp(angle[inside], turned, self.found.torque[i, ::direction])
         return row
 

@@ -24,41 +24,24 @@ from rps_exudyn.checks.after_run import (
 )
 from rps_exudyn.checks.before_run import refused
 from rps_exudyn.checks.needs_finer import MEAN, PEAK, ROLLING
-from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.steel import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import gain
-from rps_exudyn.scenes.maneuver import Maneuver, largest_angle, maneuvers_of_test, steady_maneuver
 from rps_exudyn.scenes.remarks import remarks
-from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.simulate.loop_design import LEAD, Design
 from rps_exudyn.solvers.gear_loop import BUSH, FORCE, MESH, PLUNGER, SEAT
 from rps_exudyn.solvers.gear_numbers import COLUMN
 from rps_exudyn.solvers.gear_rows import RUNOUT, RUNOUT_ANGLE, packed_rows, rows_of_table
-from rps_exudyn.solvers.many_gears import (
-    COARSE,
-    Between,
-    Found,
-    Known,
-    Loop,
-    Rows,
-    learned,
-    motion_at_mesh,
-    rising,
-)
+from rps_exudyn.solvers.many_gears import COARSE, Found, Rows
 from rps_exudyn.solvers.record import axis_at_pitch_point
-from rps_exudyn.solvers.settled_start import settled_path
 
 SCENE = "free-pinion-torque"
-SPACING = np.deg2rad(2.0)  # of the loop's angles, at most
-LEAD = 2  # of its instants before the record
-PER_INSTANT, PER_SPACING = 3, 4  # instants of known gears, and of the reference gear, in one of the loop's
 FEWEST = 4  # gears for each that is followed to learn from: with fewer single runs are quicker
 STEADY = 2e-3  # of torque and travel: what drifts more over a period is left to a single run
 TOGETHER = 256  # gears whose signals are held at once
 SAFE = 0.8  # of a bound, from which on a single run judges
 
-SINGLE_OUT = (RUNOUT, "pinion.pitch_error")  # a tooth or a direction: the curve repeats with the turn
 TABLES = ("basic_rack", "pinion", "rack", "installation", "yoke", "bush", "bearing", "mesh")
 NOT_NUMBERS = ("rack.bow", "rack.side_force", "rack.side_angle", "installation.gravity")
 
@@ -105,10 +88,10 @@ def looped(gear: SteeringGear, fidelity: Fidelity, table: Mapping[str, np.ndarra
     valid, rows, reference = _rows(gear, fidelity, table)
     if rows is None or refused(reference, fidelity, steady=True):
         return None
-    design = _Design.of(reference, fidelity, {path: values[valid] for path, values in table.items()})
+    design = Design.of(reference, fidelity, {path: values[valid] for path, values in table.items()})
     if design is None:
         return None
-    parts = [design.part(rows, begin) for begin in range(0, len(rows), TOGETHER)]
+    parts = [_part(design, rows, begin) for begin in range(0, len(rows), TOGETHER)]
     return _joined(parts, valid, count, design.angle)
 
 
@@ -147,151 +130,12 @@ def _can_exist(gear: SteeringGear, fidelity: Fidelity, table: Mapping[str, np.nd
     return True
 
 
-@dataclass(frozen=True, eq=False)
-class _Design:
-    """What all gears of a table have in common."""
-
-    gear: SteeringGear  # the reference
-    fidelity: Fidelity
-    loop: Loop
-    maneuver: Maneuver  # over one period
-    periods: int
-    nodes: np.ndarray  # angles of the loop [rad]
-    per_pitch: int  # of them in a tooth pitch, 0 if no whole number
-    known: Known
-    between: Between
-    features: np.ndarray  # (n, f)
-    bound: float  # of the mesh's penetration [m]
-
-    @classmethod
-    def of(cls, gear: SteeringGear, fidelity: Fidelity, table: Mapping[str, np.ndarray]) -> "_Design | None":
-        """Follow the reference gear, and those from which the others' motion is learned."""
-        alike = not any(np.any(table.get(path, gear.value_at(path))) for path in SINGLE_OUT)
-        of_record = gear if alike else gear.replace({RUNOUT: 1e-6})
-        whole = maneuvers_of_test(of_record, "pinion", fidelity.step_angle)[0]
-        maneuver = whole.one_period()
-        record = _record(maneuver)
-        nodes, per_pitch = _nodes(gear, maneuver, record)
-        if np.abs(nodes).max() > largest_angle(gear) - 2 * np.pi / gear.pinion.teeth:
-            return None
-        steps, features = _features(gear, table)
-        rows = packed_rows([gear, *_perturbed(gear, steps)], fidelity)
-        forces, pair = gear_forces(gear, fidelity), GearPair.of(gear)
-        loop = Loop(forces, pair, float(gear.test.direction) * gear.test.speed)
-        spacing = (nodes[1] - nodes[0]) / PER_INSTANT
-        before = per_pitch or LEAD
-        fine = nodes[0] + spacing * np.arange(-before * PER_INSTANT, (len(nodes) - 1) * PER_INSTANT + 1)
-        first = _followed(gear, fidelity, loop, rows, fine)
-        if first is None:
-            return None
-        taught = learned(
-            loop, rows, np.array([each for _, each in steps]), fine, per_pitch * PER_INSTANT, first
-        )
-        if taught is None:
-            return None
-        known, columns, response = taught
-        between = Between.of(columns, response, nodes, record)
-        bound = next(iter(forces.mesh.valid_to.values()))
-        return cls(
-            gear, fidelity, loop, maneuver, whole.periods, nodes, per_pitch, known, between, features, bound
-        )
-
-    @property
-    def record(self) -> np.ndarray:
-        """Angles of the record's first period [rad]."""
-        return _record(self.maneuver)
-
-    @property
-    def angle(self) -> np.ndarray:
-        """Angles of the whole record [rad]."""
-        turned = self.record[-1] - self.record[0]
-        return np.append(
-            np.concatenate([self.record[:-1] + turned * i for i in range(self.periods)]),
-            self.record[0] + turned * self.periods,
-        )
-
-    def part(self, rows: Rows, begin: int) -> "_Part":
-        """Follow some of the gears and describe them."""
-        chosen = np.arange(begin, min(begin + TOGETHER, len(rows)))
-        some = rows.of(chosen)
-        found = self.loop.follow(some, self.nodes, self.per_pitch, self.known, self.features[chosen], COARSE)
-        return _Part.of(self, some, found, self.features[chosen])
-
-
-def _record(maneuver: Maneuver) -> np.ndarray:
-    time = maneuver.time
-    return np.asarray(maneuver.drive.place(time[maneuver.lead :]))
-
-
-def _nodes(gear: SteeringGear, maneuver: Maneuver, record: np.ndarray) -> tuple[np.ndarray, int]:
-    """Even angles of the loop [rad], from before the record to its end or beyond, and their number in a
-    pitch."""
-    pitch, sense = 2 * np.pi / gear.pinion.teeth, np.sign(record[-1] - record[0])
-    spacing = max(SPACING, abs(record[1] - record[0]))
-    per_pitch = int(np.ceil(pitch / spacing * (1 - 1e-9)))
-    spacing = pitch / per_pitch
-    steps = int(np.ceil(abs(record[-1] - record[0]) / spacing * (1 - 1e-9)))
-    return record[0] + sense * spacing * np.arange(-LEAD, steps + 1), per_pitch
-
-
-def _features(
-    gear: SteeringGear, table: Mapping[str, np.ndarray]
-) -> tuple[list[tuple[dict[str, tuple[float, float]], float]], np.ndarray]:
-    """What the motion responds to: for each feature the parameters above and below the reference and half
-    their distance, and its values (n, f)."""
-    steps: list[tuple[dict[str, tuple[float, float]], float]] = []
-    columns: list[np.ndarray] = []
-    for path, values in table.items():
-        if path in (RUNOUT, RUNOUT_ANGLE) or not np.ptp(values):
-            continue
-        here = float(gear.value_at(path))
-        size = _rounded(float(np.std(values)))
-        above, below = min(here + size, float(values.max())), max(here - size, float(values.min()))
-        steps.append(({path: (above, below)}, (above - below) / 2))
-        columns.append(values - here)
-    if RUNOUT in table or RUNOUT_ANGLE in table:
-        count = len(next(iter(table.values())))
-        e = np.asarray(table.get(RUNOUT, np.full(count, gear.pinion.runout)), dtype=float)
-        angle = np.asarray(table.get(RUNOUT_ANGLE, np.full(count, gear.pinion.runout_angle)), dtype=float)
-        if size := _rounded(float(np.sqrt(np.mean(e**2) / 2))):
-            for turn, share in ((0.0, np.cos(angle)), (np.pi / 2, np.sin(angle))):
-                steps.append(({RUNOUT: (size, size), RUNOUT_ANGLE: (turn, turn + np.pi)}, size))
-                columns.append(e * share)
-    return steps, np.column_stack(columns) if columns else np.zeros((len(next(iter(table.values()))), 0))
-
-
-def _rounded(size: float) -> float:
-    """A size to one digit, so that parts of a study learn from the same gears."""
-    return float(f"{size:.0e}")
-
-
-def _perturbed(
-    gear: SteeringGear, steps: list[tuple[dict[str, tuple[float, float]], float]]
-) -> list[SteeringGear]:
-    """The gears above and below the reference, feature by feature."""
-    return [
-        gear.replace({path: ends[which] for path, ends in settings.items()})
-        for settings, _ in steps
-        for which in (0, 1)
-    ]
-
-
-def _followed(
-    gear: SteeringGear, fidelity: Fidelity, loop: Loop, rows: Rows, fine: np.ndarray
-) -> Known | None:
-    """The reference gear's motion from a settled start, by the path of single runs."""
-    step = abs(fine[1] - fine[0]) * PER_INSTANT / PER_SPACING
-    beyond = 2 * (fine[1] - fine[0])
-    maneuver = steady_maneuver(gear, "pinion", fine[0] - beyond, fine[-1] + beyond, step)
-    path = settled_path(loop.forces.statics, loop.pair, maneuver.drive, maneuver.approach, maneuver.time)
-    if not path.converged:
-        return None
-    angles = np.asarray(maneuver.drive.place(path.time))
-    inside = path.time >= 0
-    at_mesh = motion_at_mesh(
-        angles[inside], path.coordinates[None, inside], rows.of(np.array([0])), loop.pair, np.zeros(1)
-    )
-    return Known(rising(angles[inside], at_mesh[0]))
+def _part(design: Design, rows: Rows, begin: int) -> "_Part":
+    """Follow some of the gears and describe them."""
+    chosen = np.arange(begin, min(begin + TOGETHER, len(rows)))
+    some, features = rows.of(chosen), design.features[chosen]
+    found = design.loop.follow(some, design.nodes, design.per_pitch, design.known, features, COARSE)
+    return _Part.of(design, some, found, features)
 
 
 @dataclass(frozen=True, eq=False)
@@ -304,7 +148,7 @@ class _Part:
     torque: np.ndarray  # (n, m)
 
     @classmethod
-    def of(cls, design: _Design, rows: Rows, found: Found, features: np.ndarray) -> "_Part":
+    def of(cls, design: Design, rows: Rows, found: Found, features: np.ndarray) -> "_Part":
         """Signals, figures, checks and remarks of gears that the loop has found."""
         signals = _signals(design, rows, found, features)
         works = _works(design, rows, found, features, signals)
@@ -324,7 +168,7 @@ class _Part:
         return cls(kept, blank, messages, np.where(kept[:, None], whole["pinion_torque"], np.nan))
 
 
-def _signals(design: _Design, rows: Rows, found: Found, features: np.ndarray) -> dict[str, np.ndarray]:
+def _signals(design: Design, rows: Rows, found: Found, features: np.ndarray) -> dict[str, np.ndarray]:
     """Signals over the record's first period, (n, m) each."""
     columns = design.between.over_record(found.out, features, [FORCE, *range(1, 8)])
     rack = np.moveaxis(columns[1:7], 0, -1)
@@ -343,7 +187,7 @@ def _signals(design: _Design, rows: Rows, found: Found, features: np.ndarray) ->
     }
 
 
-def _repeated(name: str, values: np.ndarray, design: _Design) -> np.ndarray:
+def _repeated(name: str, values: np.ndarray, design: Design) -> np.ndarray:
     """A signal (n, m) of one period over all of them."""
     if design.periods == 1:
         return values
@@ -353,7 +197,7 @@ def _repeated(name: str, values: np.ndarray, design: _Design) -> np.ndarray:
 
 
 def _works(
-    design: _Design, rows: Rows, found: Found, features: np.ndarray, signals: dict[str, np.ndarray]
+    design: Design, rows: Rows, found: Found, features: np.ndarray, signals: dict[str, np.ndarray]
 ) -> dict[str, np.ndarray]:
     """Work over one period [J], (n,) each: of the drive, lost at each place, and stored."""
     ends = design.record[[0, -1]]
@@ -387,7 +231,7 @@ def _shares(works: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def _surely_ok(
-    design: _Design,
+    design: Design,
     rows: Rows,
     found: Found,
     signals: dict[str, np.ndarray],
@@ -421,7 +265,7 @@ def _surely_ok(
     return np.asarray(np.logical_and.reduce(checks))
 
 
-def _remarks(design: _Design, rows: Rows, found: Found, kept: np.ndarray) -> list[str]:
+def _remarks(design: Design, rows: Rows, found: Found, kept: np.ndarray) -> list[str]:
     """Remarks on each gear at the loop's angles, by the function that remarks on single runs."""
     inside = slice(LEAD, LEAD + len(design.nodes) - LEAD)
     columns = {

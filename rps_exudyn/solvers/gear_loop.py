@@ -8,7 +8,7 @@ and extrapolated, so that angles may lie several degrees apart. The equations ar
 
 from collections.abc import Callable
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,7 +18,16 @@ from rps_exudyn.forces.external_load import add_dead_force
 from rps_exudyn.forces.sliding_fit import held_fit_force
 from rps_exudyn.forces.yoke import nut_force, spring_force
 from rps_exudyn.mesh_contact.flank_element import flank_force_and_tangent
-from rps_exudyn.solvers.gear_numbers import COUNT, PRELOAD, REST_GAP, flank_of, guides_of, seat_of
+from rps_exudyn.solvers.gear_numbers import (
+    AXIS_OFFSET,
+    COUNT,
+    IDEAL,
+    PRELOAD,
+    REST_GAP,
+    flank_of,
+    guides_of,
+    seat_of,
+)
 from rps_exudyn.solvers.newton_approach import CLOSE, newton_approach
 from rps_exudyn.solvers.newton_follower import solve_step
 from rps_exudyn.solvers.newton_tangent import add_fit_tangent, add_seat_tangent
@@ -120,21 +129,215 @@ def keep(q, force, mesh, seat, bush, row):  # type: ignore[no-untyped-def]
         row[22 + i] = bush[6 + i]
 
 
+class Parts(NamedTuple):
+    """One gear's data."""
+
+    mesh: Any
+    seat: Any
+    spring: Any
+    nut: Any
+    bearing: Any
+    fit: Any
+    load: Any
+    weight: Any
+    loaded: bool  # whether load or weight act
+
+
+class Grid(NamedTuple):
+    """What all gears of a loop have in common."""
+
+    driven: int  # coordinate
+    free: np.ndarray  # the unknown ones
+    lengths: np.ndarray
+    swing: float  # share of the runout across the axis that the rack follows along X
+    angles: np.ndarray  # (k,) even [rad]
+    per_pitch: int  # of them in a tooth pitch, 0 if no whole number
+    accepted: float  # residual from which a step is not evaluated [N]
+
+
+class Motion(NamedTuple):
+    """What is known of the motion beside gain and runout, over the angles: (k, 8), per feature (k, f, 8)."""
+
+    places: np.ndarray
+    rates: np.ndarray  # by the angle
+    response: np.ndarray
+    response_rates: np.ndarray
+
+
+@cache
+def parts_of(seat_force: Kernel) -> Kernel:
+    """Compile the forces beside the teeth's: (q, v, parts, total) -> outputs of seat and fit."""
+
+    def beside_mesh(q, v, parts, total):  # type: ignore[no-untyped-def]
+        seat = seat_force(q[1:8], v[1:8], parts.seat)
+        bush = held_fit_force(q[1:7], v[1:7], parts.fit)
+        for i in range(7):
+            total[1 + i] += seat[i]
+        for i in range(6):
+            total[1 + i] += bush[i]
+        total[7] += spring_force(q[7:8], v[7:8], parts.spring)[0] + nut_force(q[7:8], v[7:8], parts.nut)[0]
+        total[0] += bearing_force(q[0:1], v[0:1], parts.bearing)[0]
+        if parts.loaded:
+            add_dead_force(total[1:], q[1:7], parts.load)
+            add_dead_force(total[1:], q[1:7], parts.weight)
+        return seat, bush
+
+    return kernel_over(beside_mesh, seat_force)
+
+
+@kernel
+def beside_tangent(q, v, parts, per_time, tangent, work):  # type: ignore[no-untyped-def]
+    """Fill the tangent of seat and fit, which changes little from instant to instant."""
+    tangent[:] = 0.0
+    add_seat_tangent(q, v, parts.seat, per_time, tangent, work)
+    add_fit_tangent(q, v, parts.fit, per_time, tangent)
+
+
+@kernel
+def whole_tangent(q, spring, nut, by_mesh, others, tangent):  # type: ignore[no-untyped-def]
+    """Fill the tangent of all forces."""
+    for i in range(8):
+        for j in range(8):
+            tangent[i, j] = others[i, j]
+    for i in range(7):
+        for j in range(7):
+            tangent[i, j] += by_mesh[i, j]
+    tangent[7, 7] -= spring.rate
+    if q[7] > nut.clearance:
+        tangent[7, 7] -= nut.stiffness
+
+
+@kernel
+def begin_instant(k, g, motion, features, speed, shift, place, rate):  # type: ignore[no-untyped-def]
+    """Add to rigid motion what is known beside it, and a shift along Y [m]."""
+    place[Y] += shift
+    for i in range(8):
+        at, turning = motion.places[k, i], motion.rates[k, i]
+        for f in range(features.shape[1]):
+            at += features[g, f] * motion.response[k, f, i]
+            turning += features[g, f] * motion.response_rates[k, f, i]
+        place[i] += at
+        rate[i] += turning * speed
+
+
+@kernel
+def moved(place, rate, d, base, per_time, driven, w, q, v):  # type: ignore[no-untyped-def]
+    """Fill coordinates and rates where the deviation is d; w is work space (2, 8)."""
+    for i in range(8):
+        w[0, i] = place[i] + d[i]
+        w[1, i] = rate[i] + (d[i] - base[i]) * per_time
+    w[0, driven], w[1, driven] = place[driven], rate[driven]
+    placed(w[0], w[1], q, v)
+
+
+@cache
+def instant_of(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
+    """Compile the search for one equilibrium: whether it is found, its evaluations, how long the tangent of
+    seat and fit still serves; fills deviation, coordinates and the row that is kept."""
+    beside = parts_of(seat_force)
+
+    def instant(q, v, parts, per_time, place, rate, d, base, grid, renew, matrices, solving, w, kept):  # type: ignore[no-untyped-def]
+        by_mesh, others, tangent, of_loads = matrices
+        system, move, total, here = solving
+        n, driven, free = grid.free.size, grid.driven, grid.free
+        norm, fraction = np.inf, 1.0
+        for attempt in range(MAX_STEPS):
+            by_mesh[:] = 0.0
+            mesh = mesh_tangent(q[0:7], v[0:7], parts.mesh, 1.0, per_time, by_mesh)
+            total[7] = 0.0
+            for i in range(7):
+                total[i] = mesh[i]
+            seat, bush = beside(q, v, parts, total)
+            residual = largest_residual(total, free, grid.lengths)
+            done = residual <= grid.accepted
+            if residual < norm:
+                norm, fraction = residual, 1.0
+                if renew <= 0 or attempt > 1:
+                    beside_tangent(q, v, parts, per_time, others, of_loads)
+                    renew = RENEWED
+                whole_tangent(q, parts.spring, parts.nut, by_mesh, others, tangent)
+                if not solve_step(tangent, total, free, grid.lengths, system, move):
+                    return False, attempt + 1, 0
+                here[:] = q
+            else:  # too far along the last step
+                done, fraction = False, 0.5 * fraction
+                if fraction < SMALLEST_FRACTION:
+                    return False, attempt + 1, 0
+            for i in range(n):
+                q[free[i]] = here[free[i]] + fraction * move[i]
+            at_mesh(q, w[0])
+            for i in range(8):
+                d[i] = w[0, i] - place[i]
+            d[driven] = 0.0
+            moved(place, rate, d, base, per_time, driven, w, q, v)
+            if done:
+                for j in range(n):
+                    total[driven] += tangent[driven, free[j]] * move[j]
+                keep(q, total[driven], mesh, seat, bush, kept)
+                return True, attempt + 1, renew - 1
+        return False, MAX_STEPS, 0
+
+    return kernel_over(instant, mesh_tangent, seat_force)
+
+
+@cache
+def gear_of(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
+    """Compile the path of one gear: how it ends, and its evaluations."""
+    instant = instant_of(mesh_tangent, seat_force)
+
+    def follow_gear(g, row, parts, speed, shift, motion, features, grid, kept):  # type: ignore[no-untyped-def]
+        n, instants = grid.free.size, grid.angles.size
+        matrices = np.zeros((7, 7)), np.zeros((8, 8)), np.zeros((8, 8)), np.zeros((2, 8))
+        solving = np.zeros((n, n + 1)), np.zeros(n), np.zeros(8), np.zeros(8)
+        q, v, d, base, place, rate = np.zeros((6, 8))
+        w, found = np.zeros((2, 8)), np.zeros((instants, 8))
+        time_step = (grid.angles[1] - grid.angles[0]) / speed
+        evaluations, renew = 0, 0
+        for k in range(instants):
+            rigid_motion_of(grid.angles[k], speed, grid.driven, row, grid.swing, place, rate)
+            begin_instant(k, g, motion, features, speed, shift, place, rate)
+            extrapolated(k, grid.per_pitch, found, d)
+            per_time = differenced(k, time_step, found, base)
+            moved(place, rate, d, base, per_time, grid.driven, w, q, v)
+            if k < 3:  # rates begin to count
+                renew = 0
+            here, tries, renew = instant(
+                q, v, parts, per_time, place, rate, d, base, grid, renew, matrices, solving, w, kept[k]
+            )
+            evaluations += tries
+            if not here:
+                return LOST, evaluations
+            found[k] = d
+        return FOUND, evaluations
+
+    return kernel_over(follow_gear, mesh_tangent, seat_force)
+
+
+@cache
+def adjusted_yoke(mesh_tangent: Kernel) -> Kernel:
+    """Compile adjusted(row, near, without) -> the place of the rack along Y under the preload [m], and the
+    residual [N]; `without` are the flanks without runout and friction."""
+    approach = newton_approach(mesh_tangent)
+
+    def adjusted(row, near, without):  # type: ignore[no-untyped-def]
+        _, y, rest = approach(row[PRELOAD], near[0], near[1] + row[AXIS_OFFSET], without)
+        if not rest <= CLOSE:
+            _, y, rest = approach(row[PRELOAD], 0.0, row[AXIS_OFFSET] - TYPICAL_APPROACH, without)
+        return y, rest
+
+    return kernel_over(adjusted, mesh_tangent)
+
+
 @cache
 def gear_loop(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
-    """Compile follow(handle, rows, references, points, stiffnesses, driven, free, lengths, swing, angles,
-    speeds, per_pitch, known, known_rates, response, response_rates, features, adjusted, accepted, out, ended,
-    counts) for laws of forces.
+    """Compile follow(handle, rows, references, points, stiffnesses, speeds, near, grid, motion, features,
+    out, ended, evaluations) for laws of forces.
 
-    For gear g with the numbers `rows[g]`, see `gear_numbers`: `known` (k, 8) are a reference gear's
-    coordinates at the mesh beside gain and runout, `known_rates` their derivatives by the angle, `response`
-    and `response_rates` (k, f, 8) what both change by per feature of the gear, `features[g]` (f,). `adjusted`
-    is the place (x, y) of the reference rack under its preload, y less its axis offset, and y itself.
-    Fills `out[g]` (k, `KEPT`), `ended[g]`, `counts[g]` (evaluations, instants found), and the row's rest gap,
-    which stands for the seat's stiffness before.
-    A step that begins at a residual up to `accepted` [N] is not evaluated.
+    Gear g has the numbers `rows[g]`, see `gear_numbers`; `near` is the place (x, y) of the reference rack
+    under its preload, y less its axis offset, and y itself. Fills `out[g]` (k, `KEPT`), `ended[g]`,
+    `evaluations[g]`, and the row's rest gap, which stands for the seat's stiffness before.
     """
-    approach_of = newton_approach(flank_force_and_tangent)
+    adjusted, follow_gear = adjusted_yoke(flank_force_and_tangent), gear_of(mesh_tangent, seat_force)
 
     def follow_gears(  # type: ignore[no-untyped-def]
         handle,
@@ -142,150 +345,35 @@ def gear_loop(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
         references,
         points,
         stiffnesses,
-        driven,
-        free,
-        lengths,
-        swing,
-        angles,
         speeds,
-        per_pitch,
-        known,
-        known_rates,
-        response,
-        response_rates,
+        near,
+        grid,
+        motion,
         features,
-        adjusted,
-        accepted,
         out,
         ended,
-        counts,
+        evaluations,
     ):
-        n, instants, data = free.size, angles.size, handle.data
-        system, move = np.empty((n, n + 1)), np.zeros(n)
-        by_mesh, others, tangent, of_loads = (
-            np.empty((7, 7)),
-            np.zeros((8, 8)),
-            np.empty((8, 8)),
-            np.empty((2, 8)),
-        )
-        total, q, v, u, w, here = (
-            np.empty(8),
-            np.empty(8),
-            np.empty(8),
-            np.empty(8),
-            np.empty(8),
-            np.empty(8),
-        )
-        d, base, place, rate = np.empty(8), np.empty(8), np.empty(8), np.empty(8)
-        found, ideal = np.zeros((instants, 8)), np.empty(COUNT)
-        step = (angles[1] - angles[0]) if instants > 1 else 1.0
+        data, ideal = handle.data, np.empty(COUNT)
         loaded = data.load.force != (0.0, 0.0, 0.0) or data.weight.force != (0.0, 0.0, 0.0)
         for g in range(rows.shape[0]):
             row = rows[g]
-            seat_stiffness = row[REST_GAP]
             ideal[:] = row
-            ideal[9] = ideal[10] = ideal[29] = 0.0  # no runout, no friction
+            for column in IDEAL:
+                ideal[column] = 0.0
             reference = references[min(g, references.shape[0] - 1)]
-            without = flank_of(ideal, reference, data.mesh)
-            _, y, rest = approach_of(row[PRELOAD], adjusted[0], adjusted[1] + row[18], without)
-            if not rest <= CLOSE:
-                _, y, rest = approach_of(row[PRELOAD], 0.0, row[18] - TYPICAL_APPROACH, without)
+            y, rest = adjusted(row, near, flank_of(ideal, reference, data.mesh))
             if not rest <= CLOSE:
                 ended[g] = NO_REST
                 continue
-            row[REST_GAP] = row[PRELOAD] / seat_stiffness - y
-            mesh_data = flank_of(row, reference, data.mesh)
-            seat_data = seat_of(row, points[min(g, points.shape[0] - 1)], data.seat)
-            spring, nut, bearing, fit = guides_of(
-                row, stiffnesses[min(g, stiffnesses.shape[0] - 1)], data.bearing, data.fit
+            row[REST_GAP] = row[PRELOAD] / row[REST_GAP] - y
+            seat = seat_of(row, points[min(g, points.shape[0] - 1)], data.seat)
+            stiffness = stiffnesses[min(g, stiffnesses.shape[0] - 1)]
+            spring, nut, bearing, fit = guides_of(row, stiffness, data.bearing, data.fit)
+            mesh = flank_of(row, reference, data.mesh)
+            parts = Parts(mesh, seat, spring, nut, bearing, fit, data.load, data.weight, loaded)
+            ended[g], evaluations[g] = follow_gear(
+                g, row, parts, speeds[g], y - near[2], motion, features, grid, out[g]
             )
-            speed, shift = speeds[g], y - adjusted[2]
-            time_step = step / speed
-            ended[g], renew, lost = FOUND, 0, False
-            for k in range(instants):
-                rigid_motion_of(angles[k], speed, driven, row, swing, place, rate)
-                place[Y] += shift
-                for i in range(8):
-                    at, turning = known[k, i], known_rates[k, i]
-                    for f in range(features.shape[1]):
-                        at += features[g, f] * response[k, f, i]
-                        turning += features[g, f] * response_rates[k, f, i]
-                    place[i] += at
-                    rate[i] += turning * speed
-                extrapolated(k, per_pitch, found, d)
-                per_time = differenced(k, time_step, found, base)
-                for i in range(8):
-                    u[i] = place[i] + d[i]
-                    w[i] = rate[i] + (d[i] - base[i]) * per_time
-                u[driven], w[driven] = place[driven], rate[driven]
-                placed(u, w, q, v)
-                norm, fraction, done = np.inf, 1.0, False
-                for attempt in range(MAX_STEPS):
-                    by_mesh[:] = 0.0
-                    mesh = mesh_tangent(q[0:7], v[0:7], mesh_data, 1.0, per_time, by_mesh)
-                    seat = seat_force(q[1:8], v[1:8], seat_data)
-                    bush = held_fit_force(q[1:7], v[1:7], fit)
-                    total[7] = 0.0
-                    for i in range(7):
-                        total[i] = mesh[i]
-                    for i in range(7):
-                        total[1 + i] += seat[i]
-                    for i in range(6):
-                        total[1 + i] += bush[i]
-                    total[7] += spring_force(q[7:8], v[7:8], spring)[0] + nut_force(q[7:8], v[7:8], nut)[0]
-                    total[0] += bearing_force(q[0:1], v[0:1], bearing)[0]
-                    if loaded:
-                        add_dead_force(total[1:], q[1:7], data.load)
-                        add_dead_force(total[1:], q[1:7], data.weight)
-                    counts[g, 0] += 1
-                    residual = largest_residual(total, free, lengths)
-                    if not residual < norm:  # too far along the last step
-                        fraction *= 0.5
-                        if fraction < SMALLEST_FRACTION:
-                            break
-                        for i in range(n):
-                            q[free[i]] = here[free[i]] + fraction * move[i]
-                    else:
-                        norm, fraction = residual, 1.0
-                        if renew <= 0 or attempt > 1:
-                            others[:] = 0.0
-                            add_seat_tangent(q, v, seat_data, per_time, others, of_loads)
-                            add_fit_tangent(q, v, fit, per_time, others)
-                            renew = RENEWED if k > 1 else 0
-                        for i in range(8):
-                            for j in range(8):
-                                tangent[i, j] = others[i, j]
-                        for i in range(7):
-                            for j in range(7):
-                                tangent[i, j] += by_mesh[i, j]
-                        tangent[7, 7] -= spring.rate
-                        if q[7] > nut.clearance:
-                            tangent[7, 7] -= nut.stiffness
-                        if not solve_step(tangent, total, free, lengths, system, move):
-                            break
-                        here[:] = q
-                        for i in range(n):
-                            q[free[i]] += move[i]
-                        if norm <= accepted:
-                            for j in range(n):
-                                total[driven] += tangent[driven, free[j]] * move[j]
-                            done = True
-                    at_mesh(q, u)
-                    for i in range(8):
-                        d[i] = u[i] - place[i]
-                        w[i] = rate[i] + (d[i] - base[i]) * per_time
-                    d[driven], w[driven] = 0.0, rate[driven]
-                    placed(u, w, q, v)
-                    if done:
-                        break
-                renew -= 1
-                if not done:
-                    lost = True
-                    break
-                found[k] = d
-                keep(q, total[driven], mesh, seat, bush, out[g, k])
-                counts[g, 1] += 1
-            if lost:
-                ended[g] = LOST
 
     return kernel_over(follow_gears, mesh_tangent, seat_force)

@@ -10,7 +10,6 @@ import numpy as np
 
 from rps_exudyn.base.compiled import kernel
 from rps_exudyn.forces.bearing import BearingData
-from rps_exudyn.forces.external_load import DeadForceData
 from rps_exudyn.forces.sliding_fit import FitData
 from rps_exudyn.forces.yoke import NutData, SeatData, SpringData
 from rps_exudyn.mesh_contact.flank_data import FlankData
@@ -36,7 +35,8 @@ NUMBERS: dict[str, tuple[str, ...]] = {
 ARRAYS = {"mesh": "rack_reference", "seat": "points", "fit": "stiffness"}
 FIRST = {"mesh": 0, "seat": 32, "spring": 42, "nut": 44, "bearing": 46, "fit": 49}
 COUNT = 54
-REST_GAP, PRELOAD = 35, 43  # columns that the yoke's adjustment needs
+REST_GAP, PRELOAD, AXIS_OFFSET = 35, 43, 18  # columns that the yoke's adjustment needs
+IDEAL = (9, 10, 29)  # columns of runout and friction, which it does without
 
 COLUMN = {(part, name): FIRST[part] + i for part, names in NUMBERS.items() for i, name in enumerate(names)}
 """(part, number) -> its column in a row."""
@@ -132,6 +132,3 @@ def guides_of(row, stiffness, bearing, fit):  # type: ignore[no-untyped-def]
         BearingData(row[46], row[47], row[48], bearing.law),
         FitData(stiffness, row[49], row[50], row[51], row[52], row[53], fit.law),
     )
-
-
-NO_LOAD = DeadForceData((0.0, 0.0, 0.0), 0.0)

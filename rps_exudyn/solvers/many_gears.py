@@ -16,12 +16,12 @@ from rps_exudyn.mesh_contact.flank_element import flank_force_and_tangent
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.gear_forces import GearForces
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
-from rps_exudyn.solvers.gear_loop import FOUND, KEPT, gear_loop
+from rps_exudyn.solvers.gear_loop import FOUND, KEPT, Grid, Motion, gear_loop
 from rps_exudyn.solvers.gear_numbers import COLUMN, PRELOAD, REST_GAP
 from rps_exudyn.solvers.newton_approach import newton_approach
 
 COARSE, FINE = 5.0, 0.05  # residual [N] from which a last step is not evaluated: of all gears, of the known
-RACK = COORDINATE_BLOCKS["rack"].start
+PINION, RACK = (COORDINATE_BLOCKS[body].start for body in ("pinion", "rack"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class Found:
 
     out: np.ndarray  # (n, angles, KEPT)
     ended: np.ndarray  # (n,)
-    counts: np.ndarray  # (n, 2) evaluations of the forces, instants
+    evaluations: np.ndarray  # (n,) of the forces
     adjusted: np.ndarray  # (n,) place of the rack under the preload, along Y [m]
 
     @property
@@ -90,31 +90,27 @@ class Loop:
         numbers = rows.numbers.copy()
         numbers[:, REST_GAP] = rows.seat_stiffness
         out = np.zeros((n, len(angles), KEPT))
-        ended, counts = np.zeros(n, dtype=np.int64), np.zeros((n, 2), dtype=np.int64)
+        ended, evaluations = np.zeros((2, n), dtype=np.int64)
         x, y = self.place
+        swing = float(np.cos(self.pair.beta_p) / np.cos(self.pair.beta_r))
+        grid = Grid(PINION, balance.free(PINION), CHARACTERISTIC_LENGTHS, swing, angles, per_pitch, accepted)
         gear_loop(self.forces.mesh.tangent, self.forces.seat.kernel)(
             balance.data,
             numbers,
             rows.references,
             rows.points,
             rows.stiffnesses,
-            0,
-            balance.free(0),
-            CHARACTERISTIC_LENGTHS,
-            float(np.cos(self.pair.beta_p) / np.cos(self.pair.beta_r)),
-            angles,
             np.full(n, self.speed),
-            per_pitch,
-            *known.at(angles),
-            np.ascontiguousarray(features),
             np.array([x, y - self.pair.axis_offset, y]),
-            accepted,
+            grid,
+            known.at(angles),
+            np.ascontiguousarray(features),
             out,
             ended,
-            counts,
+            evaluations,
         )
         adjusted = numbers[:, PRELOAD] / rows.seat_stiffness - numbers[:, REST_GAP]
-        return Found(out, ended, counts, adjusted)
+        return Found(out, ended, evaluations, adjusted)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,12 +120,15 @@ class Known:
     motion: CubicSpline  # -> (8,)
     response: CubicSpline | None = None  # -> (f, 8) per feature
 
-    def at(self, angles: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Return motion, its derivative by the angle, response and its derivative, (k, 8) and (k, f, 8)."""
-        found = [np.ascontiguousarray(self.motion(angles, order)) for order in (0, 1)]
+    def at(self, angles: np.ndarray) -> Motion:
+        """Return both and their derivatives at angles (k,)."""
+        places, rates = (np.ascontiguousarray(self.motion(angles, order)) for order in (0, 1))
         if self.response is None:
-            return *found, *[np.zeros((len(angles), 0, 8))] * 2
-        return *found, *(np.ascontiguousarray(self.response(angles, order)) for order in (0, 1))
+            none = np.zeros((len(angles), 0, 8))
+            return Motion(places, rates, none, none)
+        return Motion(
+            places, rates, *(np.ascontiguousarray(self.response(angles, order)) for order in (0, 1))
+        )
 
 
 def motion_at_mesh(

@@ -25,6 +25,7 @@ from rps_exudyn.results.outcome import Interrupted, Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.headline import curve_of
+from rps_exudyn.simulate.batch import Batch
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.uncertainty.contributions import Contributions, contributions
 from rps_exudyn.uncertainty.quantiles import LEVELS, Quantiles, quantiles
@@ -191,38 +192,79 @@ def runs_of(points: Samples, nominal: Result, fidelity: Fidelity, told: Told | N
         InputError: fewer end ok.
     """
     names = [name for name in nominal.summary if name not in LEFT_OUT]
-    rows: list[list[float]] = []
-    curves: list[np.ndarray] | None = []
-    causes: Counter[str] = Counter()
-    examples: dict[str, str] = {}
+    seen = _Seen(nominal, fidelity, names)
     interrupted = False
-    grid = list(curve_of(nominal.scene, nominal.signals, nominal.gear, fidelity).pieces)
-    runs = runs_at(nominal.scene, nominal.gear, fidelity, points)
-    while len(rows) < len(points):
+    parts = runs_at(nominal.scene, nominal.gear, fidelity, points)
+    while len(seen.rows) < len(points):
         try:
-            result = next(runs)
+            seen.add(next(parts), told, len(points))
         except KeyboardInterrupt as interrupt:
-            if len(rows) - sum(causes.values()) < LEAST_OK:
+            if seen.ok < LEAST_OK:
                 raise Interrupted(nominal) from interrupt
             interrupted = True
             break
-        if result.status is Status.OK:
-            rows.append([result.summary.get(name, np.nan) for name in names])
-            curves = _added(curves, result, fidelity, [time for time, _ in grid])
-        else:
-            rows.append([np.nan] * len(names))
-            cause = f"{result.status}: {result.message}"
-            causes[examples.setdefault(NUMBER.sub("", cause), cause)] += 1
-        if told is not None:
-            told(len(rows), len(points))
-    if len(rows) - sum(causes.values()) < LEAST_OK:
+    if seen.ok < LEAST_OK:
         raise InputError(
-            f"{sum(causes.values())} of {len(rows)} samples failed, too many for a band; most often "
-            f"{causes.most_common(1)[0][0]}."
+            f"{seen.causes.total()} of {len(seen.rows)} samples failed, too many for a band; most often "
+            f"{seen.causes.most_common(1)[0][0]}."
         )
-    numbers = dict(zip(names, np.array(rows).T, strict=True))
-    drawn = Drawn(points.first(len(rows)), numbers, dict(causes.most_common()))
-    return Runs(drawn, np.array(curves) if curves else None, interrupted)
+    numbers = dict(zip(names, np.array(seen.rows).T, strict=True))
+    drawn = Drawn(points.first(len(seen.rows)), numbers, dict(seen.causes.most_common()))
+    return Runs(drawn, np.array(seen.curves) if seen.curves else None, interrupted)
+
+
+@dataclass(eq=False)
+class _Seen:
+    """What the samples so far gave."""
+
+    nominal: Result
+    fidelity: Fidelity
+    names: list[str]  # of the figures
+    rows: list[list[float]] = field(default_factory=list)
+    curves: list[np.ndarray] | None = field(default_factory=list)
+    causes: Counter[str] = field(default_factory=Counter)
+    examples: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def ok(self) -> int:
+        """Samples that ended ok."""
+        return len(self.rows) - self.causes.total()
+
+    @cached_property
+    def grid(self) -> list[np.ndarray]:
+        """Times of the nominal curve, by its pieces."""
+        nominal = self.nominal
+        return [
+            time for time, _ in curve_of(nominal.scene, nominal.signals, nominal.gear, self.fidelity).pieces
+        ]
+
+    def add(self, part: Batch, told: Told | None, count: int) -> None:
+        """Add some samples."""
+        summary, in_loop = part.summary, np.zeros((0, 0))
+        if part.in_loop.any():
+            in_loop = self._curves_of_loop(part)
+        for i, (result, status, message) in enumerate(
+            zip(part.results, part.statuses, part.messages, strict=True)
+        ):
+            if status is not Status.OK:
+                self.rows.append([np.nan] * len(self.names))
+                cause = f"{status}: {message}"
+                self.causes[self.examples.setdefault(NUMBER.sub("", cause), cause)] += 1
+            elif result is None:
+                self.rows.append(
+                    [float(summary[name][i]) if name in summary else np.nan for name in self.names]
+                )
+                self.curves = None if self.curves is None else [*self.curves, in_loop[i]]
+            else:
+                self.rows.append([result.summary.get(name, np.nan) for name in self.names])
+                self.curves = _added(self.curves, result, self.fidelity, self.grid)
+            if told is not None:
+                told(len(self.rows), count)
+
+    def _curves_of_loop(self, part: Batch) -> np.ndarray:
+        """Torque over the nominal run's angles, in their order."""
+        angle, sense = self.nominal.signals["pinion_angle"], self.nominal.gear.test.direction
+        return part.curves("pinion_torque", angle[::sense], sense)[:, ::sense]
 
 
 def _added(

@@ -2,16 +2,17 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.result import Result
-from rps_exudyn.simulate.batch import batch
+from rps_exudyn.simulate.batch import Batch, batch
+from rps_exudyn.simulate.looped import why_not
 
-TOGETHER = 32  # runs between which Ctrl-C loses nothing
+TOGETHER, IN_LOOP = 32, 1024  # runs between which Ctrl-C loses nothing: single ones, those of one loop
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +52,12 @@ class Samples:
             yield dict(zip(values, row, strict=True))
 
 
-def runs_at(scene: str, gear: SteeringGear, fidelity: Fidelity, points: Samples) -> Iterator[Result]:
-    """Yield the run of the scene at each point, whatever its outcome."""
+def runs_at(scene: str, gear: SteeringGear, fidelity: Fidelity, points: Samples) -> Iterator[Batch]:
+    """Yield the runs of the scene at the points, part by part, whatever their outcome; in one compiled loop
+    where it knows them."""
     values = points.values
-    for begin in range(0, len(points), TOGETHER):
-        part = {path: column[begin : begin + TOGETHER] for path, column in values.items()}
-        yield from batch(scene, gear, part, fidelity=fidelity).results
+    together = TOGETHER if why_not(scene, gear, fidelity, values) else IN_LOOP
+    for begin in range(0, len(points), together):
+        part = {path: column[begin : begin + together] for path, column in values.items()}
+        keep: Literal["signals", "torque"] = "torque" if together == IN_LOOP else "signals"
+        yield batch(scene, gear, part, fidelity=fidelity, keep=keep)
