@@ -97,7 +97,8 @@ def _outcomes(task: dict[str, Any]) -> Sequence[Result]:
     settings = [member["settings"] for member in task["members"]]
     values = {path: [each[path] for each in settings] for path in settings[0]}
     with alarm(task.get("time_limit", float("inf"))):
-        return batch(task["scene"], gear, values, fidelity=fidelity).results
+        found = batch(task["scene"], gear, values, fidelity=fidelity)
+        return [result for result in found.results if result is not None]
 
 
 def _outcome(task: dict[str, Any]) -> Result:

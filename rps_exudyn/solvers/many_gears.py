@@ -158,6 +158,8 @@ class Between:
     Columns are those of the loop; each is a gear's known part and the spline of the rest.
     """
 
+    nodes: np.ndarray  # the loop's angles [rad]
+    record: np.ndarray  # the record's, (m,) [rad]
     at_nodes: np.ndarray  # (nodes, KEPT) columns of the reference gear at the loop's angles
     response_at_nodes: np.ndarray  # (nodes, f, KEPT)
     at_record: np.ndarray  # (m, KEPT) at the record's angles
@@ -172,13 +174,14 @@ class Between:
         order = np.argsort(nodes)
         weights = np.empty((len(nodes), len(record)))
         weights[order] = CubicSpline(nodes[order], np.eye(len(nodes)))(record).T
-        return cls(columns(nodes), response(nodes), columns(record), response(record), weights)
+        known = columns(nodes), response(nodes), columns(record), response(record)
+        return cls(nodes, record, *known, weights)
 
     def over_record(self, out: np.ndarray, features: np.ndarray, which: Sequence[int]) -> np.ndarray:
         """Return columns of the loop's `out` (n, nodes, KEPT) over the record, shape (columns, n, m)."""
-        found = np.empty((len(which), len(out), self.weights.shape[1]))
+        found = np.empty((len(which), len(out), len(self.record)))
         for row, column in zip(found, which, strict=True):
-            np.matmul(self.rest(out, features, column), self.weights, out=row)
+            row[:] = rising(self.nodes, self.rest(out, features, column).T)(self.record).T
             row += self.at_record[:, column] + features @ self.response_at_record[:, :, column].T
         return found
 
