@@ -37,6 +37,8 @@ KERNEL_SOURCES = (
     "solvers/newton_tangent.py",
     "solvers/newton_follower.py",
     "solvers/newton_approach.py",
+    "solvers/gear_numbers.py",
+    "solvers/gear_loop.py",
     "mesh_contact/*.py",
     "forces/*.py",
     "verification/seat_cells.py",
