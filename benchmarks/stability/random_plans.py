@@ -70,6 +70,10 @@ def outcome_of(number: int) -> dict[str, Any]:
         result = run_unchecked(plan.scene, plan.gear, plan.fidelity)
     except InputError as error:
         return {"refused": refusal, "status": "input-error", "message": str(error)}
+    except Exception as error:  # what is refused need not run
+        if not refusal:
+            raise
+        return {"refused": refusal, "status": "crashed", "message": f"{type(error).__name__}: {error}"}
     found: dict[str, Any] = {"refused": refusal, "status": result.status.value}
     found["message"] = result.message
     found["seconds"] = process_time() - start

@@ -1,12 +1,16 @@
 """References of random plans: their own seat, beginning, periods and steps, and the same physics."""
 
+from dataclasses import dataclass
+from typing import cast
+
 import numpy as np
 import pytest
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.verification.plan_reference import expected
+from rps_exudyn.verification.plan_reference import NotFoundError, expected, explicit
+from rps_exudyn.verification.runge_kutta import FreeMotion
 from rps_exudyn.verification.runs import run_scene
 from rps_exudyn.verification.seat_cells import cell_seat
 from rps_exudyn.verification.stability import ScenePlan
@@ -44,3 +48,32 @@ def test_fast_motion_has_a_reference_with_inertia() -> None:
     run = run_scene("free-pinion-torque", gear, Fidelity())
     assert right.method == "Runge-Kutta"
     assert run.summary["torque_mean"] == pytest.approx(right.figure, rel=5e-3)
+
+
+@dataclass
+class Oscillator:
+    """A unit mass on a spring of 1e4 N/m, as Runge-Kutta sees a motion."""
+
+    place: np.ndarray
+    rate: np.ndarray
+
+    def inverse_mass(self, q: np.ndarray) -> np.ndarray:
+        return np.eye(1)
+
+    def acceleration(self, t: float, q: np.ndarray, v: np.ndarray, inverse: np.ndarray) -> np.ndarray:
+        return -1e4 * q
+
+
+@pytest.mark.parametrize(("step", "stays"), [(0.05, True), (0.15, False)])
+def test_explicit_motion_that_grows_beyond_bounds_comes_in_shorter_steps(step: float, stays: bool) -> None:
+    """Runge-Kutta is stable to 2.8 over the frequency, 100 rad/s: 2.5 in halves of the step,
+    3.75 in quarters."""
+    motion = cast(FreeMotion, Oscillator(np.array([1.0]), np.array([0.0])))
+    if not stays:
+        with pytest.raises(NotFoundError, match="finite"):
+            explicit(motion, step, 2000)
+        return
+    times, places, _ = explicit(motion, step, 2000)
+    assert times[-1] == pytest.approx(2000 * step)
+    assert len(times) == 2001
+    assert np.abs(places).max() <= 1.0
