@@ -1,0 +1,152 @@
+"""The laws of contact on random gears: whether loads are found at every angle, and how far means differ.
+
+Each gear turns by one tooth pitch, free and under a load between 5 and 30 N m at the pinion, in equilibria of
+law "teeth"; the free torque's mean stands against that of law "line". The gears are those of
+`verification.population`, with and without manufacturing errors; `SEED` is used nowhere else.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import rps_exudyn as rps
+from benchmarks.topic import Topic, digits, load_data, markdown, save_data
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.mesh_contact.flank_element import flank_element
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result
+from rps_exudyn.verification.population import random_gears
+
+SEED, GEARS, BY_SPHERES = 2718, 200, 20
+LOADS = 5.0, 30.0  # at the pinion [N m]
+GRAVITY = 9.80665
+DATA, SPHERES, POSES = "random_gears.json", "spheres.json", "poses.json"
+LIFTS = -1e-6, -1e-5, -6e-5  # of the rack, into the mesh [m]
+TILT = 5e-3  # of the rack about each axis, at most [rad]
+ANGLES = 24  # over a pitch
+EVERYDAY = Fidelity.preset("quasi-static")
+CASES = {
+    "teeth, free": ("free-pinion-torque", "teeth"),
+    "teeth, loaded": ("load-test", "teeth"),
+    "line, free": ("free-pinion-torque", "line"),
+    "line, loaded": ("load-test", "line"),
+}
+"""Name -> scene, law."""
+
+
+def run(folder: Path, gears: int = GEARS, by_spheres: int = BY_SPHERES) -> None:
+    """Run all cases of every gear, and the first gears by spheres."""
+    rng = np.random.default_rng(SEED)
+    drawn = random_gears(SEED, gears)
+    rows = [measured(gear, float(rng.uniform(*LOADS))) for gear in drawn]
+    save_data(folder / DATA, {"gears": rows})
+    save_data(folder / POSES, {"tried": gears * ANGLES * len(LIFTS), "unfound": sum(map(unfound, drawn))})
+    save_data(folder / SPHERES, {"gears": [spheres_against_line(gear) for gear in drawn[:by_spheres]]})
+
+
+def of_a_pitch(gear: SteeringGear, law: str, load: float) -> SteeringGear:
+    """The gear with a law, for one tooth pitch under a torque at the pinion [N m]."""
+    mass = load / abs(GearPair.of(gear).gain) / GRAVITY
+    return gear.replace({"mesh.law": law, "test.turns": 1 / gear.pinion.teeth, "test.load_mass": mass})
+
+
+def measured(gear: SteeringGear, load: float) -> dict[str, Any]:
+    """What becomes of a gear's cases."""
+    row: dict[str, Any] = {"load": load}
+    for name, (scene, law) in CASES.items():
+        row[name] = outcome(rps.run(scene, of_a_pitch(gear, law, load), fidelity=EVERYDAY))
+    return row
+
+
+def unfound(gear: SteeringGear) -> int:
+    """At how many poses over a pitch, loaded lightly, heavily and at edges, "teeth" finds no loads."""
+    rng, gain = np.random.default_rng(SEED), GearPair.of(gear).gain
+    element = flank_element(gear.replace({"mesh.law": "teeth"}), friction_zone=1e-5, along=4, across=2)
+    count = 0
+    for angle in np.arange(ANGLES) * 2 * np.pi / gear.pinion.teeth / ANGLES:
+        for lift in LIFTS:
+            q = np.array([angle, -angle * gain, lift, 0.0, *rng.uniform(-TILT, TILT, 3)])
+            count += not np.isfinite(element.kernel(q, np.zeros(7), element.data)).all()
+    return count
+
+
+def outcome(result: Result) -> dict[str, Any]:
+    """Status, mean torque or efficiency of a run, and why it failed."""
+    figures = {
+        name: result.summary[name]
+        for name in ("torque_mean", "torque_peak_to_peak", "efficiency_forward")
+        if name in result.summary
+    }
+    why = {} if result.status is Status.OK else {"message": result.message}
+    return {"status": str(result.status), **why, **figures}
+
+
+def spheres_against_line(gear: SteeringGear) -> dict[str, Any]:
+    """A gear's free torque by spheres and by law "line" with the same stiffness, in equilibria."""
+    gear = of_a_pitch(gear, "line", 0.0)
+    by_line = rps.run("free-pinion-torque", gear, fidelity=EVERYDAY)
+    by_spheres = rps.run("free-pinion-torque", gear, fidelity=EVERYDAY.replace({"mesh": "general-contact"}))
+    return {"line": outcome(by_line), "spheres": outcome(by_spheres)}
+
+
+# --- tables ------------------------------------------------------------------------------------------
+def statuses(rows: Sequence[dict[str, Any]], name: str) -> str:
+    """How often each status came."""
+    counts = Counter(row[name]["status"] for row in rows)
+    return ", ".join(f"{count} {status}" for status, count in counts.most_common())
+
+
+def differences(rows: Sequence[dict[str, Any]], one: str, other: str, figure: str) -> np.ndarray:
+    """Relative differences of a figure where both runs have it, in %."""
+    pairs = [(row[one], row[other]) for row in rows]
+    both = [(a[figure], b[figure]) for a, b in pairs if a["status"] == b["status"] == "ok"]
+    return np.array([100 * (a / b - 1) for a, b in both])
+
+
+def spread(values: np.ndarray) -> list[str]:
+    """Smallest, median, largest."""
+    return [digits(float(each)) for each in (values.min(), np.median(values), values.max())]
+
+
+def unfound_table(folder: Path) -> str:
+    """At how many poses no loads were found."""
+    poses = load_data(folder / POSES)
+    return markdown(("poses of all gears", "without loads found"), [(poses["tried"], poses["unfound"])])
+
+
+def statuses_table(folder: Path) -> str:
+    """How the runs of each case ended."""
+    rows = load_data(folder / DATA)["gears"]
+    return markdown(
+        ("law and load", "runs", "ended"), [(name, len(rows), statuses(rows, name)) for name in CASES]
+    )
+
+
+def differences_table(folder: Path) -> str:
+    """Differences between the laws over the gears."""
+    rows, spheres = load_data(folder / DATA)["gears"], load_data(folder / SPHERES)["gears"]
+    compared = {
+        "teeth against line, mean free torque": (rows, "teeth, free", "line, free", "torque_mean"),
+        "teeth against line, efficiency": (rows, "teeth, loaded", "line, loaded", "efficiency_forward"),
+        "spheres against line, mean free torque": (spheres, "spheres", "line", "torque_mean"),
+    }
+    lines = []
+    for name, (of, *what) in compared.items():
+        values = differences(of, *what)
+        lines.append((name, len(values), *spread(values)))
+    return markdown(("difference in %", "gears", "smallest", "median", "largest"), lines)
+
+
+TOPIC = Topic(
+    "the laws of contact on random gears: loads found at every angle, and means that differ",
+    "10 min",
+    "contact_laws",
+    run,
+    {"gears": 2, "by_spheres": 1},
+    {"law_poses": unfound_table, "law_statuses": statuses_table, "law_differences": differences_table},
+)
