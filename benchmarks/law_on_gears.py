@@ -26,6 +26,7 @@ SEED, GEARS, BY_SPHERES = 2718, 200, 20
 LOADS = 5.0, 30.0  # at the pinion [N m]
 GRAVITY = 9.80665
 DATA, SPHERES, POSES = "random_gears.json", "spheres.json", "poses.json"
+BY_SLOPE, SLOPES = "slopes.json", (-3e-6, 0.0, 3e-6)  # of the default gear's profile [m]
 LIFTS = -1e-6, -1e-5, -6e-5  # of the rack, into the mesh [m]
 TILT = 5e-3  # of the rack about each axis, at most [rad]
 ANGLES = 24  # over a pitch
@@ -47,6 +48,13 @@ def run(folder: Path, gears: int = GEARS, by_spheres: int = BY_SPHERES) -> None:
     save_data(folder / DATA, {"gears": rows})
     save_data(folder / POSES, {"tried": gears * ANGLES * len(LIFTS), "unfound": sum(map(unfound, drawn))})
     save_data(folder / SPHERES, {"gears": [spheres_against_line(gear) for gear in drawn[:by_spheres]]})
+    by_slope(folder)
+
+
+def by_slope(folder: Path) -> None:
+    """Compare spheres with law "line" on the default gear with profile slopes."""
+    gears = [SteeringGear().replace({"pinion.profile_slope": slope}) for slope in SLOPES]
+    save_data(folder / BY_SLOPE, {"gears": [spheres_against_line(gear) for gear in gears]})
 
 
 def of_a_pitch(gear: SteeringGear, law: str, load: float) -> SteeringGear:
@@ -142,11 +150,26 @@ def differences_table(folder: Path) -> str:
     return markdown(("difference in %", "gears", "smallest", "median", "largest"), lines)
 
 
+def slopes_table(folder: Path) -> str:
+    """Mean free torque by spheres and by "line" over the profile slope of the default gear."""
+    lines = []
+    for slope, row in zip(SLOPES, load_data(folder / BY_SLOPE)["gears"], strict=True):
+        by_line, by_spheres = row["line"]["torque_mean"], row["spheres"]["torque_mean"]
+        means = (digits(1e3 * by_line, 4), digits(1e3 * by_spheres, 4))
+        lines.append((digits(1e6 * slope), *means, digits(100 * (by_spheres / by_line - 1))))
+    return markdown(("profile slope um", "line N mm", "spheres N mm", "difference %"), lines)
+
+
 TOPIC = Topic(
     "the laws of contact on random gears: loads found at every angle, and means that differ",
     "10 min",
     "contact_laws",
     run,
     {"gears": 2, "by_spheres": 1},
-    {"law_poses": unfound_table, "law_statuses": statuses_table, "law_differences": differences_table},
+    {
+        "law_poses": unfound_table,
+        "law_statuses": statuses_table,
+        "law_differences": differences_table,
+        "spheres_by_slope": slopes_table,
+    },
 )
