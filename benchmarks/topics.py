@@ -9,6 +9,7 @@ from benchmarks import (
     geometry,
     law_on_gears,
     measured_fit,
+    paper,
     rack_beam_elements,
     rack_bow,
     rack_deflection,
@@ -24,7 +25,7 @@ from benchmarks import (
 )
 from benchmarks.accuracy_speed import law_and_scaling, measured_points, overview, promise_table
 from benchmarks.bad_inputs import bad_inputs, damaged_files
-from benchmarks.peers import scene_files
+from benchmarks.peers import scene_files, side_by_side
 from benchmarks.stability import (
     check_cost,
     corpus,
@@ -42,6 +43,7 @@ TOPICS: dict[str, Topic] = {
     "law_on_gears": law_on_gears.TOPIC,
     "free_pinion_torque": free_pinion_torque.TOPIC,
     "scenes": scenes.TOPIC,
+    "paper": paper.TOPIC,
     "efficiency_map": efficiency_map.TOPIC,
     "bar_cells": bar_section_cell.TOPIC,
     "rack_beams": rack_beam_elements.TOPIC,
@@ -69,4 +71,5 @@ TOPICS: dict[str, Topic] = {
     "validation": validation.TOPIC,
     "study_scaling": study_scaling.TOPIC,
     "peer_scene": scene_files.TOPIC,
+    "peers": side_by_side.TOPIC,
 }

@@ -16,8 +16,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 
 BAR = RackBar.of(SteeringGear())
 SIDES = (-1, 1)
-TEETH = range(-2, PAIR.teeth + 3)
-"""Rack teeth that one turn from the centre on can touch."""
+TEETH = range(-PAIR.teeth - 2, 3)
+"""Rack teeth that come into mesh during one turn from the centre on, which takes the rack along +X."""
 
 EDGE_POINTS = 25  # of a rack tooth's flank along the round bar's edge
 PIECE_DEPTH = 0.1e-3  # of a convex piece of the pinion, below the flank [m]

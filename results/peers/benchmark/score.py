@@ -1,7 +1,7 @@
 """Say how far a torque curve of the scene is from the reference: python score.py CURVE.csv [--limit PERCENT]
 
 CURVE.csv has two columns, pinion angle [deg] and pinion torque [N m], and may have lines of words. The angles
-rise and cover 0 to 360 at most 10 apart. Where a curve has several values within half a degree of an angle of
+rise and cover 0 to 360 at most 12 apart. Where a curve has several values within half a degree of an angle of
 the reference, their mean counts, so that what a program rings with at every step is not held against it;
 elsewhere the curve is joined by straight lines. Errors are in % of the reference's mean:
 
@@ -21,7 +21,7 @@ import numpy as np
 
 REFERENCE = "torque.csv"
 LIMIT = 1.0  # [%]
-WIDEST = 10.0  # gap between angles that is still joined [deg]
+WIDEST = 12.0  # gap between angles that is still joined [deg]
 
 
 class Score(NamedTuple):
@@ -70,13 +70,19 @@ def score(angle: np.ndarray, torque: np.ndarray, true_angle: np.ndarray, true: n
     window = (true_angle[1] - true_angle[0]) / 2
     if angle[0] > true_angle[0] + window or angle[-1] < true_angle[-1] - window:
         raise ValueError(f"angles must cover {true_angle[0]:g} to {true_angle[-1]:g} degrees")
-    own = np.interp(true_angle, angle, torque)
-    first, last = (np.searchsorted(angle, true_angle + side * window) for side in (-1, 1))
-    several = last - first > 1
-    total = np.concatenate([[0.0], np.cumsum(torque)])
-    own[several] = ((total[last] - total[first]) / np.maximum(last - first, 1))[several]
+    own = averaged(angle, torque, true_angle)
     off = 100 * (own - true)[:-1] / np.mean(true[:-1])  # the last angle is the first
     return Score(float(np.mean(off)), float(np.std(off)))
+
+
+def averaged(angle: np.ndarray, torque: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Return the torque at wanted, even angles (m,): the mean of several values around one, or joined."""
+    window = (wanted[1] - wanted[0]) / 2
+    joined = np.interp(wanted, angle, torque)
+    first, last = (np.searchsorted(angle, wanted + side * window) for side in (-1, 1))
+    total = np.concatenate([[0.0], np.cumsum(torque)])
+    mean = (total[last] - total[first]) / np.maximum(last - first, 1)
+    return np.where(last - first > 1, mean, joined)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -1,0 +1,47 @@
+"""The settings that are run: the package's presets, and those among which a peer's best are searched for."""
+
+from itertools import product
+
+from benchmarks.peers.by_drake import Drake
+from benchmarks.peers.by_mujoco import MuJoCo
+from benchmarks.peers.by_package import Package
+from benchmarks.peers.scene import Method
+
+OF_PACKAGE: list[Method] = [
+    *(Package("quasi-static", {"step_angle": f"{step:g} deg"}) for step in (10, 5, 2.5, 1)),
+    *(Package("flank", {"step_angle": f"{step:g} deg"}) for step in (5, 3, 1)),
+    *(
+        Package("full", {"profile_samples": n, "axial_samples": m, "step_angle": f"{step:g} deg"})
+        for n, m, step in ((19, 13, 1), (27, 18, 1))
+    ),
+]
+
+SPHERES = (10, 4), (20, 8), (27, 18), (40, 16)  # along the profile and the face
+PIECES = (16, 16), (24, 16)
+STEPS = 2e-3, 1e-3, 4e-4  # [s]
+DAMPINGS = 1e-4, 2e-4, 4e-4  # [s]
+
+SEARCHED: list[Method] = [
+    *(MuJoCo("spheres", n, m, step, damping) for (n, m), step, damping in product(SPHERES, STEPS, DAMPINGS)),
+    *(MuJoCo("spheres", 27, 18, 4e-4, 1e-4, impratio) for impratio in (1.0, 10.0, 1000.0)),
+    MuJoCo("spheres", 27, 18, 4e-4, 1e-4, cone="pyramidal"),
+    *(
+        MuJoCo("convex pieces", n, m, step, damping)
+        for (n, m), step, damping in product(PIECES, STEPS[1:], DAMPINGS)
+    ),
+    *(Drake(chord, step) for chord, step in product((3e-6, 1e-6), (4e-3, 2e-3, 1e-3))),
+    Drake(0.3e-6, 1e-3),
+    *(Drake(3e-6, 1e-3, approximation) for approximation in ("similar", "sap", "tamsi")),
+    *(Drake(chord, 1e-3, surface="triangle") for chord in (3e-6, 1e-6)),
+    Drake(3e-6, 1e-3, longest=2e-3),
+]
+"""Candidates, each run over one tooth pitch; those on the front of their family go into the rounds."""
+
+FINEST: dict[str, Method] = {
+    "MuJoCo, spheres": MuJoCo("spheres", 54, 36, 2e-4, 2e-5),
+    "MuJoCo, convex pieces": MuJoCo("convex pieces", 32, 24, 2e-4, 1e-4),
+    "Drake, hydroelastic": Drake(1e-6, 2.5e-4),
+}
+"""What each peer tends to: its difference from the reference is one of models, not of numbers."""
+
+MOST = 4  # settings of a peer's family in the rounds
