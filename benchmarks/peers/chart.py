@@ -33,8 +33,7 @@ def work_precision_figure(rows: Sequence[Row], floor: float) -> Figure:
     axes.set_xlabel("error, RMS over a turn [% of the mean]")
     axes.set_ylabel("CPU time per turn [s]")
     axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), frameon=False, borderpad=0)
-    subtitle = "filled: whole run, hollow: the solver's loop alone; rack guided, 700 N, 60 rpm"
-    style.title(figure, "The same gear in several programs", subtitle)
+    style.title(figure, "The same gear in several programs: whole runs (filled), the loop alone (hollow)")
     return figure
 
 
