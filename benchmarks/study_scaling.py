@@ -33,17 +33,17 @@ PICTURE = "scaling.png"
 KEEP = '[keep]\nsignals = "none"\nblocks = true\n'
 
 
-def run(folder: Path, counts: Sequence[int] = (100, 1000, 3000), gears: int = 30) -> None:
+def run(folder: Path, counts: Sequence[int] = (100, 1000, 10_000, 100_000), gears: int = 30) -> None:
     """Run studies of so many cases, and the solver alone on so many gears."""
-    rows = []
+    rows: list[dict[str, float]] = []
     with tempfile.TemporaryDirectory() as studies:
+        solver = solvers(Path(studies), gears)
+        print(solver, flush=True)
         for count in counts:
             rows.append(measured(Path(studies), count))
             print(rows[-1], flush=True)
-        solver = solvers(Path(studies), gears)
-    print(solver, flush=True)
-    save_data(folder / DATA, {"load": os.getloadavg()[0], "rows": rows, "solver": solver})
-    style.save(picture(rows), folder / PICTURE)
+            save_data(folder / DATA, {"load": os.getloadavg()[0], "rows": rows, "solver": solver})
+            style.save(picture(rows), folder / PICTURE)
 
 
 def measured(folder: Path, count: int) -> dict[str, float]:

@@ -11,6 +11,7 @@ from typing import Any
 from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import duration
+from rps_exudyn.cli.progress import shown_progress
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.study.cases import count_of
 from rps_exudyn.study.collected import SUFFIXES, write_table
@@ -67,7 +68,8 @@ class Request:
                 f"{self.file} has {count} cases; more than {MANY_CASES} are run with --yes only "
                 "(--dry-run --yes estimates how long they take)."
             )
-        return StudyWork.of(study, self.out)
+        with shown_progress(asked=False):
+            return StudyWork.of(study, self.out)
 
 
 def do_study(request: Request, json: bool) -> int:

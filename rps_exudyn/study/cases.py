@@ -4,9 +4,11 @@ import hashlib
 import json
 import math
 from collections.abc import Iterator, Mapping
+from functools import partial
 from typing import Any
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.progress import reached
 from rps_exudyn.parameters.declaration import Table
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -95,7 +97,9 @@ def setup_of(study: Study, case: Case) -> Setup:
 
 def _cases(study: Study) -> Iterator[Case]:
     problems: dict[str, None] = {}
-    for values in points(study.axes, study.design, study.samples, study.seed):
+    count = count_of(study)
+    for number, values in enumerate(points(study.axes, study.design, study.samples, study.seed)):
+        reached(number / count, partial("{} cases laid out".format, number))
         settings = settings_of(study.axes, values)
         try:
             setup = study.setup(settings)

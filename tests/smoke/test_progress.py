@@ -1,11 +1,16 @@
 """A long run tells a listener how far it is, also from a process of its own; a short one tells nothing."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.base import progress
 from rps_exudyn.base.progress import Progress, begin_part, following, passed_on, reached
+from rps_exudyn.study.cases import describe
+from rps_exudyn.study.study_file import read_study
+from study_files import write_grid
 
 
 @pytest.fixture
@@ -77,3 +82,20 @@ def test_motion_in_exudyn_tells_how_much_is_done(monkeypatch: pytest.MonkeyPatch
     assert fractions == sorted(fractions)
     assert fractions[0] < 0.3
     assert fractions[-1] == pytest.approx(1.0)
+
+
+def test_laying_out_many_cases_tells_how_many(clock: list[float], tmp_path: Path) -> None:
+    told: list[Progress] = []
+    study = read_study(write_grid(tmp_path / "s.toml", *range(100, 140)))
+
+    def later(word: Progress) -> None:
+        told.append(word)
+        clock[0] += 1.0
+
+    with following(later):
+        reached(0.0, str)
+        clock[0] += 3.0
+        assert len(describe(study, {}).cases) == 40
+    assert told[0].place == "0 cases laid out"
+    assert told[-1].place == "39 cases laid out"
+    assert told[-1].fraction == pytest.approx(39 / 40)
