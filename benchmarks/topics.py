@@ -2,6 +2,7 @@
 
 from benchmarks import (
     bar_section_cell,
+    block_damage,
     efficiency_map,
     explorer,
     flank_contact,
@@ -70,6 +71,7 @@ TOPICS: dict[str, Topic] = {
     "explorer": explorer.TOPIC,
     "validation": validation.TOPIC,
     "study_scaling": study_scaling.TOPIC,
+    "block_damage": block_damage.TOPIC,
     "peer_scene": scene_files.TOPIC,
     "peers": side_by_side.TOPIC,
 }
