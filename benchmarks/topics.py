@@ -17,6 +17,7 @@ from benchmarks import (
     rattle_map,
     scene_needs,
     scenes,
+    start_up,
     stick_slip,
     study_runner,
     study_scaling,
@@ -72,6 +73,7 @@ TOPICS: dict[str, Topic] = {
     "validation": validation.TOPIC,
     "study_scaling": study_scaling.TOPIC,
     "block_damage": block_damage.TOPIC,
+    "start_up": start_up.TOPIC,
     "peer_scene": scene_files.TOPIC,
     "peers": side_by_side.TOPIC,
 }

@@ -161,11 +161,17 @@ def _print_tally(work: StudyWork, tally: Tally, json: bool) -> None:
             for group in tally.said
         ]
         content: dict[str, Any] = {"folder": str(folder), "cases": count, "statuses": statuses}
-        content |= {"said": said, "done_now": tally.done_now, "in_groups": tally.through_batch}
+        content |= {
+            "said": said,
+            "done_now": tally.done_now,
+            "in_groups": tally.through_batch,
+            "in_loop": tally.in_loop,
+        }
         print(json_text.dumps(content, indent=2))
         return
     outcomes = ", ".join(f"{number} {status}" for status, number in sorted(tally.statuses.items()))
-    how = f" ({tally.through_batch} in groups)" if tally.through_batch else ""
+    loop = f", {tally.in_loop} by the loop over many gears" if tally.in_loop else ""
+    how = f" ({tally.through_batch} in groups{loop})" if tally.through_batch else ""
     print(
         f"{work.study.title}: {count} cases in {folder} ({outcomes}), {tally.done_now} of them done now{how}"
     )

@@ -16,7 +16,7 @@ from rps_exudyn.results.block import CaseRecord
 from rps_exudyn.results.case_file import FileForms, Keep, kept
 from rps_exudyn.results.outcome import Interrupted, Status
 from rps_exudyn.results.result import Result, failed
-from rps_exudyn.simulate.batch import batch
+from rps_exudyn.simulate.case_group import CaseGroup
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.simulate.time_limit import alarm, place_of, sentence
 
@@ -75,6 +75,7 @@ class CaseRunner:
             "cpu_s": result.cpu_s,
             "wall_s": result.wall_s,
             "summary": dict(result.summary),
+            "in_loop": "loop" in result.findings,
         }
         if task.get("form") == "record":
             return row, CaseRecord.of(case_hash, result).to_bytes()
@@ -94,11 +95,9 @@ def _outcomes(task: dict[str, Any]) -> Sequence[Result]:
         KeyboardInterrupt: the time is over.
     """
     gear, fidelity = SteeringGear.from_tables(task["gear"]), Fidelity.from_tables(task["fidelity"])
-    settings = [member["settings"] for member in task["members"]]
-    values = {path: [each[path] for each in settings] for path in settings[0]}
+    group = CaseGroup(task["scene"], gear, fidelity, [member["settings"] for member in task["members"]])
     with alarm(task.get("time_limit", float("inf"))):
-        found = batch(task["scene"], gear, values, fidelity=fidelity)
-        return [result for result in found.results if result is not None]
+        return group.results(task["keep"]["signals"])
 
 
 def _outcome(task: dict[str, Any]) -> Result:

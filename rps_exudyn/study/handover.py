@@ -11,6 +11,8 @@ from dataclasses import asdict
 from typing import Any
 
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.simulate.case_group import torque_alone
+from rps_exudyn.simulate.looped import why_not
 from rps_exudyn.simulate.processes import Done, Task
 from rps_exudyn.study.definition import FIDELITY, Study
 from rps_exudyn.study.description import Case, Description, settings_of
@@ -18,8 +20,9 @@ from rps_exudyn.study.store import Store
 
 SECONDS = 2.0  # of work in a group
 FEWEST = 64  # missing cases, from which groups pay
-SMALLEST, LARGEST = 8, 1024  # cases of a group
-SHARES = 4  # of what is left, for each worker: one of them is the most that a group takes
+LARGEST = 1024  # cases of a group
+SMALLEST, SHARES = 8, 4  # least cases of a group; and of what is left, for each worker, one share is the most
+SMALLEST_OF_LOOP, SHARES_OF_LOOP = 256, 2  # the loop over many gears begins each time by learning from some
 OF_LIMIT = 4  # groups that fit into one case's time limit: a group has no more time than a case
 
 
@@ -50,11 +53,15 @@ class Handover(Iterator[Task]):
         self._alone: deque[Case] = deque()
         self._left = deque(missing)
         self._grouped = in_groups(study, store.description, len(missing))
-        self._shares = SHARES * workers
+        self._looped = self._grouped and in_loop(study, store.description)
+        self._smallest = SMALLEST_OF_LOOP if self._looped else SMALLEST
+        self._shares = (SHARES_OF_LOOP if self._looped else SHARES) * workers
         self._seconds = min(seconds, study.time_limit / OF_LIMIT)
         self._cost: float | None = None  # of a case in a group [s]
         self.through_batch = 0
         """Cases that were answered in groups; all others were done singly."""
+        self.in_loop = 0
+        """Those of them that the loop over many gears found."""
 
     def __next__(self) -> Task:
         if self._alone:
@@ -69,9 +76,10 @@ class Handover(Iterator[Task]):
     @property
     def _size(self) -> int:
         if self._cost is None:
-            return SMALLEST
-        most = min(LARGEST, max(SMALLEST, len(self._left) // self._shares))
-        return max(1, min(most, int(self._seconds / self._cost)))
+            return self._smallest
+        most = min(LARGEST, max(self._smallest, len(self._left) // self._shares))
+        least = self._smallest if self._looped else 1  # fewer would be simulated one by one
+        return max(least, min(most, int(self._seconds / self._cost)))
 
     def answers(self, done: Done) -> list[tuple[Case, Done]]:
         """Return each case of a task with its answer; a group without any is handed over again, singly."""
@@ -86,6 +94,7 @@ class Handover(Iterator[Task]):
         cost = done.wall_s / len(cases)
         self._cost = cost if self._cost is None else (self._cost + cost) / 2
         self.through_batch += len(cases)
+        self.in_loop += sum(bool(answer.get("in_loop")) for answer in answers)
         form = {"form": done.task["form"]}
         return [
             (case, Done({"hash": case.hash, **form}, answer))
@@ -118,6 +127,18 @@ class Handover(Iterator[Task]):
         ]
         name = f"{cases[0].hash} and {len(cases) - 1} more"
         return self._common() | {"hash": name, "gear": gear, "fidelity": fidelity, "members": members}
+
+
+def in_loop(study: Study, description: Description) -> bool:
+    """Tell whether the loop over many gears knows the study, whose groups are then larger."""
+    settings = settings_of(study.axes, description.cases[0].values)
+    base = study.base
+    return torque_alone(description.signals.signals) and not why_not(
+        description.scene,
+        base.steering_gear,
+        base.fidelity,
+        {path: [value] for path, value in settings.items()},
+    )
 
 
 def in_groups(study: Study, description: Description, cases: int) -> bool:

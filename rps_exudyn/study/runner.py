@@ -79,6 +79,7 @@ class Tally:
     done_now: int
     skipped: list[tuple[Path, str]]  # each with the reason
     through_batch: int = 0  # of those done now; the others were simulated singly
+    in_loop: int = 0  # of those through the batch
 
 
 def run_study(
@@ -128,7 +129,8 @@ def _run(work: StudyWork, run: Run, form: str, workers: int, seconds: float) -> 
         rows = list(store.rows())
         statuses = Counter(row.status for _, row in rows)
         skipped = skipped + store.skipped
-        return Tally(statuses, groups(rows), len(work.missing), skipped, tasks.through_batch)
+        done = len(work.missing), skipped, tasks.through_batch, tasks.in_loop
+        return Tally(statuses, groups(rows), *done)
 
 
 def _begin(work: StudyWork) -> None:

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from rps_exudyn.results.block import CaseRecord
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.case_run import CaseRunner
 from rps_exudyn.simulate.processes import Done, Task
@@ -95,6 +96,31 @@ def test_members_of_a_group_end_bit_for_bit_as_single_cases(tmp_path: Path) -> N
         row, (alone, _) = found[index][0], runner.run(dict(singles[index]))
         assert {**row, "cpu_s": 0, "wall_s": 0} == {**alone, "cpu_s": 0, "wall_s": 0}
     assert [row["status"] for row, _ in found] == ["ok", "ok", "invalid", "ok"]
+
+
+def test_torque_alone_comes_from_the_loop_over_many_gears(tmp_path: Path) -> None:
+    """As from single runs: the same instants, the mean within the loop's stated 1e-4."""
+    file = write_grid(tmp_path / "s.toml", *range(250, 250 + FEWEST))
+    text = file.read_text().replace("[[axis]]", "[set]\ntest.turns = 0.2\n[[axis]]")
+    file.write_text(text + '[keep]\nsignals = ["pinion_torque"]\n')
+    work = StudyWork.of(read_study(file), tmp_path / "s")
+    tasks, runner = Handover(work.study, work.store, work.missing, "record"), CaseRunner()
+    group = next(tasks)
+    found = runner.run_group(dict(group))
+    assert found is not None
+    assert sum(row["in_loop"] for row, _ in found) > FEWEST / 2
+    assert tasks.answers(Done(group, {"cases": [row for row, _ in found]}, wall_s=1.0))
+    assert tasks.in_loop > FEWEST / 2
+    tasks._alone.extend(work.missing[:: FEWEST - 1])
+    for (row, content), single in zip(found[:: FEWEST - 1], list(tasks), strict=True):
+        alone, expected = runner.run(dict(single))
+        assert (row["status"], row["message"]) == (alone["status"], alone["message"])
+        assert row["summary"]["torque_mean"] == pytest.approx(alone["summary"]["torque_mean"], rel=1e-4)
+        ours, theirs = CaseRecord.from_bytes(content), CaseRecord.from_bytes(expected)
+        assert ours.attributes["parameters"] == theirs.attributes["parameters"]
+        for name in ("time", "pinion_angle"):
+            assert ours.signals[name] == pytest.approx(theirs.signals[name], abs=1e-9)
+        assert ours.signals["pinion_torque"] == pytest.approx(theirs.signals["pinion_torque"], rel=2e-3)
 
 
 def test_time_of_a_group_that_is_over_gives_no_answers(tmp_path: Path) -> None:

@@ -1,0 +1,78 @@
+"""Start of the commands: CPU time with compiled kernels, of the first run, and of the libraries alone.
+
+Each command is a process of its own in an empty folder. Other work on the machine makes CPU times up to three
+times as long; the libraries' own import, measured in turn with the commands, shows by how much.
+"""
+
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from benchmarks.ten_minutes import command, timed
+from benchmarks.topic import Topic, load_data, markdown, save_data
+
+DATA = "start_up.json"
+LIBRARIES = "the libraries that `run` needs, imported"
+IMPORTED = "import numpy, numba, h5py, exudyn, pydantic, cyclopts, matplotlib.figure"
+COMMANDS = (
+    "--help",
+    "describe",
+    "describe yoke.preload",
+    "run --fidelity closed-form",
+    "run --fidelity quasi-static",
+    "run",
+)
+WANTED = {"--help": 0.3, "describe": 0.3, "describe yoke.preload": 0.3, "run": 0.9}  # CPU time [s]
+FIRST = {"run": 15.0}
+
+
+def run(
+    folder: Path, commands: Sequence[str] = COMMANDS, repeats: int = 2, first: Sequence[str] = tuple(FIRST)
+) -> None:
+    """Measure every command some times in turn, and the first run with an empty cache of kernels."""
+    least: dict[str, dict[str, float]] = {}
+    with tempfile.TemporaryDirectory() as temporary:
+        place = Path(temporary)
+        for line in commands:
+            timed(line, command(line), place, {})  # compiles what is missing
+        for _ in range(repeats):
+            tries = {line: timed(line, command(line), place, {}) for line in commands}
+            tries[LIBRARIES] = timed(LIBRARIES, [sys.executable, "-c", IMPORTED], place, {})
+            for line, one in tries.items():
+                before = least.get(line, one)
+                least[line] = {name: min(before[name], one[name]) for name in ("cpu", "wall")}
+        for line in first:
+            cache = {"XDG_CACHE_HOME": str(place / f"cache {line}")}
+            one = timed(line, command(line), place, cache)
+            least[f"first {line}"] = {"cpu": one["cpu"], "wall": one["wall"]}
+    print(least, flush=True)
+    save_data(folder / DATA, {"commands": least, "repeats": repeats})
+
+
+def table(folder: Path) -> str:
+    """Times of all commands."""
+    commands = load_data(folder / DATA)["commands"]
+    wanted = WANTED | {f"first {line}": limit for line, limit in FIRST.items()}
+    rows = [
+        (_named(line), f"{each['cpu']:.2f}", f"{each['wall']:.2f}", wanted.get(line, ""))
+        for line, each in commands.items()
+    ]
+    return markdown(("command", "CPU time [s]", "elapsed [s]", "aim: CPU time [s]"), rows)
+
+
+def _named(line: str) -> str:
+    if line == LIBRARIES:
+        return line
+    first = line.startswith("first ")
+    return f"`rps-exudyn {line.removeprefix('first ')}`" + (", compiling" if first else "")
+
+
+TOPIC = Topic(
+    "start of the commands, kernels compiled and not",
+    "3 min",
+    "first_use",
+    run,
+    {"commands": ("--help", "describe"), "repeats": 1, "first": ()},
+    {"start_up": table},
+)
