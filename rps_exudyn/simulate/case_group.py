@@ -8,7 +8,7 @@ geometry; the finding "loop" says so.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter, process_time
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -44,7 +44,7 @@ class CaseGroup:
         """
         wall, cpu = perf_counter(), process_time()
         table = {path: [each[path] for each in self.settings] for path in self.settings[0]}
-        keep = "torque" if torque_alone(signals) else "signals"
+        keep: Literal["torque", "signals"] = "torque" if torque_alone(signals) else "signals"
         found = batch(self.scene, self.gear, table, fidelity=self.fidelity, keep=keep)
         each_cpu = (process_time() - cpu) / len(self.settings)
         each_wall = (perf_counter() - wall) / len(self.settings)

@@ -129,8 +129,8 @@ def _run(work: StudyWork, run: Run, form: str, workers: int, seconds: float) -> 
         rows = list(store.rows())
         statuses = Counter(row.status for _, row in rows)
         skipped = skipped + store.skipped
-        done = len(work.missing), skipped, tasks.through_batch, tasks.in_loop
-        return Tally(statuses, groups(rows), *done)
+        ways = tasks.through_batch, tasks.in_loop
+        return Tally(statuses, groups(rows), len(work.missing), skipped, *ways)
 
 
 def _begin(work: StudyWork) -> None:
