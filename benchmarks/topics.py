@@ -35,6 +35,7 @@ from benchmarks.stability import (
     implicit_limits,
     maps,
     random_plans,
+    wheel_plans,
 )
 from benchmarks.topic import Topic
 
@@ -62,6 +63,7 @@ TOPICS: dict[str, Topic] = {
     "explicit_limits": explicit_limits.TOPIC,
     "implicit_limits": implicit_limits.TOPIC,
     "random_plans": random_plans.TOPIC,
+    "wheel_plans": wheel_plans.TOPIC,
     "corpus": corpus.TOPIC,
     "check_cost": check_cost.TOPIC,
     "damaged_files": damaged_files.TOPIC,

@@ -1,0 +1,62 @@
+"""The reference of plans that turn the wheel: its integrator against a closed form, its figures against the
+scene's."""
+
+import numpy as np
+import pytest
+
+import rps_exudyn as rps
+from benchmarks.stability.wheel_plans import errors
+from rps_exudyn.forces.memory import NO_MEMORY
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.steering_column import SteeringColumn
+from rps_exudyn.verification.behind_column import Behind, Wheel, figures
+from rps_exudyn.verification.stability import ScenePlan
+
+STIFFNESS, INERTIA = 100.0, 6e-5
+PARTS = ("mesh", "yoke", "bush", "bearing")
+
+
+def alone(turned: float) -> Behind:
+    """An inertia without a gear behind a column whose wheel was turned by an angle [rad]."""
+    return Behind(
+        wheel=Wheel(lambda time: np.full_like(time, turned), np.zeros_like),
+        column=SteeringColumn(0.04, STIFFNESS, 0.0, 0.0, 0.0),
+        force=lambda q, v: np.zeros(8),
+        tangent=lambda q, v, of_q, of_v: np.zeros((8, 8)),
+        memory=NO_MEMORY,
+        mass=np.diag([INERTIA, *[1.0] * 7]),
+        moving=np.arange(8),
+        time=0.0,
+        place=np.zeros(8),
+        rate=np.zeros(8),
+    )
+
+
+def error(steps: int) -> float:
+    """Error after a natural period of an inertia that swings about the wheel's angle, over that angle."""
+    state, period = alone(0.01), 2 * np.pi * np.sqrt(INERTIA / STIFFNESS)
+    for end in np.linspace(0, period, steps + 1)[1:]:
+        state.go(float(end))
+    return abs(float(state.place[0])) / 0.01
+
+
+def test_integrator_is_of_second_order() -> None:
+    """Half the step, a quarter of the error in phase or less (the swing's end is its turn, where an error of
+    phase counts squared), and below 0.1 % in 60 steps."""
+    assert error(60) < 1e-3
+    assert error(60) < error(30) / 3.5
+
+
+def test_stick_slip_of_the_scene_is_the_references() -> None:
+    """Torque's range and peak of a gear that sticks and slips: to 0.5 % of the peak, where 10 % less static
+    friction show."""
+    law = {f"{part}.friction_law": "stribeck" for part in PARTS}
+    ratio = {f"{part}.static_ratio": 1.2 for part in PARTS}
+    plan = ScenePlan("stick-slip", SteeringGear().replace(law | ratio), Fidelity.preset("flank"))
+    result = rps.run("stick-slip", plan.gear)
+    found = errors(plan, result, figures(plan, 1))
+    assert max(abs(each) for each in found.values()) < 5e-3
+    less = {f"{part}.static_ratio": 1.1 for part in PARTS}
+    other = ScenePlan("stick-slip", plan.gear.replace(less), plan.fidelity)
+    assert errors(plan, result, figures(other, 1))["ripple_error"] == pytest.approx(0.09, abs=0.03)
