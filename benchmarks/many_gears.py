@@ -1,0 +1,175 @@
+"""The compiled loop over many gears beside single runs: gears per second, what stays in the loop, errors.
+
+The gears are random gears of the design of `studies/tolerance.toml`: over a turn with runout and a pitch
+error, and without both over one tooth pitch. Loop and single runs go one after the other in one process; CPU
+times are the least of repeats. Errors are differences from single runs in steps of 1 degree.
+"""
+
+import os
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+
+from benchmarks.topic import ROOT, Topic, digits, load_data, markdown, save_data
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.simulate.batch import Batch, batch
+from rps_exudyn.simulate.loop_design import SINGLE_OUT, Design
+from rps_exudyn.solvers.gear_rows import RUNOUT_ANGLE, rows_of_table
+from rps_exudyn.solvers.many_gears import COARSE
+from rps_exudyn.study.description import settings_of
+from rps_exudyn.study.runner import StudyWork
+from rps_exudyn.study.study_file import read_study
+
+SCENE = "free-pinion-torque"
+STUDY = ROOT / "studies" / "tolerance.toml"
+DATA = "many_gears.json"
+SPANS = {"turn": "a turn, runout and one pitch", "pitch": "one tooth pitch"}
+REPEATS = 2
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True)
+class Gears:
+    """Random gears of one law over one span."""
+
+    gear: SteeringGear
+    table: dict[str, np.ndarray]
+
+    @classmethod
+    def of(cls, folder: Path, law: str, span: str, count: int) -> "Gears":
+        """Take the first `count` samples of the tolerance study."""
+        file = folder / "many.toml"
+        text = STUDY.read_text().replace("samples = 200", f"samples = {count}")
+        file.write_text(text.replace('gear = "gears/paper.toml"\n', ""))  # the default gear is the paper's
+        work = StudyWork.of(study := read_study(file), folder / "never")
+        file.unlink()
+        settings = [settings_of(study.axes, case.values) for case in work.missing]
+        table = {path: np.array([each[path] for each in settings], dtype=float) for path in settings[0]}
+        if span == "pitch":
+            table = {path: each for path, each in table.items() if path not in (*SINGLE_OUT, RUNOUT_ANGLE)}
+        return cls(SteeringGear().replace({"mesh.law": law}), table)
+
+    def some(self, count: int) -> dict[str, np.ndarray]:
+        """The table's first rows."""
+        return {path: values[:count] for path, values in self.table.items()}
+
+
+def run(
+    folder: Path,
+    laws: Sequence[str] = ("line", "area"),
+    spans: Sequence[str] = tuple(SPANS),
+    gears: int = 1000,
+    singles: int = 300,
+) -> None:
+    """Send so many gears through the loop, and the first of them through single runs."""
+    rows = []
+    for law in laws:
+        for span in spans:
+            rows.append({"law": law, "span": span} | measured(Gears.of(folder, law, span, gears), singles))
+            print(rows[-1], flush=True)
+    save_data(folder / DATA, {"load": os.getloadavg()[0], "rows": rows})
+
+
+def measured(gears: Gears, singles: int) -> dict[str, float]:
+    """CPU time per gear [s] in the solver, of the loop all in and of single runs; share and errors."""
+    count = len(next(iter(gears.table.values())))
+    batch(SCENE, gears.gear, gears.some(2), keep="torque")
+    followed = in_solver(gears)
+    seconds, found = least(lambda: batch(SCENE, gears.gear, gears.table, keep="torque"), REPEATS)
+    alone_seconds, alone = least(lambda: batch(SCENE, gears.gear, gears.some(singles)), REPEATS)
+    both = found.in_loop[:singles] & alone.ok
+    same = [found.statuses[i] is alone.statuses[i] for i in range(singles)]
+    return {
+        "gears": count,
+        "singles": singles,
+        "compared": int(both.sum()),
+        "solver": followed["seconds"] / count,
+        "evaluations": followed["evaluations"],
+        "all_in": seconds / count,
+        "single": alone_seconds / singles,
+        "in_loop": float(found.in_loop.mean()),
+        "statuses_differ": same.count(False),
+        **errors(found, alone, both),
+    }
+
+
+def in_solver(gears: Gears) -> dict[str, float]:
+    """CPU time [s] of the compiled loop alone, and evaluations of the forces per gear and angle."""
+    centre = {path: float(np.median(values)) for path, values in gears.table.items()}
+    varied = centre if "pinion.runout" not in centre else centre | {"pinion.runout": 0.0}
+    reference, fidelity = gears.gear.replace(varied), Fidelity.preset("quasi-static")
+    rows = rows_of_table(reference, fidelity, gears.table)
+    design = Design.of(reference, fidelity, gears.table)
+    assert design is not None  # the reference gear is found
+    follow, nodes = design.loop.follow, design.nodes
+    follow(rows.of(np.arange(2)), nodes, design.per_pitch, design.known, design.features[:2], COARSE)
+    arguments = rows, nodes, design.per_pitch, design.known, design.features, COARSE
+    seconds, found = least(lambda: follow(*arguments), REPEATS)
+    return {"seconds": seconds, "evaluations": float(found.evaluations.mean() / len(nodes))}
+
+
+def least(work: Callable[[], Found], repeats: int) -> tuple[float, Found]:
+    """CPU time of the process [s], the least of repeats, and what the last one found."""
+    best = np.inf
+    for _ in range(repeats):
+        start = time.process_time()
+        found = work()
+        best = min(best, time.process_time() - start)
+    return best, found
+
+
+def errors(found: Batch, alone: Batch, both: np.ndarray) -> dict[str, float]:
+    """Relative errors of mean and peak to peak where both know the gear: of 99 % of them, and the largest."""
+    chosen = {}
+    for name in ("torque_mean", "torque_peak_to_peak"):
+        relative = np.abs(found.summary[name][: len(both)] / alone.summary[name] - 1)[both]
+        chosen[f"{name}_99"], chosen[f"{name}_largest"] = (
+            float(np.quantile(relative, 0.99)),
+            float(relative.max()),
+        )
+    return chosen
+
+
+def table(folder: Path) -> str:
+    """The loop beside single runs."""
+    head = (
+        "law, motion",
+        "gears/s and core: solver, all in, singly",
+        "times a single run",
+        "evaluations per angle",
+        "in the loop [%]",
+        "error of the mean [%]: of 99 %, largest",
+        "of peak to peak [%]",
+    )
+    rows = [
+        (
+            f"{row['law']}, {SPANS[row['span']]}",
+            ", ".join(digits(1 / row[name], 3) for name in ("solver", "all_in", "single")),
+            digits(row["single"] / row["all_in"]),
+            digits(row["evaluations"], 3),
+            digits(100 * row["in_loop"], 4),
+            _errors(row, "torque_mean"),
+            _errors(row, "torque_peak_to_peak"),
+        )
+        for row in load_data(folder / DATA)["rows"]
+    ]
+    return markdown(head, rows)
+
+
+def _errors(row: dict[str, float], name: str) -> str:
+    return f"{digits(100 * row[f'{name}_99'])}, {digits(100 * row[f'{name}_largest'])}"
+
+
+TOPIC = Topic(
+    "the compiled loop over many gears beside single runs",
+    "2 min",
+    "study_runner",
+    run,
+    {"laws": ("line",), "spans": ("pitch",), "gears": 48, "singles": 2},
+    {"many_gears": table},
+)
