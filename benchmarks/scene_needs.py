@@ -151,6 +151,16 @@ NEEDS = {
             Metric("breakaway_ratio", absolute=0.02),
         ],
     ),
+    "steering-torque": Need(
+        "steering-torque",
+        [
+            Metric("feel_area", fraction=0.01),
+            Metric("angle_dead_band", fraction=0.01),
+            Metric("torque_dead_band", fraction=0.01),
+            Metric("steering_gradient", fraction=0.02),
+        ],
+        {"test.tyre_stiffness": "200 N/mm"},
+    ),
     "stick-slip": Need(
         "stick-slip",
         [

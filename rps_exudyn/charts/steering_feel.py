@@ -15,6 +15,8 @@ FIGURES = {
     "on_centre_stiffness": "stiffness on centre",
     "feel_angle_hysteresis": "turned about after",
     "breakaway_ratio": "breakaway over running",
+    "angle_dead_band": "dead band",
+    "torque_dead_band": "dead band of torque",
 }
 BEHIND = SIGNALS["column_twist"]  # of its unit: an angle
 

@@ -12,6 +12,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.force_object import add_forces
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.solvers.steering_column import SteeringColumn
+from rps_exudyn.solvers.wheel_torque import WheelTorque
 
 
 def add_column(model: SteeringModel, column: SteeringColumn) -> None:
@@ -38,6 +39,32 @@ def add_column(model: SteeringModel, column: SteeringColumn) -> None:
         _add_jointed(model, column)
     else:
         _add_straight(model, column)
+
+
+def add_wheel_torque(model: SteeringModel, drive: WheelTorque) -> None:
+    """Add the hand's torque on the wheel, and the tyres' spring between the ground and the rack."""
+    from exudyn.itemInterface import (
+        CoordinateSpringDamper,
+        LoadCoordinate,
+        MarkerNodeCoordinate,
+        NodePointGround,
+    )
+
+    mbs = model.mbs
+
+    def torque(mbs: Any, t: float, load: float) -> float:
+        return drive.sign * float(drive.torque(t))
+
+    ground, wheel, rack = (
+        mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
+        for node in (mbs.AddNode(NodePointGround()), model.nodes["wheel"], model.nodes["rack"])
+    )
+    mbs.AddLoad(LoadCoordinate(markerNumber=wheel, load=0.0, loadUserFunction=torque))
+    mbs.AddObject(
+        CoordinateSpringDamper(
+            markerNumbers=[ground, rack], stiffness=drive.tyre.stiffness, offset=drive.tyre.relaxed
+        )
+    )
 
 
 def _add_straight(model: SteeringModel, column: SteeringColumn) -> None:

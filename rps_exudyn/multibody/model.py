@@ -30,7 +30,7 @@ from rps_exudyn.gears import solids
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.bodies import add_bodies
 from rps_exudyn.multibody.bush_chain import add_chain
-from rps_exudyn.multibody.column import add_column
+from rps_exudyn.multibody.column import add_column, add_wheel_torque
 from rps_exudyn.multibody.force_object import add_element, add_forces
 from rps_exudyn.multibody.general_contact import add_general_contacts, add_tangent
 from rps_exudyn.multibody.steering_model import SteeringModel
@@ -43,6 +43,7 @@ from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, stacked
 from rps_exudyn.solvers.settled_start import Approach, settled_path
 from rps_exudyn.solvers.steering_column import SteeringColumn
+from rps_exudyn.solvers.wheel_torque import WheelTorque
 
 
 def build_model(
@@ -98,7 +99,11 @@ def build_model(
 
 
 def _add_drive(model: SteeringModel) -> None:
-    """Prescribe a coordinate of pinion, rack or wheel by a rheonomic constraint."""
+    """Prescribe a coordinate of pinion, rack or wheel by a rheonomic constraint; or turn the wheel by a
+    torque."""
+    if isinstance(model.drive, WheelTorque):
+        add_wheel_torque(model, model.drive)
+        return
     place_at, rate_at = model.drive.of_time
 
     def place(mbs: Any, t: float, item: int, offset: float) -> float:

@@ -15,6 +15,7 @@ from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.solvers.balance import SIZE
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, Kernel
 from rps_exudyn.solvers.record import Record
+from rps_exudyn.solvers.wheel_torque import WheelTorque
 
 NOTHING = np.zeros(0)
 
@@ -54,8 +55,7 @@ class Recorder:
         system = mbs.systemData
         if self.steps and t <= self.steps[-1].time:  # a solver that goes on reports where it starts
             return True
-        (multiplier,) = system.GetObjectLTGAE(self.model.constraint)
-        drive, mesh = float(system.GetAECoordinates()[multiplier]), None
+        drive, mesh = self._multiplier(system), None
         coordinates, rates = np.array(system.GetODE2Coordinates()), np.array(system.GetODE2Coordinates_t())
         if self.model.contacts is not None:
             # Newton's last evaluation was made before its last correction, on the contacts it began with
@@ -64,6 +64,13 @@ class Recorder:
         self.steps.append(Step(t, coordinates, rates, drive, mesh, self._remembered(t, coordinates, rates)))
         reached(t / self.end, lambda: self.model.drive.shown(t))
         return True
+
+    def _multiplier(self, system: Any) -> float:
+        """That of the drive's constraint; 0 where a torque turns the wheel."""
+        if self.model.constraint is None:
+            return 0.0
+        (multiplier,) = system.GetObjectLTGAE(self.model.constraint)
+        return float(system.GetAECoordinates()[multiplier])
 
     def _remembered(self, t: float, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray:
         """Make the end of a step found the begin of the next; return what was the begin."""
@@ -104,6 +111,9 @@ class Recorder:
         places, speeds = (np.ascontiguousarray(rows[:, columns]) for rows in (coordinates, rates))
         if bar is not None:
             energy += bar.elastic_energy(places)
+        tyre = model.drive.tyre if isinstance(model.drive, WheelTorque) else None
+        if tyre is not None:
+            energy += tyre.energy(places[:, COORDINATE_BLOCKS["rack"].start])
         return Record(
             model.forces.elements,
             time,
@@ -119,6 +129,7 @@ class Recorder:
             memory=memory,
             wheel=self._wheel(coordinates, rates),
             column=model.column,
+            tyre=tyre,
         )
 
     def _overcome(
@@ -130,6 +141,8 @@ class Recorder:
         swings wherever the length of the steps changes, by as much as the inertia's torque.
         """
         model, wheel = self.model, self._wheel(coordinates, rates)
+        if isinstance(model.drive, WheelTorque):
+            return model.drive.torque(time)
         if model.column is None or wheel is None:
             return np.asarray(-model.drive.sign * multiplier)
         pinion = model.coordinates("pinion").start

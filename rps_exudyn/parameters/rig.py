@@ -12,6 +12,7 @@ from rps_exudyn.parameters.declaration import (
     Mass,
     Number,
     Speed,
+    SpringRate,
     Table,
     Time,
     Torque,
@@ -78,6 +79,18 @@ class Test(Table):
     band_high: Frequency = parameter("1 kHz", "rattle: upper end of that band", "estimate", gt=0)
     centre_window: Angle = parameter(
         "100 deg", "either side of the centre, how far the torque counts as on centre", "estimate", gt=0
+    )
+    steer_torque: Torque = parameter(
+        "4 N*m", "steering-torque: peak of the hand's torque on the wheel", "estimate", gt=0
+    )
+    steer_frequency: Frequency = parameter(
+        "0.2 Hz", "steering-torque: of that torque", "estimate", ge=0.001, le=5
+    )
+    tyre_stiffness: SpringRate = parameter(
+        0.0,
+        "steering-torque: restoring force of the tyres along the rack over its travel; 0: none",
+        "estimate",
+        ge=0,
     )
     cap_torque: Torque = parameter(
         "4.9 N*m", "yoke-setting: torque to which the yokenut is tightened", "estimate", gt=0

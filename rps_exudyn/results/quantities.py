@@ -107,6 +107,7 @@ SIGNALS = {
         "torque of the column on the steering wheel: wheel_torque without the wheel's inertia"
     ),
     "column_twist": Quantity("rad", "deg", "twist of column and torsion bar"),
+    "tyre_force": _force("force of the tyres' spring on the rack along +X"),
     "load_force": _force("force that pulls the rack's end towards -X"),
     "road_force": _force("force of the road along the tie rod on the rack's end beside the pinion"),
     "end_force_y": _force("force of the rig across the rack's end beside the pinion, along Y"),
@@ -237,6 +238,15 @@ SUMMARY = {
         "N*m/rad",
         "N*m/deg",
         "column_torque over wheel_angle after a turn, between half the running torque either way, mean",
+    ),
+    "angle_dead_band": Quantity(
+        "rad", "deg", "steering-torque: width of the loop of column_torque over wheel_angle without torque"
+    ),
+    "torque_dead_band": _torque("width of that loop at the middle of its angles"),
+    "steering_gradient": Quantity(
+        "N*m/rad",
+        "N*m/rad",
+        "column_torque over wheel_angle about the middle of that loop, mean of the ways",
     ),
     "breakaway_torque": _torque("largest column_torque against the motion after a turn, mean over the turns"),
     "breakaway_ratio": _number("breakaway_torque over feel_running_torque"),

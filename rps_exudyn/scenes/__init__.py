@@ -18,6 +18,7 @@ SCENE_NAMES = (
     "rack-push",
     "reversal",
     "steering-feel",
+    "steering-torque",
     "stick-slip",
     "yoke-impact",
     "radial-play",

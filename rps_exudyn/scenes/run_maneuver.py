@@ -27,22 +27,28 @@ from rps_exudyn.solvers.adaptive_path import adaptive_path
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.column_path import path_behind_column
-from rps_exudyn.solvers.drive import SetOff, Steady, Swing, travel_per_radian
+from rps_exudyn.solvers.drive import Drive, SetOff, Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
 from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
-from rps_exudyn.solvers.record_of_column import behind_column
+from rps_exudyn.solvers.record_of_column import behind_column, under_torque
 from rps_exudyn.solvers.settled_start import settled_path
 from rps_exudyn.solvers.steering_column import SteeringColumn
+from rps_exudyn.solvers.torque_path import path_under_torque, wheel_angles
+from rps_exudyn.solvers.wheel_torque import WheelTorque
 
 SHORTEST_STEP = 1e-7  # of the dynamics [s] ...
 SHORTEST_AT_TURNS = 1e-9  # ... where all friction turns about at once
 LEAST_FORCE = 10.0  # of which a tolerance is a fraction [N]
 STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drifts less is settled
+UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
 JUMPS = (
     "; where friction falls by more than column.stiffness = {:.4g} N*m/rad the gear jumps, which only "
     "generalized-alpha knows"
+)
+JUMPS_UNDER_TORQUE = (
+    "; under a given torque the gear jumps where friction falls, which only generalized-alpha knows"
 )
 CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
 
@@ -103,7 +109,7 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
             steps=piece.steps * piece.parts,
             absolute_tolerance=tolerance,
             contractivity=SHAKEN if maneuver.pulse is not None and model.modes else SolverPlan.contractivity,
-            minimum_step=SHORTEST_AT_TURNS if isinstance(maneuver.drive, Swing | SetOff) else SHORTEST_STEP,
+            minimum_step=SHORTEST_AT_TURNS if isinstance(maneuver.drive, UNEVEN) else SHORTEST_STEP,
         )
         for piece in maneuver.pieces()
     ]
@@ -190,15 +196,24 @@ def _along_equilibria(
     elif not path.converged:
         outcome = _lost(maneuver, path, outcome)
         if column is not None:
-            outcome = replace(outcome, message=outcome.message + JUMPS.format(column.stiffness))
+            jumps = JUMPS_UNDER_TORQUE if isinstance(drive, WheelTorque) else JUMPS
+            outcome = replace(outcome, message=outcome.message + jumps.format(column.stiffness))
     turned = drive if column is None else replace(drive, body="pinion")
     record = record_of_path(forces.elements, path, turned, forces.bar, forces.memory.array)
     if column is not None:
-        record = behind_column(record, column, drive)
+        record = _seen_from_wheel(record, column, drive)
     run = _finished(gear, maneuver, outcome, record, path, forces.friction_zone, options)
     if interrupted:
         raise Interrupted(run)
     return run
+
+
+def _seen_from_wheel(record: Record, column: SteeringColumn, drive: Drive) -> Record:
+    """The record of a pinion as that of the wheel before its column."""
+    if not isinstance(drive, WheelTorque):
+        return behind_column(record, column, drive)
+    angles = wheel_angles(drive, column, record.time, -record.of("pinion")[:, 0])
+    return under_torque(record, column, drive, angles)
 
 
 def _followed(
@@ -212,6 +227,8 @@ def _followed(
     drive, pair = maneuver.drive, GearPair.of(gear)
     inertia = (0.0, 0.0) if isinstance(drive, Steady) else following_inertia(gear)
     balance, approach, time = forces.statics._replace(inertia=inertia), maneuver.approach, maneuver.time
+    if column is not None and isinstance(drive, WheelTorque):
+        return path_under_torque(balance, pair, drive, column, time)
     if column is not None:
         return path_behind_column(balance, pair, drive, column, approach, time)
     if fidelity.torque_tolerance > 0:

@@ -8,6 +8,7 @@ place is the root of one function of one number, bracketed, because friction tha
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Self
 
 import numpy as np
 
@@ -24,6 +25,7 @@ CLOSE = 1e-4  # of the largest torque so far: how far the column's may be from t
 LEAST_TORQUE = 1e-3  # ... or that of a gear that takes none [N m]
 TRIALS = 60  # of the pinion's place at an instant
 WIDEST = 10.0  # steps of the column's upper end, as far as the pinion's place is looked for
+STALLED = 9  # trials after which every third halves the bracket: about a corner secants shorten one side only
 RETRIES, NEARER = 6, 0.8  # where the gear finds no equilibrium, and how much of a move is left each time
 TWISTS = 3  # times that the start is found behind a column: the torque hardly changes with its twist
 MOST_PLACES = 1e-15  # of a bracket [rad]: a torque that jumps is not found any closer
@@ -64,7 +66,7 @@ def path_behind_column(
     start = settled_behind(balance, pair, wheel, column, approach)
     if not start.converged:
         return start
-    march = _March.begun(balance, pair, BehindColumn("pinion", wheel, column), start, time)
+    march = March.begun(balance, pair, BehindColumn("pinion", wheel, column), start, time)
     found = 1
     try:
         while found < len(time) and march.find(found):
@@ -76,7 +78,7 @@ def path_behind_column(
 
 
 @dataclass(eq=False)
-class _March:
+class March:
     """Instants found so far; arrays have one row per instant, as those of `path_follower`."""
 
     balance: Balance
@@ -96,7 +98,7 @@ class _March:
     @classmethod
     def begun(
         cls, balance: Balance, pair: GearPair, ahead: BehindColumn, start: EquilibriumPath, time: np.ndarray
-    ) -> "_March":
+    ) -> Self:
         """The first row where the gear has settled."""
         free = balance.free(ahead.coordinate)
         coordinates, rates, forces = (np.zeros((len(time), balance.size)) for _ in range(3))
@@ -186,14 +188,15 @@ def root(
     it or hardly shorten it.
     """
     low, high, place, value = -np.inf, np.inf, guess, surplus(guess)
-    for _ in range(TRIALS):
+    for trial in range(TRIALS):
         if not np.isfinite(value):
             return np.nan, slope
         if abs(value) <= close() or high - low <= MOST_PLACES:
             return place, slope
         low, high = (place, high) if value < 0 else (low, place)
         new = place + float(np.clip(-value / slope, -reach, reach))
-        if not low < new < high:
+        stalled = trial >= STALLED and trial % 3 == 0 and np.isfinite(high - low)
+        if stalled or not low < new < high:
             new = (low + high) / 2
         if abs(new - guess) > reach:
             return np.nan, slope

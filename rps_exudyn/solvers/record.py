@@ -26,6 +26,7 @@ from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, along, stacked
 from rps_exudyn.solvers.newton_tangent import OUTPUTS
 from rps_exudyn.solvers.record_of_column import driven_rate, of_column
 from rps_exudyn.solvers.steering_column import SteeringColumn
+from rps_exudyn.solvers.wheel_torque import TyreSpring
 
 WORK = {
     "work_mesh_friction",
@@ -71,6 +72,7 @@ class Record:
     memory: np.ndarray = field(default_factory=lambda: NO_MEMORY)  # where the elements look for it
     wheel: np.ndarray | None = None  # (n, 2) angle and rate of the wheel, where the rig turns it [rad, rad/s]
     column: SteeringColumn | None = None  # behind it
+    tyre: TyreSpring | None = None  # at the rack, where a torque turns the wheel
     known: np.ndarray | None = None  # (n, 73) the elements' outputs, where the solver kept them
 
     def since(self, time: float) -> "Record":
@@ -185,6 +187,8 @@ def signals_of(record: Record) -> dict[str, np.ndarray]:
     }
     in_column = of_column(record)
     signals |= in_column
+    if record.tyre is not None:
+        signals["tyre_force"] = record.tyre.force(record.of("rack")[:, 0])
     if record.pulse_power is not None:
         signals["work_load"] = _work(record.pulse_power, time)
     energy = record.energy + in_column.get("column_energy", 0.0)

@@ -8,6 +8,7 @@ import numpy as np
 from rps_exudyn.base.quadrature import integral_from_start
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.steering_column import SteeringColumn
+from rps_exudyn.solvers.wheel_torque import WheelTorque
 
 if TYPE_CHECKING:
     from rps_exudyn.solvers.record import Record
@@ -42,6 +43,25 @@ def of_column(record: "Record") -> dict[str, np.ndarray]:
         "column_energy": 0.5 * column.stiffness * twist**2,
         "work_column_damping": integral_from_start(lost, record.time) if lost.size else lost,
     }
+
+
+def under_torque(record: "Record", column: SteeringColumn, drive: WheelTorque, angle: np.ndarray) -> "Record":
+    """Return the record of a pinion as that of the wheel at angles (n,) [rad] that a torque turns."""
+    twist = column.output(angle) + record.of("pinion")[:, 0]
+    twisting = _backward(twist, record.time) - record.of_rates("pinion")[:, 0]
+    return replace(
+        record,
+        drive=drive.torque(record.time),
+        driven="wheel",
+        wheel=np.column_stack([angle, twisting / column.ratio(angle)]),
+        column=column,
+        tyre=drive.tyre,
+    )
+
+
+def _backward(values: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """Rate of values (n,) over time [s]."""
+    return np.gradient(values, time) if time.size > 1 else np.zeros_like(values)
 
 
 def behind_column(record: "Record", column: SteeringColumn, wheel: Drive) -> "Record":

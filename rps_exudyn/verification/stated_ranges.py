@@ -107,6 +107,7 @@ TEST: dict[str, Range] = {
     "test.amplitude": Logarithmic(2 * DEG, 90 * DEG),
     "test.cycles": Whole(1, 2),
     "test.pulses": Whole(1, 2),
+    "test.tyre_stiffness": Even(0, 0),  # scenes without it are drawn
     "test.road_angle": Even(-20 * DEG, 20 * DEG),
     "test.road_cycles": Whole(1, 2),
     "test.road_phases": Whole(1, 2),

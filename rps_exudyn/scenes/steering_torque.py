@@ -1,0 +1,96 @@
+"""Steering by torque: the hand gives the wheel a sinusoidal torque, and the tyres hold against it.
+
+The torque has its peak `test.steer_torque` and the frequency `test.steer_frequency`; the wheel turns as the
+column, the gear's friction and a linear spring at the rack, `test.tyre_stiffness`, let it. That spring
+carries nothing where the test starts. One cycle and a quarter go before the record, which starts at a peak.
+"""
+
+import numpy as np
+
+from rps_exudyn.analysis.steering_torque import describe_steering_torque
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.figures import figures_of_motion
+from rps_exudyn.scenes.maneuver import Maneuver, check_travel
+from rps_exudyn.scenes.remarks import remarks, wide_zone
+from rps_exudyn.scenes.run_maneuver import run_maneuver
+from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import Scene
+from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.solvers.closed_form import closed_form
+from rps_exudyn.solvers.wheel_torque import TyreSpring, WheelTorque
+
+PER_CYCLE = 400  # steps
+WIDEST_ZONE = 0.01  # of friction: wider ones creep where they should stick
+
+
+def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
+    """Give the wheel a torque to and fro and record.
+
+    Friction's zone follows the largest speed that the pinion may have.
+
+    Raises:
+        InputError: no tyres, a torque that leaves the rack's teeth, or a model without a column.
+    """
+    maneuver = torque_maneuver(gear)
+    frequency = gear.test.steer_frequency
+    speed = 2 * np.pi * frequency * _largest_turn(gear)
+    run = run_maneuver(gear.replace({"test.speed": speed}), fidelity, maneuver, options)
+    remark = wide_zone(fidelity, "angle_dead_band depends", WIDEST_ZONE)
+    return run.noting(*remarks(gear, run.signals), _held(gear), remark).described(
+        lambda signals: {
+            **describe_steering_torque(signals, 1 / frequency),
+            **figures_of_motion(signals, gear),
+        }
+    )
+
+
+def torque_maneuver(gear: SteeringGear) -> Maneuver:
+    """Return a torque on the wheel over the test's cycles.
+
+    Raises:
+        InputError: nothing restores the wheel, or the torque leaves the rack's teeth.
+    """
+    test, gain = gear.test, float(GearPair.of(gear).gain)
+    if not test.tyre_stiffness:
+        raise InputError(
+            "test.tyre_stiffness is 0 N/mm; steering-torque needs a restoring load: without it a torque "
+            "beyond friction turns the wheel without end."
+        )
+    turn = _largest_turn(gear)
+    ends = test.start_angle - turn, test.start_angle + turn
+    check_travel(gear, ends, f"test.steer_torque = {test.steer_torque:.4g} N*m against test.tyre_stiffness")
+    tyre = TyreSpring(test.tyre_stiffness, gain * test.start_angle)
+    drive = WheelTorque(
+        "wheel", test.start_angle, test.direction * test.steer_torque, 1 / test.steer_frequency, tyre
+    )
+    return Maneuver(drive, drive.period / PER_CYCLE, PER_CYCLE * 5 // 4, PER_CYCLE * test.cycles)
+
+
+def _largest_turn(gear: SteeringGear) -> float:
+    """Angle of the pinion that the peak would reach without friction [rad]."""
+    return gear.test.steer_torque / (gear.test.tyre_stiffness * float(GearPair.of(gear).gain) ** 2)
+
+
+def _held(gear: SteeringGear) -> str:
+    """Remark on a torque that friction alone holds."""
+    friction = abs(closed_form(gear).free_torque)
+    if gear.test.steer_torque > friction:
+        return ""
+    return (
+        f"test.steer_torque = {gear.test.steer_torque:.4g} N m is no more than the gear's friction of "
+        f"{friction:.4g} N m: the column twists and the gear stays"
+    )
+
+
+SCENE = Scene(
+    name="steering-torque",
+    title="Steering by torque: the wheel against the tyres",
+    run=steering_torque,
+    signal="wheel_angle",
+    figure="feel_area",
+    chart="steering_feel",
+    revolutions=None,
+)

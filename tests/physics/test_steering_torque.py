@@ -1,0 +1,102 @@
+"""A torque on the steering wheel against the tyres: closed forms of a slow cycle, and a mass integrated apart."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import rps_exudyn as rps
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result
+from rps_exudyn.solvers.steering_column import SteeringColumn
+from rps_exudyn.solvers.torque_path import upper_end
+
+FRICTION, TYRES, PEAK = 0.4, 200e3, 4.0
+# friction of the bearings alone does not grow with the load
+GEAR = SteeringGear().replace(
+    {
+        "mesh.friction": 0.0,
+        "yoke.friction": 0.0,
+        "bush.drag": 0.0,
+        "bearing.friction_torque": FRICTION,
+        "test.tyre_stiffness": TYRES,
+        "test.steer_torque": PEAK,
+    }
+)
+RESTORING = TYRES * float(GearPair.of(GEAR).gain) ** 2
+COLUMN = GEAR.column.stiffness
+
+
+@cache
+def steered(fidelity: str) -> Result:
+    result = rps.run("steering-torque", GEAR, fidelity=fidelity)
+    assert result.status is Status.OK, result.message
+    return result
+
+
+def test_equilibria_run_round_a_parallelogram() -> None:
+    """Dead bands to 0.3 %, the area to 0.5 %: teeth and guides yield in series with the column."""
+    found = steered("quasi-static").summary
+    assert found["angle_dead_band"] == pytest.approx(2 * FRICTION / RESTORING, rel=3e-3)
+    expected = 2 * FRICTION * COLUMN / (COLUMN + RESTORING)
+    assert found["torque_dead_band"] == pytest.approx(expected, rel=3e-3)
+    assert found["steering_gradient"] == pytest.approx(1 / (1 / COLUMN + 1 / RESTORING), rel=3e-3)
+    assert found["feel_area"] == pytest.approx(4 * FRICTION * (PEAK - FRICTION) / RESTORING, rel=5e-3)
+
+
+def test_dynamics_swing_as_one_mass_on_the_tyres() -> None:
+    """Work of a cycle to 0.5 % of that of a mass with Coulomb friction, integrated apart; a parallelogram
+    has 5 % less. The column is left out of the mass's motion, which moves its frequency by 2 %."""
+    inertia, period = GEAR.column.wheel_inertia, 1 / GEAR.test.steer_frequency
+    step = period / 20000
+    place, rate, slid = 0.0, 0.0, 0.0
+    for i in range(45000):
+        torque = PEAK * np.sin(2 * np.pi * (i + 1) / 20000) - RESTORING * place
+        pushed, held = rate + step * torque / inertia, step * FRICTION / inertia
+        rate = np.sign(pushed) * max(abs(pushed) - held, 0.0)
+        place += step * rate
+        slid += abs(step * rate) if i >= 25000 else 0.0
+    found = steered("flank").summary["feel_area"]
+    assert found == pytest.approx(FRICTION * slid, rel=5e-3)
+    assert found > 1.04 * steered("quasi-static").summary["feel_area"]
+
+
+def test_tyres_hold_against_the_rack() -> None:
+    """Their force is the stiffness times the travel; all works and what is stored balance to 0.1 %."""
+    for fidelity in ("quasi-static", "flank"):
+        result = steered(fidelity)
+        assert result["tyre_force"] == pytest.approx(-TYRES * result["rack_displacement"], abs=1e-6)
+        assert abs(result.summary["energy_residual"]) < 1e-3
+
+
+def test_hand_gives_what_is_asked() -> None:
+    """The torque at the wheel is the sinusoid, from its peak on, to rounding."""
+    for fidelity in ("quasi-static", "flank"):
+        result = steered(fidelity)
+        expected = PEAK * np.cos(2 * np.pi * GEAR.test.steer_frequency * result["time"])
+        assert result["wheel_torque"] == pytest.approx(expected, abs=1e-9 * PEAK)
+
+
+def test_wheel_behind_a_joint_carries_the_hand() -> None:
+    """Power passes the joint: the ratio at the wheel's angle times the pinion's torque is the hand's."""
+    gear = GEAR.replace({"column.joint_angle": "30 deg", "column.damping": 0.0})
+    column = SteeringColumn.of(gear)
+    angle, torque = upper_end(column, 2.0, 0.3, (0.3, 0.0), 0.01)
+    assert float(column.ratio(angle)) * torque == pytest.approx(2.0, rel=1e-12)
+    assert float(column.output(angle)) - 0.3 == pytest.approx(torque / column.stiffness, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("settings", "fidelity", "sentence"),
+    [
+        ({"test.tyre_stiffness": 0.0}, "flank", "test.tyre_stiffness is 0 .* needs a restoring load"),
+        ({"test.tyre_stiffness": 5e3}, "flank", "test.steer_torque = 4 .* the teeth for rack.travel"),
+        ({}, "closed-form", "fidelity.solver is closed-form, which knows no steering column"),
+    ],
+)
+def test_refused(settings: dict[str, float], fidelity: str, sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        rps.run("steering-torque", GEAR.replace(settings), fidelity=fidelity)
