@@ -15,8 +15,8 @@ MIDDLE = 0.2  # of the angles either side of the middle, over which the gradient
 def describe_steering_torque(signals: Signals, period: float) -> dict[str, float]:
     """The summary's figures of steering by torque; {} of a record without both ways of the wheel.
 
-    The torque is the column's, the angle the wheel's; `period` [s] is the hand's. Dead
-    bands are the widths of the loop: of its angles without torque, and of its torques at the middle of its angles.
+    The torque is the column's, the angle the wheel's; `period` [s] is the hand's.
+    Dead bands are the widths of the loop: of its angles without torque, of its torques at the middle angle.
     """
     seen = at_wheel(signals)
     ways = [longest_pass(seen, direction) for direction in (+1, -1)]

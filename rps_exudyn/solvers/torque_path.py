@@ -36,7 +36,6 @@ def path_under_torque(
     if not start.converged:
         return start
     march = TorqueMarch.begun(balance, pair, BehindColumn("pinion", drive, column), start, time)
-    march = cast(TorqueMarch, march)
     march.angle = np.full(len(time), drive.start)
     march.gain = float(pair.gain)
     found = 1
