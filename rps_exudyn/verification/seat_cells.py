@@ -40,6 +40,7 @@ class CellData(NamedTuple):
     friction: float
     zone: float  # friction zone [m/s]
     rest_gap: float  # see `SeatData`
+    tilt: float  # likewise
 
 
 @kernel
@@ -49,11 +50,12 @@ def seat_by_cells(q, v, data):  # type: ignore[no-untyped-def]
     map_ = spin_map(q[3:6])
     axis, omega = vector(rotation_matrix(q[3:6])[:, 0]), vector(times(map_, v[3:6]))
     travels = (v[0], v[1] - v[6], v[2])  # of the bar's reference point against the plunger
+    tilt = min(max(axis[1] / axis[0], -data.tilt), data.tilt)  # of the plunger in its bore, with the bar
     force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     for station in data.stations:
         # where the bar's axis passes the cells' plane
         arm = scaled((station - q[0]) / axis[0], axis)
-        place_y, place_z = q[1] + arm[1] - q[6] + data.rest_gap, q[2] + arm[2]
+        place_y, place_z = q[1] + arm[1] - station * tilt - q[6] + data.rest_gap, q[2] + arm[2]
         for i in range(data.normals.shape[0]):
             cos, sin = data.normals[i, 0], data.normals[i, 1]
             depth = place_y * cos + place_z * sin
@@ -91,6 +93,7 @@ def cell_seat(gear: SteeringGear, *, friction_zone: float, rest_gap: float) -> F
         yoke.friction,
         friction_zone,
         rest_gap,
+        yoke.bore_clearance / yoke.plunger_length,
     )
     outputs = ("seat_normal_force", "seat_force")
     return ForceElement("seat", ("rack", "plunger"), seat_by_cells, data, outputs)
