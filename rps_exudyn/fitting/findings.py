@@ -69,7 +69,7 @@ def sum_sentence(fit: Fit) -> str:
 
 def open_sentences(fit: Fit) -> Iterator[str]:
     """What cannot be told apart, what is known of it together, and which tests would tell."""
-    left = [each.path for each in fit.estimates if each.verdict is Verdict.OPEN]
+    left = [each.path for each in fit.estimates if each.verdict is Verdict.OPEN and each.path in LEVEL]
     if not left:
         return
     yield f"not separable by these tests: {', '.join(left)}; their values below fit together, not each alone"

@@ -17,6 +17,7 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.fitting.bench_tests import FREE_TURNING, Measurement, read_measurement
+from rps_exudyn.fitting.curved import OtherEnd
 from rps_exudyn.fitting.estimate import Fit
 from rps_exudyn.fitting.noise import SENSOR, Found, Repeats, found_noise, noises_of, repeats_of
 from rps_exudyn.fitting.outcome import outcome_of
@@ -25,7 +26,8 @@ from rps_exudyn.fitting.problem import ZERO, Problem, State, white_noise
 from rps_exudyn.fitting.series import Series
 from rps_exudyn.fitting.solve import Solved, solve
 from rps_exudyn.fitting.start import first_slopes, scanned_offset, start_of
-from rps_exudyn.fitting.unknowns import USUAL, settings_of, unknowns_of
+from rps_exudyn.fitting.two_parts import is_curved, level_of, shape_of
+from rps_exudyn.fitting.unknowns import CURVED, USUAL, settings_of, unknowns_of
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import closed_form
@@ -70,7 +72,8 @@ def fit(
         warnings.append(f"the fit of the series is not taken over: {why}")
         before = None
     try:
-        solved, problem, found, repeats = _solved(problem, gear, before)
+        begin = _in_two_parts if is_curved(problem) else _solved
+        solved, problem, found, repeats, others = begin(problem, gear, before)
     except NoPredictionError as error:
         raise InputError(
             f"the fit finds no equilibrium where it begins: {error}; give a gear that runs, by --gear."
@@ -82,7 +85,15 @@ def fit(
         by_law, said = _by_other_law(problem, gear, solved)
         warnings += said
     return outcome_of(
-        problem, gear, solved, found=found, repeats=repeats, by_law=by_law, warnings=warnings, began=began
+        problem,
+        gear,
+        solved,
+        found=found,
+        repeats=repeats,
+        others=others,
+        by_law=by_law,
+        warnings=warnings,
+        began=began,
     )
 
 
@@ -107,6 +118,9 @@ def _tellable(measurement: Measurement, gear: SteeringGear, free: list[str]) -> 
         if turning:
             needed = f"{np.degrees(LEAST_TURN * TURN):.4g} deg"
             warnings.append(f"pinion.runout is not fitted: that needs {needed} of free turning")
+    if not turning and (shapes := [path for path in CURVED if path in free]):
+        free = [path for path in free if path not in shapes]
+        warnings.append(f"{' and '.join(shapes)} not fitted: that needs a curve of free turning")
     return free, warnings
 
 
@@ -147,24 +161,47 @@ def _problem(
     )
 
 
-def _solved(
-    problem: Problem, gear: SteeringGear, before: Series | None
-) -> tuple[Solved, Problem, list[Found], dict[str, Repeats]]:
+Ended = tuple[Solved, Problem, list[Found], dict[str, Repeats], list[OtherEnd]]
+"""Where a fit ended, the problem with its noises, these, the scatter of repeats, and other ends."""
+
+
+def _solved(problem: Problem, gear: SteeringGear, before: Series | None) -> Ended:
     """Solve, find the noise in what is left, and solve again with that noise."""
     state = _start(problem, gear, before)
     solved = solve(problem, gear, state, lambda at: first_slopes(problem, gear, at))
-    passes, rows = problem.measurement.passes, solved.equations.rows
-    found = [
-        found_noise(each, row, noise.white, problem.pitch)
-        for each, row, noise in zip(passes, rows, problem.noises, strict=True)
-    ]
-    repeats = repeats_of(passes, rows)
-    noises = noises_of(passes, found, repeats, len(problem.prediction.blocks) > 1)
-    problem = problem.with_noises(noises)
+    found = _found(problem, solved)
+    repeats = repeats_of(problem.measurement.passes, solved.equations.rows)
+    problem = _with_found(problem, found, repeats)
     again = solve(problem, gear, solved.state)
     why = solved.why or again.why
     again = replace(again, converged=again.converged and solved.converged, why=why)
-    return again, problem, found, repeats
+    return again, problem, found, repeats, []
+
+
+def _in_two_parts(problem: Problem, gear: SteeringGear, before: Series | None) -> Ended:
+    """The same with a bow or an angle error: noise from what is left of the shape."""
+    shape, others = shape_of(problem, gear, _start(problem, gear, before), search=before is None)
+    found = _found(problem, shape)
+    level = level_of(problem, gear, shape, _with_found(problem, found, {}).noises)
+    repeats = repeats_of(problem.measurement.passes, level.equations.rows)
+    problem = _with_found(problem, found, repeats)
+    if repeats:
+        level = level_of(problem, gear, shape, problem.noises)
+    return level, problem, found, repeats, others
+
+
+def _found(problem: Problem, solved: Solved) -> list[Found]:
+    """The noise of each pass in what is left of it."""
+    passes, rows = problem.measurement.passes, solved.equations.rows
+    return [
+        found_noise(each, row, noise.white, problem.pitch)
+        for each, row, noise in zip(passes, rows, problem.noises, strict=True)
+    ]
+
+
+def _with_found(problem: Problem, found: list[Found], repeats: dict[str, Repeats]) -> Problem:
+    passes, several = problem.measurement.passes, len(problem.prediction.blocks) > 1
+    return problem.with_noises(noises_of(passes, found, repeats, several))
 
 
 def _start(problem: Problem, gear: SteeringGear, before: Series | None) -> State:
@@ -182,6 +219,11 @@ def _by_other_law(problem: Problem, gear: SteeringGear, solved: Solved) -> tuple
         values = problem.prediction.simulated(other.replace(settings_of(problem.unknowns, state.u)))
     except NoPredictionError as error:
         return np.zeros(state.u.size), [f"the fit by mesh.law = {law} has no equilibrium: {error}"]
-    moved = solve(problem, other, replace(state, values=values), enough=COARSE)
+    state = replace(state, values=values)
+    if is_curved(problem):
+        shape, _ = shape_of(problem, other, state, search=False)
+        moved = level_of(problem, other, shape, problem.noises, COARSE)
+    else:
+        moved = solve(problem, other, state, enough=COARSE)
     said = [] if moved.converged else [f"the fit by mesh.law = {law} did not converge: {moved.why}"]
     return moved.state.u - state.u, said

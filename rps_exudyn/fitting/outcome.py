@@ -6,6 +6,7 @@ from time import process_time
 import numpy as np
 
 from rps_exudyn.fitting.bench_tests import FREE_TURNING, mixed_speeds
+from rps_exudyn.fitting.curved import OtherEnd
 from rps_exudyn.fitting.estimate import Estimate, Fit, FittedPass, Level, Verdict
 from rps_exudyn.fitting.identify import (
     NARROWED,
@@ -17,15 +18,15 @@ from rps_exudyn.fitting.identify import (
 from rps_exudyn.fitting.noise import REPEATABILITY, SENSOR, Found, Repeats, friction_part
 from rps_exudyn.fitting.problem import Problem
 from rps_exudyn.fitting.series import Series, titles
+from rps_exudyn.fitting.shape_estimates import shape_estimates, shape_sentences, with_others
 from rps_exudyn.fitting.solve import Solved
-from rps_exudyn.fitting.unknowns import LEVEL, VECTORS, settings_of
+from rps_exudyn.fitting.unknowns import LEVEL, SIGNED, VECTORS, settings_of
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 
 NORMAL = 1.959964  # quantile of 97.5 %
 UNMOVED = 0.97  # of the prior's deviation: what is left of it where the data say nothing
 FAR = 2.5  # standard deviations from what was expected
-RUNOUT_SURE = 5.991  # chi squared of two components, 95 %
 
 
 def outcome_of(
@@ -35,6 +36,7 @@ def outcome_of(
     *,
     found: Sequence[Found],
     repeats: dict[str, Repeats],
+    others: Sequence[OtherEnd] = (),
     by_law: np.ndarray,
     warnings: list[str],
     began: float,
@@ -46,11 +48,12 @@ def outcome_of(
     data = level_data(problem, solved, fitted)
     estimates = [
         *_levels(problem, state.u, covariance, by_law, data, quantile),
-        *_others(problem, state.u, covariance, by_law, quantile),
+        *shape_estimates(problem, state.u, covariance, by_law, quantile),
     ]
     count = len(problem.unknowns)
     spread = np.sqrt(np.diag(covariance))[:count]
-    is_open = [each.path for each in estimates if each.verdict is Verdict.OPEN]
+    estimates = [with_others(each, others) for each in estimates]
+    is_open = [each.path for each in estimates if each.verdict is Verdict.OPEN and each.path in LEVEL]
     unclear = [each.path for each in estimates if each.verdict in (Verdict.OPEN, Verdict.NOT_MOVED)]
     unclear = [path for path in unclear if path in LEVEL] if is_open else []
     where = [j for j, each in enumerate(problem.unknowns) if each.path in unclear]
@@ -70,7 +73,11 @@ def outcome_of(
         offset_sd=float(np.sqrt(covariance[count, count])),
         passes=_fitted_passes(problem, solved, covariance, quantile),
         assumed=problem.measurement.assumed,
-        warnings=(*warnings, *_warnings(problem, fitted, solved, found, repeats, estimates)),
+        warnings=(
+            *warnings,
+            *_warnings(problem, fitted, solved, found, repeats, estimates),
+            *shape_sentences(problem, estimates, covariance, others),
+        ),
         converged=solved.converged,
         simulations=problem.prediction.simulations,
         cpu_s=process_time() - began,
@@ -147,41 +154,6 @@ def _levels(
         interval = value * float(np.exp(-half)), value * float(np.exp(half))
         before = float(np.exp(unknown.before))
         found.append(Estimate(unknown.path, value, interval, before, unknown.sd, sd, law, verdict))
-    return found
-
-
-def _others(
-    problem: Problem, u: np.ndarray, covariance: np.ndarray, by_law: np.ndarray, quantile: float
-) -> list[Estimate]:
-    """The runout by size and direction."""
-    found = []
-    for j, unknown in enumerate(problem.unknowns):
-        if unknown.component == "cos":
-            found += _vector(problem, j, u[j : j + 2], covariance[j : j + 2, j : j + 2], by_law, quantile)
-    return found
-
-
-def _vector(
-    problem: Problem, j: int, vector: np.ndarray, covariance: np.ndarray, by_law: np.ndarray, quantile: float
-) -> list[Estimate]:
-    unknown, size = problem.unknowns[j], float(np.hypot(*vector))
-    along = vector / size if size else np.array([1.0, 0.0])
-    across = np.array([-along[1], along[0]])
-    sds = [float(np.sqrt(way @ covariance @ way)) for way in (along, across)]
-    laws = [float(by_law[j : j + 2] @ way) for way in (along, across)]
-    sure = float(vector @ np.linalg.solve(covariance, vector)) > RUNOUT_SURE and size > abs(laws[0])
-    half = quantile * sds[0] + abs(laws[0])
-    interval = max(0.0, size - half), size + half
-    verdict = Verdict.NOT_ZERO if sure else Verdict.MAYBE_ZERO
-    before = np.hypot(unknown.before, problem.unknowns[j + 1].before)
-    found = [Estimate(unknown.path, size, interval, float(before), unknown.sd, sds[0], laws[0], verdict)]
-    if sure:
-        angle = float(np.arctan2(vector[1], vector[0]))
-        half = (quantile * sds[1] + abs(laws[1])) / size
-        path, sd, law = f"{unknown.path}_angle", sds[1] / size, laws[1] / size
-        found.append(
-            Estimate(path, angle, (angle - half, angle + half), 0.0, np.pi, sd, law, Verdict.NOT_ZERO)
-        )
     return found
 
 
@@ -288,7 +260,7 @@ def _warnings(
             )
         if each.path in LEVEL and each.path.endswith("friction") and each.value > 0.98:
             said.append(f"{each.path} is at its limit of 1")
-    runouts = [each for each in estimates if each.path in VECTORS]
+    runouts = [each for each in estimates if each.path in (*VECTORS, *SIGNED)]
     if problem.with_offset and not any(each.verdict is Verdict.NOT_ZERO for each in runouts):
         said.append("the angle's offset is known but for whole tooth pitches: no runout tells them apart")
     return said

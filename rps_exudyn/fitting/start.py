@@ -1,5 +1,6 @@
 """Where a fit begins: level by the closed form, runout by the half sum of both ways, offset by a scan."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from rps_exudyn.fitting.unknowns import settings_of
 from rps_exudyn.parameters.gear import SteeringGear
 
 SCANNED = 60  # offsets over a tooth pitch
+SHIFTING = ("bush.drag", "bearing.friction_torque")
 ROUNDS = 4  # of the closed form's own fit of the level
 LARGEST_VECTOR = 60e-6  # of the runout that a start takes from the half sum [m]
 
@@ -29,14 +31,20 @@ def start_of(problem: Problem, gear: SteeringGear) -> State:
     return replace(state, offset=scanned_offset(problem, state)) if problem.with_offset else state
 
 
-def first_slopes(problem: Problem, gear: SteeringGear, state: State) -> np.ndarray:
+def first_slopes(
+    problem: Problem, gear: SteeringGear, state: State, only: Sequence[int] | None = None
+) -> np.ndarray:
     """Return derivatives of the predicted values, shape (m, unknowns).
 
-    Those of the level are the closed form's; those of what shows in the shape, forward differences.
+    Those of the level are the closed form's, unless the shape is trusted for it; those of what shows in the
+    shape, forward differences. Drag and bearing friction only shift the torque. With `only` those of these
+    unknowns alone are made anew.
     """
-    slopes = formula_slopes(problem, gear, state.u)
+    slopes = formula_slopes(problem, gear, state.u) if only is None else state.slopes.copy()
     for j, unknown in enumerate(problem.unknowns):
-        if unknown.is_level:
+        if only is not None and j not in only:
+            continue
+        if unknown.is_level and (not problem.trusted or unknown.path in SHIFTING):
             continue
         stepped = state.u.copy()
         stepped[j] += unknown.step

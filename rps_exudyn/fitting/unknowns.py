@@ -1,8 +1,9 @@
 """The unknowns of a fit, each with what is believed of it before: a declared standard deviation.
 
 Parameters that set the level of the torque are positive: their logarithms are fitted. The runout has a size
-and a direction, and the direction means nothing where the size is 0: its components are fitted. Bow and angle
-error are not among them: from a straight rack and true axes the fit ends at a wrong sign, or not at all.
+and a direction, and the direction means nothing where the size is 0: its components are fitted, and so are
+those of the rack's bow. The angle error has a sign. Bow and angle error let the teeth touch at their edges:
+the torque is no straight line of them, so they are fitted in damped steps (`curved`).
 """
 
 from collections.abc import Iterable, Mapping
@@ -37,11 +38,17 @@ tables of friction coefficients, docs/measured-curves.md."""
 
 MOST = 1.0  # of a coefficient of friction
 
-VECTORS = {"pinion.runout": Believed(20e-6, 2e-6)}
+VECTORS = {"pinion.runout": Believed(20e-6, 2e-6), "rack.bow": Believed(100e-6, 5e-6)}
 """Sizes of vectors, each with the direction at `<path>_angle`; deviations of either component [m]."""
 
+SIGNED = {"installation.angle_error": Believed(np.radians(0.05), np.radians(0.004))}
+"""Errors of either sign; deviations [rad]."""
+
+CURVED = ("rack.bow", "installation.angle_error")
+"""Unknowns of which the torque is no straight line, not even nearly."""
+
 USUAL = (*LEVEL, "pinion.runout")
-FREEABLE = (*LEVEL, *VECTORS)
+FREEABLE = (*LEVEL, *VECTORS, *SIGNED)
 
 
 @dataclass(frozen=True)
@@ -58,6 +65,11 @@ class Unknown:
     def is_level(self) -> bool:
         """Tell whether it sets the level of the torque, which the shape is not trusted to tell."""
         return self.path in LEVEL
+
+    @property
+    def is_curved(self) -> bool:
+        """Tell whether the torque is no straight line of it."""
+        return self.path in CURVED
 
 
 def unknowns_of(
@@ -78,15 +90,18 @@ def unknowns_of(
     found: list[Unknown] = []
     for path in sorted(free, key=FREEABLE.index):
         value = float(gear.value_at(path))
+        if path in LEVEL:
+            found.append(_positive(path, value, priors.get(path)))
+            continue
+        usual = VECTORS[path] if path in VECTORS else SIGNED[path]
+        value, sd = priors.get(path, (value, usual.sd))
+        step = usual.step
         if path in VECTORS:
             angle = gear.value_at(f"{path}_angle")
-            sd = priors[path][1] if path in priors else VECTORS[path].sd
-            value = priors[path][0] if path in priors else value
-            step = VECTORS[path].step
             found.append(Unknown(path, "cos", value * np.cos(angle), sd, step))
             found.append(Unknown(path, "sin", value * np.sin(angle), sd, step))
         else:
-            found.append(_positive(path, value, priors.get(path)))
+            found.append(Unknown(path, "", value, sd, step))
     return found
 
 
@@ -107,7 +122,7 @@ def settings_of(unknowns: list[Unknown], u: np.ndarray) -> dict[str, float]:
             settings[unknown.path] = min(
                 float(np.exp(value)), 1.0 if "friction" in unknown.path[-9:] else np.inf
             )
-        elif unknown.component == "cos":
+        elif unknown.component == "cos" or not unknown.component:
             settings[unknown.path] = value
         elif unknown.component == "sin":
             size = float(np.hypot(settings[unknown.path], value))
