@@ -20,11 +20,12 @@ from rps_exudyn.parameters.gear import SteeringGear
 
 ENOUGH = 0.2  # of a standard error: a smaller step of the unknowns ends the search
 MOST_STEPS = 20
-MOST_BESIDE = 8  # of steps that begin again elsewhere
+MOST_BESIDE = 12  # of steps that begin again elsewhere
 MOST_TRIES = 6  # of a step, each damped more
 DAMPED, MORE, LESS = 1e-2, 6.0, 0.1  # of the information's diagonal at the start; factors after a try
 FLAT = 0.5  # of chi squared that the next step promises: less is no reason to go on
 MOVED = 0.5  # standard errors, after which slopes of bow and angle error are simulated anew
+FAR = 4.0  # the same, after which all slopes are
 SAME = 2.0  # standard errors within which two ends are one
 SCANNED = (-1.6, -0.8, 0.0, 0.8, 1.6)  # angle errors and bows of a start, in declared deviations
 CLOSE = 9.0  # of chi squared: another end that explains the curves nearly as well is named
@@ -59,32 +60,41 @@ def searched(problem: Problem, gear: SteeringGear, start: State) -> tuple[Solved
 
 
 def damped_steps(problem: Problem, gear: SteeringGear, start: State, *, near: Solved | None = None) -> Solved:
-    """Improve a state until its next step is small beside the errors, or it comes `near` another end."""
-    curved = [j for j, each in enumerate(problem.unknowns) if each.is_curved]
-    known = None if near is None else curved
-    state, damping, count = (
-        replace(start, slopes=first_slopes(problem, gear, start, known)),
-        DAMPED,
-        start.u.size,
-    )
+    """Improve a state until its next step is small beside the errors, or it comes `near` another end.
+
+    Intervals rest on the slopes at the end, so all of them are made anew there.
+    """
     shaping = [j for j, each in enumerate(problem.unknowns) if not each.is_level]
+    state, damping, fresh = _with_slopes(problem, gear, start), DAMPED, True
     for _ in range(MOST_STEPS if near is None else MOST_BESIDE):
         widened = _widened(problem, state)
         equations = linearised(widened, state)
         errors = np.sqrt(np.diag(np.linalg.inv(equations.information)))
-        if near is not None and _distance(state, near.state, errors, shaping) < SAME:
+        if near is not None and _distance(state.u, near.state.u, errors, shaping) < SAME:
             return near
         whole = _step(problem, equations, 0.0)
-        if np.max(np.abs(whole[:count]) / errors[:count]) < ENOUGH:
-            return Solved(state, linearised(problem, state), True, "")
-        new, damping, reason = _tried(widened, gear, state, equations, damping)
-        if new is None:
-            flat = float(whole @ equations.gradient) < FLAT
+        small = _distance(whole, np.zeros_like(whole), errors, range(state.u.size)) < ENOUGH
+        new, reason = None, ""
+        if not small:
+            new, damping, reason = _tried(widened, gear, state, equations, damping)
+        if new is None and fresh:
+            flat = small or float(whole @ equations.gradient) < FLAT
             return Solved(state, linearised(problem, state), flat, "" if flat else reason)
-        if _distance(new, state, errors, range(count)) > MOVED:
-            new = replace(new, slopes=first_slopes(problem, gear, new, curved))
-        state = new
+        if new is None:
+            state, damping, fresh = _with_slopes(problem, gear, state), DAMPED, True
+            continue
+        moved = _distance(new.u, state.u, errors, range(state.u.size))
+        state, fresh = _with_slopes(problem, gear, new, moved), moved > FAR
     return Solved(state, linearised(problem, state), False, f"{MOST_STEPS} steps were not enough")
+
+
+def _with_slopes(problem: Problem, gear: SteeringGear, state: State, moved: float = np.inf) -> State:
+    """The state with slopes made anew: all of them after a step of many standard errors, those of bow and
+    angle error after a smaller one, none after one that hardly bends the curve."""
+    if moved < MOVED:
+        return state
+    curved = [j for j, each in enumerate(problem.unknowns) if each.is_curved]
+    return replace(state, slopes=first_slopes(problem, gear, state, None if moved > FAR else curved))
 
 
 def scanned(problem: Problem, gear: SteeringGear, start: State) -> State:
@@ -159,9 +169,9 @@ def _widened(problem: Problem, state: State) -> Problem:
     )
 
 
-def _distance(one: State, other: State, errors: np.ndarray, of: Sequence[int]) -> float:
+def _distance(one: np.ndarray, other: np.ndarray, errors: np.ndarray, of: Sequence[int]) -> float:
     """The largest difference of these unknowns, in standard errors."""
-    return max(abs(float(one.u[j] - other.u[j])) / float(errors[j]) for j in of)
+    return max(abs(float(one[j] - other[j])) / float(errors[j]) for j in of)
 
 
 def _other_starts(problem: Problem, gear: SteeringGear, end: State) -> Iterator[State]:
@@ -188,7 +198,7 @@ def _named(problem: Problem, best: Solved, ends: list[Solved]) -> list[OtherEnd]
     found = []
     for end in ends:
         worse = chi_squared(end.equations) - chi_squared(best.equations)
-        if worse < CLOSE and _distance(end.state, best.state, errors, shaping) > SAME:
+        if worse < CLOSE and _distance(end.state.u, best.state.u, errors, shaping) > SAME:
             settings = settings_of(problem.unknowns, end.state.u)
             found.append(
                 OtherEnd({path: value for path, value in settings.items() if path not in level}, worse)

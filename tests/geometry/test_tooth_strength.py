@@ -51,6 +51,32 @@ def test_root_of_a_rack_is_that_of_its_straight_profile() -> None:
     assert root.radius == pytest.approx(rho, rel=1e-4)
 
 
+def test_root_stress_of_a_rack_is_that_of_a_calculation_by_hand() -> None:
+    """ISO 6336-3 with the load at the tip: the line of the force, its lever and both factors of a straight
+    tooth need no generated root; that is taken as infinitely many teeth to 1e-4."""
+    pair = GearPair.of(GEAR)
+    module = pair.module
+    addendum, dedendum, rho = 2.0, 2.5, 0.76  # [mm] of the module 2 below; the default rack's parts of it
+    assert (pair.rack_addendum, pair.rack_dedendum, pair.fillet_radius) == pytest.approx(
+        tuple(each / 2 * module for each in (addendum, dedendum, rho))
+    )
+    tip = np.pi / 2 - addendum * np.tan(ALPHA)  # half the thickness at the tip
+    meets = addendum - tip * np.tan(ALPHA)  # height at which the force crosses the tooth's middle
+    lever = meets + dedendum - rho / 2
+    half_space = np.pi / 2 - (dedendum - rho) * np.tan(ALPHA) - rho / np.cos(ALPHA)
+    chord = 2 * (np.pi - half_space - rho * np.cos(np.pi / 6))
+    form = 6 * (lever / 2) * np.cos(ALPHA) / ((chord / 2) ** 2 * np.cos(ALPHA))
+    slender, notch = chord / lever, chord / (2 * rho)
+    correction = (1.2 + 0.13 * slender) * notch ** (1 / (1.21 + 2.3 / slender))
+    beta = abs(pair.beta_p)
+    assert transverse_contact_ratio(pair) < 1  # one pair bears all: Y_epsilon is 1
+    overlap = min(pair.face_width * np.sin(beta) / (np.pi * module), 1.0)
+    inclined = 1 - overlap * beta / np.deg2rad(120)
+    force = 30.0 / pair.reference_radius
+    by_hand = force / (pair.face_width * module) * form * correction * inclined
+    assert root_stress(GEAR, rack_form(pair), 30.0) == pytest.approx(by_hand, rel=1e-4)
+
+
 def test_teeth_scale() -> None:
     """Twice as large in all lengths: eight times the torque for the same stresses."""
     pair = GearPair.of(GEAR)
