@@ -80,6 +80,11 @@ def _readable() -> Iterator[tuple[str, bytes]]:
         + "".join(f"{a:.1f} deg;{t:.5f} N m\n" for a, t in zip(ANGLE, TORQUE, strict=True)),
         "revolutions, capitals, last separator": "ROTATION [REV],TORQUE [NM],\n"
         + "".join(f"{a / 360:.9f},{t:.6f},\n" for a, t in zip(ANGLE, TORQUE, strict=True)),
+        "names and units behind words": "Sensor\t1\t2\nName\tDrehwinkel\tDrehmoment\nEinheit\t°\tNm\n"
+        + "".join(
+            f"{0.1 * i:.1f}\t{a:.5f}\t{t:.5f}\n" for i, (a, t) in enumerate(zip(ANGLE, TORQUE, strict=True))
+        ),
+        "overloads, no numbers": german + rows(";", comma, between={7: "-146;#####", 9: "-141;OVLD"}),
         "by unit alone": "Kanal 1 [°];Kanal 2 [Nm];Kanal 3 [bar]\n"
         + "".join(f"{comma(a)};{comma(t)};1,0\n" for a, t in zip(ANGLE, TORQUE, strict=True)),
     }
@@ -104,6 +109,10 @@ REFUSED = {
     ),
     "a mass is no force": ("angle [deg],torque [kg cm]\n" + rows(), r"\[kg cm\] is no unit of pinion_torque"),
     "grad may be a gon": ("angle [grad],torque [Nm]\n" + rows(), r"\[grad\] is no unit of pinion_angle"),
+    "counts are no angle": (
+        "encoder [counts],torque [Nm]\n" + rows(),
+        r"no column pinion_angle with its unit, only encoder \[counts\], torque \[Nm\]",
+    ),
     "commas that may be either": (
         "angle [deg];torque [N mm]\n1,000;1,500\n2,000;1,400\n3,000;1,300\n",
         "may be decimal or divide thousands: ",

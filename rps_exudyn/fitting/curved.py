@@ -24,8 +24,9 @@ MOST_BESIDE = 12  # of steps that begin again elsewhere
 MOST_TRIES = 6  # of a step, each damped more
 DAMPED, MORE, LESS = 1e-2, 6.0, 0.1  # of the information's diagonal at the start; factors after a try
 FLAT = 0.5  # of chi squared that the next step promises: less is no reason to go on
+LITTLE = 0.2  # of chi squared that a step gained: a flat valley is the end of the search
 MOVED = 0.5  # standard errors, after which slopes of bow and angle error are simulated anew
-FAR = 4.0  # the same, after which all slopes are
+FAR = 1.0  # the same, after which all slopes are
 SAME = 2.0  # standard errors within which two ends are one
 SCANNED = (-1.6, -0.8, 0.0, 0.8, 1.6)  # angle errors and bows of a start, in declared deviations
 CLOSE = 9.0  # of chi squared: another end that explains the curves nearly as well is named
@@ -80,8 +81,11 @@ def damped_steps(problem: Problem, gear: SteeringGear, start: State, *, near: So
         if new is None and fresh:
             flat = small or float(whole @ equations.gradient) < FLAT
             return Solved(state, linearised(problem, state), flat, "" if flat else reason)
-        if new is None:
-            state, damping, fresh = _with_slopes(problem, gear, state), DAMPED, True
+        gained = 0.0 if new is None else chi_squared(equations) - chi_squared(linearised(widened, new))
+        if new is not None and fresh and gained < LITTLE:
+            return Solved(new, linearised(problem, new), True, "")
+        if new is None or gained < LITTLE:
+            state, damping, fresh = _with_slopes(problem, gear, new or state), DAMPED, True
             continue
         moved = _distance(new.u, state.u, errors, range(state.u.size))
         state, fresh = _with_slopes(problem, gear, new, moved), moved > FAR

@@ -32,6 +32,7 @@ _TORQUES = {
 KNOWN = {"rad": _ANGLES, "N*m": _TORQUES, "m": _LENGTHS, "N": _FORCES}
 """SI unit -> unit, without blanks and signs between its parts -> its size in SI."""
 
+_TURNED = re.compile(r"rad|deg|°|turn|rev|arc|gon|cycle", re.I)
 GERMAN_DEGREE = "grad"  # in English a gon
 
 
@@ -48,6 +49,8 @@ def unit_size(unit: str, si_unit: str, german: bool = False) -> float | None:
     alike = {size for name, size in known.items() if name.lower() == plain.lower()}
     if len(alike) == 1 and not plain.startswith("M"):  # NM of a printer in capitals; MNm would be a million
         return alike.pop()
+    if si_unit == "rad" and not _TURNED.search(unit):
+        return None  # counts, pulses, shares: pure numbers are radians to a converter of units
     if plain[:2].lower() == "kg" or not unit.strip() or unit.strip()[0].isdigit():
         return None  # kg cm: a mass is no force
     try:

@@ -84,23 +84,33 @@ def _divided(
         cells = _header_cells(line, separator, width)
         if len(cells) < 2 or not re.search(r"[^\W\d_]|[°%]", line):
             continue
-        if below is None and all(is_unit(cell) or is_missing(cell) for cell in cells):
+        if below is None and _are_units(cells):
             below = number, cells
             continue
         return Layout(separator, (number, cells), below, rows[begin:])
     for number, line in reversed([each for each in comments if not lines or each[0] < rows[begin][0]]):
         cells = _header_cells(line, separator, width)
-        if below is None and len(cells) > 1 and all(is_unit(cell) for cell in cells):
+        if below is None and len(cells) > 1 and _are_units(cells):
             below = number, cells
         elif knows(cells) > 1:
             return Layout(separator, (number, cells), below, rows[begin:])
     return Layout(separator, None, below, rows[begin:])
 
 
+def _are_units(cells: Sequence[str]) -> bool:
+    """Tell whether cells hold nothing but units, behind a word that says so or not."""
+    own = cells[1:] if re.fullmatch(r"(units?|einheit(en)?|unité|unidad)\W*", cells[0], re.I) else cells
+    return all(is_unit(cell) or is_missing(cell) for cell in own) and any(is_unit(cell) for cell in own)
+
+
 def _first_of_numbers(rows: list[Row]) -> int | None:
     """Index of the first row of numbers that is followed by others like it."""
-    numeric = [count_numbers(cells) > 1 for _, cells in rows]
+    counts = [count_numbers(cells) for _, cells in rows]
+    most = Counter(count for count in counts if count > 1).most_common(1)
+    numeric = [count > 1 for count in counts]
     for i, is_one in enumerate(numeric):
+        if is_one and counts[i] < most[0][0] and re.match(r"[^\W\d_]{2}", rows[i][1][0]):
+            continue  # numbers of channels behind a word
         ahead = numeric[i : i + _AHEAD + 1]
         if is_one and sum(ahead) > len(ahead) / 2:
             return i

@@ -11,7 +11,7 @@ _NUMBER = re.compile(
 )
 _GROUPED = re.compile(rf"[+-]?\s?\d{{1,3}}(?:['{_BLANKS}]\d{{3}})+(?:[.,]\d*)?")
 _MISSING = re.compile(
-    r"[-–—*.?_#]*|nan|[+-]?inf|n\s*[/.]\s*a\.?|na|#n/?a!?|#nv|null|none|nil|void|fehlt|missing|over|overflow|"
+    r"[-–—*.?_#]*|nan|[+-]?inf|n\s*[/.]\s*a\.?|na|#n/?a!?|#nv|null|none|nil|void|fehlt|missing|over|overflow|ovld|ovfl?|ol|o\.l\.?|"
     r"#div/0!?|#wert!?|#value!?|[+-]?1\.#\w+",
     re.I,
 )

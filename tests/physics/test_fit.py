@@ -13,16 +13,19 @@ import pytest
 from benchmarks.measured_fit import (
     DISTURBANCES,
     FREE,
+    REPEATED,
     SET,
     WEIGHTS,
     WHITE,
     curve_of,
+    least_deviations,
     measured,
     true_gear,
     true_level,
 )
 from rps_exudyn.fitting.bench_tests import BenchTest, MeasuredPass, measurement_of
-from rps_exudyn.fitting.estimate import Fit, Verdict
+from rps_exudyn.fitting.curved import OtherEnd
+from rps_exudyn.fitting.estimate import Estimate, Fit, Verdict
 from rps_exudyn.fitting.findings import fit_as_dict, open_sentences
 from rps_exudyn.fitting.fit import fit
 from rps_exudyn.fitting.identify import LevelData, advice_of
@@ -30,10 +33,11 @@ from rps_exudyn.fitting.noise import found_noise
 from rps_exudyn.fitting.problem import PassRows
 from rps_exudyn.fitting.series import read_series, write_series
 from rps_exudyn.fitting.shape_claims import shape_claims
-from rps_exudyn.fitting.unknowns import LEVEL
+from rps_exudyn.fitting.shape_estimates import with_others
+from rps_exudyn.fitting.unknowns import LEVEL, USUAL
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import GRAVITY
-from rps_exudyn.verification.made_up_curves import REAL, BenchNoise, measured_curve, with_noise
+from rps_exudyn.verification.made_up_curves import REAL, BenchNoise, measured_curve, true_curve, with_noise
 
 LEVEL_SD = 0.02 / np.sqrt(722)  # of the mean of both passes, white noise of 2 %
 NEVER = {"yoke.preload", "mesh.friction", "yoke.friction"}
@@ -230,3 +234,40 @@ def test_a_fit_is_written_without_its_curves() -> None:
     assert content["level"]["value"] == free_fit().level.value  # type: ignore[union-attr]
     assert content["estimates"]["yoke.preload"]["verdict"] == "not separable"
     assert content["further_tests"]["tests"]
+
+
+def test_an_angle_error_is_found_with_its_sign() -> None:
+    """Although preload and friction begin 17 to 25 % off, which changes the size of the ripple as well; the
+    level is that of the gear with the error."""
+    gear = true_gear().replace({"installation.angle_error": "-0.06 deg"})
+    curve = true_curve(gear, FREE)
+    noisy = with_noise(curve, WHITE, np.random.default_rng(13))
+    free = (*USUAL, "installation.angle_error")
+    found = fit(measurement_of([measured_curve(noisy, FREE)]), free=free, other_law=False)
+    assert found.converged
+    each = found.estimate("installation.angle_error")
+    assert each.verdict is Verdict.NOT_ZERO
+    assert abs(each.value - np.radians(-0.06)) < 3 * each.sd
+    assert each.sd < np.radians(0.012)
+    assert not NEVER & set(found.found)
+    half = curve["value"].size // 2
+    true = (curve["value"][:half].mean() - curve["value"][half:].mean()) / 2
+    assert found.level is not None
+    assert found.level.value == pytest.approx(true, rel=4 * LEVEL_SD + 1e-3)  # and the formula's slopes
+
+
+def test_other_ends_widen_an_interval_and_leave_the_direction_open() -> None:
+    size = Estimate("rack.bow", 1e-4, (0.9e-4, 1.1e-4), 0.0, 1e-4, 5e-6, 0.0, Verdict.NOT_ZERO)
+    angle = Estimate("rack.bow_angle", 1.0, (0.9, 1.1), 0.0, np.pi, 0.05, 0.0, Verdict.NOT_ZERO)
+    near, far = (OtherEnd({"rack.bow": 1.3e-4, "rack.bow_angle": 2.0}, worse) for worse in (1.0, 8.0))
+    assert with_others(size, [near]).interval == (0.9e-4, 1.3e-4)
+    assert with_others(angle, [near]).verdict is Verdict.OPEN
+    assert with_others(angle, [far]) == angle
+
+
+def test_least_deviations_fall_with_the_root_of_the_runs() -> None:
+    """Without prior belief three runs tell sqrt(3) times as much; no set of one run keeps preload to 2 %."""
+    one, three = (least_deviations(REPEATED, runs) for runs in (1, 3))
+    for path, sd in one.items():
+        assert sd / three[path] == pytest.approx(np.sqrt(3), rel=1e-9)
+    assert one["yoke.preload"] > 0.02
