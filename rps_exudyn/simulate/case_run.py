@@ -54,7 +54,7 @@ class CaseRunner:
 
     def run(self, task: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
         """Return the case's row for the index, and the bytes of its file or, if asked for, of its record."""
-        return self._answer(_outcome(task), task, task["hash"])
+        return self._answer(_outcome(task), task, task)
 
     def run_group(self, task: dict[str, Any]) -> list[tuple[dict[str, Any], bytes]] | None:
         """Return the same for each member of a group; None if they are to be done singly."""
@@ -63,11 +63,14 @@ class CaseRunner:
         except (InputError, KeyboardInterrupt):  # of the table as a whole; of its time
             return None
         return [
-            self._answer(result, task, member["hash"])
+            self._answer(result, task, member)
             for result, member in zip(results, task["members"], strict=True)
         ]
 
-    def _answer(self, whole: Result, task: dict[str, Any], case_hash: str) -> tuple[dict[str, Any], bytes]:
+    def _answer(
+        self, whole: Result, task: dict[str, Any], case: dict[str, Any]
+    ) -> tuple[dict[str, Any], bytes]:
+        """`case` is the task or a member of it; records alone need its hash."""
         result = kept(whole, _keep(task))
         row = {
             "status": result.status.value,
@@ -78,7 +81,7 @@ class CaseRunner:
             "in_loop": "loop" in result.findings,
         }
         if task.get("form") == "record":
-            return row, CaseRecord.of(case_hash, result).to_bytes()
+            return row, CaseRecord.of(case["hash"], result).to_bytes()
         return row, self._forms.content(result)
 
 
