@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from rps_exudyn.analysis.first_angle import first_angle
 from rps_exudyn.analysis.work_balance import largest_work, missing_work
 from rps_exudyn.checks.free_inertia import inertia_followed
 from rps_exudyn.forces.force_element import ENERGY_TERMS, ForceElement
@@ -316,8 +317,3 @@ def _is_small(work: float, bound: float, signals: dict[str, np.ndarray]) -> bool
 def least_work(signals: dict[str, np.ndarray]) -> float:
     """Return the work below which none counts [J]."""
     return MISSED_TORQUE * float(np.abs(np.diff(signals["pinion_angle"])).sum()) + ROUNDING
-
-
-def first_angle(signals: dict[str, np.ndarray], where: np.ndarray) -> str:
-    """Return the pinion angle at which something first holds, for a reader."""
-    return f"{round(np.degrees(signals['pinion_angle'][np.argmax(where)]), 6) + 0.0:.4g} deg"

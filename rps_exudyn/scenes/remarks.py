@@ -4,13 +4,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rps_exudyn.analysis.passes import passes
+from rps_exudyn.analysis.first_angle import first_angle
+from rps_exudyn.analysis.passes import Signals, passes
 from rps_exudyn.analysis.resolution import UNRESOLVED, unresolved
-from rps_exudyn.checks.after_run import first_angle
 from rps_exudyn.mesh_contact.steel import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.scene_run import Signals
 
 LIFTED, STOPPED = "carry nothing", "is used up"
 """Words of a remark on a contact that opens or closes, beyond which numbers follow another law."""
