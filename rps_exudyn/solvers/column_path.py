@@ -66,15 +66,7 @@ def path_behind_column(
     start = settled_behind(balance, pair, wheel, column, approach)
     if not start.converged:
         return start
-    march = March.begun(balance, pair, BehindColumn("pinion", wheel, column), start, time)
-    found = 1
-    try:
-        while found < len(time) and march.find(found):
-            found += 1
-            reached(time[found - 1] / time[-1], partial(wheel.shown, time[found - 1]))
-    except KeyboardInterrupt:
-        raise PathInterrupted(march.path(start, found)) from None
-    return march.path(start, found)
+    return March.begun(balance, pair, BehindColumn("pinion", wheel, column), start, time).followed(start)
 
 
 @dataclass(eq=False)
@@ -109,6 +101,21 @@ class March:
         applied = inertia_forces(balance, pair, ahead, time)
         counts = np.array([start.evaluations, start.iterations, start.tangents])
         return cls(balance, ahead, time, free, coordinates, rates, forces, applied, kept, counts)
+
+    def followed(self, start: EquilibriumPath) -> EquilibriumPath:
+        """Return the path, found instant by instant until there is no equilibrium.
+
+        Raises:
+            PathInterrupted: Ctrl-C; it carries the path until then.
+        """
+        found, time = 1, self.time
+        try:
+            while found < len(time) and self.find(found):
+                found += 1
+                reached(time[found - 1] / time[-1], partial(self.ahead.wheel.shown, time[found - 1]))
+        except KeyboardInterrupt:
+            raise PathInterrupted(self.path(start, found)) from None
+        return self.path(start, found)
 
     def torque(self, k: int, place: float) -> float:
         """Return the gear's torque with the pinion at a place [rad] at instant k [N m]; nan without an

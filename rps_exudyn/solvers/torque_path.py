@@ -5,16 +5,14 @@ forces applied to the rack. Inertia is left out.
 """
 
 from dataclasses import dataclass, field
-from functools import partial
 from typing import cast
 
 import numpy as np
 
-from rps_exudyn.base.progress import reached
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.column_path import CLOSE, WIDEST, March, root, settled_behind
-from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted
+from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.steering_column import BehindColumn, SteeringColumn
 from rps_exudyn.solvers.wheel_torque import WheelTorque
@@ -38,14 +36,7 @@ def path_under_torque(
     march = TorqueMarch.begun(balance, pair, BehindColumn("pinion", drive, column), start, time)
     march.angle = np.full(len(time), drive.start)
     march.gain = float(pair.gain)
-    found = 1
-    try:
-        while found < len(time) and march.find(found):
-            found += 1
-            reached(time[found - 1] / time[-1], partial(drive.shown, time[found - 1]))
-    except KeyboardInterrupt:
-        raise PathInterrupted(march.path(start, found)) from None
-    return march.path(start, found)
+    return march.followed(start)
 
 
 @dataclass(eq=False)
