@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from rps_exudyn.analysis.first_angle import first_angle
+from rps_exudyn.analysis.resolution import every_second, lag
 from rps_exudyn.analysis.work_balance import largest_work, missing_work
 from rps_exudyn.checks.free_inertia import inertia_followed
 from rps_exudyn.forces.force_element import ENERGY_TERMS, ForceElement
@@ -151,9 +152,7 @@ def missed_mean(signals: dict[str, np.ndarray]) -> float:
     The error itself is a third of this difference where torque bends gently, and more where it jumps.
     """
     force, path = driven_along(signals)
-    even = (len(force) - 1) // 2 * 2 + 1
-    work = float(np.trapezoid(force[:even], path[:even]))
-    missed = abs(work - float(np.trapezoid(force[:even:2], path[:even:2])))
+    work, missed = map(float, every_second(path, force))
     # between few of them anything may hide that is as large as their differences
     hidden = float(np.ptp(force) * np.ptp(path)) * next(
         (share for n, share in HIDDEN if len(force) <= n), 0.0
@@ -222,7 +221,7 @@ def rolling_lag(signals: dict[str, np.ndarray], gear: SteeringGear) -> tuple[flo
 
     They know the rate by backward differences, half a step late; a torque that does not vary minds little.
     """
-    late = np.abs(np.diff(signals["rack_roll"], 2)).sum() / 2 * gear.rack.bar_diameter / 2
+    late = lag(signals["rack_roll"]) * gear.rack.bar_diameter / 2
     share = float(late) / max(float(np.abs(np.diff(signals["rack_displacement"])).sum()), 1e-12)
     force, _ = driven_along(signals)
     return share, share * min(1.0, float(np.ptp(force)) / max(abs(float(force.mean())), 1e-12))

@@ -13,7 +13,7 @@ import numpy as np
 from rps_exudyn.analysis.many import spread
 from rps_exudyn.analysis.on_centre import describe_on_centre
 from rps_exudyn.analysis.rack_motion import describe_rack
-from rps_exudyn.analysis.resolution import missed
+from rps_exudyn.analysis.resolution import every_second, lag, missed
 from rps_exudyn.analysis.torque import describe_torque, mean
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.checks.after_run import (
@@ -244,10 +244,8 @@ def _surely_ok(
     normal = found.out[:, :, MESH.start + 3] + found.out[:, :, MESH.start + 4]
     size = np.abs(mean(angle, torque))
     travel = spread(signals["rack_displacement"])
-    late = np.abs(np.diff(signals["rack_roll"], 2)).sum(axis=-1) / 4 * gear.rack.bar_diameter / travel
-    even = (len(angle) - 1) // 2 * 2 + 1
-    work = np.trapezoid(torque[:, :even], angle[:even])
-    hidden = np.abs(work - np.trapezoid(torque[:, :even:2], angle[:even:2]))
+    late = lag(signals["rack_roll"]) * gear.rack.bar_diameter / 2 / travel
+    work, hidden = every_second(angle, torque)
     drift = np.abs(torque[:, -1] - torque[:, 0]) / np.abs(torque).max(axis=-1)
     least = MISSED_TORQUE * np.ptp(angle) + ROUNDING
     edges = SAFE * edge_bound(gear) * np.abs(works["drive"])
