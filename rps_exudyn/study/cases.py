@@ -23,12 +23,13 @@ MODEL_VERSION = 1
 MOST_CASES = 1_000_000
 MOST_PROBLEMS = 10  # reported at once
 MOST_KNOWN = 4096
+NAMES = {"name", "based_on"}  # of a fidelity: no number depends on them
 
 
 def case_hash(scene: str, gear: SteeringGear, fidelity: Fidelity) -> str:
     """Sixteen hex digits that name a case: of all that its numbers depend on, and nothing else."""
     tables = ",".join(f'"{name}":{_json(getattr(gear, name))}' for name in sorted(SteeringGear.model_fields))
-    model = _json(fidelity, frozenset({"name", "based_on"}))
+    model = _json(fidelity)
     content = (
         f'{{"fidelity":{model},"gear":{{{tables}}},"model":{MODEL_VERSION},"scene":{_canonical(scene)}}}'
     )
@@ -38,13 +39,14 @@ def case_hash(scene: str, gear: SteeringGear, fidelity: Fidelity) -> str:
 _known: dict[int, tuple[Table, str]] = {}  # of tables by their identity: cases share those that do not vary
 
 
-def _json(table: Table, without: frozenset[str] = frozenset()) -> str:
-    """The canonical JSON of a table, remembered for as long as a few thousand others are asked for."""
+def _json(table: Table) -> str:
+    """The canonical JSON of a table but for its name, remembered for as long as a few thousand others are
+    asked for."""
     known = _known.get(id(table))
     if known is None or known[0] is not table:
         if len(_known) >= MOST_KNOWN:
             _known.clear()
-        known = _known[id(table)] = table, _canonical(table.model_dump(exclude=set(without)))
+        known = _known[id(table)] = table, _canonical(table.model_dump(exclude=NAMES))
     return known[1]
 
 

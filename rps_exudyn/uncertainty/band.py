@@ -254,30 +254,34 @@ class _Seen:
                 self.rows.append(
                     [float(summary[name][i]) if name in summary else np.nan for name in self.names]
                 )
-                self.curves = None if self.curves is None else [*self.curves, in_loop[i]]
+                self._keep(in_loop[i])
             else:
                 self.rows.append([result.summary.get(name, np.nan) for name in self.names])
-                self.curves = _added(self.curves, result, self.fidelity, self.grid)
+                self._keep(self._curve_of(result))
             if told is not None:
                 told(len(self.rows), count)
+
+    def _keep(self, curve: np.ndarray | None) -> None:
+        """Add a curve; no sample has one as soon as one does not follow the nominal motion."""
+        if curve is None:
+            self.curves = None
+        elif self.curves is not None:
+            self.curves.append(curve)
+
+    def _curve_of(self, result: Result) -> np.ndarray | None:
+        """The curve of a result at the nominal run's times; None if its motion is another."""
+        if self.curves is None:
+            return None
+        try:
+            curve = curve_of(result.scene, result.signals, result.gear, self.fidelity)
+            return curve.over(self.grid, smooth=False)
+        except ValueError:  # another number of maneuvers
+            return None
 
     def _curves_of_loop(self, part: Batch) -> np.ndarray:
         """Torque over the nominal run's angles, in their order."""
         angle, sense = self.nominal.signals["pinion_angle"], self.nominal.gear.test.direction
         return part.curves("pinion_torque", angle[::sense], sense)[:, ::sense]
-
-
-def _added(
-    curves: list[np.ndarray] | None, result: Result, fidelity: Fidelity, grid: list[np.ndarray]
-) -> list[np.ndarray] | None:
-    """Return the curves with that of a result; None as soon as one does not follow the nominal motion."""
-    if curves is None:
-        return None
-    try:
-        curve = curve_of(result.scene, result.signals, result.gear, fidelity)
-        return [*curves, curve.over(grid, smooth=False)]
-    except ValueError:  # another number of maneuvers
-        return None
 
 
 def figure_quantiles(drawn: Drawn) -> dict[str, Quantiles]:

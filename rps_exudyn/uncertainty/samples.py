@@ -56,8 +56,8 @@ def runs_at(scene: str, gear: SteeringGear, fidelity: Fidelity, points: Samples)
     """Yield the runs of the scene at the points, part by part, whatever their outcome; in one compiled loop
     where it knows them."""
     values = points.values
-    together = TOGETHER if why_not(scene, gear, fidelity, values) else IN_LOOP
+    keep: Literal["signals", "torque"] = "signals" if why_not(scene, gear, fidelity, values) else "torque"
+    together = IN_LOOP if keep == "torque" else TOGETHER
     for begin in range(0, len(points), together):
         part = {path: column[begin : begin + together] for path, column in values.items()}
-        keep: Literal["signals", "torque"] = "torque" if together == IN_LOOP else "signals"
         yield batch(scene, gear, part, fidelity=fidelity, keep=keep)
