@@ -181,9 +181,7 @@ def _distance(one: np.ndarray, other: np.ndarray, errors: np.ndarray, of: Sequen
 def _other_starts(problem: Problem, gear: SteeringGear, end: State) -> Iterator[State]:
     """The end's state with its bow pointing elsewhere; those without an equilibrium are left out."""
     for j, unknown in enumerate(problem.unknowns):
-        if unknown.path != "rack.bow":
-            continue
-        if unknown.component != "cos":
+        if unknown.path != "rack.bow" or unknown.component != "cos":
             continue
         size, sense = float(np.abs(end.u[j])), float(np.sign(end.u[j])) or 1.0
         begun = [-sense * max(size, unknown.sd)] + ([sense * unknown.sd] if size < unknown.sd / 2 else [])

@@ -10,6 +10,8 @@ from rps_exudyn.fitting.problem import Problem
 from rps_exudyn.fitting.series import Series
 from rps_exudyn.parameters.gear import SteeringGear
 
+UNMOVED = 0.97  # of the prior's deviation: what is left of it where the data say nothing
+
 
 class Verdict(StrEnum):
     """What a fit says of a parameter."""
@@ -20,6 +22,11 @@ class Verdict(StrEnum):
     NOT_MOVED = "as given, not found"
     NOT_ZERO = "found, differs from zero"
     MAYBE_ZERO = "not different from zero"
+
+
+def untold(sd: float, before: float) -> Verdict:
+    """Verdict on an unknown that the data do not find: whether they narrowed its deviation at all."""
+    return Verdict.NOT_MOVED if sd > UNMOVED * before else Verdict.OPEN
 
 
 @dataclass(frozen=True)

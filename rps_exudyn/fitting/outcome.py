@@ -7,7 +7,7 @@ import numpy as np
 
 from rps_exudyn.fitting.bench_tests import FREE_TURNING, mixed_speeds
 from rps_exudyn.fitting.curved import OtherEnd
-from rps_exudyn.fitting.estimate import Estimate, Fit, FittedPass, Level, Verdict
+from rps_exudyn.fitting.estimate import Estimate, Fit, FittedPass, Level, Verdict, untold
 from rps_exudyn.fitting.identify import (
     NARROWED,
     LevelData,
@@ -25,7 +25,6 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 
 NORMAL = 1.959964  # quantile of 97.5 %
-UNMOVED = 0.97  # of the prior's deviation: what is left of it where the data say nothing
 FAR = 2.5  # standard deviations from what was expected
 
 
@@ -150,7 +149,7 @@ def _levels(
         elif sd < NARROWED * unknown.sd:
             verdict = Verdict.BY_PRIOR
         else:
-            verdict = Verdict.NOT_MOVED if sd > UNMOVED * unknown.sd else Verdict.OPEN
+            verdict = untold(sd, unknown.sd)
         interval = value * float(np.exp(-half)), value * float(np.exp(half))
         before = float(np.exp(unknown.before))
         found.append(Estimate(unknown.path, value, interval, before, unknown.sd, sd, law, verdict))

@@ -6,13 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from rps_exudyn.fitting.curved import OtherEnd
-from rps_exudyn.fitting.estimate import Estimate, Verdict
+from rps_exudyn.fitting.estimate import Estimate, Verdict, untold
 from rps_exudyn.fitting.identify import NARROWED
 from rps_exudyn.fitting.problem import Problem
 from rps_exudyn.fitting.unknowns import CURVED, Unknown
 
 SURE = 5.991  # chi squared of two components, 95 %
-UNMOVED = 0.97  # of the prior's deviation: what is left of it where the data say nothing
 AS_GOOD = 3.84  # of chi squared, within which another end belongs to the 95 % interval
 ALIKE = 0.9  # correlation from which on two unknowns are named together
 BY_HAND = "the bar between centres under a dial gauge tells its bow"
@@ -43,7 +42,7 @@ def _signed(unknown: Unknown, value: float, variance: float, law: float, quantil
 def _verdict(unknown: Unknown, sd: float, differs: bool) -> Verdict:
     """What is said of an unknown of this standard deviation, which differs from zero or not."""
     if unknown.is_curved and sd > NARROWED * unknown.sd:
-        return Verdict.NOT_MOVED if sd > UNMOVED * unknown.sd else Verdict.OPEN
+        return untold(sd, unknown.sd)
     return Verdict.NOT_ZERO if differs else Verdict.MAYBE_ZERO
 
 
