@@ -1,0 +1,103 @@
+"""What validation finds wrong with the values of parameters, as sentences that say what is allowed."""
+
+import difflib
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from pydantic import ValidationError
+
+from rps_exudyn.base import units
+from rps_exudyn.parameters.problem import ConflictError, Problem
+
+if TYPE_CHECKING:
+    from rps_exudyn.parameters.declaration import Table
+
+
+def problems_of(
+    table: type["Table"], error: ValidationError, given: Mapping[str, Any], settings: Iterable[str] = ()
+) -> list[Problem]:
+    """Everything that is wrong: single parameters first, then what does not fit between right ones.
+
+    Validation stops at wrong single values; they are left out (their defaults stand in) to go on, and a
+    conflict that involves one of them is not reported, because it may vanish with the first correction.
+    """
+    found: list[Problem] = []
+    wrong: list[tuple[int | str, ...]] = []
+    remaining: ValidationError | None = error
+    while remaining:
+        items = remaining.errors()
+        for item in items:
+            problems = _meant(table, item, given, settings)
+            found += [problem for problem in problems if not problem.concerns(_paths(wrong))]
+        new = [item["loc"] for item in items if item["loc"] not in wrong]
+        wrong += new
+        # nothing new: a default itself is wrong, and no value left out mends that
+        remaining = _error_of(table, _without(given, wrong)) if new and () not in wrong else None
+    return found
+
+
+def _error_of(table: type["Table"], given: Mapping[str, Any]) -> ValidationError | None:
+    try:
+        table.model_validate(given)
+    except ValidationError as error:
+        return error
+    return None
+
+
+def _paths(places: Iterable[tuple[int | str, ...]]) -> list[str]:
+    return [".".join(map(str, loc)) for loc in places]
+
+
+def _meant(
+    table: type["Table"], item: Any, given: Mapping[str, Any], settings: Iterable[str]
+) -> list[Problem]:
+    """Return what one of validation's errors means."""
+    conflict = item.get("ctx", {}).get("error")
+    if isinstance(conflict, ConflictError):
+        return conflict.problems
+    return [_problem(table, item, given, settings)]
+
+
+def _problem(table: type["Table"], item: Any, given: Mapping[str, Any], settings: Iterable[str]) -> Problem:
+    path = ".".join(str(part) for part in item["loc"])
+    value = _value_in(given, item["loc"])
+    shown = units.shown(value)
+    if item["type"] == "extra_forbidden":
+        kind = "table of parameters" if isinstance(value, Mapping) else "parameter"
+        from_file = not Problem((path,), "").concerns(settings)
+        meant = nearest(table, path, table.not_in_files if from_file else ())
+        sentence = f"{units.short(path)} is no {kind}; {meant}."
+    elif item["type"] == "model_type":
+        sentence = f"{path} is {shown}; it must be a table of parameters."
+    elif item["type"] == "value_error":  # from units.to_si: says what the value is and how to write it
+        sentence = f"{path} {item['ctx']['error']}."
+    elif item["type"] == "finite_number":
+        sentence = f"{path} is {shown}; it must be finite."
+    else:
+        sentence = f"{path} is {shown}; it must be {table.declared_at(path)[0].allowed}."
+    return Problem((path,), sentence)
+
+
+def _without(given: Mapping[str, Any], wrong: list[tuple[int | str, ...]]) -> dict[str, Any]:
+    kept = {name: item for name, item in given.items() if (name,) not in wrong}
+    for name, item in kept.items():
+        if isinstance(item, Mapping):
+            kept[name] = _without(item, [loc[1:] for loc in wrong if loc[0] == name])
+    return kept
+
+
+def _value_in(given: Mapping[str, Any], loc: tuple[int | str, ...]) -> Any:
+    value: Any = given
+    for part in loc:
+        value = value.get(part) if isinstance(value, Mapping) else None
+    return value
+
+
+def nearest(table: type["Table"], path: str, left_out: tuple[str, ...] = ()) -> str:
+    """Return what may have been meant, if not one of the tables left out."""
+    offered = [item.path for item in table.declared() if item.path.partition(".")[0] not in left_out]
+    close = difflib.get_close_matches(path, offered, n=3, cutoff=0.6)
+    if close:
+        return f"the nearest {'one is' if len(close) == 1 else 'ones are'} {', '.join(close)}"
+    known = dict.fromkeys(name.partition(".")[0] for name in offered)
+    return f"there are {', '.join(known)}"
