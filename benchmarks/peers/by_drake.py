@@ -15,6 +15,7 @@ import numpy as np
 from benchmarks.peers.geometry import BAR, SIDES, TEETH, pinion_flanks, rack_tooth
 from benchmarks.peers.scene import (
     APPROACH,
+    FLYWHEEL,
     FRICTION,
     PAIR,
     PRELOAD,
@@ -25,8 +26,6 @@ from benchmarks.peers.scene import (
     Run,
     rack_start,
 )
-
-FLYWHEEL = 1e3  # inertia that keeps the pinion's speed [kg m^2]
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ import numpy as np
 from benchmarks.peers.geometry import SIDES, TEETH, flank_box, pieces, samples
 from benchmarks.peers.scene import (
     APPROACH,
+    FLYWHEEL,
     FRICTION,
     PAIR,
     PRELOAD,
@@ -30,7 +31,6 @@ from benchmarks.peers.scene import (
 )
 
 RADIUS = 0.1e-3  # of the spheres [m]
-FLYWHEEL = 1e3  # inertia that keeps the pinion's speed [kg m^2]
 IMPEDANCE = 0.9
 
 

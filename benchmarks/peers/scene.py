@@ -36,6 +36,9 @@ RACK_MASS = rack_solid(GEAR).mass_properties.mass
 APPROACH = rack_approach(PAIR, mean_depth(GEAR))
 """How far the preload presses the rack in [m], at which a motion starts."""
 
+FLYWHEEL = 1e3
+"""Inertia that keeps the pinion's speed where a program drives no angle [kg m^2]."""
+
 RUN_IN = np.deg2rad(6.0)
 """Angle that a program in which masses swing turns before the torque is recorded [rad]."""
 
