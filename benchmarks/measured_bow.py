@@ -1,0 +1,168 @@
+"""Gears with a bow and an angle error fitted to made-up curves over their travel: errors, coverage, cost.
+
+No measurement stands behind these numbers: the curves are those of the model for a gear of each seed, with
+white noise of 2 %, in steps that are not the fit's. Preload and friction of all of them are 17 to 25 % off
+what the fit expects; bow, angle error and runout are drawn with the deviations that it believes in, or less.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from benchmarks.measured_fit import FREE, TRUE, WHITE
+from benchmarks.topic import Topic, load_data, markdown, save_data
+from rps_exudyn.charts import style
+from rps_exudyn.fitting.bench_tests import measurement_of
+from rps_exudyn.fitting.estimate import Fit, Verdict
+from rps_exudyn.fitting.fit import fit
+from rps_exudyn.fitting.unknowns import CURVED, USUAL
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.simulate.run import simulate
+from rps_exudyn.verification.made_up_curves import measured_curve, with_noise
+
+DATA, PICTURE = "fit_bow.json", "fit_bow.png"
+ANGLE_ERROR, BOW, RUNOUT, OFFSET = np.radians(0.05), 70e-6, 14e-6, np.radians(2.0)  # standard deviations
+WHOLE = 3.8  # turns
+
+
+def run(folder: Path, seeds: int = 32, turns: float = WHOLE, free: tuple[str, ...] = CURVED) -> None:
+    """Fit a gear of each seed; keep and draw the errors."""
+    cases = []
+    for seed in range(seeds):
+        cases.append(case(seed, turns, free))
+        print(seed, cases[-1]["simulations"], round(cases[-1]["cpu_s"], 1), flush=True)
+        save_data(folder / DATA, {"turns": turns, "cases": cases})
+    style.save(picture(cases), folder / PICTURE)
+
+
+def gear_of(random: np.random.Generator) -> SteeringGear:
+    """A gear with an angle error, a bow in any direction, and a runout."""
+    settings: dict[str, object] = {**TRUE, "installation.angle_error": ANGLE_ERROR * random.standard_normal()}
+    for path, sd in (("rack.bow", BOW), ("pinion.runout", RUNOUT)):
+        cos, sin = (sd * random.standard_normal(2)).tolist()
+        settings |= {path: float(np.hypot(cos, sin)), f"{path}_angle": float(np.arctan2(sin, cos))}
+    return SteeringGear().replace(settings)
+
+
+def curve_of(gear: SteeringGear, turns: float, random: np.random.Generator) -> Any:
+    """Its free torque to and fro over these turns about the middle, with noise and an offset of the angle.
+
+    Raises:
+        RuntimeError: the simulation fails.
+    """
+    test = {"test.path": "there-and-back", "test.start_angle": -turns * np.pi, "test.turns": turns}
+    result = simulate("free-pinion-torque", gear.replace(test), Fidelity.preset("quasi-static"))
+    if result.status != "ok":
+        raise RuntimeError(f"{result.status}: {result.message}")
+    curve = {"pinion_angle": result["pinion_angle"], "value": result["pinion_torque"]}
+    curve = with_noise(curve, WHITE, random)
+    return measured_curve(
+        {**curve, "pinion_angle": curve["pinion_angle"] + OFFSET * random.standard_normal()}, FREE
+    )
+
+
+def case(seed: int, turns: float, free: tuple[str, ...]) -> dict[str, Any]:
+    """Fit one gear, without another law, whose difference would widen the intervals; return what is kept."""
+    random = np.random.default_rng(1000 + seed)
+    gear = gear_of(random)
+    if "rack.bow" not in free:
+        gear = gear.replace({"rack.bow": 0.0})
+    found = fit(measurement_of([curve_of(gear, turns, random)]), free=(*USUAL, *free), other_law=False)
+    return of_fit(gear, found) | {"seed": seed}
+
+
+def of_fit(gear: SteeringGear, found: Fit) -> dict[str, Any]:
+    """What is kept of a fit."""
+    estimates = {
+        each.path: {
+            "true": gear.value_at(each.path),
+            "value": each.value,
+            "interval": list(each.interval),
+            "verdict": str(each.verdict),
+        }
+        for each in found.estimates
+        if each.path in CURVED or each.path.startswith(("pinion.runout", "rack.bow"))
+    }
+    return {
+        "estimates": estimates,
+        "converged": found.converged,
+        "simulations": found.simulations,
+        "cpu_s": found.cpu_s,
+        "others": [sentence for sentence in found.warnings if "nearly as well" in sentence],
+        "found": [path for path in found.found if path in ("yoke.preload", "mesh.friction", "yoke.friction")],
+    }
+
+
+def missed(path: str, estimate: dict[str, Any]) -> float:
+    """Difference of the estimate from the true value; of angles the shorter way round."""
+    difference = float(estimate["value"] - estimate["true"])
+    return (difference + np.pi) % (2 * np.pi) - np.pi if path.endswith("_angle") else difference
+
+
+def holds(path: str, estimate: dict[str, Any]) -> bool:
+    """Tell whether what is printed holds the true value: an interval, or a largest size."""
+    low, high = estimate["interval"]
+    true = estimate["value"] - missed(path, estimate)
+    if estimate["verdict"] == Verdict.MAYBE_ZERO:
+        return bool(abs(true) <= max(abs(low), abs(high)))
+    return bool(low <= true <= high)
+
+
+SHOWN = {
+    "installation.angle_error": ("deg", 180 / np.pi),
+    "rack.bow": ("µm", 1e6),
+    "rack.bow_angle": ("deg", 180 / np.pi),
+    "pinion.runout": ("µm", 1e6),
+    "pinion.runout_angle": ("deg", 180 / np.pi),
+}
+PRINTED = (Verdict.NOT_ZERO, Verdict.MAYBE_ZERO)  # with an interval or a largest size; others have none
+
+
+def table(folder: Path) -> str:
+    """Errors and coverage of each parameter."""
+    cases, rows = load_data(folder / DATA)["cases"], []
+    for path, (unit, size) in SHOWN.items():
+        own = [each["estimates"][path] for each in cases if path in each["estimates"]]
+        told = [each for each in own if each["verdict"] in PRINTED]
+        if not told:
+            continue
+        error = size * np.array([missed(path, each) for each in told])
+        half = size * np.median([(each["interval"][1] - each["interval"][0]) / 2 for each in told])
+        held = sum(holds(path, each) for each in told)
+        different = sum(each["verdict"] == Verdict.NOT_ZERO for each in told)
+        row = [f"`{path}` [{unit}]", len(told), different, f"{np.median(np.abs(error)):.2g}"]
+        row += [f"{np.abs(error).max():.2g}", f"{half:.2g}"]
+        rows.append([*row, f"{held} of {len(told)}, {100 * held / len(told):.0f} %"])
+    head = ("parameter", "intervals printed", "of these different from zero", "median error", "largest")
+    return markdown((*head, "median half interval", "interval holds"), rows)
+
+
+def picture(cases: list[dict[str, Any]]) -> Figure:
+    """Fitted over true angle error and bow, with 95 % intervals."""
+    shown = [path for path in CURVED if path in cases[0]["estimates"]]
+    figure, axes = style.panels([3.0] * len(shown), width=6.0)
+    for panel, path in zip(axes, shown, strict=True):
+        unit, size = SHOWN[path]
+        own = [each["estimates"][path] for each in cases if path in each["estimates"]]
+        true, value = (size * np.array([each[name] for each in own]) for name in ("true", "value"))
+        ends = size * np.array([each["interval"] for each in own]).T
+        bars = np.abs(ends - value)
+        panel.errorbar(true, value, bars, fmt=".", linewidth=0.8, color=style.COLOURS["torque"])
+        panel.plot([true.min(), true.max()], [true.min(), true.max()], **style.REFERENCE_LINE)
+        panel.set_ylabel(f"fitted {path} [{unit}]")
+        panel.set_xlabel(f"true [{unit}]")
+    style.title(figure, "Bow and angle error fitted to made-up free torques over the travel")
+    return figure
+
+
+TOPIC = Topic(
+    "bow and angle error fitted to made-up curves over the travel: errors, coverage, cost",
+    "20 min",
+    "fit",
+    run,
+    {"seeds": 1, "turns": 1.0, "free": ("installation.angle_error",)},
+    {"fit_bow": table},
+)
