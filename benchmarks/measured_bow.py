@@ -28,14 +28,21 @@ ANGLE_ERROR, BOW, RUNOUT, OFFSET = np.radians(0.05), 70e-6, 14e-6, np.radians(2.
 WHOLE = 3.8  # turns
 
 
-def run(folder: Path, seeds: int = 32, turns: float = WHOLE, free: tuple[str, ...] = CURVED) -> None:
-    """Fit a gear of each seed; keep and draw the errors."""
-    cases = []
-    for seed in range(seeds):
+def run(folder: Path, seeds: int = 24, turns: float = WHOLE, free: tuple[str, ...] = CURVED) -> None:
+    """Fit a gear of each seed; keep and draw the errors. A run that was stopped goes on where it was."""
+    cases = begun(folder / DATA, seeds, turns)
+    for seed in range(len(cases), seeds):
         cases.append(case(seed, turns, free))
         print(seed, cases[-1]["simulations"], round(cases[-1]["cpu_s"], 1), flush=True)
         save_data(folder / DATA, {"turns": turns, "cases": cases})
     style.save(picture(cases), folder / PICTURE)
+
+
+def begun(file: Path, seeds: int, turns: float) -> list[dict[str, Any]]:
+    """The cases of a run that was stopped; none where the last one came to its end."""
+    before = load_data(file) if file.exists() else {"turns": turns, "cases": []}
+    unfinished = before["turns"] == turns and len(before["cases"]) < seeds
+    return list(before["cases"]) if unfinished else []
 
 
 def gear_of(random: np.random.Generator) -> SteeringGear:
