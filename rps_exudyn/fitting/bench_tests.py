@@ -27,6 +27,7 @@ KINDS = ("free", "reversal", "load-test", "rack-push", "yoke-out", "bearing")
 FREE_TURNING = ("free", "reversal")  # whose curves are compared angle by angle, others by their means
 _NAMED = re.compile(rf"(?P<kind>{'|'.join(KINDS)})(?:@(?P<load>[^=]+))?=(?P<file>.+)", re.S)
 MOST_POINTS = 720  # of a pass: more are taken together by their medians
+UNSIGNED = 0.5  # least ratio of absolute values of friction in both directions
 MIXED = 1.5  # of two speeds, from which on friction may differ between them
 TURNING = np.radians(3.0)  # after a turn of a reversal, where friction is still turning about
 
@@ -128,7 +129,7 @@ def measurement_of(curves: Iterable[tuple[BenchTest, MeasuredTorque]]) -> Measur
         turned = passes(signals | curve.beside)
         own = [_measured_pass(test, run, each) for each in turned]
         own = _counted_by_the_motion(own, longest=max(np.ptp(each.angle) for each in own))
-        own, said = _with_signs(own)
+        own, said = _with_signs(own, curve.name)
         found += own
         names.append(curve.name)
         assumed += [f"{curve.name}: {sentence}" for sentence in (*curve.assumed, f"{len(own)} passes", *said)]
@@ -156,23 +157,50 @@ def _counted_by_the_motion(found: list[MeasuredPass], longest: float) -> list[Me
     return [each for each in found if np.ptp(each.angle) > 0.2 * longest]
 
 
-def _with_signs(found: list[MeasuredPass]) -> tuple[list[MeasuredPass], list[str]]:
-    """Give the values the signs of the result files, where a bench records them otherwise."""
-    both = [[each for each in found if each.direction == sense] for sense in (+1, -1)]
-    forth, back = (float(np.mean([each.value.mean() for each in part])) if part else np.nan for part in both)
+def _with_signs(found: list[MeasuredPass], name: str) -> tuple[list[MeasuredPass], list[str]]:
+    """Give the values the signs of the result files, where a bench records them otherwise.
+
+    Raises:
+        InputError: they have signs that friction cannot have.
+    """
     kind, load = found[0].test.kind, found[0].test.load
+    ways = {sense: [each for each in found if each.direction == sense] for sense in (+1, -1)}
+    means = {sense: float(np.mean([each.value.mean() for each in way])) for sense, way in ways.items() if way}
     if kind == "load-test":
-        if max(forth, back) < 0 or (np.isnan(forth) and back < 0) or (np.isnan(back) and forth < 0):
+        if max(means.values()) < 0:
             turned = BenchTest(kind, -load)
             return [_replaced(each, turned, 1) for each in found], ["the weight pulls the rack towards +X"]
         return found, []
-    if min(forth, back) > 0 and min(forth, back) > 0.2 * max(forth, back):
+    _check_signs(ways, means, name)
+    if len(means) == 2 and means[1] * means[-1] > 0:
+        sign = 1 if means[1] > 0 else -1
         said = "torques of the same sign both ways are read as against the motion"
-        return [_replaced(each, each.test, each.direction) for each in found], [said]
-    if forth < 0 or (np.isnan(forth) and back > 0):
+        return [_replaced(each, each.test, sign * each.direction) for each in found], [said]
+    if any(sense * mean < 0 for sense, mean in means.items()):
         said = "torques count negative where they drive along the motion; their signs are turned"
         return [_replaced(each, each.test, -1) for each in found], [said]
     return found, []
+
+
+def _check_signs(ways: dict[int, list[MeasuredPass]], means: dict[int, float], name: str) -> None:
+    """Refuse means of passes that are no friction about zero.
+
+    Raises:
+        InputError: they have both signs in one direction, or one sign and different sizes in both.
+    """
+    for way in ways.values():
+        own = [float(each.value.mean()) for each in way]
+        if own and -min(own) > UNSIGNED * max(own) > 0 > min(own) * max(own):
+            raise InputError(
+                f"{name} has passes in one direction of the angle whose torques have opposite signs, "
+                f"{max(own):.3g} and {min(own):.3g} in SI; let the angle fall where the motion goes back."
+            )
+    forth, back = (abs(means.get(sense, np.nan)) for sense in (1, -1))
+    if len(means) == 2 and means[1] * means[-1] > 0 and min(forth, back) < UNSIGNED * max(forth, back):
+        raise InputError(
+            f"{name} has means of {means[1]:.3g} and {means[-1]:.3g} in both directions, in SI: neither "
+            "absolute values of one friction nor a friction about the sensor's zero; subtract the zero."
+        )
 
 
 def _replaced(each: MeasuredPass, test: BenchTest, sign: int) -> MeasuredPass:

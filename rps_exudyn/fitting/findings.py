@@ -96,7 +96,8 @@ def test_words(test: BenchTest) -> str:
 def verdict_sentence(each: Estimate) -> str:
     """What the fit says of one parameter."""
     if each.verdict is Verdict.MAYBE_ZERO:
-        return f"not different from zero (at most {shown(each.path, each.interval[1])})"
+        most = max(abs(end) for end in each.interval)
+        return f"not different from zero (at most {shown(each.path, most)})"
     return str(each.verdict)
 
 

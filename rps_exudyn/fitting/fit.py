@@ -21,6 +21,7 @@ from rps_exudyn.fitting.curved import OtherEnd
 from rps_exudyn.fitting.estimate import Fit
 from rps_exudyn.fitting.noise import SENSOR, Found, Repeats, found_noise, noises_of, repeats_of
 from rps_exudyn.fitting.outcome import outcome_of
+from rps_exudyn.fitting.plausible import check_sizes
 from rps_exudyn.fitting.prediction import TURN, NoPredictionError, Prediction, within_the_teeth
 from rps_exudyn.fitting.problem import ZERO, Problem, State, white_noise
 from rps_exudyn.fitting.series import Series
@@ -60,11 +61,12 @@ def fit(
             parameters, its end and its slopes are where this fit begins.
 
     Raises:
-        InputError: files that cannot be read, curves too short, a prior that cannot be, or a gear that has no
-            equilibrium where the fit begins.
+        InputError: files that cannot be read, curves too short, values in a wrong unit, a prior that cannot
+            be, or a gear that has no equilibrium where the fit begins.
     """
     began, gear = process_time(), gear or SteeringGear()
     measurement = files if isinstance(files, Measurement) else read_measurement(files, columns)
+    check_sizes(measurement, gear)
     free, warnings = _tellable(measurement, gear, list(free))
     problem = _problem(measurement, gear, free, priors or {})
     before = like.series if isinstance(like, Fit) else like

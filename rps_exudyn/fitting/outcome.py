@@ -248,6 +248,11 @@ def _warnings(
             f"the torque drifts by {100 * worst:.2g} % over a pass: a bent rack, warming, or the sensor"
         )
     said += mixed_speeds(problem.measurement, float(GearPair.of(gear).gain))
+    for name, zero, quiet in zip(problem.measurement.names, solved.state.zeros, problem.quiet, strict=True):
+        if abs(zero) > 3 * quiet:
+            said.append(
+                f"the zero of the sensor is {zero:.2g} (SI) in {name}, which is a large part of its mean"
+            )
     for test in problem.measurement.tests:
         ways = {each.direction for each in problem.measurement.passes if each.test == test}
         if len(ways) == 1:

@@ -66,6 +66,11 @@ _OTHERS = (
 """Units of what a bench records beside the curve, in small letters."""
 
 
+def is_unit_beside(text: str) -> bool:
+    """Tell whether a text is a unit of what is recorded beside the curve: a temperature, a speed, a rate."""
+    return text.lower() in _OTHERS or bool(re.search(r"/\s*(s|sec|min)$", text))
+
+
 def is_unit(text: str) -> bool:
     """Tell whether a text is a unit of anything that a bench records, in brackets or not."""
     inner = text.strip().strip("[](){}<> ")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import short
-from rps_exudyn.measured.bench_units import unit_size
+from rps_exudyn.measured.bench_units import is_unit_beside, unit_size
 from rps_exudyn.measured.layout import Layout
 from rps_exudyn.measured.numbers import as_number
 from rps_exudyn.results.quantities import SIGNALS
@@ -127,6 +127,8 @@ def _found(where: str, titles: list[_Title], quantity: str) -> _Title:
     """The one column that may be meant."""
     exact = [each for each in titles if each.name.strip().lower() == quantity]
     named = exact or [each for each in titles if each.is_named(quantity)]
+    if len(named) > 1:  # angle [deg] beside angle speed [deg/s]
+        named = [each for each in named if not is_unit_beside(each.unit)] or named
     fitting = named or [each for each in titles if each.unit and each.size(quantity) is not None]
     choice = f'--column {quantity}="{{}} {EXAMPLES[quantity]}"'
     if not fitting:

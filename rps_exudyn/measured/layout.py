@@ -3,7 +3,7 @@
 import csv
 import re
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from rps_exudyn.measured.bench_units import is_unit
@@ -21,6 +21,8 @@ SEPARATORS = {
     " ": "blanks",
 }
 _COMMENT = re.compile(r"\s*(?:#|%|//|!|\*)+")
+_OPEN_QUOTE = re.compile(r'^(?:[^"]*"[^"]*")*(?:[^"]*[;,\t|])?\s*"[^"]*$')
+_HEAD_LINES = 4  # that a quoted name and its unit may take beside the first
 _AHEAD = 4  # rows that follow the first one of numbers, of which most must be numbers too
 
 
@@ -55,7 +57,7 @@ def layout_of(text: str, knows: Callable[[list[str]], int]) -> Layout | None:
 
     `knows` counts the cells of a header whose meaning is known.
     """
-    lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip()]
+    lines = [line for line in _lines(text) if line[1].strip()]
     stated = None
     if lines and (found := re.fullmatch(r"\s*\"?sep=(.)\"?\s*", lines[0][1], re.I)):
         stated, lines = found[1], lines[1:]  # a mark of spreadsheets
@@ -71,6 +73,20 @@ def layout_of(text: str, knows: Callable[[list[str]], int]) -> Layout | None:
     return max(found_layouts, key=merit, default=None)
 
 
+def _lines(text: str) -> Iterator[Line]:
+    """Lines with their numbers; a quoted cell of a header that holds line ends stays in one line."""
+    lines, i = text.splitlines(), 0
+    while i < len(lines):
+        whole, last = lines[i], i
+        while _OPEN_QUOTE.search(whole) and last < min(i + _HEAD_LINES, len(lines) - 1):
+            last += 1
+            whole = f"{whole} {lines[last]}"
+        if _OPEN_QUOTE.search(whole):  # no quote, but a sign for inches
+            whole, last = lines[i], i
+        yield last + 1, whole
+        i = last + 1
+
+
 def _divided(
     lines: list[Line], comments: list[Line], separator: str, knows: Callable[[list[str]], int]
 ) -> Layout | None:
@@ -79,15 +95,9 @@ def _divided(
     if begin is None:
         return None
     width = Counter(len(cells) for _, cells in rows[begin:]).most_common(1)[0][0]
-    below: Row | None = None
-    for number, line in reversed(lines[:begin]):
-        cells = _header_cells(line, separator, width)
-        if len(cells) < 2 or not re.search(r"[^\W\d_]|[°%]", line):
-            continue
-        if below is None and _are_units(cells):
-            below = number, cells
-            continue
-        return Layout(separator, (number, cells), below, rows[begin:])
+    header, below = _header_above(lines[:begin], separator, width, knows)
+    if header:
+        return Layout(separator, header, below, rows[begin:])
     for number, line in reversed([each for each in comments if not lines or each[0] < rows[begin][0]]):
         cells = _header_cells(line, separator, width)
         if below is None and len(cells) > 1 and _are_units(cells):
@@ -95,6 +105,28 @@ def _divided(
         elif knows(cells) > 1:
             return Layout(separator, (number, cells), below, rows[begin:])
     return Layout(separator, None, below, rows[begin:])
+
+
+def _header_above(
+    lines: list[Line], separator: str, width: int, knows: Callable[[list[str]], int]
+) -> tuple[Row | None, Row | None]:
+    """The line that names the columns, and that of their units.
+
+    It is the lowest line of which two quantities are known, else the lowest of several words.
+    """
+    header: Row | None = None
+    below: Row | None = None
+    for number, line in reversed(lines):
+        cells = _header_cells(line, separator, width)
+        if len(cells) < 2 or not re.search(r"[^\W\d_]|[°%]", line):
+            continue
+        if below is None and _are_units(cells):
+            below = number, cells
+        elif knows(cells) > 1:
+            return (number, cells), below
+        else:
+            header = header or (number, cells)
+    return header, below
 
 
 def _are_units(cells: Sequence[str]) -> bool:
@@ -109,12 +141,16 @@ def _first_of_numbers(rows: list[Row]) -> int | None:
     most = Counter(count for count in counts if count > 1).most_common(1)
     numeric = [count > 1 for count in counts]
     for i, is_one in enumerate(numeric):
-        if is_one and counts[i] < most[0][0] and re.match(r"[^\W\d_]{2}", rows[i][1][0]):
+        if is_one and counts[i] < most[0][0] and _is_word(rows[i][1][0]):
             continue  # numbers of channels behind a word
         ahead = numeric[i : i + _AHEAD + 1]
         if is_one and sum(ahead) > len(ahead) / 2:
             return i
     return None
+
+
+def _is_word(cell: str) -> bool:
+    return as_number(cell) is None and bool(re.match(r"[^\W\d_]", cell))
 
 
 def _header_cells(line: str, separator: str, width: int) -> list[str]:

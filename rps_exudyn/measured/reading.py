@@ -23,12 +23,21 @@ from rps_exudyn.base.units import short
 from rps_exudyn.measured.clock import recorded
 from rps_exudyn.measured.columns import Column, find_columns, known_columns
 from rps_exudyn.measured.layout import SEPARATORS, Layout, Row, layout_of
-from rps_exudyn.measured.numbers import AmbiguousNumbersError, Format, as_number, format_of, is_missing
+from rps_exudyn.measured.numbers import (
+    AmbiguousNumbersError,
+    Format,
+    as_number,
+    format_of,
+    is_missing,
+    is_placeholder,
+)
 from rps_exudyn.measured.text import read_text
+from rps_exudyn.measured.turning import counted_on, directions
 
 TORQUE = ("pinion_angle", "pinion_torque")
 PUSH = ("rack_displacement", "rack_force")
 _ENCODINGS = {"utf-8": "", "utf-8-sig": "", "cp1252": "Windows-1252"}
+FAR = 20.0  # times the usual size of a value: a number of nines beyond stands for none
 _SHOWN = 5  # line numbers in a sentence
 
 
@@ -71,17 +80,35 @@ def read_curve(
     if len(values) < FEWEST:
         raise InputError(f"{path} holds {len(values)} points; a torque curve needs at least {FEWEST}.")
     table = values.T * np.array([column.size for column in found])[:, None]
+    if wanted[0] in TORQUE:
+        table[0], turns = counted_on(table[0])
+        notes += [f"the angle begins anew {turns} times and is counted on from turn to turn"] if turns else []
     signals = dict(zip(wanted, table, strict=True))
     if not np.ptp(table[0]) > 0 or not passes({"pinion_angle": table[0]}):
         raise InputError(
             f"{path} holds one {wanted[0].replace('_', ' ')} only; a curve covers a range of them."
         )
+    _check_directions(path, layout, signals[wanted[0]])
     first = f"cells separated by {SEPARATORS.get(layout.separator, layout.separator)}, {numbers.words}"
     if named := _ENCODINGS.get(encoding, encoding.upper()):
         first = f"text in {named}, {first}"
     taken = [_taken(column) for column in found]
     beside = recorded(layout, lines, numbers)
     return MeasuredTorque(Path(path).stem, signals, (first, *taken, *notes), beside)
+
+
+def _check_directions(path: str | Path, layout: Layout, driven: np.ndarray) -> None:
+    """Refuse a curve whose driven coordinate moves one way where a column tells of two.
+
+    Raises:
+        InputError: it does.
+    """
+    words = directions(layout)
+    if len({each.direction for each in passes({"pinion_angle": driven})}) == 1 and words:
+        raise InputError(
+            f"{path} tells of several directions ({', '.join(short(word, 20) for word in words)}), but its "
+            "angle moves one way in all of them; let it fall where the motion goes back."
+        )
 
 
 def _taken(column: Column) -> str:
@@ -91,7 +118,8 @@ def _taken(column: Column) -> str:
 
 def _format(path: str | Path, layout: Layout, columns: list[Column]) -> Format:
     cells = [row[column.index] for _, row in layout.rows for column in columns if column.index < len(row)]
-    numbers = [number for cell in cells if (number := as_number(cell)) is not None]
+    units = {"", *(column.unit for column in columns)}
+    numbers = [each for cell in cells if (each := as_number(cell)) is not None and each.tail in units]
     try:
         return format_of(numbers)
     except AmbiguousNumbersError as either:
@@ -105,22 +133,30 @@ def _format(path: str | Path, layout: Layout, columns: list[Column]) -> Format:
 def _values(
     path: str | Path, layout: Layout, columns: list[Column], numbers: Format
 ) -> tuple[np.ndarray, list[str], list[int]]:
-    """The numbers, shape (n, columns), what was left out, and the numbers of their lines."""
-    kept, text, missing = [], [], []
+    """The numbers, shape (n, columns), what was left out, and the numbers of their lines.
+
+    Raises:
+        InputError: a cell that should be a number is none, or the columns change on the way.
+    """
+    kept: list[tuple[int, list[float]]] = []
+    missing, text = [], []
+    usual = [_usual(layout, column, numbers) for column in columns]
     for row in layout.rows:
         cells = [row[1][column.index] if column.index < len(row[1]) else "" for column in columns]
         values = [_value(cell, numbers, column) for cell, column in zip(cells, columns, strict=True)]
-        if all(value is not None for value in values):
-            kept.append((row[0], values))
-        elif all(value is not None or is_missing(cell) for value, cell in zip(values, cells, strict=True)):
+        absent = [
+            is_missing(cell) or _stands_for_nothing(cell, value, size)
+            for cell, value, size in zip(cells, values, usual, strict=True)
+        ]
+        if not any(absent) and all(value is not None for value in values):
+            kept.append((row[0], [value for value in values if value is not None]))
+        elif all(value is not None or gone for value, gone in zip(values, absent, strict=True)):
             missing.append(row[0])
         else:
             text.append((row, cells, values))
-    last = kept[-1][0] if kept else 0
+    last = kept[-1][0] if kept else layout.rows[-1][0]
     for row, cells, values in text:
-        if row[0] < last and any(value is not None for value in values) and not _is_label(row):
-            wrong = next(cell for cell, value in zip(cells, values, strict=True) if value is None)
-            raise InputError(f"{path}, line {row[0]}: {short(wrong)!r} is no number.")
+        _check_text(path, layout, row, cells, values, row[0] < last)
     notes = []
     if missing:
         notes.append(f"{len(missing)} rows without a value are left out: {_lines(missing)}")
@@ -130,6 +166,40 @@ def _values(
         )
     table = np.array([values for _, values in kept], dtype=float).reshape(-1, len(columns))
     return table, notes, [line for line, _ in kept]
+
+
+def _usual(layout: Layout, column: Column, numbers: Format) -> float:
+    """The median size of a column's values, in its unit."""
+    cells = [row[column.index] for _, row in layout.rows if column.index < len(row)]
+    values = [abs(value) for cell in cells if (value := _value(cell, numbers, column)) is not None]
+    return float(np.median(values)) if values else 0.0
+
+
+def _stands_for_nothing(cell: str, value: float | None, usual: float) -> bool:
+    """Tell whether a number is a mark of a missing value: nothing but nines, far beyond all others."""
+    return value is not None and is_placeholder(cell) and abs(value) > FAR * usual
+
+
+def _check_text(
+    path: str | Path, layout: Layout, row: Row, cells: list[str], values: list[float | None], within: bool
+) -> None:
+    """Refuse a row that is no numbers where the curve would be another one: `within` it, or numbers that are
+    written otherwise at its end.
+
+    Raises:
+        InputError: it does.
+    """
+    named = layout.header[1] if layout.header else row[1]
+    names = known_columns(row[1]) or sum(cell.endswith((")", "]")) for cell in row[1]) > 1
+    if within and names and row[1] != named:
+        raise InputError(
+            f"{path}, line {row[0]} names its columns anew: {short(', '.join(row[1]), 60)}; save each table "
+            "in a file of its own."
+        )
+    wrong = [cell for cell, value in zip(cells, values, strict=True) if value is None]
+    numeric = all(as_number(cell) is not None for cell in cells)
+    if not _is_label(row) and (numeric or (within and len(wrong) < len(cells))):
+        raise InputError(f"{path}, line {row[0]}: {short(wrong[0])!r} is no number.")
 
 
 def _is_label(row: Row) -> bool:

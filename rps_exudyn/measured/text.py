@@ -33,6 +33,8 @@ def read_text(path: str | Path) -> tuple[str, str]:
     for begin, what in _OTHER_FILES.items():
         if content.startswith(begin):
             raise InputError(f"{path} is {what}.")
+    if 0 not in content[:2000]:
+        content = content.rstrip(b"\0")  # of a logger that was switched off
     for encoding in _encodings(content):
         try:
             text = content.decode(encoding)
@@ -40,7 +42,9 @@ def read_text(path: str | Path) -> tuple[str, str]:
             continue
         if not any(ord(sign) < 32 and not sign.isspace() for sign in text[:20000]):
             return text, encoding
-    raise InputError(f"{path} cannot be read: it is no text in UTF-8, UTF-16 or Windows-1252.")
+    raise InputError(
+        f"{path} cannot be read: it is no text in UTF-8, UTF-16 or Windows-1252; save it as UTF-8."
+    )
 
 
 def _encodings(content: bytes) -> list[str]:

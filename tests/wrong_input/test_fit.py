@@ -149,3 +149,44 @@ def test_command_refuses_in_one_sentence(command: Command, short: Path) -> None:
         assert answer.status == 2
         assert sentence in answer.err
         assert answer.err.count("\n") == 1
+
+
+def turned(path: Path, forth: float, back: float, *, reach: float = 180.0, falls: bool = True) -> Path:
+    """A file of two passes of constant torques, in degrees and N m."""
+    angle = np.linspace(-reach, reach, 73)
+    second = angle[-2::-1] if falls else angle
+    rows = [f"{a},{t}\n" for way, t in ((angle, forth), (second, back)) for a in way]
+    path.write_text(HEADER + "".join(rows))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("forth", "back", "falls", "sentence"),
+    [
+        (1.63, 0.39, True, r"means of 1.63 and 0.39 in both directions.*subtract the zero"),
+        (-1.33, -0.09, True, r"means of -1.33 and -0.09 in both directions.*subtract the zero"),
+        (0.6, -0.6, False, r"passes in one direction .* opposite signs, 0.6 and -0.6 in SI"),
+    ],
+)
+def test_torques_that_are_no_friction_about_zero_are_refused(
+    forth: float, back: float, falls: bool, sentence: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=sentence):
+        read_measurement([turned(tmp_path / "a.csv", forth, back, falls=falls)])
+
+
+def test_absolute_values_below_zero_are_read_as_against_the_motion(tmp_path: Path) -> None:
+    measured = read_measurement([turned(tmp_path / "a.csv", -0.63, -0.61)])
+    assert [each.direction * each.value.mean() > 0 for each in measured.passes] == [True, True]
+    assert any("same sign both ways" in sentence for sentence in measured.assumed)
+
+
+def test_values_in_a_wrong_unit_are_refused(tmp_path: Path) -> None:
+    """N mm given as N m, N m as kN m, radians as turns: far from any gear like the expected one."""
+    with pytest.raises(InputError) as refused:
+        fit([turned(tmp_path / "a.csv", 630.0, -610.0), turned(tmp_path / "b.csv", 6e-4, -6e-4)])
+    assert "mean torque of 630 N m" in refused.value.problems[0]
+    assert "mean torque of 0.0006 N m" in refused.value.problems[1]
+    assert all("look at the unit of its torque" in each for each in refused.value.problems)
+    with pytest.raises(InputError, match=r"covers 57.3 turns of the pinion .* look at the unit of its angle"):
+        fit([turned(tmp_path / "c.csv", 0.6, -0.6, reach=180 * 57.3)])

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from measured_files import ANGLE, READABLE, REFUSED, TORQUE
+from measured_odd_files import ODD_READABLE, ODD_REFUSED
 from rps_exudyn.analysis.measured import compare_with_measured
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError
@@ -84,11 +85,11 @@ def test_files_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
             read_measured_torque(tmp_path / path)
 
 
-@pytest.mark.parametrize("kind", READABLE)
+@pytest.mark.parametrize("kind", READABLE | ODD_READABLE)
 def test_every_kind_of_file_holds_the_same_curve(kind: str, tmp_path: Path) -> None:
     """To the digits written; where rows of the curve are repeated, they are read as often."""
     path = tmp_path / "bench.csv"
-    path.write_bytes(READABLE[kind])
+    path.write_bytes((READABLE | ODD_READABLE)[kind])
     measured = read_measured_torque(path)
     forth, back = passes(measured.signals)
     assert (forth.direction, back.direction) == (1, -1)
@@ -100,9 +101,9 @@ def test_every_kind_of_file_holds_the_same_curve(kind: str, tmp_path: Path) -> N
     assert measured.signals["pinion_torque"].size >= TORQUE.size
 
 
-@pytest.mark.parametrize("kind", REFUSED)
+@pytest.mark.parametrize("kind", REFUSED | ODD_REFUSED)
 def test_files_that_leave_something_open_say_what(kind: str, tmp_path: Path) -> None:
-    content, sentence = REFUSED[kind]
+    content, sentence = (REFUSED | ODD_REFUSED)[kind]
     with pytest.raises(InputError, match=sentence):
         read_measured_torque(written(tmp_path, content))
 
@@ -138,6 +139,28 @@ def test_what_is_left_out_is_said(tmp_path: Path) -> None:
     )
     path.write_bytes(READABLE["footers"])
     assert any("3 lines that are no numbers" in each for each in read_measured_torque(path).assumed)
+
+
+def test_an_angle_that_begins_anew_is_counted_on_over_turns(tmp_path: Path) -> None:
+    """Three turns forth and back of an encoder that knows one: two passes of three turns, and it is said."""
+    angle = np.concatenate([np.arange(-540, 541, 5), np.arange(535, -541, -5)])
+    rows = "".join(f"{a % 360},{0.6 if i < 217 else -0.6}\n" for i, a in enumerate(angle))
+    measured = read_measured_torque(written(tmp_path, HEADER + rows))
+    assert [round(np.degrees(np.ptp(each.angle))) for each in passes(measured.signals)] == [1080, 1075]
+    assert any("begins anew 6 times" in sentence for sentence in measured.assumed)
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("packed", b"\x1f\x8b\x08\x00\x00"),
+        ("Shift JIS", "angle (deg),torque (N\u30fbm)\n1,2\n2,2\n3,2\n".encode("shift_jis")),
+    ],
+)
+def test_what_is_no_text_is_refused(name: str, content: bytes, tmp_path: Path) -> None:
+    (tmp_path / "bench.csv").write_bytes(content)
+    with pytest.raises(InputError, match="no text in UTF-8, UTF-16 or Windows-1252; save it as UTF-8"):
+        read_measured_torque(tmp_path / "bench.csv")
 
 
 def test_passes_in_one_direction_that_follow_each_other_are_told_apart(tmp_path: Path) -> None:
