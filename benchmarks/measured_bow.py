@@ -40,9 +40,11 @@ def run(folder: Path, seeds: int = 24, turns: float = WHOLE, free: tuple[str, ..
 
 def begun(file: Path, seeds: int, turns: float) -> list[dict[str, Any]]:
     """The cases of a run that was stopped; none where the last one came to its end."""
-    before = load_data(file) if file.exists() else {"turns": turns, "cases": []}
-    unfinished = before["turns"] == turns and len(before["cases"]) < seeds
-    return list(before["cases"]) if unfinished else []
+    if not file.exists():
+        return []
+    before = load_data(file)
+    cases: list[dict[str, Any]] = before["cases"]
+    return cases if before["turns"] == turns and len(cases) < seeds else []
 
 
 def gear_of(random: np.random.Generator) -> SteeringGear:
