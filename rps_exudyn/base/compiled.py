@@ -11,11 +11,23 @@ from numba.experimental import structref
 
 from rps_exudyn.base.kernel_cache import KernelCache
 
+_NOT_FROM_PYTHON = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
 
 def _compiled(function: Callable[..., Any], **options: Any) -> Any:
     dispatcher = numba.njit(function, error_model="numpy", **options)
     dispatcher._cache = KernelCache(function)
+    dispatcher.__class__ = _Kernel
     return dispatcher
+
+
+class _Kernel(CPUDispatcher):
+    """Compiles a function once for all numbers of a type: numba does so anew for each number in a call."""
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Return what a call with arguments of such types returns, and see that it is compiled."""
+        types = {name: numba.types.unliteral(each) for name, each in kws.items()}
+        return super().get_call_template([numba.types.unliteral(each) for each in args], types)
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -30,6 +42,16 @@ def apart(function: Callable[..., Any]) -> Callable[..., Any]:
     return dispatcher
 
 
+def nested(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A kernel that only kernels call: what unpacks arguments from Python is not compiled.
+
+    Called from Python it runs uncompiled.
+    """
+    dispatcher = _compiled(function, **_NOT_FROM_PYTHON)
+    dispatcher.__class__ = _WithinKernels
+    return dispatcher
+
+
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     """A kernel that its callers absorb: for functions whose call would cost more than their work.
 
@@ -37,7 +59,7 @@ def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     compiles would round otherwise than those that load its kernels. Called from Python it runs uncompiled:
     what unpacks its arguments would take longer to compile than the function.
     """
-    dispatcher = _compiled(function, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+    dispatcher = _compiled(function, forceinline=True, **_NOT_FROM_PYTHON)
     dispatcher.__class__ = _WithinKernels
     return dispatcher
 
@@ -49,14 +71,12 @@ def borrowing(function: Callable[..., Any]) -> Callable[..., Any]:
     half of the time of the flanks' contact. It must neither make arrays, which does not compile, nor return
     any, which is refused, nor call what returns some, which would never be freed.
     """
-    dispatcher = _compiled(
-        function, forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False
-    )
+    dispatcher = _compiled(function, forceinline=True, _nrt=False, **_NOT_FROM_PYTHON)
     dispatcher.__class__ = _Borrowing
     return dispatcher
 
 
-class _WithinKernels(CPUDispatcher):
+class _WithinKernels(_Kernel):
     """Knows compiled code that only compiled code can call."""
 
     def add_overload(self, cres: Any) -> None:

@@ -2,7 +2,17 @@
 
 import numpy as np
 
-from rps_exudyn.base.compiled import kernel
+from rps_exudyn.base.compiled import inlined, kernel
+
+
+@inlined
+def put(numbers, row):  # type: ignore[no-untyped-def]
+    """Copy numbers into a row.
+
+    For `row[:] = numbers` numba compiles a sentence about shapes that differ, which takes it half a second.
+    """
+    for i in range(numbers.size):
+        row[i] = numbers[i]
 
 
 @kernel

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import apart, kernel
+from rps_exudyn.base.compiled import apart, kernel, nested
 from rps_exudyn.base.quadrature import gauss_legendre
 from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.forces.friction import (
@@ -61,7 +61,7 @@ class SeatData(NamedTuple):
 # The bar's axis stands at gap + station * slope, both (y, z), against that of the seat.
 
 
-@kernel
+@nested
 def touches_everywhere(gap, slope, data):  # type: ignore[no-untyped-def]
     """Tell whether all of the seat touches: it does if its four corners do, for its arc is no half circle."""
     for station in (-data.half_length, data.half_length):
@@ -71,7 +71,7 @@ def touches_everywhere(gap, slope, data):  # type: ignore[no-untyped-def]
     return True
 
 
-@kernel
+@nested
 def touching_stations(angle, gap, slope, half_length):  # type: ignore[no-untyped-def]
     """Return the stations between which the seat touches at an angle of its arc; depth is linear there."""
     middle = gap[0] * np.cos(angle) + gap[1] * np.sin(angle)
@@ -83,7 +83,7 @@ def touching_stations(angle, gap, slope, half_length):  # type: ignore[no-untype
     return (zero, high) if rise > 0 else (low, zero)
 
 
-@kernel
+@nested
 def arc_pieces(gap, slope, data):  # type: ignore[no-untyped-def]
     """Return the angles between which the touching part changes smoothly, rising.
 
@@ -95,12 +95,16 @@ def arc_pieces(gap, slope, data):  # type: ignore[no-untyped-def]
         deepest = np.arctan2(gap[1] + station * slope[1], gap[0] + station * slope[0])
         for turn in (-1.5 * np.pi, -0.5 * np.pi, 0.5 * np.pi, 1.5 * np.pi):
             if abs(deepest + turn) < data.half_angle and count < 5:
-                pieces[count], count = deepest + turn, count + 1
+                place = count
+                while pieces[place - 1] > deepest + turn:
+                    pieces[place] = pieces[place - 1]
+                    place -= 1
+                pieces[place], count = deepest + turn, count + 1
     pieces[count] = data.half_angle
-    return np.sort(pieces[: count + 1])
+    return pieces[: count + 1]
 
 
-@kernel
+@nested
 def seat_points(gap, slope, data):  # type: ignore[no-untyped-def]
     """Return Gauss points of the touching part, rows (normal y, normal z, station [m], stiffness [N/m])."""
     if touches_everywhere(gap, slope, data):
@@ -121,7 +125,7 @@ def seat_points(gap, slope, data):  # type: ignore[no-untyped-def]
     return points
 
 
-@kernel
+@nested
 def _whole_load(points, q, axis, tilt, data):  # type: ignore[no-untyped-def]
     """Sum of the seat's normal forces [N]."""
     total = 0.0

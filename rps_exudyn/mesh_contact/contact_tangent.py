@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import borrowing, inlined, kernel
+from rps_exudyn.base.compiled import borrowing, inlined, nested
 from rps_exudyn.forces.rigid_motion import Vector, cross, dot, minus, plus, scaled, vector
 from rps_exudyn.mesh_contact import wrench
 from rps_exudyn.mesh_contact.flank_line import (
@@ -153,7 +153,7 @@ def add_turn_of_loads(sums, side, slopes):  # type: ignore[no-untyped-def]
             stiffness[3 + i, 3 + j] -= factor * swung[i]
 
 
-@kernel
+@nested
 def motions_of(angle, position, map_, data):  # type: ignore[no-untyped-def]
     """Motions of the rack against the pinion per coordinate of pinion (1) and rack (6), shape (6, 7)."""
     axis, to_axis = pinion_axis(angle, position, data)
@@ -173,7 +173,7 @@ def pinion_axis(angle, position, data):  # type: ignore[no-untyped-def]
     return axis, (gx - data.cos_delta * ecc_e, gy - ecc_y, gz + data.sin_delta * ecc_e)
 
 
-@kernel
+@nested
 def add_on_coordinates(out, q, motions, stiffness, factor_q, data, tangent):  # type: ignore[no-untyped-def]
     """Add C^T K C to the tangent of the forces on pinion (1) and rack (6), and what C itself changes by under
     the contact's wrench `out`."""

@@ -7,7 +7,7 @@ interval with exact ends; that holds for strips of any width.
 
 import numpy as np
 
-from rps_exudyn.base.compiled import apart, borrowing, kernel
+from rps_exudyn.base.compiled import apart, borrowing, nested
 from rps_exudyn.mesh_contact.flank_line import surplus
 from rps_exudyn.mesh_contact.pressed_point import press
 
@@ -38,7 +38,7 @@ def press_area(coarse, generators, band, line, side, data, sums, slopes):  # typ
     return deepest
 
 
-@kernel
+@nested
 def _last(xi, step, band, line, side, data):  # type: ignore[no-untyped-def]
     """The last generator in contact between xi and xi + step, by bisection."""
     for _ in range(24):

@@ -184,7 +184,7 @@ def line_of(tooth, turn, side, data):  # type: ignore[no-untyped-def]
     q_0 = s * rb * (turn + 2 * np.pi * tooth / data.teeth)
     q_1 = -s * rb * data.twist
     d_0 = side.offset + side.n_p * q_0
-    rack_tooth = -s * np.round(d_0 / p)
+    rack_tooth = -s * np.rint(d_0 / p)
     return Line(q_0, q_1, d_0 + s * rack_tooth * p, side.n_p * q_1 - side.n_z, rack_tooth)
 
 

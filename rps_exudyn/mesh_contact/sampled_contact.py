@@ -40,7 +40,7 @@ class SampledContactData(NamedTuple):
 def angle_from_mesh(angle, space, spaces):  # type: ignore[no-untyped-def]
     """Angle of a tooth space from the pitch point about k, in (-pi, pi] [rad]."""
     turned = angle + space * 2 * np.pi / spaces
-    return turned - 2 * np.pi * np.round(turned / (2 * np.pi))
+    return turned - 2 * np.pi * np.rint(turned / (2 * np.pi))
 
 
 @apart
@@ -62,7 +62,7 @@ def sampled_wrench(angle, rate, position, rotation, velocity, spin, data):  # ty
                 lever = data.pinion_frame @ np.array([px, py, z])  # from the axis of rotation
                 place = data.pinion_origin + lever - position
                 height = normal @ place - data.offset[side]
-                height -= data.base_pitch * np.round(height / data.base_pitch)
+                height -= data.base_pitch * np.rint(height / data.base_pitch)
                 depth = data.radius - height
                 if depth <= 0 or height < -data.radius or dot(rotation[:, 1], place) < data.lowest:
                     continue

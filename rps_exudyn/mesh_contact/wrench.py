@@ -13,7 +13,7 @@ displacement 0. Forces on the pinion are the exact opposite, so that momentum an
 
 import numpy as np
 
-from rps_exudyn.base.compiled import kernel
+from rps_exudyn.base.compiled import nested
 from rps_exudyn.forces.rigid_motion import times_transposed
 
 TORQUE = 0  # moment of the contact on the pinion about k, at its axis of rotation [N m]
@@ -39,7 +39,7 @@ MESH_OUTPUTS = (
 )
 
 
-@kernel
+@nested
 def on_coordinates(wrench, map_):  # type: ignore[no-untyped-def]
     """A force element's output from a wrench: forces on pinion (1), rack (6), energy terms, `MESH_OUTPUTS`.
 

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.base.compiled import kernel, kernel_over
+from rps_exudyn.base.compiled import kernel_over, nested
+from rps_exudyn.base.linear import put
 from rps_exudyn.solvers.newton_tangent import ALL_OUTPUTS, SEAT_LOADS, newton_forces
 from rps_exudyn.solvers.path_follower import (
     FARTHEST_MOVE,
@@ -23,7 +24,7 @@ SMALLEST_FRACTION = 1 / 32
 SMALL = 0.05  # residual [N] of which a step by the tangent leaves less than the tolerance: not evaluated
 
 
-@kernel
+@nested
 def solve_step(tangent, forces, free, lengths, system, move):  # type: ignore[no-untyped-def]
     """Fill Newton's step of the free coordinates, shortened to `FARTHEST_MOVE`; false if there is none.
 
@@ -64,7 +65,7 @@ def solve_step(tangent, forces, free, lengths, system, move):  # type: ignore[no
     return True
 
 
-@kernel
+@nested
 def guess(k, per_pitch, coordinates, rates, time, free, kinematic, base, q):  # type: ignore[no-untyped-def]
     """Fill the free coordinates' guess at instant k and `base`; return the factor of the rates, 0 if given.
 
@@ -74,7 +75,7 @@ def guess(k, per_pitch, coordinates, rates, time, free, kinematic, base, q):  # 
         return 0.0
     if k == 1:
         per_time = 1 / (time[1] - time[0])
-        base[:] = coordinates[0]
+        put(coordinates[0], base)
         for i in free:
             q[i] += kinematic[1, i] - kinematic[0, i]
         return per_time
@@ -119,7 +120,7 @@ def newton_follower(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
         for k in range(first, time.size):
             per_time = guess(k, per_pitch, coordinates, rates, time, free, kinematic, base, q)
             q[driven], v[driven] = coordinates[k, driven], rates[k, driven]
-            here[:] = q
+            put(q, here)
             norm, fraction, found = np.inf, 1.0, False
             for _ in range(MAX_STEPS):
                 rates_from(q, base, per_time, free, v)
@@ -140,7 +141,7 @@ def newton_follower(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
                 if not solve_step(tangent, total, free, lengths, system, move):
                     break
                 iterations += 1
-                here[:] = q
+                put(q, here)
                 for i in range(n):
                     q[free[i]] += move[i]
                 if norm <= SMALL:
@@ -155,7 +156,10 @@ def newton_follower(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
                 return k, evaluations, iterations, norm
             left = max(left, min(norm, TOLERANCE))
             rates_from(q, base, per_time, free, v)
-            coordinates[k], rates[k], forces[k], outputs[k] = q, v, total, out
+            put(q, coordinates[k])
+            put(v, rates[k])
+            put(total, forces[k])
+            put(out, outputs[k])
         return time.size, evaluations, iterations, left
 
     return kernel_over(follow_newton, evaluate)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.base.compiled import borrowing, kernel, kernel_over
+from rps_exudyn.base.compiled import borrowing, kernel_over, nested
 from rps_exudyn.forces.bearing import bearing_force
 from rps_exudyn.forces.external_load import dead_force
 from rps_exudyn.forces.rigid_motion import cross, dot, minus, plus, scaled, spin_of, turn_of, vector
@@ -46,7 +46,7 @@ def _add_outer(tangent, factor, force, moment, plunger, by_force, by_moment, by_
             tangent[1 + i, 1 + j] += factor * a[i] * b[j]
 
 
-@kernel
+@nested
 def add_seat_tangent(q, v, data, per_time, tangent, of_loads):  # type: ignore[no-untyped-def]
     """Add what the seat's forces on rack and plunger change by along a path, to (8, 8); q, v of the stack.
 
@@ -100,7 +100,7 @@ def add_seat_tangent(q, v, data, per_time, tangent, of_loads):  # type: ignore[n
                 _add_outer(tangent, drag, along, moment, -along[1], along, moment, -along[1])
 
 
-@kernel
+@nested
 def add_fit_tangent(q, v, data, per_time, tangent):  # type: ignore[no-untyped-def]
     """Add what the fit's forces on the rack change by: its stiffness at its place, and drag as it rolls."""
     lever, k = data.station - q[1], data.stiffness

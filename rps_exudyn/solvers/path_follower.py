@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.base.compiled import kernel, kernel_over
-from rps_exudyn.base.linear import inverse
+from rps_exudyn.base.compiled import kernel, kernel_over, nested
+from rps_exudyn.base.linear import inverse, put
 from rps_exudyn.forces.memory import begin_step
 
 Kernel = Callable[..., Any]
@@ -36,7 +36,7 @@ def backward_difference(time, y, k, base):  # type: ignore[no-untyped-def]
     return factor
 
 
-@kernel
+@nested
 def largest_residual(forces, free, lengths):  # type: ignore[no-untyped-def]
     """Return the largest unbalanced force [N]; moments count over their length."""
     largest = 0.0
@@ -47,7 +47,7 @@ def largest_residual(forces, free, lengths):  # type: ignore[no-untyped-def]
     return largest
 
 
-@kernel
+@nested
 def newton_move(inverse, forces, free, lengths, move):  # type: ignore[no-untyped-def]
     """Fill the step of the free coordinates, shortened to `FARTHEST_MOVE`."""
     largest = 0.0
@@ -61,7 +61,7 @@ def newton_move(inverse, forces, free, lengths, move):  # type: ignore[no-untype
             move[i] *= FARTHEST_MOVE / largest
 
 
-@kernel
+@nested
 def explain_step(inverse, move, free, before, after):  # type: ignore[no-untyped-def]
     """Apply Broyden's update: the inverse tangent that maps the change of the forces onto the step made."""
     n, size = free.size, 0.0
@@ -78,15 +78,15 @@ def explain_step(inverse, move, free, before, after):  # type: ignore[no-untyped
             inverse[i, j] += (move[i] - mapped[i]) * row[j] / size
 
 
-@kernel
+@nested
 def shifted(q, move, fraction, free, trial):  # type: ignore[no-untyped-def]
     """Fill the coordinates a fraction of the step away."""
-    trial[:] = q
+    put(q, trial)
     for i in range(free.size):
         trial[free[i]] += fraction * move[i]
 
 
-@kernel
+@nested
 def rates_from(q, base, per_time, free, v):  # type: ignore[no-untyped-def]
     """Fill the rates of the free coordinates that the path has at q; per_time 0 keeps those given."""
     if per_time != 0:
@@ -94,7 +94,7 @@ def rates_from(q, base, per_time, free, v):  # type: ignore[no-untyped-def]
             v[i] = (q[i] - base[i]) * per_time
 
 
-@kernel
+@nested
 def predict(k, time, coordinates, rates, free, base, q):  # type: ignore[no-untyped-def]
     """Extrapolate the free coordinates to instant k and fill base; return the factor of the rates, 0 if
     given.
@@ -105,7 +105,7 @@ def predict(k, time, coordinates, rates, free, base, q):  # type: ignore[no-unty
         return 0.0
     if k == 1:
         per_time = 1 / (time[1] - time[0])
-        base[:] = coordinates[0]
+        put(coordinates[0], base)
         for i in free:
             q[i] += rates[0, i] / per_time
         return per_time
@@ -116,7 +116,7 @@ def predict(k, time, coordinates, rates, free, base, q):  # type: ignore[no-unty
     return per_time
 
 
-@kernel
+@nested
 def add(forces, applied):  # type: ignore[no-untyped-def]
     """Add what else acts on the coordinates at an instant."""
     for i in range(forces.size):
@@ -220,15 +220,19 @@ def follower(force: Kernel) -> Kernel:
                     move[i] *= fraction
                 explain_step(inverse, move, free, r, r_trial)
                 fresh = False
-                q[:], r, norm = trial, r_trial, norm_trial
+                put(trial, q)
+                r, norm = r_trial, norm_trial
             if not norm <= TOLERANCE:
                 return k, evaluations, iterations, tangents, norm
             rates_from(q, base, per_time, free, v)
             if memory.shape[1] > 0:  # what was evaluated last may have been a trial
                 r = force(q, v, data)
                 add(r, applied[k])
-                kept[k] = memory
-            coordinates[k], rates[k], forces[k] = q, v, r
+                for i in range(memory.shape[0]):
+                    put(memory[i], kept[k, i])
+            put(q, coordinates[k])
+            put(v, rates[k])
+            put(r, forces[k])
         return time.size, evaluations, iterations, tangents, norm
 
     return kernel_over(follow, force)
