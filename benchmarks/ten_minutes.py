@@ -84,6 +84,7 @@ def timed(name: str, process: list[str], place: Path, environment: dict[str, str
         subprocess.CalledProcessError: it failed.
     """
     settings = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
+    settings.pop("PYTHONDONTWRITEBYTECODE", None)  # an installed package is compiled to bytecode
     if "XDG_CACHE_HOME" in environment:
         settings.pop("NUMBA_CACHE_DIR", None)
     before, began = children(), perf_counter()
