@@ -11,7 +11,6 @@ from rich.console import Console
 from rich.table import Table as Grid
 
 from rps_exudyn.base.units import words
-from rps_exudyn.gears.tooth_stiffness import DERIVED
 from rps_exudyn.parameters.declaration import Declared
 from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.law_error import law_error
@@ -184,8 +183,11 @@ def print_parameters(table: Setup, items: list[Declared]) -> None:
 
 def _derived(table: Setup, item: Declared) -> float | None:
     """The value that the gear has for a parameter which is not given (SI)."""
-    given = table.value_at(item.path)
-    return DERIVED[item.path](table) if item.path in DERIVED and not given else None
+    if table.value_at(item.path):
+        return None
+    from rps_exudyn.gears.tooth_stiffness import DERIVED  # loads numpy, which other parameters do without
+
+    return DERIVED[item.path](table) if item.path in DERIVED else None
 
 
 def parameters_as_dict(table: Setup, items: list[Declared]) -> dict[str, Any]:
