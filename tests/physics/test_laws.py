@@ -197,6 +197,27 @@ def test_errors_of_the_installation_find_their_equilibrium(settings: dict[str, o
     assert turned(settings).summary["torque_mean"] == pytest.approx(design, rel=0.03)
 
 
+@pytest.mark.parametrize("turn", [0.7e-3, -0.7e-3])
+def test_lead_error_makes_the_teeth_of_a_turned_rack_parallel_again(turn: float) -> None:
+    """Both take the contact lines off each other by an angle over the face; together they leave the ripple of
+    the aligned gear to 13 %, and 15 times less than the turned rack has alone.
+
+    A turned rack keeps its normal pitch, a lead error the transverse one: the difference, tan(beta_b)
+    times the angle, moves the mean by 2 %, the same with the lead error and without.
+    """
+    pair = GearPair.of(GEAR)
+    lead = -turn * pair.face_width * np.cos(pair.alpha_t)
+    guided = Fidelity.preset("quasi-static").replace({"rack": "guided"})
+    aligned = turned({}, guided).summary
+    turned_rack = turned({"installation.angle_error": turn}, guided).summary
+    parallel = turned({"installation.angle_error": turn, "pinion.lead_error": lead}, guided).summary
+    ripple = aligned["torque_peak_to_peak"]
+    assert parallel["torque_peak_to_peak"] == pytest.approx(ripple, rel=0.2)
+    assert turned_rack["torque_peak_to_peak"] > 10 * ripple
+    assert parallel["torque_mean"] == pytest.approx(turned_rack["torque_mean"], rel=3e-3)
+    assert np.sign(parallel["torque_mean"] - aligned["torque_mean"]) == np.sign(turn)
+
+
 def test_exudyn_users_find_their_sensors() -> None:
     """The model's own record and Exudyn's sensors show the same motion."""
     model = build_model(GEAR, Fidelity.preset("flank"))
