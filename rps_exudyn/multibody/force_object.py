@@ -3,23 +3,15 @@
 Unlike a connector between separated markers it carries its own lever arms, so moments balance exactly.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.forces.memory import NO_MEMORY
 
 if TYPE_CHECKING:
     import exudyn
-
-
-def add_element(mbs: "exudyn.MainSystem", nodes: Mapping[str, Any], element: ForceElement) -> Any:
-    """Put a force element into an Exudyn system; `nodes` maps body names to node numbers."""
-    return add_forces(
-        mbs, [nodes[body] for body in element.bodies], element.kernel, element.data, element.size
-    )
 
 
 def add_forces(

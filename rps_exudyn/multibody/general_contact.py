@@ -3,8 +3,10 @@
 GeneralContact knows no contact of triangles with triangles, so one gear is sampled (`mesh_contact.spheres`).
 Exudyn needs, each with a test in tests/upstream:
 
-* drive and coast flanks in contacts of their own, one per tooth space: the implicit solver's active-set
-  test compares numbers of contacts only, and a tooth that is out of mesh can be switched off;
+* drive and coast flanks in contacts of their own, one for each few degrees by which the pinion turns: the
+  implicit solver's active-set test compares numbers of contacts only, and neighbours begin to touch at one
+  time and end at another;
+* only the spheres that can be reached: the others cost as much as they, active or not;
 * one triangle per rack flank, right-angled and larger than the flank: a sphere that crosses an inner edge
   keeps the old triangle for that step, one that meets an outer edge gets half the force;
 * a Jacobian of our own: GeneralContact's misses the rotation of the triangles' body, and differencing the
@@ -12,14 +14,15 @@ Exudyn needs, each with a test in tests/upstream:
 """
 
 from dataclasses import dataclass
+from math import ceil, floor
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar, RackFlank
-from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, angle_from_mesh, sampled_force
-from rps_exudyn.mesh_contact.spheres import FLANK_MARGIN, SIDES, lowest_height
+from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, sampled_force
+from rps_exudyn.mesh_contact.spheres import FLANK_MARGIN, SIDES, gate_angle, lowest_height
 from rps_exudyn.multibody.force_object import add_forces
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.gear_kernel import tangent
@@ -27,61 +30,144 @@ from rps_exudyn.solvers.gear_kernel import tangent
 if TYPE_CHECKING:
     import exudyn
 
+CELLS = [2, 2, 2]  # of the search tree of one contact, which has a few dozen spheres
 RIGID_SIDE = 1e6  # stiffness of the triangles over that of all spheres: GeneralContact puts both in series
 
 
 @dataclass
+class Block:
+    """One contact: places for a group's spheres of one flank side, and for the rack's teeth near the mesh."""
+
+    contact: Any
+    side: int  # 0 drive, 1 coast
+    markers: list[Any]  # of the spheres
+    group: int | None = None  # whose spheres stand there, counted on over the turns
+
+
+@dataclass
 class GeneralContacts:
-    """The contacts of one mesh in an Exudyn system: `contacts[space][0 drive, 1 coast]`."""
+    """The contacts of one mesh in an Exudyn system; they hold what the pinion can touch at its angle.
 
-    contacts: list[list[Any]]
+    Spheres and triangles are moved on as the pinion turns: what is out of reach would cost as much in
+    GeneralContact as what touches.
+    """
+
+    blocks: list[Block]  # two for each group that can be touched at a time: drive, coast
     data: SampledContactData
+    bar: RackBar
+    reach: float  # angle from the mesh within which a group must be held [rad]
+    tooth: int | None = None  # of the rack, in the middle of those held
 
-    def gate(self, angle: float) -> None:
-        """Switch off the tooth spaces that are away from the mesh; `angle` about the pinion's axis k."""
-        spaces = len(self.contacts)
-        for space, row in enumerate(self.contacts):
-            near = bool(abs(angle_from_mesh(angle, space, spaces)) <= self.data.gate)
-            for contact in row:
-                contact.isActive = near
+    def hold(self, mbs: "exudyn.MainSystem", angle: float) -> None:
+        """Hold what can be touched while the pinion stands at an angle about k [rad], or a step from it."""
+        self._move_teeth(angle)
+        groups, at_once = len(self.data.centres), len(self.blocks) // 2
+        width = 2 * np.pi / groups
+        first, last = ceil((-self.reach - angle) / width), floor((self.reach - angle) / width)
+        for group in range(first, min(last, first + at_once - 1) + 1):
+            for side in range(2):
+                block = self.blocks[2 * (group % at_once) + side]
+                if block.group != group:
+                    self._fill(mbs, block, group)
+
+    def update(self, mbs: "exudyn.MainSystem", coordinates: np.ndarray) -> None:
+        """Find what touches at all coordinates of the system, from which a step begins to iterate.
+
+        GeneralContact would begin with what touched at the last step's end, under numbers that may stand for
+        other spheres and triangles now, and need twice as many iterations.
+        """
+        here = np.array(mbs.systemData.GetODE2Coordinates())
+        mbs.systemData.SetODE2Coordinates(coordinates)  # type: ignore[arg-type]
+        for block in self.blocks:
+            block.contact.UpdateContacts(mbs)
+        mbs.systemData.SetODE2Coordinates(here)  # type: ignore[arg-type]
+
+    def _fill(self, mbs: "exudyn.MainSystem", block: Block, group: int) -> None:
+        """Put a group's spheres in the place of those that stand there, which are out of reach."""
+        place = group % len(self.data.centres), block.side
+        centres, stiffness = self.data.centres[place], self.data.stiffness[place]
+        for number, (marker, centre, k) in enumerate(zip(block.markers, centres, stiffness, strict=True)):
+            mbs.SetMarkerParameter(marker, "localPosition", centre)
+            block.contact.SetSphereMarkerBased(
+                number, contactStiffness=k, contactDamping=k * self.data.damping
+            )
+        block.group = group
+
+    def _move_teeth(self, angle: float) -> None:
+        """Put the triangles on the teeth nearest the pinion."""
+        tooth = round(self.bar.pair.gain * angle / self.bar.pair.rack_pitch)
+        if tooth == self.tooth:
+            return
+        self.tooth = tooth
+        for block in self.blocks:
+            for number, corners in enumerate(_triangles(self.bar, tooth, block.side)):
+                block.contact.SetTriangleRigidBodyBased(number, corners)
 
     def force(self) -> np.ndarray:
         """The contacts' latest part of the system's right-hand side, shape (n,)."""
-        active = [contact for row in self.contacts for contact in row if contact.isActive]
-        return np.sum([contact.GetSystemODE2RhsContactForces(copy=True) for contact in active], axis=0)
+        parts = [block.contact.GetSystemODE2RhsContactForces(copy=True) for block in self.blocks]
+        return np.sum(parts, axis=0)
 
 
 def add_general_contacts(
-    mbs: "exudyn.MainSystem", gear: SteeringGear, data: SampledContactData, *, pinion: Any, rack: Any
+    mbs: "exudyn.MainSystem",
+    gear: SteeringGear,
+    data: SampledContactData,
+    *,
+    pinion: Any,
+    rack: Any,
+    angle: float,
+    step: float,
 ) -> GeneralContacts:
-    """Add spheres on the pinion body and triangles on the rack body, one contact per flank."""
+    """Add spheres on the pinion body and triangles on the rack body, held for a pinion's angle about k.
+
+    Args:
+        data: spheres in groups by the angle at which they touch, see `solvers.sphere_groups`.
+        step: largest angle by which the pinion turns in a time step [rad].
+    """
     from exudyn.itemInterface import MarkerBodyRigid
 
-    bar = RackBar.of(gear)
+    bar, (groups, sides, count) = RackBar.of(gear), data.stiffness.shape
     rack_marker = mbs.AddMarker(MarkerBodyRigid(bodyNumber=rack, localPosition=[0, 0, 0]))
-    contacts = [[_new_contact(mbs, data, bar.pair) for _ in SIDES] for _ in data.centres]
-    for space, row in enumerate(contacts):
-        for flank, contact in enumerate(row):
-            for centre, stiffness in zip(
-                data.centres[space, flank], data.stiffness[space, flank], strict=True
-            ):
-                contact.AddSphereWithMarker(
-                    markerIndex=mbs.AddMarker(MarkerBodyRigid(bodyNumber=pinion, localPosition=centre)),
-                    radius=data.radius,
-                    contactStiffness=stiffness,
-                    contactDamping=stiffness * data.damping,
-                    frictionMaterialIndex=0,
-                )
-            for tooth in bar.teeth:
-                contact.AddTrianglesRigidBodyBased(
-                    rigidBodyMarkerIndex=rack_marker,
-                    contactStiffness=RIGID_SIDE * float(data.stiffness.sum()),
-                    contactDamping=0.0,
-                    frictionMaterialIndex=0,
-                    pointList=flank_triangle(bar, bar.flank(tooth, SIDES[flank])),
-                    triangleList=[[0, 1, 2]],
-                )
-    return GeneralContacts(contacts, data)
+    reach = data.gate + step
+    contacts = GeneralContacts([], data, bar, reach)
+    at_once = min(groups, floor(reach * groups / np.pi) + 1)
+    triangles = [_triangles(bar, 0, side) for side in range(sides)]
+    for side in list(range(sides)) * at_once:
+        contact = _new_contact(mbs, data, bar.pair)
+        on_pinion = [MarkerBodyRigid(bodyNumber=pinion, localPosition=[0, 0, 0]) for _ in range(count)]
+        block = Block(contact, side, [mbs.AddMarker(each) for each in on_pinion])
+        _add_spheres(block, data.radius)
+        contact.AddTrianglesRigidBodyBased(
+            rigidBodyMarkerIndex=rack_marker,
+            contactStiffness=RIGID_SIDE * float(data.stiffness.sum()),
+            contactDamping=0.0,
+            frictionMaterialIndex=0,
+            pointList=np.concatenate(triangles[side]),
+            triangleList=np.arange(3 * len(triangles[side])).reshape(-1, 3),
+        )
+        contacts.blocks.append(block)
+    contacts.hold(mbs, angle)
+    return contacts
+
+
+def _add_spheres(block: Block, radius: float) -> None:
+    """Add places for spheres, with any stiffness."""
+    for marker in block.markers:
+        block.contact.AddSphereWithMarker(
+            markerIndex=marker,
+            radius=radius,
+            contactStiffness=1.0,
+            contactDamping=0.0,
+            frictionMaterialIndex=0,
+        )
+
+
+def _triangles(bar: RackBar, tooth: int, side: int) -> list[np.ndarray]:
+    """Triangles over the flanks of one side, 0 or 1, that can touch while a tooth is nearest the pinion."""
+    either_way = ceil(gate_angle(bar.pair) * bar.pair.teeth / (2 * np.pi))
+    teeth = range(tooth - either_way, tooth + either_way + 1)
+    return [flank_triangle(bar, bar.flank(each, SIDES[side])) for each in teeth]
 
 
 def _new_contact(mbs: "exudyn.MainSystem", data: SampledContactData, pair: GearPair) -> Any:
@@ -94,7 +180,7 @@ def _new_contact(mbs: "exudyn.MainSystem", data: SampledContactData, pair: GearP
     contact.SetFrictionPairings(data.friction * np.eye(1))
     reach, half = pair.tip_radius + 2e-3, pair.face_width / 2 + 4e-3
     contact.SetSearchTreeBox(pMin=[-reach, -reach, -half], pMax=[reach, reach, half])
-    contact.SetSearchTreeCellSize(numberOfCells=[10, 10, 10])
+    contact.SetSearchTreeCellSize(numberOfCells=CELLS)
     return contact
 
 

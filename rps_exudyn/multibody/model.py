@@ -1,7 +1,8 @@
 """The steering gear as an Exudyn system.
 
     model = build_model(gear, Fidelity.preset("full"))
-    model.mbs                      the Exudyn MainSystem, assembled, to go on with as usual
+    model.mbs                      the Exudyn MainSystem, to assemble and to go on with as usual; in general
+                                   contact its function before each step is taken, and needed
     model.bodies["rack"]           object numbers; likewise model.nodes and model.sensors
 
 Bodies and their joints, in the housing frame of `gears.gear_pair`:
@@ -31,7 +32,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.bodies import add_bodies
 from rps_exudyn.multibody.bush_chain import add_chain
 from rps_exudyn.multibody.column import add_column, add_wheel_torque
-from rps_exudyn.multibody.force_object import add_element, add_forces
+from rps_exudyn.multibody.force_object import add_forces
 from rps_exudyn.multibody.general_contact import add_general_contacts, add_tangent
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -87,7 +88,7 @@ def build_model(
     if "segment" in forces.fit.bodies:
         _add_bush_chain(model)
     if fidelity.mesh == "general-contact":
-        _add_forces_one_by_one(model)
+        _add_forces_beside_spheres(model)
     else:
         _add_forces_together(model)
     _add_drive(model)
@@ -149,16 +150,37 @@ def _add_pulse(model: SteeringModel, pulse: TimedForce) -> None:
     model.mbs.AddLoad(LoadForceVector(markerNumber=model.mbs.AddMarker(end), loadVectorUserFunction=force))
 
 
-def _add_forces_one_by_one(model: SteeringModel) -> None:
-    """Add every force element as an object of its own, the teeth in Exudyn's general contact."""
+def _add_forces_beside_spheres(model: SteeringModel) -> None:
+    """Add the teeth in Exudyn's general contact, and all other forces in one compiled object."""
     mbs, forces, nodes = model.mbs, model.forces, model.nodes
-    for element in forces.elements:
-        if element is not forces.mesh:
-            add_element(mbs, nodes, element)
+    kernel, data = forces.without_mesh
+    stack = [nodes[body] for body in model.stack]
+    add_forces(mbs, stack, kernel, data, len(stacked(model.stack)), forces.dynamics_tangent)
     model.contacts = add_general_contacts(
-        mbs, model.gear, forces.mesh.data, pinion=model.bodies["pinion"], rack=model.bodies["rack"]
+        mbs,
+        model.gear,
+        forces.mesh.data,
+        pinion=model.bodies["pinion"],
+        rack=model.bodies["rack"],
+        angle=float(model.start.coordinates[0, 0]),
+        step=model.fidelity.step_angle,
     )
     add_tangent(mbs, forces.mesh.data, [nodes["pinion"], nodes["rack"]])
+    mbs.SetPreStepUserFunction(_bring_contacts(model))
+
+
+def _bring_contacts(model: SteeringModel) -> Callable[[Any, float], bool]:
+    """What brings the contacts to where each implicit step is about to end."""
+
+    def before_step(mbs: Any, t: float) -> bool:
+        contacts, system = model.contacts, mbs.systemData
+        assert contacts is not None
+        coordinates, rates = np.array(system.GetODE2Coordinates()), np.array(system.GetODE2Coordinates_t())
+        contacts.hold(mbs, float(coordinates[model.coordinates("pinion")][0]))
+        contacts.update(mbs, coordinates + mbs.sys["dynamicSolver"].it.currentStepSize * rates)
+        return True
+
+    return before_step
 
 
 def _add_forces_together(model: SteeringModel) -> None:

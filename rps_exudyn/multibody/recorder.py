@@ -41,15 +41,8 @@ class Recorder:
 
     def attach(self) -> "Recorder":
         """Hook into the model's time steps; return itself."""
-        if self.model.contacts is not None:
-            self.model.mbs.SetPreStepUserFunction(self._gate)
         self.model.mbs.SetPostStepUserFunction(self._keep)
         return self
-
-    def _gate(self, mbs: Any, t: float) -> bool:
-        angle = mbs.systemData.GetODE2Coordinates()[self.model.coordinates("pinion")][0]
-        self.model.contacts.gate(float(angle))  # type: ignore[union-attr]
-        return True
 
     def _keep(self, mbs: Any, t: float) -> bool:
         system = mbs.systemData

@@ -220,7 +220,7 @@ _SOLVER_LIMITS = (
 )
 
 PRESETS: dict[str, dict[str, Any]] = {
-    "full": {"mesh": "general-contact", "bush": "chain", "step_angle": "0.3 deg"},
+    "full": {"mesh": "general-contact", "bush": "chain"},
     "flank": {},
     "quasi-static": {"solver": "equilibrium"},
     "closed-form": {"solver": "closed-form", "step_angle": "5 deg"},

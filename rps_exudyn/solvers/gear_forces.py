@@ -38,6 +38,7 @@ from rps_exudyn.solvers.gear_kernel import (
 from rps_exudyn.solvers.newton_follower import newton_follower
 from rps_exudyn.solvers.newton_path import NewtonLaw
 from rps_exudyn.solvers.settling import static_approach
+from rps_exudyn.solvers.sphere_groups import by_touching_angle
 
 RACK = COORDINATE_BLOCKS["rack"].start
 PLUNGER = COORDINATE_BLOCKS["plunger"].start
@@ -110,6 +111,12 @@ class GearForces:
         else:
             total = chain_gear_force if "segment" in self.fit.bodies else gear_force
         return total(self.mesh.kernel, self.seat.kernel), self._data(self.fit)
+
+    @property
+    def without_mesh(self) -> tuple[Kernel, Handle]:
+        """The same without the teeth, where these are spheres: none of them is near the mesh."""
+        out_of_mesh = replace(self.mesh, data=self.mesh.data._replace(gate=-1.0))
+        return self.dynamics[0], replace(self, mesh=out_of_mesh)._data(self.fit)
 
     @property
     def dynamics_tangent(self) -> Kernel:
@@ -234,9 +241,10 @@ def mesh_element(
         return ratio_element(gear)
     if fidelity.mesh == "ratio-with-loss":
         return ratio_element(gear, closed_form(gear).towards(gear.test.direction).mesh_loss)
-    return sampled_element(
-        contact_data(gear, profile=fidelity.profile_samples, axial=fidelity.axial_samples, friction_zone=zone)
+    spheres = contact_data(
+        gear, profile=fidelity.profile_samples, axial=fidelity.axial_samples, friction_zone=zone
     )
+    return sampled_element(by_touching_angle(spheres, GearPair.of(gear)))
 
 
 def ideal_mesh(gear: SteeringGear, fidelity: Fidelity, mesh: ForceElement, zone: float) -> ForceElement:

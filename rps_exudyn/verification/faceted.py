@@ -20,9 +20,8 @@ from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pinion_mesh import pinion_mesh
 from rps_exudyn.gears.shaping import shaped_pinion
 from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
-from rps_exudyn.mesh_contact.sampled_contact import SampledContactData
 from rps_exudyn.mesh_contact.samples import FlankSamples, onto_mesh, sample_flank
-from rps_exudyn.mesh_contact.spheres import borders, sphere_radius
+from rps_exudyn.mesh_contact.spheres import borders, contact_data, sphere_radius
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
@@ -73,7 +72,8 @@ def faceted_run(gear: SteeringGear, fidelity: Fidelity, surface: Surface | None)
 def faceted_forces(gear: SteeringGear, fidelity: Fidelity, surface: Surface | None) -> GearForces:
     """The gear's forces with the spheres on its facets, the yoke adjusted to them."""
     forces = gear_forces(gear, fidelity)
-    mesh: SampledContactData = forces.mesh.data
+    profile, axial, zone = fidelity.profile_samples, fidelity.axial_samples, forces.friction_zone
+    mesh = contact_data(gear, profile=profile, axial=axial, friction_zone=zone)
     on_facets = mesh._replace(centres=_centres(gear, fidelity, surface))
     smooth = on_facets._replace(friction=0.0)
     offset = GearPair.of(gear).axis_offset

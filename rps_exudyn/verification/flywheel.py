@@ -102,6 +102,14 @@ class _Kept:
         self.places: list[np.ndarray] = []
         self.rates: list[np.ndarray] = []
         model.mbs.SetPostStepUserFunction(self.keep)
+        if model.contacts is not None:  # explicit solvers find by themselves what touches
+            model.mbs.SetPreStepUserFunction(self.hold)
+
+    def hold(self, mbs: Any, t: float) -> bool:
+        """Called before every step."""
+        angle = mbs.systemData.GetODE2Coordinates()[self.model.coordinates("pinion").start]
+        self.model.contacts.hold(mbs, float(angle))  # type: ignore[union-attr]
+        return True
 
     def keep(self, mbs: Any, t: float) -> bool:
         """Called after every step."""

@@ -77,6 +77,31 @@ def test_outer_edge_halves_the_force() -> None:
     assert on_edge == pytest.approx(0.5 * 0.6 * RADIUS * STIFFNESS, rel=1e-3)
 
 
+def test_spheres_and_triangles_of_an_assembled_system_can_be_moved() -> None:
+    """Why a few places for them stand for the many of a turn: what touches is found where they are now."""
+    mbs = exu.SystemContainer().AddSystem()
+    ground = mbs.AddObject(ObjectGround())
+    plate, ball = (
+        mbs.AddMarker(MarkerBodyRigid(bodyNumber=ground, localPosition=[0, 0, z])) for z in (0, 10)
+    )
+    contact = mbs.AddGeneralContact()
+    contact.SetFrictionPairings(np.zeros((1, 1)))
+    contact.SetSearchTreeBox(pMin=[-1, -1, -1], pMax=[3, 3, 1])
+    contact.AddSphereWithMarker(ball, RADIUS, STIFFNESS, 0.0, 0)
+    contact.AddTrianglesRigidBodyBased(plate, STIFFNESS, 0.0, 0, PLATE, [[0, 1, 2]])
+    mbs.Assemble()
+
+    def touches() -> bool:
+        contact.UpdateContacts(mbs)
+        return len(contact.GetActiveContacts(exu.ContactTypeIndex.IndexSpheresMarkerBased, 0)) > 0
+
+    assert not touches()
+    mbs.SetMarkerParameter(ball, "localPosition", [0, 0, 0.5 * RADIUS])
+    assert touches()
+    contact.SetTriangleRigidBodyBased(0, PLATE - [0, 0, RADIUS])
+    assert not touches()
+
+
 def test_forces_are_kept_only_on_request() -> None:
     assert contact_force(0.4 * RADIUS, keep_forces=False).size == 0
 

@@ -1,0 +1,81 @@
+"""Spheres of general contact in the order in which they touch the rack.
+
+A sphere touches once per turn, over a few degrees: of thousands a hundred touch at a time.
+`by_touching_angle` puts neighbours in that order into groups, so that the compiled samples and Exudyn's
+contacts know which can be reached and leave out the rest. A sphere that is left out is in the air: no force
+changes.
+"""
+
+import numpy as np
+
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.mesh_contact.sampled_contact import SampledContactData
+
+GROUPS_A_TURN = 90  # of about 4 degrees; a strip of contact is 5 to 10 wide
+PRECISION = np.deg2rad(2.0)  # to which the angles are found at which a sphere begins and ends to touch
+TILT = np.deg2rad(3.0)  # of the rack, by which a sphere may touch earlier or later
+
+
+def by_touching_angle(data: SampledContactData, pair: GearPair) -> SampledContactData:
+    """Return the same spheres in groups by the pinion's angle at which they touch, instead of tooth spaces.
+
+    Group g of G touches near the angle -2 pi g / G, within the new `gate` of it, as long as no contact is
+    deeper than half the spheres' radius, to which the law holds, and the rack tilts by less than `TILT`.
+    Groups are filled up with spheres without stiffness on the pinion's axis, where nothing touches.
+    """
+    spaces, sides, count, _ = data.centres.shape
+    begin, end = touching_angles(data, pair)
+    groups = spaces * max(1, round(GROUPS_A_TURN / spaces))
+    width, later = 2 * np.pi / groups, np.arange(spaces)[:, None, None] * groups // spaces
+    number = np.round(-(begin + end) / (2 * width)).astype(int)  # (side, n), of the first tooth space
+    reach = np.maximum(end + number * width, -(begin + number * width)).max()
+    number = (number + later) % groups  # (space, side, n)
+    rank = _rank(np.moveaxis(number, 1, 0).reshape(sides, -1)).reshape(sides, spaces, count)
+    place = number, np.arange(sides)[:, None], np.moveaxis(rank, 0, 1)
+    shape = groups, sides, int(rank.max()) + 1
+    centres, stiffness = np.zeros((*shape, 3)), np.zeros(shape)
+    centres[place], stiffness[place] = data.centres, data.stiffness
+    gate = min(data.gate, float(reach + PRECISION + TILT))
+    return data._replace(centres=centres, stiffness=stiffness, gate=gate)
+
+
+def _rank(numbers: np.ndarray) -> np.ndarray:
+    """How many equal numbers stand before each in its row."""
+    order = np.argsort(numbers, axis=1, kind="stable")
+    ordered = np.take_along_axis(numbers, order, axis=1)
+    places = np.arange(numbers.shape[1])
+    first = np.array([np.searchsorted(row, row) for row in ordered])
+    rank = np.empty_like(numbers)
+    np.put_along_axis(rank, order, places - first, axis=1)
+    return rank
+
+
+def touching_angles(data: SampledContactData, pair: GearPair) -> tuple[np.ndarray, np.ndarray]:
+    """Return the pinion's angles between which the first tooth space's spheres may touch (2, n) each [rad].
+
+    The rack follows the pinion, pressed in by as much as the law holds. A sphere that stays above it touches
+    where it is lowest.
+    """
+    angles = np.arange(-data.gate, data.gate + PRECISION, PRECISION)
+    height = np.array([_heights(data, pair, angle) for angle in angles])  # (angle, side, n)
+    touching = (height < data.radius) & (height >= -data.radius)
+    lowest = angles[np.argmin(np.where(height >= -data.radius, height, np.inf), axis=0)]
+    reached = np.where(touching, angles[:, None, None], np.nan)
+    with np.errstate(all="ignore"):
+        begin, end = np.fmin.reduce(reached, axis=0), np.fmax.reduce(reached, axis=0)
+    return np.where(np.isnan(begin), lowest, begin), np.where(np.isnan(end), lowest, end)
+
+
+def _heights(data: SampledContactData, pair: GearPair, angle: float) -> np.ndarray:
+    """Heights of the first tooth space's spheres over the nearest flank of the rack (2, n) [m]; without end
+    where that flank has ended."""
+    c, s = np.cos(angle), np.sin(angle)
+    x, y, z = np.moveaxis(data.centres[0] - pair.eccentricity, -1, 0)
+    turned = np.stack([c * x - s * y, s * x + c * y, z], axis=-1) @ data.pinion_frame.T
+    pressed = data.radius / 2 / np.abs(data.normals[:, 1])
+    rack = data.rack_reference + np.array([-angle * pair.gain, 0.0, 0.0])
+    place = data.pinion_origin + turned - rack
+    place[..., 1] += pressed[:, None]
+    height = np.einsum("sik,sk->si", place, data.normals) - data.offset[:, None]
+    height -= data.base_pitch * np.round(height / data.base_pitch)
+    return np.where(place[..., 1] < data.lowest, np.inf, height)
