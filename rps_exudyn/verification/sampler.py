@@ -30,7 +30,14 @@ from rps_exudyn.scenes.stick_slip import set_off
 from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.verification.ranges import Range, range_of, scaled, within
 from rps_exudyn.verification.stability import ScenePlan
-from rps_exudyn.verification.stated_ranges import FIDELITY, GEAR, SCALE, USUAL_SCALE, USUAL_SHARE
+from rps_exudyn.verification.stated_ranges import (
+    FIDELITY,
+    GEAR,
+    OF_OTHER_SCENES,
+    SCALE,
+    USUAL_SCALE,
+    USUAL_SHARE,
+)
 
 SCENE_WEIGHTS = {
     "free-pinion-torque": 0.6,
@@ -108,6 +115,8 @@ def _drawn_gear(rng: np.random.Generator) -> SteeringGear:
     for path in values:  # the references of plans know Coulomb's law
         if path.endswith(".friction_law"):
             values[path] = "coulomb"
+    for path in OF_OTHER_SCENES:
+        del values[path]
     shift, tip = values.pop("pinion.profile_shift"), values.pop("pinion.tip_diameter")
     values["test.turns"] /= values["pinion.teeth"]
     settings = {
