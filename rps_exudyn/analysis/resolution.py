@@ -38,9 +38,14 @@ def every_second(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return whole, np.abs(whole - np.trapezoid(y[..., :even:2], x[:even:2]))
 
 
-def lag(values: np.ndarray) -> np.ndarray:
-    """What backward differences, half a step late, miss of the way that values (..., n) make, (...)."""
-    return np.asarray(np.abs(np.diff(values, 2)).sum(axis=-1) / 2)
+def lag(x: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """What backward differences, half a step late, miss of the way that values (..., n) make, (...).
+
+    x (n,) is time or an angle turned steadily, strictly monotone, in steps of any length.
+    """
+    steps = np.diff(x)
+    rates = np.diff(values) / steps
+    return np.asarray(np.abs(np.diff(rates) * steps[1:]).sum(axis=-1) / 2)
 
 
 def unresolved(x: np.ndarray, y: np.ndarray) -> float:

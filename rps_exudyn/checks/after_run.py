@@ -221,7 +221,7 @@ def rolling_lag(signals: dict[str, np.ndarray], gear: SteeringGear) -> tuple[flo
 
     They know the rate by backward differences, half a step late; a torque that does not vary minds little.
     """
-    late = lag(signals["rack_roll"]) * gear.rack.bar_diameter / 2
+    late = lag(signals["time"], signals["rack_roll"]) * gear.rack.bar_diameter / 2
     share = float(late) / max(float(np.abs(np.diff(signals["rack_displacement"])).sum()), 1e-12)
     force, _ = driven_along(signals)
     return share, share * min(1.0, float(np.ptp(force)) / max(abs(float(force.mean())), 1e-12))

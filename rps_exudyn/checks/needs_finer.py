@@ -1,7 +1,8 @@
 """Whether equilibria must be closer together than asked for: their own record tells it.
 
 A yoke that stops at its nut, or a tooth that takes over with a jerk, is over in a few degrees. Equilibria
-cost so little that such a record is made again in half the steps instead of being refused.
+cost so little that such a record is made again in half the steps instead of being refused. After each turn of
+a swing the rack rolls over to its other side, and knows the rate of that half a step late.
 """
 
 import numpy as np
@@ -13,6 +14,12 @@ from rps_exudyn.parameters.gear import SteeringGear
 MEAN = 0.01  # of the mean that may hide between the steps ...
 ROLLING = 0.01  # ... or be moved by a late rate of rolling
 PEAK = 0.05  # of the mean by which a step may leave the curve through its neighbours: peaks are right to 5 %
+
+
+def rolls_over_late(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:
+    """Tell whether the steps of a swing are too long for how the rack rolls over in it."""
+    roll = signals.get("rack_roll", np.zeros(1))
+    return bool(np.isfinite(roll).all()) and rolling_lag(signals, gear)[0] > ROLLING
 
 
 def needs_finer(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:

@@ -98,6 +98,12 @@ class Maneuver:
         """Return the same from where the gear first rests, without the equilibria that lead there."""
         return replace(self, approach=None)
 
+    def begun_a_cycle_earlier(self) -> "Maneuver":
+        """Return the same swing with one more cycle before its record."""
+        assert isinstance(self.drive, Swing)
+        cycle = round(self.drive.period / self.time_step)
+        return replace(self, lead=self.lead + cycle, divided=self.divided + self.divided[-cycle:])
+
     def halved(self, times: int) -> "Maneuver":
         """Return the same in steps that were halved so many times."""
         parts = 2**times

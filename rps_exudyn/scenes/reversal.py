@@ -9,10 +9,10 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import figures_of_motion
 from rps_exudyn.scenes.maneuver import swing_maneuver
 from rps_exudyn.scenes.remarks import remarks, wide_zone
-from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene import Scene, swept_revolutions
 from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.swing import run_swing
 
 WIDEST_ZONE = 0.002  # reversal_angle within 3 % of the limit of no zone
 
@@ -23,7 +23,7 @@ def reversal(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
     Raises:
         InputError: the steering leaves the rack's teeth.
     """
-    run = run_maneuver(gear, fidelity, swing_maneuver(gear, fidelity.step_angle), options)
+    run = run_swing(gear, fidelity, swing_maneuver(gear, fidelity.step_angle), options)
     remark = wide_zone(fidelity, "reversal_angle depends", WIDEST_ZONE)
     return run.noting(*remarks(gear, run.signals), remark).described(
         lambda signals: {**describe_reversal(signals), **figures_of_motion(signals, gear)}

@@ -14,7 +14,7 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import begin_part
 from rps_exudyn.checks.memory import check_memory
-from rps_exudyn.checks.needs_finer import needs_finer
+from rps_exudyn.checks.needs_finer import needs_finer, rolls_over_late
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -155,9 +155,12 @@ def by_equilibrium(
 
 
 def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver) -> bool:
-    """Tell whether a whole record of steady motion asks for shorter steps."""
-    whole = run.outcome.status in (Status.OK, Status.INVALID)
-    return whole and maneuver.is_steady and bool(run.signals) and needs_finer(run.signals, gear)
+    """Tell whether a whole record of steady motion, or of a swing, asks for shorter steps."""
+    if run.outcome.status not in (Status.OK, Status.INVALID) or not run.signals:
+        return False
+    if isinstance(maneuver.drive, Swing):
+        return rolls_over_late(run.signals, gear)
+    return maneuver.is_steady and needs_finer(run.signals, gear)
 
 
 def _settled(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:

@@ -13,10 +13,10 @@ from rps_exudyn.scenes.figures import figures_of_motion
 from rps_exudyn.scenes.maneuver import YIELDING, swing_maneuver
 from rps_exudyn.scenes.remarks import remarks, wide_zone
 from rps_exudyn.scenes.reversal import WIDEST_ZONE
-from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene import Scene, swept_revolutions
 from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.swing import run_swing
 from rps_exudyn.solvers.closed_form import closed_form
 
 
@@ -28,7 +28,7 @@ def steering_feel(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -
     """
     twisted = 2 * abs(closed_form(gear).free_torque) / gear.column.stiffness
     maneuver = swing_maneuver(gear, fidelity.step_angle, "wheel", YIELDING + twisted)
-    run = run_maneuver(gear, fidelity, maneuver, options)
+    run = run_swing(gear, fidelity, maneuver, options)
     remark = wide_zone(fidelity, "on_centre_stiffness depends", WIDEST_ZONE)
     return run.noting(*remarks(gear, run.signals), remark).described(
         lambda signals: {**describe_feel(signals), **figures_of_motion(signals, gear)}

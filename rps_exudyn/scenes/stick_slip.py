@@ -4,7 +4,13 @@ The column twists until static friction is overcome, which is the breakaway. If 
 gear may come to rest again, and again. The record begins at rest and goes on for so many cycles; figures are
 those of its later half. Beside them stands what is predicted (`analysis.stick_slip`): the speed below which
 the reduced gear goes on sticking, and the damping of the column below which steady sliding is unstable.
+
+Near that speed little damping decides whether vibration dies away or stays, and time steps add some of their
+own. There the motion is made again in half the steps until that changes nothing.
 """
+
+from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +18,7 @@ from rps_exudyn.analysis.stick_slip import describe_stick_slip, sticking_speed, 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.maneuver import Maneuver, check_travel
 from rps_exudyn.scenes.remarks import remarks, wide_zone
@@ -28,6 +35,10 @@ MOST_CYCLES = 40
 MOST_STEPS = 20000  # fewer cycles are recorded of a gear that sticks for long ...
 LEAST_CYCLES = 3  # ... but no fewer
 WIDEST_ZONE = 0.01  # of friction: wider ones creep where they should stick
+NEAR = 2.0  # times the sticking speed, up and down: so far it is not known without guides, and then some
+SAME = 0.01  # of the largest torque, by which steps half as long may change the figures there
+MOST_HALVED = 2  # times that steps are halved there
+COMPARED = ("stick_slip_torque", "breakaway_torque")
 
 
 def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
@@ -42,12 +53,57 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
             "nothing slips."
         )
     model = reduced_gear(gear)
-    run = run_maneuver(gear, fidelity, set_off(gear), options)
+    run = _resolved(gear, fidelity, options)
     nothing = "" if model.surplus > 0 else NOTHING_FALLS
     zone = wide_zone(fidelity, "sticking depends", WIDEST_ZONE) if model.surplus > 0 else ""
     return run.noting(*remarks(gear, run.signals), nothing, zone).described(
         lambda signals: {**stick_slip_figures(signals, gear), **balance(signals)}
     )
+
+
+def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
+    """Make the motion, near the sticking speed in steps that decide nothing; it is invalid if none are."""
+    maneuver = set_off(gear)
+    run = run_maneuver(gear, fidelity, maneuver, options)
+    halvings = min(MOST_HALVED, options.least_steps.halvings) if _near_sticking(gear) else 0
+    for halved in range(1, halvings + 1):
+        if not run.ok:
+            break
+        finer = run_maneuver(gear, fidelity, maneuver.halved(halved), options)
+        cpu = run.outcome.cpu_s + finer.outcome.cpu_s
+        if not finer.ok:
+            return _invalid(
+                run, f"steps half as long, which should confirm the figures, fail: {finer.outcome.message}"
+            )
+        changed = _change(stick_slip_figures(run.signals, gear), stick_slip_figures(finer.signals, gear))
+        findings = {**finer.outcome.findings, "halvings": halved}
+        run = replace(finer, outcome=replace(finer.outcome, cpu_s=cpu, findings=findings))
+        if changed <= SAME:
+            return run
+    if halvings and run.ok:
+        return _invalid(
+            run,
+            f"the steps are too coarse: near the sticking speed steps half as long change the torque by "
+            f"{changed:.1%} of its peak",
+        )
+    return run
+
+
+def _near_sticking(gear: SteeringGear) -> bool:
+    """Tell whether the wheel turns about as fast as the reduced gear just sticks."""
+    limit = predicted_sticking(gear)
+    return limit / NEAR < gear.test.speed < limit * NEAR
+
+
+def _change(coarse: Mapping[str, float], fine: Mapping[str, float]) -> float:
+    """Return by how much figures differ, over the largest torque; 0 of a record too short for any."""
+    peak = abs(fine.get("breakaway_torque", 0.0))
+    return max(abs(fine[name] - coarse[name]) for name in COMPARED) / peak if peak and coarse else 0.0
+
+
+def _invalid(run: SceneRun, message: str) -> SceneRun:
+    """The run, which cannot be relied on."""
+    return replace(run, outcome=replace(run.outcome, status=Status.INVALID, message=message))
 
 
 NOTHING_FALLS = (
@@ -80,13 +136,20 @@ def set_off(gear: SteeringGear) -> Maneuver:
 def stick_slip_figures(signals: Signals, gear: SteeringGear) -> dict[str, float]:
     """Return what the record shows, and what is predicted."""
     test, model, presliding = gear.test, reduced_gear(gear), presliding_angle(gear)
-    predicted = {"sliding_damping": model.linear_limit(test.speed)}
+    predicted = {
+        "sliding_damping": model.linear_limit(test.speed),
+        "sticking_speed": predicted_sticking(gear),
+    }
     if presliding:
-        predicted["sticking_speed"] = unstable_speed(model, presliding)
         predicted["bristle_margin"] = model.bristle_margin(test.speed, presliding)
-    else:
-        predicted["sticking_speed"] = sticking_speed(model)
     return describe_stick_slip(signals, test.direction * test.speed) | predicted
+
+
+def predicted_sticking(gear: SteeringGear) -> float:
+    """Return the largest speed of the wheel at which the reduced gear sticks, or with bristles vibrates
+    [rad/s]; 0 where it never does."""
+    model, presliding = reduced_gear(gear), presliding_angle(gear)
+    return unstable_speed(model, presliding) if presliding else sticking_speed(model)
 
 
 SCENE = Scene(

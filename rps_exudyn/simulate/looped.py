@@ -244,7 +244,7 @@ def _surely_ok(
     normal = found.out[:, :, MESH.start + 3] + found.out[:, :, MESH.start + 4]
     size = np.abs(mean(angle, torque))
     travel = spread(signals["rack_displacement"])
-    late = lag(signals["rack_roll"]) * gear.rack.bar_diameter / 2 / travel
+    late = lag(angle, signals["rack_roll"]) * gear.rack.bar_diameter / 2 / travel
     work, hidden = every_second(angle, torque)
     drift = np.abs(torque[:, -1] - torque[:, 0]) / np.abs(torque).max(axis=-1)
     least = MISSED_TORQUE * np.ptp(angle) + ROUNDING

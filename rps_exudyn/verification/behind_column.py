@@ -99,6 +99,12 @@ class Behind:
         turning = self.column.ratio(angle) * self.wheel.rate(time)
         return float(self.column.torque(self.column.output(angle) + place[0], turning + rate[0]))
 
+    def wheel_torque(self) -> float:
+        """Return the torque with which the column resists the wheel [N m]: a joint turns the pinion faster or
+        more slowly than the wheel, and the work is the same."""
+        ratio = float(self.column.ratio(self.wheel.place(self.time)))
+        return ratio * self.torque(self.time, self.place, self.rate)
+
     def _forces(self, time: float, place: np.ndarray, rate: np.ndarray) -> np.ndarray:
         if self.memory.size:
             self.memory[1, TIME] = time
@@ -182,7 +188,7 @@ class Behind:
 # --- figures -----------------------------------------------------------------------------------------
 @dataclass(frozen=True)
 class WheelFigures:
-    """What a plan of the wheel must show: the scene's figure, and the largest torque of the column [N m]."""
+    """What a plan of the wheel must show: the scene's figure, and the largest torque at the wheel [N m]."""
 
     figure: float  # work of a cycle [J], or half the range of the torque over the later half [N m]
     peak: float
@@ -230,10 +236,10 @@ PER_PERIOD, PER_QUARTER = 60, 300  # steps in a natural period, and in a quarter
 
 
 def _torques(plan: ScenePlan, wheel: Wheel, time: np.ndarray) -> np.ndarray:
-    """The column's torque at times from rest on [N m]."""
+    """The column's torque on the wheel at times from rest on [N m]."""
     state = Behind.at_rest(plan, wheel)
-    torques = [state.torque(0.0, state.place, state.rate)]
+    torques = [state.wheel_torque()]
     for end in time[1:]:
         state.go(float(end))
-        torques.append(state.torque(state.time, state.place, state.rate))
+        torques.append(state.wheel_torque())
     return np.array(torques)
