@@ -118,18 +118,17 @@ def errors(plan: ScenePlan, result: Result, right: WheelFigures) -> dict[str, fl
 
 def run(folder: Path, plans: int = PLANS, first: int = 0) -> None:
     """Run plans from a first one on; what stands in the data file already is left as it is."""
-    done = {row["number"]: row for row in read(folder / DATA)}
-    rows: list[dict[str, Any]] = []
+    rows: dict[int, dict[str, Any]] = {int(row["number"]): row for row in read(folder / DATA)}
     for number in range(first, plans):
         plan = plan_of(number)
-        row = done.get(str(number), {})
-        if row.get("plan") != text_of(plan):
-            row = {"number": number, "kind": plan.scene, "plan": text_of(plan), **outcome_of(plan)}
-            row["verdict"] = verdict(row)
-            if row["verdict"] in WRONGLY_OK:
-                print({name: row.get(name) for name in COLUMNS}, flush=True)
-        rows.append(row)
-        write(rows, folder / DATA)
+        if rows.get(number, {}).get("plan") == text_of(plan):
+            continue
+        row = {"number": number, "kind": plan.scene, "plan": text_of(plan), **outcome_of(plan)}
+        row["verdict"] = verdict(row)
+        if row["verdict"] in WRONGLY_OK:
+            print({name: row.get(name) for name in COLUMNS}, flush=True)
+        rows[number] = row
+        write([rows[known] for known in sorted(rows)], folder / DATA)
 
 
 def verdicts_table(folder: Path) -> str:

@@ -13,13 +13,14 @@ from rps_exudyn.parameters.gear import SteeringGear
 
 MEAN = 0.01  # of the mean that may hide between the steps ...
 ROLLING = 0.01  # ... or be moved by a late rate of rolling
+ROLLING_OVER = 0.004  # ... in a swing, over its travel: its work is then right to a percent
 PEAK = 0.05  # of the mean by which a step may leave the curve through its neighbours: peaks are right to 5 %
 
 
 def rolls_over_late(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:
     """Tell whether the steps of a swing are too long for how the rack rolls over in it."""
     roll = signals.get("rack_roll", np.zeros(1))
-    return bool(np.isfinite(roll).all()) and rolling_lag(signals, gear)[0] > ROLLING
+    return bool(np.isfinite(roll).all()) and rolling_lag(signals, gear)[0] > ROLLING_OVER
 
 
 def needs_finer(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:

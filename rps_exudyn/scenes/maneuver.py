@@ -98,11 +98,12 @@ class Maneuver:
         """Return the same from where the gear first rests, without the equilibria that lead there."""
         return replace(self, approach=None)
 
-    def begun_a_cycle_earlier(self) -> "Maneuver":
-        """Return the same swing with one more cycle before its record."""
+    def begun_earlier(self, cycles: int) -> "Maneuver":
+        """Return the same swing with so many more cycles before its record."""
         assert isinstance(self.drive, Swing)
-        cycle = round(self.drive.period / self.time_step)
-        return replace(self, lead=self.lead + cycle, divided=self.divided + self.divided[-cycle:])
+        steps = round(self.drive.period / self.time_step)
+        divided = self.divided + cycles * self.divided[-steps:]
+        return replace(self, lead=self.lead + cycles * steps, divided=divided)
 
     def halved(self, times: int) -> "Maneuver":
         """Return the same in steps that were halved so many times."""

@@ -1,34 +1,59 @@
 """A swing to and fro, recorded over cycles that are all alike.
 
-The equilibria that lead to its start are far apart, so that the rack may still roll into its cycle during the
-record. It shows: the first cycle does not end where it began. Such a swing is made again with one more cycle
-before the record.
+The equilibria that lead to its start are far apart and few, so that the rack may still roll into its cycle
+during the record. It shows: the first cycle does not end where it began. Such a swing is made again from more
+and more cycles before the record; one that never settles is no swing that repeats, and says so.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
+from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.drive import Swing
+from rps_exudyn.solvers.record import COORDINATES
 
-CLOSED = 0.01  # of the largest torque, by which a cycle may end elsewhere than it began
+CYCLES_BEFORE = {"equilibrium": (1, 4, 16, 48), "generalized-alpha": (1, 4)}
+"""Solver -> cycles before the record from which a swing is begun, one after the other."""
+CLOSED = 0.01  # of the largest torque, by which a cycle may end elsewhere than it began ...
+IN_PLACE = 0.002  # ... and of the rack's travel: a drift this slow goes on for ten cycles and more
 
 
 def run_swing(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:
-    """Make a swing, from one cycle earlier where the first one does not close."""
+    """Make a swing, from earlier where its first cycle does not close; invalid if it never does."""
     run = run_maneuver(gear, fidelity, maneuver, options)
-    if not run.ok or closes(run.signals, maneuver):
-        return run
-    return run_maneuver(gear, fidelity, maneuver.begun_a_cycle_earlier(), options)
+    for cycles in CYCLES_BEFORE.get(fidelity.solver, ()):
+        if not run.ok or unclosed(run.signals, maneuver) <= 1:
+            return run
+        run = run_maneuver(gear, fidelity, maneuver.begun_earlier(cycles), options)
+    if run.ok and (beyond := unclosed(run.signals, maneuver)) > 1:
+        message = (
+            f"the swing does not settle: after {cycles} cycles the next one still ends {beyond:.2g} times as "
+            f"far from where it began as is allowed, {CLOSED:.0%} of the torque and {IN_PLACE:.1%} of the "
+            "rack's travel"
+        )
+        return replace(run, outcome=replace(run.outcome, status=Status.INVALID, message=message))
+    return run
 
 
-def closes(signals: Signals, maneuver: Maneuver) -> bool:
-    """Tell whether the first recorded cycle of a swing ends under the torque under which it began."""
+def unclosed(signals: Signals, maneuver: Maneuver) -> float:
+    """Return how far the first recorded cycle of a swing ends from where it began, over what is allowed."""
     assert isinstance(maneuver.drive, Swing)
-    time, torque = signals["time"], signals[maneuver.drive.signal]
-    after = np.interp(time[0] + maneuver.drive.period, time, torque)
-    return bool(abs(after - torque[0]) <= CLOSED * np.abs(torque).max())
+    time, lengths = signals["time"], CHARACTERISTIC_LENGTHS[2:]
+    end = time[0] + maneuver.drive.period
+
+    def moved(name: str) -> float:
+        after = np.interp(end, time, signals[name])
+        return abs(float(after - signals[name][0]))
+
+    travel, torque = float(np.ptp(signals["rack_displacement"])), signals[maneuver.drive.signal]
+    shifted = max(moved(name) * length for name, length in zip(COORDINATES, lengths, strict=True))
+    turned = moved(maneuver.drive.signal) / (CLOSED * float(np.abs(torque).max()) or np.inf)
+    return max(turned, shifted / (IN_PLACE * travel or np.inf))

@@ -41,6 +41,7 @@ ROLLING = 0.02
 LAST_STEPS, LAST_STEP = 4, 1e-3  # of a pitch, before inertia sets in: for exact rates
 RUN_IN = 0.5  # pitches by Runge-Kutta before the record
 PER_CYCLE = 600  # equilibria of a swing
+CYCLES, ALIKE = (2, 5, 15, 45), 1e-3  # after which its last two cycles may take works that are the same
 CURVE_FINER, CURVE_PER_CYCLE = 2, 1600  # of a curve's steps, and of those of a swing
 GENERATORS = 100
 STATIONS = {"mesh": "flank", "strip_stations": 12, "strip_points": 6}
@@ -306,11 +307,10 @@ def _swing(plan: ScenePlan) -> Swing:
 
 
 def _swung(plan: ScenePlan) -> Expected:
-    """The work of a cycle, after two others."""
+    """The work of a cycle like the one before it."""
     drive, forces = _swing(plan), reference_forces(plan)
-    cycle = np.linspace(0, drive.period, PER_CYCLE + 1)
-    time = np.concatenate([cycle[:-1] - drive.period, cycle])
-    motion = _motion(plan, forces, drive, time[: PER_CYCLE + 1])
+    before, work = _settled_cycles(plan, forces, drive)
+    motion = _motion(plan, forces, drive, before)
     step = _explicit_step(motion)
     if (steps := ceil(2 * drive.period / step)) <= MOST_EXPLICIT:
         times, places, rates = explicit(motion, step, steps)
@@ -318,9 +318,28 @@ def _swung(plan: ScenePlan) -> Expected:
         return Expected(
             float(np.trapezoid(record.drive[kept], drive.place(times[kept]))), method="Runge-Kutta"
         )
-    path = _equilibria(plan.gear, forces, drive, time)
-    overcome = -drive.sign * path.forces[-cycle.size :, drive.coordinate]
-    return Expected(float(np.trapezoid(overcome, drive.place(cycle))), method="equilibria")
+    return Expected(work, method="equilibria")
+
+
+def _settled_cycles(plan: ScenePlan, forces: GearForces, drive: Swing) -> tuple[np.ndarray, float]:
+    """Instants of equilibria to time 0, from so many cycles before that all are alike then; the work of the
+    one after it [J].
+
+    Raises:
+        NotFoundError: the cycles go on changing, or there is no equilibrium.
+    """
+    cycle = np.linspace(0, drive.period, PER_CYCLE + 1)
+    for cycles in CYCLES:
+        time = drive.period * (np.arange(cycles * PER_CYCLE + 1) / PER_CYCLE - (cycles - 1))
+        path = _equilibria(plan.gear, forces, drive, time)
+        overcome = -drive.sign * path.forces[:, drive.coordinate]
+        earlier, work = (
+            float(np.trapezoid(overcome[k * PER_CYCLE : (k + 1) * PER_CYCLE + 1], drive.place(cycle)))
+            for k in (cycles - 2, cycles - 1)
+        )
+        if abs(work - earlier) <= ALIKE * abs(work):
+            return time[: (cycles - 1) * PER_CYCLE + 1], work
+    raise NotFoundError(f"cycles still differ by {abs(work / earlier - 1):.1%} after {cycles}")
 
 
 def _shaken(plan: ScenePlan) -> Expected:
