@@ -5,10 +5,13 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
-from benchmarks.stability.wheel_plans import errors
+from benchmarks.stability.wheel_plans import errors, plan_of
 from rps_exudyn.forces.memory import NO_MEMORY
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.maneuver import StepLimits
+from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.simulate.checked_run import run_unchecked
 from rps_exudyn.solvers.steering_column import SteeringColumn
 from rps_exudyn.verification.behind_column import Behind, Wheel, figures
 from rps_exudyn.verification.stability import ScenePlan
@@ -46,6 +49,27 @@ def test_integrator_is_of_second_order() -> None:
     phase counts squared), and below 0.1 % in 60 steps."""
     assert error(60) < 1e-3
     assert error(60) < error(30) / 3.5
+
+
+def test_stick_slip_near_its_limit_does_not_hang_on_the_steps() -> None:
+    """A gear that vibrates a little faster than it sticks: torque's range and peak to 1 % of the peak. In the
+    first steps the vibration dies away, which is 3 % of it."""
+    plan = plan_of(27)
+    asked = RunOptions(least_steps=StepLimits(halvings=0))
+    right = figures(plan, 1)
+    made, coarse = (run_unchecked(plan.scene, plan.gear, plan.fidelity, *each) for each in ((), (asked,)))
+    assert made.findings["halvings"] > 0
+    assert max(abs(each) for each in errors(plan, made, right).values()) < 0.01
+    assert abs(errors(plan, coarse, right)["error"]) > 0.02
+
+
+def test_torque_at_the_wheel_does_the_work_on_the_pinion_through_a_joint() -> None:
+    """A joint bent by 40 deg: torque's range and peak of scene and reference to 0.5 % of the peak; the torque
+    on the pinion differs from that at the wheel by up to 30 %."""
+    bent = {"column.joint_angle": "40 deg", "test.speed": "30 rpm"}
+    plan = ScenePlan("stick-slip", SteeringGear().replace(bent), Fidelity.preset("flank"))
+    found = errors(plan, rps.run("stick-slip", plan.gear), figures(plan, 1))
+    assert max(abs(each) for each in found.values()) < 5e-3
 
 
 def test_stick_slip_of_the_scene_is_the_references() -> None:

@@ -1,0 +1,56 @@
+"""A swing is recorded in cycles that are all alike, in steps short enough for how the rack rolls over."""
+
+import numpy as np
+import pytest
+
+from bad_cases import bad_cases
+from rps_exudyn.analysis.resolution import lag
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.result import Result
+from rps_exudyn.scenes.maneuver import swing_maneuver
+from rps_exudyn.scenes.swing import unclosed
+from rps_exudyn.simulate.checked_run import run_unchecked
+from rps_exudyn.verification.plan_reference import expected
+from rps_exudyn.verification.stability import ScenePlan
+
+STILL = Fidelity.preset("quasi-static")
+
+
+def made(plan: ScenePlan) -> Result:
+    return run_unchecked(plan.scene, plan.gear, plan.fidelity)
+
+
+def test_lag_does_not_depend_on_where_steps_are_divided() -> None:
+    """A way turned about once: half of the change of its rate, times the step there."""
+    even = np.linspace(0, 10, 11)
+    divided = np.unique(np.concatenate([even, np.linspace(8, 10, 9)]))
+    assert lag(even, np.abs(even - 5)) == pytest.approx(1.0)
+    assert lag(divided, np.abs(divided - 5)) == pytest.approx(1.0)
+    assert lag(divided, 3 * divided) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_gear_that_rolls_into_its_cycle_is_begun_earlier() -> None:
+    """Work of a cycle to 1 % of that after many cycles of the reference; begun as it was, 3 % less."""
+    plan = bad_cases()["reversal 971"].plan
+    right = expected(plan).figure
+    assert plan.figure(made(plan)) == pytest.approx(right, rel=0.01)
+
+
+def test_an_ordinary_swing_is_made_once_in_the_steps_asked_for() -> None:
+    maneuver = swing_maneuver(SteeringGear(), STILL.step_angle)
+    result = made(ScenePlan("reversal", SteeringGear(), STILL))
+    assert "halvings" not in result.findings
+    assert unclosed(result.signals, maneuver) < 0.5
+    assert len(result.signals["time"]) == 1 + sum(maneuver.divided[maneuver.lead :])
+
+
+def test_cycles_before_the_record_keep_its_steps() -> None:
+    """The record's instants are those without them, some periods later."""
+    maneuver = swing_maneuver(SteeringGear(), STILL.step_angle)
+    earlier = maneuver.begun_earlier(2)
+    recorded = sum(maneuver.divided[maneuver.lead :]) + 1
+    assert sum(earlier.divided[earlier.lead :]) + 1 == recorded
+    assert earlier.time[-recorded:] - 2 * maneuver.drive.period == pytest.approx(
+        maneuver.time[-recorded:], abs=1e-9
+    )
