@@ -5,9 +5,11 @@ from operator import attrgetter
 from typing import Any
 
 import numba
+from numba.core import cgutils, types
 from numba.core.datamodel import default_manager
 from numba.core.registry import CPUDispatcher
 from numba.experimental import structref
+from numba.extending import intrinsic
 
 from rps_exudyn.base.kernel_cache import KernelCache
 
@@ -109,6 +111,36 @@ def kernel_over(function: Callable[..., Any], *kernels: Callable[..., Any]) -> C
     name = "_".join([function.__name__, *(kernel.__name__ for kernel in kernels)])
     function.__name__ = function.__qualname__ = name
     return apart(function)
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def unowned(typing: Any, value: Any) -> Any:
+    """The same array, or tuple with arrays, to which no references are counted.
+
+    Each function that a tuple goes through counts its arrays in and out, by instructions that lock the bus: of
+    a loop over many gears that was 40 % of the time. Whoever owns the arrays must outlive what is returned:
+    they are arguments of the function, or are used again after it.
+    """
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return _without_owner(context, builder, signature.args[0], arguments[0])
+
+    return value(value), code
+
+
+def _without_owner(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    """Code for a value whose arrays know no owner."""
+    if isinstance(kind, types.Array):
+        array = context.make_array(kind)(context, builder, value)
+        array.meminfo = cgutils.get_null_value(array.meminfo.type)
+        return array._getvalue()
+    if isinstance(kind, types.BaseTuple):
+        items = [
+            _without_owner(context, builder, each, builder.extract_value(value, i))
+            for i, each in enumerate(kind)
+        ]
+        return context.make_tuple(builder, kind, items)
+    return value
 
 
 @structref.register

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inlined, kernel, kernel_over
+from rps_exudyn.base.compiled import inlined, kernel, kernel_over, unowned
 from rps_exudyn.forces.bearing import BearingData, bearing_force
 from rps_exudyn.forces.external_load import DeadForceData, add_dead_force
 from rps_exudyn.forces.memory import begin_step, duration, slip_rates
@@ -74,7 +74,7 @@ def gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
     """Generalised forces (8,) with the bush condensed into the fit."""
 
     def force(q, v, handle):  # type: ignore[no-untyped-def]
-        data, total = handle.data, np.zeros(8)
+        data, total = unowned(handle.data), np.zeros(8)
         v = slip_rates(q, v, data.memory)
         mesh = mesh_force(q[0:7], v[0:7], data.mesh)
         seat = seat_force(q[1:8], v[1:8], data.seat)
@@ -90,7 +90,7 @@ def chain_gear_force(mesh_force: Kernel, seat_force: Kernel) -> Kernel:
     """Generalised forces (14,) with the rack in the last segment of a chain."""
 
     def chain_force(q, v, handle):  # type: ignore[no-untyped-def]
-        data, total = handle.data, np.zeros(14)
+        data, total = unowned(handle.data), np.zeros(14)
         v = slip_rates(q, v, data.memory)
         mesh = mesh_force(q[0:7], v[0:7], data.mesh)
         seat = seat_force(q[1:8], v[1:8], data.seat)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import kernel, kernel_over
+from rps_exudyn.base.compiled import kernel, kernel_over, unowned
 from rps_exudyn.forces.bearing import bearing_force
 from rps_exudyn.forces.external_load import add_dead_force
 from rps_exudyn.forces.sliding_fit import held_fit_force
@@ -280,20 +280,27 @@ def instant_of(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
     return kernel_over(instant, mesh_tangent, seat_force)
 
 
+@kernel
+def work_space(grid):  # type: ignore[no-untyped-def]
+    """Return arrays that the path of a gear needs: matrices, to solve with, vectors, deviations found."""
+    n = grid.free.size
+    matrices = np.zeros((7, 7)), np.zeros((8, 8)), np.zeros((8, 8)), np.zeros((2, 8))
+    solving = np.zeros((n, n + 1)), np.zeros(n), np.zeros(8), np.zeros(8)
+    vectors = np.zeros(8), np.zeros(8), np.zeros(8), np.zeros(8), np.zeros(8), np.zeros(8)
+    return matrices, solving, vectors, np.zeros((2, 8)), np.zeros((grid.angles.size, 8))
+
+
 @cache
 def gear_of(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
     """Compile the path of one gear: how it ends, and its evaluations."""
     instant = instant_of(mesh_tangent, seat_force)
 
-    def follow_gear(g, row, parts, speed, shift, motion, features, grid, kept):  # type: ignore[no-untyped-def]
-        n, instants = grid.free.size, grid.angles.size
-        matrices = np.zeros((7, 7)), np.zeros((8, 8)), np.zeros((8, 8)), np.zeros((2, 8))
-        solving = np.zeros((n, n + 1)), np.zeros(n), np.zeros(8), np.zeros(8)
-        q, v, d, base, place, rate = np.zeros((6, 8))
-        w, found = np.zeros((2, 8)), np.zeros((instants, 8))
+    def follow_gear(g, row, parts, speed, shift, motion, features, grid, owned, kept):  # type: ignore[no-untyped-def]
+        matrices, solving, vectors, w, found = unowned(owned)
+        q, v, d, base, place, rate = vectors
         time_step = (grid.angles[1] - grid.angles[0]) / speed
         evaluations, renew = 0, 0
-        for k in range(instants):
+        for k in range(grid.angles.size):
             rigid_motion_of(grid.angles[k], speed, grid.driven, row, grid.swing, place, rate)
             begin_instant(k, g, motion, features, speed, shift, place, rate)
             extrapolated(k, grid.per_pitch, found, d)
@@ -354,7 +361,9 @@ def gear_loop(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
         ended,
         evaluations,
     ):
-        data, ideal = handle.data, np.empty(COUNT)
+        data, ideal, work = unowned(handle.data), np.empty(COUNT), work_space(grid)
+        rows, references, points, stiffnesses = unowned((rows, references, points, stiffnesses))
+        grid, motion, features, out = unowned((grid, motion, features, out))
         loaded = data.load.force != (0.0, 0.0, 0.0) or data.weight.force != (0.0, 0.0, 0.0)
         for g in range(rows.shape[0]):
             row = rows[g]
@@ -373,7 +382,7 @@ def gear_loop(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
             mesh = flank_of(row, reference, data.mesh)
             parts = Parts(mesh, seat, spring, nut, bearing, fit, data.load, data.weight, loaded)
             ended[g], evaluations[g] = follow_gear(
-                g, row, parts, speeds[g], y - near[2], motion, features, grid, out[g]
+                g, row, parts, speeds[g], y - near[2], motion, features, grid, work, out[g]
             )
 
     return kernel_over(follow_gears, mesh_tangent, seat_force)

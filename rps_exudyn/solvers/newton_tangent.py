@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.base.compiled import borrowing, kernel_over, nested
+from rps_exudyn.base.compiled import borrowing, kernel_over, nested, unowned
 from rps_exudyn.forces.bearing import bearing_force
 from rps_exudyn.forces.external_load import dead_force
 from rps_exudyn.forces.rigid_motion import cross, dot, minus, plus, scaled, spin_of, turn_of, vector
@@ -128,7 +128,7 @@ def newton_forces(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
     """
 
     def forces_and_tangent(q, v, handle, per_time, out, total, tangent, of_loads):  # type: ignore[no-untyped-def]
-        data, by_mesh = handle.data, np.zeros((7, 7))
+        data, by_mesh = unowned(handle.data), np.zeros((7, 7))
         total[:] = 0.0
         tangent[:] = 0.0
         mesh = mesh_tangent(q[0:7], v[0:7], data.mesh, 1.0, per_time, by_mesh)
