@@ -5,7 +5,7 @@ from operator import attrgetter
 from typing import Any
 
 import numba
-from numba.core import cgutils, types
+from numba.core import cgutils
 from numba.core.datamodel import default_manager
 from numba.core.registry import CPUDispatcher
 from numba.experimental import structref
@@ -113,13 +113,13 @@ def kernel_over(function: Callable[..., Any], *kernels: Callable[..., Any]) -> C
     return apart(function)
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def unowned(typing: Any, value: Any) -> Any:
     """The same array, or tuple with arrays, to which no references are counted.
 
-    Each function that a tuple goes through counts its arrays in and out, by instructions that lock the bus: of
-    a loop over many gears that was 40 % of the time. Whoever owns the arrays must outlive what is returned:
-    they are arguments of the function, or are used again after it.
+    Each function that a tuple goes through counts its arrays in and out, by instructions that lock the bus,
+    a fifth of the time of a loop over many gears. Their owner must outlive what is returned: arrays are
+    arguments of the function that calls this, or are used again after the last use of what is returned.
     """
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -130,11 +130,11 @@ def unowned(typing: Any, value: Any) -> Any:
 
 def _without_owner(context: Any, builder: Any, kind: Any, value: Any) -> Any:
     """Code for a value whose arrays know no owner."""
-    if isinstance(kind, types.Array):
+    if isinstance(kind, numba.types.Array):
         array = context.make_array(kind)(context, builder, value)
         array.meminfo = cgutils.get_null_value(array.meminfo.type)
         return array._getvalue()
-    if isinstance(kind, types.BaseTuple):
+    if isinstance(kind, numba.types.BaseTuple):
         items = [
             _without_owner(context, builder, each, builder.extract_value(value, i))
             for i, each in enumerate(kind)

@@ -16,16 +16,20 @@ Vector = tuple[float, float, float]
 @kernel
 def rotation_matrix(angles):  # type: ignore[no-untyped-def]
     """Rotation body -> housing, shape (3, 3)."""
+    matrix = np.empty((3, 3))
+    fill_rotation(angles, matrix)
+    return matrix
+
+
+@borrowing
+def fill_rotation(angles, matrix):  # type: ignore[no-untyped-def]
+    """Fill the rotation body -> housing (3, 3)."""
     ca, sa = np.cos(angles[0]), np.sin(angles[0])
     cb, sb = np.cos(angles[1]), np.sin(angles[1])
     cc, sc = np.cos(angles[2]), np.sin(angles[2])
-    return np.array(
-        [
-            [cb * cc, -cb * sc, sb],
-            [ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb],
-            [sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb],
-        ]
-    )
+    matrix[0, 0], matrix[0, 1], matrix[0, 2] = cb * cc, -cb * sc, sb
+    matrix[1, 0], matrix[1, 1], matrix[1, 2] = ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb
+    matrix[2, 0], matrix[2, 1], matrix[2, 2] = sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb
 
 
 @kernel

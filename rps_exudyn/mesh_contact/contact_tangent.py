@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.base.compiled import borrowing, inlined, nested
-from rps_exudyn.forces.rigid_motion import Vector, cross, dot, minus, plus, scaled, vector
+from rps_exudyn.forces.rigid_motion import Vector, cross, dot, minus, on_angles, plus, scaled, vector
 from rps_exudyn.mesh_contact import wrench
 from rps_exudyn.mesh_contact.flank_line import (
     DRAG_B,
@@ -153,16 +153,29 @@ def add_turn_of_loads(sums, side, slopes):  # type: ignore[no-untyped-def]
             stiffness[3 + i, 3 + j] -= factor * swung[i]
 
 
-@nested
-def motions_of(angle, position, map_, data):  # type: ignore[no-untyped-def]
-    """Motions of the rack against the pinion per coordinate of pinion (1) and rack (6), shape (6, 7)."""
-    axis, to_axis = pinion_axis(angle, position, data)
-    carried, motions = cross(axis, to_axis), np.zeros((6, 7))
-    for i in range(3):
-        motions[i, 0], motions[3 + i, 0], motions[i, 1 + i] = carried[i], -axis[i], 1.0
-        for j in range(3):
-            motions[3 + i, 4 + j] = map_[i, j]
-    return motions
+@borrowing
+def _motion(coordinate, carried, axis, turn):  # type: ignore[no-untyped-def]
+    """Motion of the rack against the pinion, and its turn, per coordinate of pinion (1) and rack (6)."""
+    if coordinate == 0:
+        return carried, scaled(-1.0, axis)
+    if coordinate < 4:
+        x, y = 1.0 if coordinate == 1 else 0.0, 1.0 if coordinate == 2 else 0.0
+        return (x, y, 1.0 - x - y), (0.0, 0.0, 0.0)
+    if coordinate == 4:
+        return (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)
+    return (0.0, 0.0, 0.0), turn.about_b if coordinate == 5 else turn.about_c
+
+
+@borrowing
+def _product(matrix, row, motion, turned):  # type: ignore[no-untyped-def]
+    """Three rows of a matrix (6, 6), times a motion and a turn."""
+    a = matrix[row, 0] * motion[0] + matrix[row, 1] * motion[1] + matrix[row, 2] * motion[2]
+    b = matrix[row + 1, 0] * motion[0] + matrix[row + 1, 1] * motion[1] + matrix[row + 1, 2] * motion[2]
+    c = matrix[row + 2, 0] * motion[0] + matrix[row + 2, 1] * motion[1] + matrix[row + 2, 2] * motion[2]
+    a += matrix[row, 3] * turned[0] + matrix[row, 4] * turned[1] + matrix[row, 5] * turned[2]
+    b += matrix[row + 1, 3] * turned[0] + matrix[row + 1, 4] * turned[1] + matrix[row + 1, 5] * turned[2]
+    c += matrix[row + 2, 3] * turned[0] + matrix[row + 2, 4] * turned[1] + matrix[row + 2, 5] * turned[2]
+    return a, b, c
 
 
 @borrowing
@@ -174,31 +187,29 @@ def pinion_axis(angle, position, data):  # type: ignore[no-untyped-def]
 
 
 @nested
-def add_on_coordinates(out, q, motions, stiffness, factor_q, data, tangent):  # type: ignore[no-untyped-def]
+def add_on_coordinates(out, q, turn, position, stiffness, factor_q, data, tangent):  # type: ignore[no-untyped-def]
     """Add C^T K C to the tangent of the forces on pinion (1) and rack (6), and what C itself changes by under
-    the contact's wrench `out`."""
-    half = np.zeros((6, 7))
-    for i in range(6):
-        for k in range(6):
-            value = stiffness[i, k]
-            for j in range(7):
-                half[i, j] += value * motions[k, j]
-    for k in range(6):
-        for i in range(7):
-            value = motions[k, i]
-            if value != 0:
-                for j in range(7):
-                    tangent[i, j] += value * half[k, j]
+    the contact's wrench `out`; `turn` is the rack's."""
+    axis, to_axis = pinion_axis(q[0], position, data)
+    carried = cross(axis, to_axis)
+    for j in range(7):
+        motion, turning = _motion(j, carried, axis, turn)
+        load = _product(stiffness, 0, motion, turning)
+        couple = _product(stiffness, 3, motion, turning)
+        tangent[0, j] += dot(carried, load) - dot(axis, couple)
+        on_rack = on_angles(turn, couple)
+        for i in range(3):
+            tangent[1 + i, j] += load[i]
+            tangent[4 + i, j] += on_rack[i]
     force, moment = vector(out[wrench.FORCE]), vector(out[wrench.MOMENT])
-    axis, to_axis = pinion_axis(q[0], data.rack_reference + q[1:4], data)
     turned = cross(axis, force)  # the loads turn with the pinion, which is seen to stand still
     turned_moment = plus(cross(axis, minus(moment, cross(to_axis, force))), cross(to_axis, turned))
-    tangent[0, 0] += factor_q * dot(cross(axis, to_axis), turned)
+    tangent[0, 0] += factor_q * dot(carried, turned)
+    on_rack = on_angles(turn, turned_moment)
     for i in range(3):
         tangent[1 + i, 0] += factor_q * turned[i]
         tangent[0, 1 + i] += factor_q * turned[i]
-        for j in range(3):
-            tangent[4 + j, 0] += factor_q * motions[3 + i, 4 + j] * turned_moment[i]
+        tangent[4 + i, 0] += factor_q * on_rack[i]
     ca, sa, cb, sb = np.cos(q[4]), np.sin(q[4]), np.cos(q[5]), np.sin(q[5])
     tangent[5, 4] += factor_q * (ca * moment[2] - sa * moment[1])
     tangent[6, 4] -= factor_q * cb * (ca * moment[1] + sa * moment[2])

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.base.compiled import kernel
+from rps_exudyn.base.compiled import borrowing, kernel
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.forces.memory import Memory
-from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map, times
-from rps_exudyn.mesh_contact.contact_tangent import add_on_coordinates, motions_of
+from rps_exudyn.forces.rigid_motion import fill_rotation, spin_of, turn_of
+from rps_exudyn.mesh_contact.contact_tangent import add_on_coordinates
 from rps_exudyn.mesh_contact.elastic_teeth import teeth_contact, teeth_contact_tangent
 from rps_exudyn.mesh_contact.flank_contact import flank_contact, flank_contact_tangent
 from rps_exudyn.mesh_contact.flank_data import FlankData, pack
@@ -23,50 +23,57 @@ Kernel = Callable[..., Any]
 DEEPEST = 0.055  # penetration over the module: the strip's half width is a sixth of the curvature's radius
 
 
+@borrowing
+def _posed(q, v, reference, pose):  # type: ignore[no-untyped-def]
+    """Fill the rack's rotation, position and angular velocity, the rows of `pose` (5, 3); return its turn."""
+    turn = turn_of(q[4:7])
+    fill_rotation(q[4:7], pose)
+    spin = spin_of(turn, v[4:7])
+    for i in range(3):
+        pose[3, i], pose[4, i] = reference[i] + q[1 + i], spin[i]
+    return turn
+
+
 @kernel
 def flank_force(q, v, data):  # type: ignore[no-untyped-def]
     """Forces of the teeth on q = pinion (1), rack (6)."""
-    map_ = spin_map(q[4:7])
-    position = data.rack_reference + q[1:4]
-    wrench = flank_contact(q[0], v[0], position, rotation_matrix(q[4:7]), v[1:4], times(map_, v[4:7]), data)
-    return on_coordinates(wrench, map_)
+    pose = np.empty((5, 3))
+    turn = _posed(q, v, data.rack_reference, pose)
+    wrench = flank_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], data)
+    return on_coordinates(wrench, turn)
 
 
 @kernel
 def teeth_force(q, v, data):  # type: ignore[no-untyped-def]
     """Forces of teeth that bend together on q = pinion (1), rack (6)."""
-    map_ = spin_map(q[4:7])
-    position = data.flank.rack_reference + q[1:4]
-    wrench = teeth_contact(q[0], v[0], position, rotation_matrix(q[4:7]), v[1:4], times(map_, v[4:7]), data)
-    return on_coordinates(wrench, map_)
+    pose = np.empty((5, 3))
+    turn = _posed(q, v, data.flank.rack_reference, pose)
+    wrench = teeth_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], data)
+    return on_coordinates(wrench, turn)
 
 
 @kernel
 def flank_force_and_tangent(q, v, data, factor_q, factor_v, tangent):  # type: ignore[no-untyped-def]
     """The same output; adds factor_q dF/dq + factor_v dF/dv to the tangent (7, 7)."""
-    map_, stiffness = spin_map(q[4:7]), np.zeros((6, 6))
-    position = data.rack_reference + q[1:4]
-    motion = rotation_matrix(q[4:7]), v[1:4], times(map_, v[4:7])
-    wrench = flank_contact_tangent(q[0], v[0], position, *motion, data, stiffness, factor_q, factor_v)
-    if factor_q == 0 and factor_v == 0:
-        return on_coordinates(wrench, map_)
-    motions = motions_of(q[0], position, map_, data)
-    add_on_coordinates(wrench, q, motions, stiffness, factor_q, data, tangent)
-    return on_coordinates(wrench, map_)
+    pose, stiffness = np.empty((5, 3)), np.zeros((6, 6))
+    turn = _posed(q, v, data.rack_reference, pose)
+    at = q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4]
+    wrench = flank_contact_tangent(*at, data, stiffness, factor_q, factor_v)
+    if factor_q != 0 or factor_v != 0:
+        add_on_coordinates(wrench, q, turn, pose[3], stiffness, factor_q, data, tangent)
+    return on_coordinates(wrench, turn)
 
 
 @kernel
 def teeth_force_and_tangent(q, v, data, factor_q, factor_v, tangent):  # type: ignore[no-untyped-def]
     """The same of teeth that bend together."""
-    map_, stiffness, flank = spin_map(q[4:7]), np.zeros((6, 6)), data.flank
-    position = flank.rack_reference + q[1:4]
-    motion = rotation_matrix(q[4:7]), v[1:4], times(map_, v[4:7])
-    wrench = teeth_contact_tangent(q[0], v[0], position, *motion, data, stiffness, factor_q, factor_v)
-    if factor_q == 0 and factor_v == 0:
-        return on_coordinates(wrench, map_)
-    motions = motions_of(q[0], position, map_, flank)
-    add_on_coordinates(wrench, q, motions, stiffness, factor_q, flank, tangent)
-    return on_coordinates(wrench, map_)
+    pose, stiffness = np.empty((5, 3)), np.zeros((6, 6))
+    turn = _posed(q, v, data.flank.rack_reference, pose)
+    at = q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4]
+    wrench = teeth_contact_tangent(*at, data, stiffness, factor_q, factor_v)
+    if factor_q != 0 or factor_v != 0:
+        add_on_coordinates(wrench, q, turn, pose[3], stiffness, factor_q, data.flank, tangent)
+    return on_coordinates(wrench, turn)
 
 
 def flank_element(

@@ -12,7 +12,7 @@ import numpy as np
 from rps_exudyn.base.compiled import apart, kernel
 from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.forces.friction import coulomb
-from rps_exudyn.forces.rigid_motion import cross, dot, rotation_matrix, spin_map, times
+from rps_exudyn.forces.rigid_motion import cross, dot, rotation_matrix, spin_map, times, turn_of
 from rps_exudyn.mesh_contact.wrench import MESH_OUTPUTS, WRENCH_SIZE, on_coordinates
 
 
@@ -97,7 +97,7 @@ def sampled_force(q, v, data):  # type: ignore[no-untyped-def]
     wrench = sampled_wrench(
         q[0], v[0], data.rack_reference + q[1:4], rotation_matrix(q[4:7]), v[1:4], times(map_, v[4:7]), data
     )
-    return on_coordinates(wrench, map_)
+    return on_coordinates(wrench, turn_of(q[4:7]))
 
 
 def sampled_element(data: SampledContactData) -> ForceElement:

@@ -14,7 +14,7 @@ displacement 0. Forces on the pinion are the exact opposite, so that momentum an
 import numpy as np
 
 from rps_exudyn.base.compiled import nested
-from rps_exudyn.forces.rigid_motion import times_transposed
+from rps_exudyn.forces.rigid_motion import on_angles, vector
 
 TORQUE = 0  # moment of the contact on the pinion about k, at its axis of rotation [N m]
 FORCE = slice(1, 4)  # on the rack, housing frame [N]
@@ -40,17 +40,16 @@ MESH_OUTPUTS = (
 
 
 @nested
-def on_coordinates(wrench, map_):  # type: ignore[no-untyped-def]
+def on_coordinates(wrench, turn):  # type: ignore[no-untyped-def]
     """A force element's output from a wrench: forces on pinion (1), rack (6), energy terms, `MESH_OUTPUTS`.
 
-    `map_` is the rack's G, angle rates -> angular velocity.
+    `turn` is the rack's, see `turn_of`.
     """
     out = np.empty(7 + 3 + 5)
     for i in range(4):
         out[i] = wrench[i]
-    moment = times_transposed(map_, wrench[4:7])
+    out[4], out[5], out[6] = on_angles(turn, vector(wrench[MOMENT]))
     for i in range(3):
-        out[4 + i] = moment[i]
         out[7 + i] = wrench[9 + i]
     out[10], out[11] = wrench[7], wrench[8]
     out[12], out[13], out[14] = wrench[12], wrench[13], wrench[14]

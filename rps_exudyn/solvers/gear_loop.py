@@ -13,10 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rps_exudyn.base.compiled import kernel, kernel_over, unowned
-from rps_exudyn.forces.bearing import bearing_force
 from rps_exudyn.forces.external_load import add_dead_force
+from rps_exudyn.forces.friction import constant_drag
 from rps_exudyn.forces.sliding_fit import held_fit_force
-from rps_exudyn.forces.yoke import nut_force, spring_force
 from rps_exudyn.mesh_contact.flank_element import flank_force_and_tangent
 from rps_exudyn.solvers.gear_numbers import (
     AXIS_OFFSET,
@@ -38,7 +37,7 @@ Kernel = Callable[..., Any]
 MAX_STEPS = 40
 SMALLEST_FRACTION = 1 / 32
 TYPICAL_APPROACH = 15e-6  # of the rack under the yoke's preload [m]
-RENEWED = 4  # instants after which the tangent of seat and fit is computed again
+RENEWED = 8  # instants after which the tangent of seat and fit is computed again
 
 # Columns of what the loop keeps of each instant: coordinates and the elements' outputs
 FORCE = 8  # on the driven coordinate
@@ -175,8 +174,9 @@ def parts_of(seat_force: Kernel) -> Kernel:
             total[1 + i] += seat[i]
         for i in range(6):
             total[1 + i] += bush[i]
-        total[7] += spring_force(q[7:8], v[7:8], parts.spring)[0] + nut_force(q[7:8], v[7:8], parts.nut)[0]
-        total[0] += bearing_force(q[0:1], v[0:1], parts.bearing)[0]
+        total[7] -= parts.spring.preload + parts.spring.rate * q[7]
+        total[7] -= parts.nut.stiffness * max(q[7] - parts.nut.clearance, 0.0)
+        total[0] -= constant_drag(parts.bearing.torque, v[0], parts.bearing.zone)
         if parts.loaded:
             add_dead_force(total[1:], q[1:7], parts.load)
             add_dead_force(total[1:], q[1:7], parts.weight)
@@ -327,7 +327,7 @@ def adjusted_yoke(mesh_tangent: Kernel) -> Kernel:
     approach = newton_approach(mesh_tangent)
 
     def adjusted(row, near, without):  # type: ignore[no-untyped-def]
-        _, y, rest = approach(row[PRELOAD], near[0], near[1] + row[AXIS_OFFSET], without)
+        _, y, rest = approach(row[PRELOAD], near[0], near[1], without)
         if not rest <= CLOSE:
             _, y, rest = approach(row[PRELOAD], 0.0, row[AXIS_OFFSET] - TYPICAL_APPROACH, without)
         return y, rest
@@ -337,11 +337,11 @@ def adjusted_yoke(mesh_tangent: Kernel) -> Kernel:
 
 @cache
 def gear_loop(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
-    """Compile follow(handle, rows, references, points, stiffnesses, speeds, near, grid, motion, features,
-    out, ended, evaluations) for laws of forces.
+    """Compile follow(handle, rows, references, points, stiffnesses, speeds, near, resting, grid, motion,
+    features, out, ended, evaluations) for laws of forces.
 
-    Gear g has the numbers `rows[g]`, see `gear_numbers`; `near` is the place (x, y) of the reference rack
-    under its preload, y less its axis offset, and y itself. Fills `out[g]` (k, `KEPT`), `ended[g]`,
+    Gear g has the numbers `rows[g]`, see `gear_numbers`; `near` (n, 2) is about the place (x, y) of the rack
+    under the preload, `resting` that of the reference rack along Y. Fills `out[g]` (k, `KEPT`), `ended[g]`,
     `evaluations[g]`, and the row's rest gap, which stands for the seat's stiffness before.
     """
     adjusted, follow_gear = adjusted_yoke(flank_force_and_tangent), gear_of(mesh_tangent, seat_force)
@@ -354,6 +354,7 @@ def gear_loop(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
         stiffnesses,
         speeds,
         near,
+        resting,
         grid,
         motion,
         features,
@@ -371,7 +372,7 @@ def gear_loop(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
             for column in IDEAL:
                 ideal[column] = 0.0
             reference = references[min(g, references.shape[0] - 1)]
-            y, rest = adjusted(row, near, flank_of(ideal, reference, data.mesh))
+            y, rest = adjusted(row, near[g], flank_of(ideal, reference, data.mesh))
             if not rest <= CLOSE:
                 ended[g] = NO_REST
                 continue
@@ -382,7 +383,7 @@ def gear_loop(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
             mesh = flank_of(row, reference, data.mesh)
             parts = Parts(mesh, seat, spring, nut, bearing, fit, data.load, data.weight, loaded)
             ended[g], evaluations[g] = follow_gear(
-                g, row, parts, speeds[g], y - near[2], motion, features, grid, work, out[g]
+                g, row, parts, speeds[g], y - resting, motion, features, grid, work, out[g]
             )
 
     return kernel_over(follow_gears, mesh_tangent, seat_force)

@@ -17,7 +17,7 @@ from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.gear_forces import GearForces
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.gear_loop import FOUND, KEPT, Grid, Motion, gear_loop
-from rps_exudyn.solvers.gear_numbers import COLUMN, PRELOAD, REST_GAP
+from rps_exudyn.solvers.gear_numbers import AXIS_OFFSET, COLUMN, PRELOAD, REST_GAP
 from rps_exudyn.solvers.newton_approach import newton_approach
 
 COARSE, FINE = 5.0, 0.05  # residual [N] from which a last step is not evaluated: of all gears, of the known
@@ -92,6 +92,8 @@ class Loop:
         out = np.zeros((n, len(angles), KEPT))
         ended, evaluations = np.zeros((2, n), dtype=np.int64)
         x, y = self.place
+        aside = rows.numbers[:, AXIS_OFFSET] - self.pair.axis_offset
+        near = np.column_stack([np.full(n, x), y + aside + features @ known.resting])
         swing = float(np.cos(self.pair.beta_p) / np.cos(self.pair.beta_r))
         grid = Grid(PINION, balance.free(PINION), CHARACTERISTIC_LENGTHS, swing, angles, per_pitch, accepted)
         gear_loop(self.forces.mesh.tangent, self.forces.seat.kernel)(
@@ -101,7 +103,8 @@ class Loop:
             rows.points,
             rows.stiffnesses,
             np.full(n, self.speed),
-            np.array([x, y - self.pair.axis_offset, y]),
+            near,
+            y,
             grid,
             known.at(angles),
             np.ascontiguousarray(features),
@@ -119,6 +122,9 @@ class Known:
 
     motion: CubicSpline  # -> (8,)
     response: CubicSpline | None = None  # -> (f, 8) per feature
+    resting: np.ndarray = field(
+        default_factory=lambda: np.zeros(0)
+    )  # of the rest's place beside the axis (f,)
 
     def at(self, angles: np.ndarray) -> Motion:
         """Return both and their derivatives at angles (k,)."""
@@ -160,11 +166,8 @@ class Between:
 
     nodes: np.ndarray  # the loop's angles [rad]
     record: np.ndarray  # the record's, (m,) [rad]
-    at_nodes: np.ndarray  # (nodes, KEPT) columns of the reference gear at the loop's angles
-    response_at_nodes: np.ndarray  # (nodes, f, KEPT)
-    at_record: np.ndarray  # (m, KEPT) at the record's angles
-    response_at_record: np.ndarray  # (m, f, KEPT)
     weights: np.ndarray  # (nodes, m) of the spline from one to the other
+    beside: np.ndarray  # (KEPT, 1 + f, m) what a spline of the known part misses: at 1, and per feature
 
     @classmethod
     def of(
@@ -174,31 +177,37 @@ class Between:
         order = np.argsort(nodes)
         weights = np.empty((len(nodes), len(record)))
         weights[order] = CubicSpline(nodes[order], np.eye(len(nodes)))(record).T
-        known = columns(nodes), response(nodes), columns(record), response(record)
-        return cls(nodes, record, *known, weights)
+
+        def known(angles: np.ndarray) -> np.ndarray:
+            return np.concatenate([columns(angles)[:, None], response(angles)], axis=1).T.copy()
+
+        return cls(nodes, record, weights, known(record) - known(nodes) @ weights)
 
     def over_record(self, out: np.ndarray, features: np.ndarray, which: Sequence[int]) -> np.ndarray:
         """Return columns of the loop's `out` (n, nodes, KEPT) over the record, shape (columns, n, m)."""
-        found = np.empty((len(which), len(out), len(self.record)))
-        for row, column in zip(found, which, strict=True):
-            row[:] = rising(self.nodes, self.rest(out, features, column).T)(self.record).T
-            row += self.at_record[:, column] + features @ self.response_at_record[:, :, column].T
-        return found
+        return self._summed(out, features, which, self.weights, self.beside)
 
     def weighed(
         self, out: np.ndarray, features: np.ndarray, which: Sequence[int], weights: np.ndarray
     ) -> np.ndarray:
         """Return sums of columns over the record with weights (m, s): integrals, ends; (columns, n, s)."""
-        found, on_nodes = np.empty((len(which), len(out), weights.shape[1])), self.weights @ weights
-        for row, column in zip(found, which, strict=True):
-            row[:] = self.at_record[:, column] @ weights + self.rest(out, features, column) @ on_nodes
-            row += features @ (self.response_at_record[:, :, column].T @ weights)
-        return found
+        return self._summed(out, features, which, self.weights @ weights, self.beside @ weights)
 
-    def rest(self, out: np.ndarray, features: np.ndarray, column: int) -> np.ndarray:
-        """What is not known before the loop, (n, nodes)."""
-        known = self.at_nodes[:, column] + features @ self.response_at_nodes[:, :, column].T
-        return np.asarray(out[:, :, column] - known)
+    def _summed(
+        self,
+        out: np.ndarray,
+        features: np.ndarray,
+        which: Sequence[int],
+        of_nodes: np.ndarray,
+        of_known: np.ndarray,
+    ) -> np.ndarray:
+        """Columns at the nodes, times weights (nodes, s), and what is known beside, (KEPT, 1 + f, s)."""
+        known = np.column_stack([np.ones(len(out)), features])
+        found = np.empty((len(which), len(out), of_nodes.shape[1]))
+        for row, column in zip(found, which, strict=True):
+            np.matmul(np.ascontiguousarray(out[:, :, column]), of_nodes, out=row)
+            row += known @ of_known[column]
+        return found
 
 
 def rising(angles: np.ndarray, values: np.ndarray) -> CubicSpline:
@@ -225,5 +234,7 @@ def learned(
         difference = (values[1::2] - values[2::2]) / (2 * steps[:, None, None])
         return np.moveaxis(difference, 0, 1)
 
-    responding = Known(rising(angles, motion[0]), rising(angles, slope(motion)))
+    beside = found.adjusted - rows.numbers[:, AXIS_OFFSET]
+    resting = (beside[1::2] - beside[2::2]) / (2 * steps)
+    responding = Known(rising(angles, motion[0]), rising(angles, slope(motion)), resting)
     return responding, rising(angles, found.out[0]), rising(angles, slope(found.out))
