@@ -125,6 +125,7 @@ def batch(
     *,
     fidelity: str | Fidelity = "quasi-static",
     keep: Literal["signals", "torque"] = "signals",
+    ranges: Mapping[str, Sequence[float] | np.ndarray] | None = None,
 ) -> Batch:
     """Simulate gears that differ from one in the parameters of a table.
 
@@ -145,6 +146,8 @@ def batch(
         values: path of a parameter -> its n values, SI or text with a unit.
         fidelity: name of a preset, or a `Fidelity`.
         keep: "signals", all of them; or "torque", the torque's curve and figures.
+        ranges: of a table that is a part of a larger one: path -> values over which that one varies, SI; so
+            the loop finds each gear the same in whichever part it is.
 
     Raises:
         InputError: no such scene, fidelity or parameter, columns of different length, or nothing of that name
@@ -155,7 +158,7 @@ def batch(
         raise InputError(f"keep is {keep!r}; it must be signals or torque.")
     chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity)
     rows = rows_of(values)
-    found, alone = (None, "") if keep == "signals" else _in_loop(scene, gear, values, chosen)
+    found, alone = (None, "") if keep == "signals" else _in_loop(scene, gear, values, chosen, ranges)
     return Batch(
         tuple(
             None if found is not None and found.ended[i] else _row(scene, gear, row, chosen)
@@ -167,13 +170,21 @@ def batch(
 
 
 def _in_loop(
-    scene: str, gear: SteeringGear, values: Mapping[str, Any], fidelity: Fidelity
+    scene: str,
+    gear: SteeringGear,
+    values: Mapping[str, Any],
+    fidelity: Fidelity,
+    ranges: Mapping[str, Any] | None,
 ) -> tuple[Looped | None, str]:
     """What the loop finds, and why it is not asked."""
     if reason := why_not(scene, gear, fidelity, values):
         return None, reason
-    found = looped(gear, fidelity, {path: np.asarray(each, dtype=float) for path, each in values.items()})
+    found = looped(gear, fidelity, _numbers(values), None if ranges is None else _numbers(ranges))
     return found, "" if found else "the table has too few gears for a loop, or its middle gear is not found"
+
+
+def _numbers(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    return {path: np.asarray(each, dtype=float) for path, each in values.items()}
 
 
 def rows_of(values: Mapping[str, Sequence[Any] | np.ndarray]) -> list[dict[str, Any]]:

@@ -35,6 +35,7 @@ class CaseGroup:
     gear: SteeringGear
     fidelity: Fidelity
     settings: Sequence[Mapping[str, Any]]  # path -> value, the same paths in each
+    ranges: Mapping[str, Sequence[float]] | None = None  # over which they vary in the whole study
 
     def results(self, signals: Sequence[str] | None) -> list[Result]:
         """Return the gears' results, with at least these signals.
@@ -45,7 +46,7 @@ class CaseGroup:
         wall, cpu = perf_counter(), process_time()
         table = {path: [each[path] for each in self.settings] for path in self.settings[0]}
         keep: Literal["torque", "signals"] = "torque" if torque_alone(signals) else "signals"
-        found = batch(self.scene, self.gear, table, fidelity=self.fidelity, keep=keep)
+        found = batch(self.scene, self.gear, table, fidelity=self.fidelity, keep=keep, ranges=self.ranges)
         each_cpu = (process_time() - cpu) / len(self.settings)
         each_wall = (perf_counter() - wall) / len(self.settings)
         looped = self._looped(found, each_cpu, each_wall)

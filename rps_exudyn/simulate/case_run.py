@@ -98,7 +98,8 @@ def _outcomes(task: dict[str, Any]) -> Sequence[Result]:
         KeyboardInterrupt: the time is over.
     """
     gear, fidelity = SteeringGear.from_tables(task["gear"]), Fidelity.from_tables(task["fidelity"])
-    group = CaseGroup(task["scene"], gear, fidelity, [member["settings"] for member in task["members"]])
+    settings = [member["settings"] for member in task["members"]]
+    group = CaseGroup(task["scene"], gear, fidelity, settings, task.get("ranges"))
     with alarm(task.get("time_limit", float("inf"))):
         return group.results(task["keep"]["signals"])
 

@@ -1,7 +1,8 @@
 """What gears of one table have in common for the loop: its angles, a reference gear, what others teach."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -19,8 +20,11 @@ LEAD = 2  # of its instants before the record
 PER_INSTANT, PER_SPACING = 3, 4  # instants of known gears, and of the reference gear, in one of the loop's
 SINGLE_OUT = (RUNOUT, "pinion.pitch_error")  # a tooth or a direction: the curve repeats with the turn
 
-Ends = dict[str, tuple[float, float]]
-"""Path -> values of the gear above the reference and of that below."""
+Table = Mapping[str, np.ndarray]
+"""Path of a parameter -> values, SI."""
+
+Ends = tuple[tuple[str, tuple[float, float]], ...]
+"""Paths, each with the values of the gear above the reference and of that below."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +44,31 @@ class Design:
     bound: float  # of the mesh's penetration [m]
 
     @classmethod
-    def of(cls, gear: SteeringGear, fidelity: Fidelity, table: Mapping[str, np.ndarray]) -> "Design | None":
-        """Follow the reference gear, and those from which the others' motion is learned."""
-        alike = not any(np.any(table.get(path, gear.value_at(path))) for path in SINGLE_OUT)
+    def of(
+        cls, gear: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table | None = None
+    ) -> "Design | None":
+        """Follow the reference gear, and those from which the others' motion is learned.
+
+        What only the ranges tell is learned once for all parts of a table.
+
+        Args:
+            gear: the reference.
+            fidelity: how all are modelled.
+            table: path -> values (n,) of the gears, SI.
+            ranges: path -> values that tell over what the parameter varies; those of the table without it.
+        """
+        whole = table if ranges is None else ranges
+        alike = not any(np.any(whole.get(path, gear.value_at(path))) for path in SINGLE_OUT)
+        steps, features = _features(gear, table, whole)
+        design = cls._learned(gear, fidelity, tuple(steps), alike)
+        return None if design is None else replace(design, features=features)
+
+    @classmethod
+    @lru_cache(maxsize=8)
+    def _learned(
+        cls, gear: SteeringGear, fidelity: Fidelity, steps: tuple[tuple[Ends, float], ...], alike: bool
+    ) -> "Design | None":
+        """Learn from gears `steps` above and below the reference; `alike` if all pitches are."""
         of_record = gear if alike else gear.replace({RUNOUT: 1e-6})
         whole = maneuvers_of_test(of_record, "pinion", fidelity.step_angle)[0]
         maneuver = whole.one_period()
@@ -50,7 +76,6 @@ class Design:
         nodes, per_pitch = _nodes(gear, maneuver, record)
         if np.abs(nodes).max() > largest_angle(gear) - 2 * np.pi / gear.pinion.teeth:
             return None
-        steps, features = _features(gear, table)
         rows = packed_rows([gear, *_perturbed(gear, steps)], fidelity)
         forces, pair = gear_forces(gear, fidelity), GearPair.of(gear)
         loop = Loop(forces, pair, float(gear.test.direction) * gear.test.speed)
@@ -68,8 +93,9 @@ class Design:
         known, columns, response = taught
         between = Between.of(columns, response, nodes, record)
         bound = next(iter(forces.mesh.valid_to.values()))
+        none = np.zeros((0, len(steps)))
         return cls(
-            gear, fidelity, loop, maneuver, whole.periods, nodes, per_pitch, known, between, features, bound
+            gear, fidelity, loop, maneuver, whole.periods, nodes, per_pitch, known, between, none, bound
         )
 
     @property
@@ -103,28 +129,27 @@ def _nodes(gear: SteeringGear, maneuver: Maneuver, record: np.ndarray) -> tuple[
     return record[0] + sense * spacing * np.arange(-LEAD, steps + 1), per_pitch
 
 
-def _features(
-    gear: SteeringGear, table: Mapping[str, np.ndarray]
-) -> tuple[list[tuple[Ends, float]], np.ndarray]:
+def _features(gear: SteeringGear, table: Table, ranges: Table) -> tuple[list[tuple[Ends, float]], np.ndarray]:
     """What the motion responds to: for each feature the parameters above and below the reference and half
     their distance, and its values (n, f)."""
     steps: list[tuple[Ends, float]] = []
     columns: list[np.ndarray] = []
-    for path, values in table.items():
+    for path, values in ranges.items():
         if path in (RUNOUT, RUNOUT_ANGLE) or not np.ptp(values):
             continue
         here = float(gear.value_at(path))
         size = _rounded(float(np.std(values)))
         above, below = min(here + size, float(values.max())), max(here - size, float(values.min()))
-        steps.append(({path: (above, below)}, (above - below) / 2))
-        columns.append(values - here)
+        steps.append((((path, (above, below)),), (above - below) / 2))
+        columns.append(table[path] - here)
     if RUNOUT in table or RUNOUT_ANGLE in table:
         count = len(next(iter(table.values())))
         e = np.asarray(table.get(RUNOUT, np.full(count, gear.pinion.runout)), dtype=float)
         angle = np.asarray(table.get(RUNOUT_ANGLE, np.full(count, gear.pinion.runout_angle)), dtype=float)
-        if size := _rounded(float(np.sqrt(np.mean(e**2) / 2))):
+        usual = np.asarray(ranges.get(RUNOUT, gear.pinion.runout), dtype=float)
+        if size := _rounded(float(np.sqrt(np.mean(usual**2) / 2))):
             for turn, share in ((0.0, np.cos(angle)), (np.pi / 2, np.sin(angle))):
-                steps.append(({RUNOUT: (size, size), RUNOUT_ANGLE: (turn, turn + np.pi)}, size))
+                steps.append((((RUNOUT, (size, size)), (RUNOUT_ANGLE, (turn, turn + np.pi))), size))
                 columns.append(e * share)
     return steps, np.column_stack(columns) if columns else np.zeros((len(next(iter(table.values()))), 0))
 
@@ -134,10 +159,10 @@ def _rounded(size: float) -> float:
     return float(f"{size:.0e}")
 
 
-def _perturbed(gear: SteeringGear, steps: list[tuple[Ends, float]]) -> list[SteeringGear]:
+def _perturbed(gear: SteeringGear, steps: Sequence[tuple[Ends, float]]) -> list[SteeringGear]:
     """The gears above and below the reference, feature by feature."""
     return [
-        gear.replace({path: ends[which] for path, ends in settings.items()})
+        gear.replace({path: ends[which] for path, ends in settings})
         for settings, _ in steps
         for which in (0, 1)
     ]

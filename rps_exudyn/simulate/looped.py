@@ -29,7 +29,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import gain
 from rps_exudyn.scenes.remarks import remarks
-from rps_exudyn.simulate.loop_design import LEAD, Design
+from rps_exudyn.simulate.loop_design import LEAD, Design, Table
 from rps_exudyn.solvers.gear_loop import BUSH, FORCE, MESH, PLUNGER, SEAT
 from rps_exudyn.solvers.gear_numbers import COLUMN
 from rps_exudyn.solvers.gear_rows import RUNOUT, RUNOUT_ANGLE, packed_rows, rows_of_table
@@ -79,40 +79,53 @@ def why_not(scene: str, gear: SteeringGear, fidelity: Fidelity, values: Mapping[
     return ""
 
 
-def looped(gear: SteeringGear, fidelity: Fidelity, table: Mapping[str, np.ndarray]) -> Looped | None:
-    """Find the torque of gears that differ in a table, path -> values (n,) in SI; None if it cannot begin."""
+def looped(
+    gear: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table | None = None
+) -> Looped | None:
+    """Find the torque of gears that differ in a table; None if it cannot begin.
+
+    Args:
+        gear: what they have in common.
+        fidelity: how they are modelled.
+        table: path -> values (n,) in SI.
+        ranges: path -> values that tell over what the parameters of a larger table vary of which this is a
+            part: then its gears end as in any other part. Without it the table is whole.
+    """
     count = len(next(iter(table.values())))
-    varied = [path for path, values in table.items() if np.ptp(values) > 0]
-    if count < FEWEST * (2 * len(varied) + 1):
+    if ranges is None and count < fewest(table):
         return None
-    valid, rows, reference = _rows(gear, fidelity, table)
+    valid, rows, reference = _rows(gear, fidelity, table, ranges)
     if rows is None or refused(reference, fidelity, steady=True):
         return None
-    design = Design.of(reference, fidelity, {path: values[valid] for path, values in table.items()})
+    some = {path: values[valid] for path, values in table.items()}
+    design = Design.of(reference, fidelity, some, ranges)
     if design is None:
         return None
     parts = [_part(design, rows, begin) for begin in range(0, len(rows), TOGETHER)]
     return _joined(parts, valid, count, design.angle)
 
 
+def fewest(table: Table) -> int:
+    """Return the number of gears from which a loop over a table is quicker than single runs."""
+    return FEWEST * (2 * sum(np.ptp(values) > 0 for values in table.values()) + 1)
+
+
 def _rows(
-    gear: SteeringGear, fidelity: Fidelity, table: Mapping[str, np.ndarray]
+    gear: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table | None
 ) -> tuple[np.ndarray, Rows | None, SteeringGear]:
     """Which gears can exist, their rows, and the reference gear."""
-    valid: np.ndarray = np.arange(len(next(iter(table.values()))))
-    for attempt in range(2):
+    valid = _within(table, table if ranges is None else ranges)
+    for attempt in range(2 if valid.size else 0):
         part = {path: np.asarray(values, dtype=float)[valid] for path, values in table.items()}
         try:
-            centre = {path: float(np.median(values)) for path, values in part.items()}
+            centre = {path: float(np.median(values)) for path, values in (ranges or part).items()}
             reference = gear.replace(centre | ({RUNOUT: 0.0} if {RUNOUT, RUNOUT_ANGLE} & {*part} else {}))
             full = part | ({RUNOUT: np.full(len(valid), gear.pinion.runout)} if _fixed_runout(part) else {})
-            return valid, rows_of_table(reference, fidelity, full), reference
+            return valid, rows_of_table(reference, fidelity, full, ranges), reference
         except InputError:
             if attempt:
                 break
-            valid = np.array(
-                [row for row in valid.tolist() if _can_exist(gear, fidelity, table, row)], dtype=np.intp
-            )
+            valid = np.array([row for row in valid.tolist() if _exists(gear, fidelity, table, row)], np.intp)
             if not valid.size:
                 break
     return valid, None, gear
@@ -122,9 +135,20 @@ def _fixed_runout(table: Mapping[str, Any]) -> bool:
     return RUNOUT_ANGLE in table and RUNOUT not in table
 
 
-def _can_exist(gear: SteeringGear, fidelity: Fidelity, table: Mapping[str, np.ndarray], row: int) -> bool:
+def _within(table: Table, ranges: Table) -> np.ndarray:
+    """Rows of a table within the ranges."""
+    inside = [(ranges[path].min() <= each) & (each <= ranges[path].max()) for path, each in table.items()]
+    return np.flatnonzero(np.logical_and.reduce(inside))
+
+
+def _exists(gear: SteeringGear, fidelity: Fidelity, table: Table, row: int) -> bool:
+    return can_exist(gear, fidelity, {path: float(values[row]) for path, values in table.items()})
+
+
+def can_exist(gear: SteeringGear, fidelity: Fidelity, settings: Mapping[str, float]) -> bool:
+    """Tell whether a gear with other settings can be built."""
     try:
-        packed_rows([gear.replace({path: float(values[row]) for path, values in table.items()})], fidelity)
+        packed_rows([gear.replace(settings)], fidelity)
     except InputError:
         return False
     return True

@@ -6,6 +6,7 @@ several parameters add up; where exactly packed gears confirm that, no other gea
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -51,8 +52,12 @@ def _stacked(arrays: tuple[np.ndarray, ...]) -> np.ndarray:
     return np.ascontiguousarray(np.stack(arrays[:1] if alike else arrays))
 
 
-def rows_of_table(reference: SteeringGear, fidelity: Fidelity, table: Table) -> Rows:
+def rows_of_table(
+    reference: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table | None = None
+) -> Rows:
     """Return the rows of gears that differ from the reference in a table: path -> values (n,), SI.
+
+    `ranges` holds values between whose ends all others lie, by path; without it those of the table.
 
     Raises:
         InputError: a value that is not allowed, or a gear that cannot exist.
@@ -64,7 +69,7 @@ def rows_of_table(reference: SteeringGear, fidelity: Fidelity, table: Table) -> 
 
     some = sorted({*np.linspace(0, count - 1, CHECKED).astype(int).tolist()})
     exact = packed_rows([gear(row) for row in some], fidelity)
-    quick = _by_polynomials(reference, fidelity, table)
+    quick = _by_polynomials(reference, fidelity, table, table if ranges is None else ranges)
     if quick is not None and _alike(quick.of(np.array(some)), exact):
         return quick
     return packed_rows([gear(row) for row in range(count)], fidelity)
@@ -89,25 +94,20 @@ def _alike(quick: Rows, exact: Rows) -> bool:
     return bool(right.all() and same and np.array_equal(quick.numbers[:, ~finite], exact.numbers[:, ~finite]))
 
 
-def _by_polynomials(reference: SteeringGear, fidelity: Fidelity, table: Table) -> Rows | None:
+def _by_polynomials(reference: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table) -> Rows | None:
     """Numbers as sums of polynomials of single parameters; None where other things than numbers change."""
     count = len(next(iter(table.values())))
     base = packed_rows([reference], fidelity)
     finite = np.isfinite(base.numbers[0])
     numbers, seat = np.repeat(base.numbers, count, axis=0), np.repeat(base.seat_stiffness, count)
-    design = GearPair.of(reference).design
     for path, values in table.items():
-        low, high = float(values.min()), float(values.max())
         if path in (RUNOUT, RUNOUT_ANGLE):
             continue
-        nodes = chebyshev.chebpts1(DEGREE + 1)
-        places = np.unique(np.append((low + high) / 2 + (high - low) / 2 * nodes, (low, high)))
-        probes = [reference.replace({path: float(value)}) for value in places]
-        packed = packed_rows(probes, fidelity)
-        arrays = (packed.references, packed.points, packed.stiffnesses)
-        if GearPair.of(probes[0]).design is not design or any(len(each) > 1 for each in arrays):
+        probed = _probed(reference, fidelity, path, float(ranges[path].min()), float(ranges[path].max()))
+        if probed is None:
             return None
-        changed = packed.numbers[:, finite] - base.numbers[:, finite]
+        places, packed = probed
+        changed = packed[:, finite] - base.numbers[:, finite]
         numbers[:, finite] += _polynomials(places, changed, values)
     if RUNOUT in table or RUNOUT_ANGLE in table:
         pair = GearPair.of(reference)
@@ -119,6 +119,25 @@ def _by_polynomials(reference: SteeringGear, fidelity: Fidelity, table: Table) -
             centre = replace(pair, runout=each[0], runout_angle=each[1]).eccentricity
             row[COLUMN["mesh", "eccentric_e"]], row[COLUMN["mesh", "eccentric_y"]] = centre[0], centre[1]
     return Rows(numbers, base.references, base.points, base.stiffnesses, seat)
+
+
+@lru_cache(maxsize=256)
+def _probed(
+    reference: SteeringGear, fidelity: Fidelity, path: str, low: float, high: float
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Values of a parameter and the numbers of gears with them; None where other things than numbers change.
+
+    Kept for the parts of one table.
+    """
+    nodes = chebyshev.chebpts1(DEGREE + 1)
+    places = np.unique(np.append((low + high) / 2 + (high - low) / 2 * nodes, (low, high)))
+    probes = [reference.replace({path: float(value)}) for value in places]
+    packed = packed_rows(probes, fidelity)
+    arrays = (packed.references, packed.points, packed.stiffnesses)
+    design = GearPair.of(reference).design
+    if GearPair.of(probes[0]).design is not design or any(len(each) > 1 for each in arrays):
+        return None
+    return places, packed.numbers
 
 
 def _polynomials(places: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:

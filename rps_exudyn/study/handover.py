@@ -10,9 +10,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.case_group import torque_alone
-from rps_exudyn.simulate.looped import why_not
+from rps_exudyn.simulate.looped import can_exist, fewest, why_not
 from rps_exudyn.simulate.processes import Done, Task
 from rps_exudyn.study.definition import FIDELITY, Study
 from rps_exudyn.study.description import Case, Description, settings_of
@@ -23,6 +27,7 @@ FEWEST = 64  # missing cases, from which groups pay
 LARGEST = 1024  # cases of a group
 SMALLEST, SHARES = 8, 4  # least cases of a group; and of what is left, for each worker, one share is the most
 SMALLEST_OF_LOOP, SHARES_OF_LOOP = 256, 2  # the loop over many gears begins each time by learning from some
+QUANTILES = 65  # of a parameter's values, by which groups are told how it varies
 OF_LIMIT = 4  # groups that fit into one case's time limit: a group has no more time than a case
 
 
@@ -53,7 +58,8 @@ class Handover(Iterator[Task]):
         self._alone: deque[Case] = deque()
         self._left = deque(missing)
         self._grouped = in_groups(study, store.description, len(missing))
-        self._looped = self._grouped and in_loop(study, store.description)
+        self._ranges = loop_ranges(study, store.description) if self._grouped else None
+        self._looped = self._ranges is not None
         self._smallest = SMALLEST_OF_LOOP if self._looped else SMALLEST
         self._shares = (SHARES_OF_LOOP if self._looped else SHARES) * workers
         self._seconds = min(seconds, study.time_limit / OF_LIMIT)
@@ -126,19 +132,38 @@ class Handover(Iterator[Task]):
             for case in cases
         ]
         name = f"{cases[0].hash} and {len(cases) - 1} more"
-        return self._common() | {"hash": name, "gear": gear, "fidelity": fidelity, "members": members}
+        of_loop = {} if self._ranges is None else {"ranges": self._ranges}
+        about = {"hash": name, "gear": gear, "fidelity": fidelity, "members": members}
+        return self._common() | about | of_loop
 
 
-def in_loop(study: Study, description: Description) -> bool:
-    """Tell whether the loop over many gears knows the study, whose groups are then larger."""
-    settings = settings_of(study.axes, description.cases[0].values)
-    base = study.base
-    return torque_alone(description.signals.signals) and not why_not(
-        description.scene,
-        base.steering_gear,
-        base.fidelity,
-        {path: [value] for path, value in settings.items()},
-    )
+def loop_ranges(study: Study, description: Description) -> dict[str, list[float]] | None:
+    """Return over what the parameters vary, for the loop over many gears; None where the study keeps signals
+    that it does not know, or where it does not know the cases.
+
+    All groups are given the same ranges, those of the whole design, so that a case ends the same in whichever
+    group it is.
+    """
+    if not torque_alone(description.signals.signals):
+        return None
+    gear, fidelity = study.base.steering_gear, study.base.fidelity
+    settings = [settings_of(study.axes, case.values) for case in description.cases]
+    table = {path: np.array([each[path] for each in settings]) for path in settings[0]}
+    if why_not(description.scene, gear, fidelity, table):
+        return None
+    ranges = {path: _allowed(gear, fidelity, path, values) for path, values in table.items()}
+    enough = all(ranges.values()) and len(settings) >= fewest(table)
+    return ranges if enough else None
+
+
+def _allowed(gear: SteeringGear, fidelity: Fidelity, path: str, values: np.ndarray) -> list[float]:
+    """Quantiles of a parameter's values, without those at the ends that no gear can have."""
+    some = deque(np.unique(np.quantile(values, np.linspace(0, 1, QUANTILES))).tolist())
+    while some and not can_exist(gear, fidelity, {path: some[0]}):
+        some.popleft()
+    while some and not can_exist(gear, fidelity, {path: some[-1]}):
+        some.pop()
+    return list(some)
 
 
 def in_groups(study: Study, description: Description, cases: int) -> bool:

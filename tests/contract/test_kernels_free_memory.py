@@ -55,6 +55,23 @@ def _make(n):  # type: ignore[no-untyped-def]
     return np.zeros(n)
 
 
+def test_what_is_unowned_is_the_same_array_and_freed_by_its_owner() -> None:
+    """Arrays within tuples, and views of them: what is written is seen, and no memory is freed twice."""
+    write = compiled.kernel(_write)
+    array, other = np.zeros(3), np.zeros((2, 2))
+    write((array, (other, 1.0)))
+    assert array.tolist() == [0.0, 5.0, 0.0]
+    assert other.tolist() == [[0.0, 0.0], [7.0, 8.0]]
+    assert kept_by(lambda: write((array, (other, 1.0)))) == 0
+
+
+def _write(owned):  # type: ignore[no-untyped-def]
+    array, (other, one) = compiled.unowned(owned)
+    array[1:][0] = 5.0
+    view = other[1]
+    view[0], view[1] = 6.0 + one, 8.0
+
+
 def test_a_borrowing_kernel_must_not_return_arrays() -> None:
     same = compiled.borrowing(_same)
 

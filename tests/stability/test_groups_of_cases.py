@@ -146,3 +146,38 @@ def test_bad_cases_of_a_group_harm_no_other(
     }
     assert len(found) == 73
     assert found[169].summary["torque_mean"] == 169 / 500
+
+
+IN_LOOP = '[keep]\nsignals = ["pinion_torque"]\n[set]\ntest.turns = 0.2\n'
+
+
+def test_members_in_the_loop_end_alike_in_whichever_group(tmp_path: Path) -> None:
+    """All groups learn from the same gears; what is left is the rounding of sums over other lengths."""
+    whole = dict(next(tasks_of(tmp_path, FEWEST, IN_LOOP)))
+    whole["members"] = [dict(member) for member in whole["members"][:6]]
+    whole["members"][2]["settings"] = {"yoke.preload": -1.0}
+    part = whole | {"members": whole["members"][3:]}
+    runner = CaseRunner()
+    found, again = runner.run_group(whole), runner.run_group(part)
+    assert found is not None
+    assert again is not None
+    assert [row["status"] for row, _ in found] == ["ok", "ok", "invalid", "ok", "ok", "ok"]
+    assert [row["in_loop"] for row, _ in found] == [True, True, False, True, True, True]
+    for (row, _), (other, _) in zip(found[3:], again, strict=True):
+        assert row["summary"] == pytest.approx(other["summary"], rel=1e-9)
+
+
+@pytest.mark.parametrize("keep", ["", '[keep]\nsignals = ["rack_y"]\n', IN_LOOP + 'mesh.law = "teeth"\n'])
+def test_what_the_loop_does_not_know_is_not_asked_of_it(tmp_path: Path, keep: str) -> None:
+    """All signals are kept, one that the loop does not know, or its law."""
+    assert all("ranges" not in task for task in tasks_of(tmp_path, FEWEST, keep))
+
+
+def test_ranges_leave_out_what_no_gear_can_have(tmp_path: Path) -> None:
+    """A load among the cases that no teeth carry harms no other's loop."""
+    file = write_grid(tmp_path / "s.toml", *range(100, 170), 5e6)
+    file.write_text(file.read_text().replace("[[axis]]", '[keep]\nsignals = "none"\n[[axis]]'))
+    work = StudyWork.of(read_study(file), tmp_path / "s")
+    ranges = handover.loop_ranges(work.study, work.store.description)
+    assert ranges is not None
+    assert (min(ranges["yoke.preload"]), round(max(ranges["yoke.preload"]))) == (100, 169)
