@@ -49,8 +49,9 @@ class CaseRunner:
         result = _outcome(task | {"gear": gear})
         self._forms.content(kept(result, _keep(task)))
         if "members" in task:
+            some = task["members"][:2] if "ranges" in task else task["members"]  # enough for the loop to begin
             with suppress(InputError):
-                _outcomes(task | {"gear": gear})  # as many as it takes to begin the loop over many gears
+                _outcomes(task | {"gear": gear, "members": some})
 
     def run(self, task: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
         """Return the case's row for the index, and the bytes of its file or, if asked for, of its record."""
