@@ -49,7 +49,7 @@ class CaseRunner:
         result = _outcome(task | {"gear": gear})
         self._forms.content(kept(result, _keep(task)))
         if "members" in task:
-            some = task["members"][:2] if "ranges" in task else task["members"]  # enough for the loop to begin
+            some = task["members"][:2] if "ranges" in task else task["members"]  # enough to begin
             with suppress(InputError):
                 _outcomes(task | {"gear": gear, "members": some})
 
