@@ -54,7 +54,9 @@ class Unit:
     def _in_si(self, value: object) -> float:
         if self.zero and value == self.zero:
             return 0.0
-        if isinstance(value, str) and is_distribution(value):
+        if type(value) is float:  # most by far: whole tables are validated again where one number changes
+            number = value
+        elif isinstance(value, str) and is_distribution(value):
             number = Distribution.read(value, self.si).nominal
         else:
             number = units.to_si(value, self.si)
@@ -190,8 +192,7 @@ class Table(BaseModel):
         changing = {path.partition(".")[0] for path in settings}
         tables = {name: getattr(self, name) for name in type(self).model_fields}
         return _merged(
-            {name: table.model_dump() if name in changing else table for name, table in tables.items()},
-            settings,
+            {name: _parts(table) if name in changing else table for name, table in tables.items()}, settings
         )
 
     def changes(self) -> dict[str, Any]:
@@ -314,6 +315,11 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         raise InputError(f"{path} is not a TOML file: it is not UTF-8 text.") from None
     except (ValueError, RecursionError) as error:  # no TOML, a number too long, or nested too deep
         raise InputError(f"{path} is not a TOML file: {error}.") from None
+
+
+def _parts(table: Table) -> dict[str, Any]:
+    """A table's parameters, which are no tables themselves."""
+    return {name: getattr(table, name) for name in type(table).model_fields}
 
 
 def _merged(tables: Mapping[str, Any], settings: Mapping[str, object]) -> dict[str, Any]:
