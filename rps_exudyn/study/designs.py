@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.hypercube import latin_hypercube
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.study.description import GRID_DESIGN, UNCERTAIN_DESIGN, Axis, Value
 
@@ -92,16 +93,3 @@ def _unit_points(design: str, axes: int, samples: int, seed: int) -> np.ndarray:
     else:
         points = salib("sample.sobol").sample(problem, samples, calc_second_order=False, seed=seed)
     return np.asarray(points)
-
-
-def latin_hypercube(rng: np.random.Generator, samples: int, axes: int) -> np.ndarray:
-    """Points in the unit cube, one in each of `samples` slices of every axis, shape (samples, axes).
-
-    They are those of scipy's `qmc.LatinHypercube`, which takes a second to load.
-    """
-    (rng,) = rng.spawn(1)
-    within = rng.uniform(size=(samples, axes))
-    slices = np.tile(np.arange(1, samples + 1), (axes, 1))
-    for row in slices:
-        rng.shuffle(row)
-    return np.asarray((slices.T - within) / samples)

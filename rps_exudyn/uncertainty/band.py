@@ -27,7 +27,7 @@ from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.headline import curve_of
 from rps_exudyn.simulate.batch import Batch
 from rps_exudyn.simulate.run import simulate
-from rps_exudyn.uncertainty.contributions import Contributions, contributions
+from rps_exudyn.uncertainty.contributions import Contributions, Polynomials
 from rps_exudyn.uncertainty.quantiles import LEVELS, Quantiles, quantiles
 from rps_exudyn.uncertainty.samples import Samples, runs_at
 
@@ -297,9 +297,15 @@ def figure_quantiles(drawn: Drawn) -> dict[str, Quantiles]:
 def contributions_of(drawn: Drawn) -> dict[str, Contributions]:
     """Return the contributions to every figure for which there are enough samples."""
     found, names = {}, list(drawn.samples.inputs)
+    fitted: dict[bytes, Polynomials] = {}  # most figures are known of the same samples
     for name, numbers in drawn.numbers.items():
         known = np.isfinite(numbers)
-        if known.any() and (each := contributions(drawn.samples.quantile[known], numbers[known], names)):
+        if not known.any():
+            continue
+        key = known.tobytes()
+        if key not in fitted:
+            fitted[key] = Polynomials.at(drawn.samples.quantile[known], names)
+        if each := fitted[key].contributions(numbers[known]):
             found[name] = each
     return found
 

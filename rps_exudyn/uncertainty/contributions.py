@@ -24,31 +24,49 @@ class Contributions:
     error: float  # standard error of a fraction, by the number of points
 
 
-def contributions(u: np.ndarray, numbers: np.ndarray, names: list[str]) -> Contributions | None:
-    """Return what each input contributes to the variance; None for numbers that do not vary, or too few.
+@dataclass(frozen=True, eq=False)
+class Polynomials:
+    """Polynomials of single inputs at some points, to which any number of figures is fitted."""
 
-    Args:
-        u: quantiles of the inputs, shape (n, inputs), independent and even over 0 to 1.
-        numbers: shape (n,), finite.
-        names: of the inputs.
-    """
-    count, inputs = u.shape
-    degree = min(HIGHEST_DEGREE, count // (POINTS_PER_TERM * inputs))
-    if degree < 1 or not np.ptp(numbers) > 1e-9 * np.abs(numbers).max():
-        return None
-    scaled = (numbers - numbers.mean()) / numbers.std()
-    columns = [_orthonormal(u[:, i], d) for i in range(inputs) for d in range(1, degree + 1)]
-    terms = np.stack([np.ones(count), *columns], axis=1)
-    coefficients, *_ = np.linalg.lstsq(terms, scaled, rcond=None)
-    left = scaled - terms @ coefficients
-    free = max(count - terms.shape[1], 1)
-    noise = float(left @ left) / free
-    chance = noise * np.diag(np.linalg.pinv(terms.T @ terms))[1:]
-    each = (coefficients[1:] ** 2 - chance).reshape(inputs, degree).sum(axis=1)
-    each = np.maximum(each, 0.0)
-    whole = float(each.sum()) + noise  # not the sample's variance, which chance correlations change
-    fractions = dict(sorted(zip(names, (each / whole).tolist(), strict=True), key=lambda pair: -pair[1]))
-    return Contributions(fractions, noise / whole, float(2 * np.sqrt(degree * noise / count)))
+    names: list[str]  # of the inputs
+    degree: int  # 0 where there are too few points
+    terms: np.ndarray  # (n, 1 + inputs degree)
+    inverse: np.ndarray  # of the terms, (1 + inputs degree, n)
+
+    @classmethod
+    def at(cls, u: np.ndarray, names: list[str]) -> "Polynomials":
+        """From quantiles of the inputs, shape (n, inputs), independent and even over 0 to 1."""
+        count, inputs = u.shape
+        degree = min(HIGHEST_DEGREE, count // (POINTS_PER_TERM * inputs))
+        columns = [_orthonormal(u[:, i], d) for i in range(inputs) for d in range(1, degree + 1)]
+        terms = np.stack([np.ones(count), *columns], axis=1)
+        return cls(names, degree, terms, np.linalg.pinv(terms))
+
+    def contributions(self, numbers: np.ndarray) -> Contributions | None:
+        """Return what each input contributes to the variance; None for numbers that do not vary, or too few.
+
+        Args:
+            numbers: at the points, shape (n,), finite.
+        """
+        if self.degree < 1 or not np.ptp(numbers) > 1e-9 * np.abs(numbers).max():
+            return None
+        count = len(numbers)
+        scaled = (numbers - numbers.mean()) / numbers.std()
+        coefficients = self.inverse @ scaled
+        left = scaled - self.terms @ coefficients
+        noise = float(left @ left) / max(count - self.terms.shape[1], 1)
+        chance = noise * (self.inverse[1:] ** 2).sum(axis=1)
+        each = (coefficients[1:] ** 2 - chance).reshape(-1, self.degree).sum(axis=1)
+        each = np.maximum(each, 0.0)
+        whole = float(each.sum()) + noise  # not the sample's variance, which chance correlations change
+        shares = zip(self.names, (each / whole).tolist(), strict=True)
+        fractions = dict(sorted(shares, key=lambda pair: -pair[1]))
+        return Contributions(fractions, noise / whole, float(2 * np.sqrt(self.degree * noise / count)))
+
+
+def contributions(u: np.ndarray, numbers: np.ndarray, names: list[str]) -> Contributions | None:
+    """Return what each input contributes to the variance of one figure, see `Polynomials`."""
+    return Polynomials.at(u, names).contributions(numbers)
 
 
 def _orthonormal(u: np.ndarray, degree: int) -> np.ndarray:

@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from rps_exudyn.base.hypercube import latin_hypercube
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -25,10 +26,7 @@ class Samples:
     @classmethod
     def drawn(cls, inputs: Mapping[str, Distribution], count: int, seed: int) -> "Samples":
         """Draw a Latin hypercube: even in each input, and independent enough to tell inputs apart."""
-        from scipy.stats import qmc
-
-        rng = np.random.default_rng(seed)
-        return cls(inputs, np.asarray(qmc.LatinHypercube(len(inputs), rng=rng).random(count)))
+        return cls(inputs, latin_hypercube(np.random.default_rng(seed), count, len(inputs)))
 
     def __len__(self) -> int:
         return len(self.quantile)
