@@ -82,4 +82,5 @@ TOPICS: dict[str, Topic] = {
     "start_up": start_up.TOPIC,
     "peer_scene": scene_files.TOPIC,
     "peers": side_by_side.TOPIC,
+    "peer_rounds": side_by_side.AGAIN,
 }

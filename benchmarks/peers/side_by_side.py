@@ -2,7 +2,9 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -33,23 +35,60 @@ def run(
     turned: float = TURN,
 ) -> None:
     """Search the peers' settings, run the best of them and the package's in rounds, and draw them."""
-    found = reference(methods or FINE)
-    torque = at_angles(found)
+    torque = at_angles(reference(methods or FINE))
     searched = [method for method in searched if installed(method.program)]
-    search = measured(searched, torque, 1, 0.0, PITCH)
-    chosen = [method for method, row in zip(searched, search, strict=True) if row in best(search)]
-    limits = dict(limits_of(finest))
-    warm(own)
-    rows = measured([*own, *chosen], torque, rounds, enough_s, turned, limits)
+    search, limits = measured(searched, torque, 1, 0.0, PITCH), dict(limits_of(finest))
     mean = np.mean(torque)
-    content = {
-        "rows": as_data(rows),
+    found = {
         "search": as_data(search),
         "limits": {
             name: {"settings": finest[name].label, "mean": float(100 * (np.mean(curve) / mean - 1))}
             for name, curve in limits.items()
         },
-        "reference": {"mean": float(mean), "uncertainty_percent": found.uncertainty},
+    }
+    _side_by_side(folder, own, searched, found, methods, limits, rounds, enough_s, turned)
+
+
+def run_again(
+    folder: Path,
+    own: Sequence[Method] = tuple(plans.OF_PACKAGE),
+    searched: Sequence[Method] = tuple(plans.SEARCHED),
+    methods: Mapping[str, ReferenceMethod] | None = None,
+    rounds: int = 3,
+    enough_s: float = 12.0,
+    turned: float = TURN,
+) -> None:
+    """Run the rounds again, with the peers' settings that an earlier search found, and keep what it found."""
+    searched = [method for method in searched if installed(method.program)]
+    nothing: dict[str, Any] = {"search": [], "limits": {}, "rows": []}
+    found = load_data(folder / DATA) if (folder / DATA).is_file() else nothing
+    _side_by_side(folder, own, searched, found, methods, {}, rounds, enough_s, turned)
+
+
+def _side_by_side(
+    folder: Path,
+    own: Sequence[Method],
+    searched: Sequence[Method],
+    found: Mapping[str, Any],
+    methods: Mapping[str, ReferenceMethod] | None,
+    limits: Mapping[str, np.ndarray],
+    rounds: int,
+    enough_s: float,
+    turned: float,
+) -> None:
+    """Run the package's settings and the best of those searched in rounds, store and draw them."""
+    known = reference(methods or FINE)
+    torque = at_angles(known)
+    labels = {(row.program, row.label) for row in best(from_data(found["search"]))}
+    chosen = [method for method in searched if (method.program, method.label) in labels]
+    warm(own)
+    rows = measured([*own, *chosen], torque, rounds, enough_s, turned, limits)
+    before = {(row.program, row.label): row.own for row in from_data(found.get("rows", []))}
+    content = {
+        "rows": as_data([replace(row, own=before.get((row.program, row.label), row.own)) for row in rows]),
+        "search": found["search"],
+        "limits": found["limits"],
+        "reference": {"mean": float(np.mean(torque)), "uncertainty_percent": known.uncertainty},
         "versions": versions(),
         "absent": absent(),
     }
@@ -108,4 +147,13 @@ TOPIC = Topic(
         "rounds": 1,
     },
     TABLES,
+)
+
+AGAIN = Topic(
+    "the rounds of `peers` again, with the settings that its search found (needs the extra [peers])",
+    "5 min",
+    "peers",
+    run_again,
+    {"own": plans.OF_PACKAGE[:2], "searched": (), "methods": COARSE, "rounds": 1},
+    {},
 )

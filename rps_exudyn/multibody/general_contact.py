@@ -14,6 +14,7 @@ Exudyn needs, each with a test in tests/upstream:
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import ceil, floor
 from typing import TYPE_CHECKING, Any
 
@@ -163,11 +164,18 @@ def _add_spheres(block: Block, radius: float) -> None:
         )
 
 
-def _triangles(bar: RackBar, tooth: int, side: int) -> list[np.ndarray]:
-    """Triangles over the flanks of one side, 0 or 1, that can touch while a tooth is nearest the pinion."""
+def _triangles(bar: RackBar, tooth: int, side: int) -> np.ndarray:
+    """Triangles over the flanks of one side, 0 or 1, that can touch while a tooth is nearest the pinion
+    (m, 3, 3)."""
     either_way = ceil(gate_angle(bar.pair) * bar.pair.teeth / (2 * np.pi))
-    teeth = range(tooth - either_way, tooth + either_way + 1)
-    return [flank_triangle(bar, bar.flank(each, SIDES[side])) for each in teeth]
+    places = bar.pair.rack_pitch * np.arange(tooth - either_way, tooth + either_way + 1)
+    return _first_triangle(bar, side) + np.multiply.outer(places, [[1.0, 0.0, 0.0]])
+
+
+@lru_cache(maxsize=4)
+def _first_triangle(bar: RackBar, side: int) -> np.ndarray:
+    """That on tooth 0."""
+    return flank_triangle(bar, bar.flank(0, SIDES[side]))
 
 
 def _new_contact(mbs: "exudyn.MainSystem", data: SampledContactData, pair: GearPair) -> Any:

@@ -57,25 +57,31 @@ def touching_angles(data: SampledContactData, pair: GearPair) -> tuple[np.ndarra
     where it is lowest.
     """
     angles = np.arange(-data.gate, data.gate + PRECISION, PRECISION)
-    height = np.array([_heights(data, pair, angle) for angle in angles])  # (angle, side, n)
-    touching = (height < data.radius) & (height >= -data.radius)
-    lowest = angles[np.argmin(np.where(height >= -data.radius, height, np.inf), axis=0)]
-    reached = np.where(touching, angles[:, None, None], np.nan)
-    with np.errstate(all="ignore"):
-        begin, end = np.fmin.reduce(reached, axis=0), np.fmax.reduce(reached, axis=0)
-    return np.where(np.isnan(begin), lowest, begin), np.where(np.isnan(end), lowest, end)
+    height = _heights(data, pair, angles)
+    above = np.where(height >= -data.radius, height, np.inf)
+    touching, lowest = above < data.radius, angles[np.argmin(above, axis=0)]
+    begin, end = angles[np.argmax(touching, axis=0)], angles[-1 - np.argmax(touching[::-1], axis=0)]
+    reached = touching.any(axis=0)
+    return np.where(reached, begin, lowest), np.where(reached, end, lowest)
 
 
-def _heights(data: SampledContactData, pair: GearPair, angle: float) -> np.ndarray:
-    """Heights of the first tooth space's spheres over the nearest flank of the rack (2, n) [m]; without end
-    where that flank has ended."""
-    c, s = np.cos(angle), np.sin(angle)
+def _heights(data: SampledContactData, pair: GearPair, angles: np.ndarray) -> np.ndarray:
+    """Heights of the first tooth space's spheres over the nearest flank of the rack, at some angles of the
+    pinion (angle, 2, n) [m]; without end where that flank has ended."""
     x, y, z = np.moveaxis(data.centres[0] - pair.eccentricity, -1, 0)
-    turned = np.stack([c * x - s * y, s * x + c * y, z], axis=-1) @ data.pinion_frame.T
+    c, s, travel = np.cos(angles), np.sin(angles), angles * pair.gain
     pressed = data.radius / 2 / np.abs(data.normals[:, 1])
-    rack = data.rack_reference + np.array([-angle * pair.gain, 0.0, 0.0])
-    place = data.pinion_origin + turned - rack
-    place[..., 1] += pressed[:, None]
-    height = np.einsum("sik,sk->si", place, data.normals) - data.offset[:, None]
+    origin = data.pinion_origin - data.rack_reference
+
+    def along(direction: np.ndarray, side: int) -> np.ndarray:
+        """Places of one side's spheres over the rack along a direction (angle, n)."""
+        e, across, k = direction @ data.pinion_frame
+        fixed = direction @ origin + direction[1] * pressed[side] + k * z[side]
+        turns = np.outer(c, e * x[side] + across * y[side]) + np.outer(s, across * x[side] - e * y[side])
+        return np.asarray(turns + fixed + direction[0] * travel[:, None])
+
+    sides = range(len(data.normals))
+    up = np.array([0.0, 1.0, 0.0])
+    height = np.stack([along(data.normals[side], side) - data.offset[side] for side in sides], axis=1)
     height -= data.base_pitch * np.round(height / data.base_pitch)
-    return np.where(place[..., 1] < data.lowest, np.inf, height)
+    return np.where(np.stack([along(up, side) for side in sides], axis=1) < data.lowest, np.inf, height)
