@@ -49,7 +49,13 @@ def run(
     rows = [measured(gear, float(rng.uniform(*LOADS))) for gear in drawn]
     save_data(folder / DATA, {"gears": rows})
     save_data(folder / POSES, {"tried": gears * ANGLES * len(LIFTS), "unfound": sum(map(unfound, drawn))})
-    save_data(folder / SPHERES, {"gears": [spheres_against_line(gear) for gear in drawn[:by_spheres]]})
+    run_spheres(folder, by_spheres, slopes)
+
+
+def run_spheres(folder: Path, gears: int = BY_SPHERES, slopes: Sequence[float] = SLOPES) -> None:
+    """Compare spheres with law "line" on the first of these gears, and on the default gear with slopes."""
+    drawn = random_gears(SEED, gears)
+    save_data(folder / SPHERES, {"gears": [spheres_against_line(gear) for gear in drawn]})
     by_slope(folder, slopes)
 
 
@@ -155,6 +161,16 @@ def differences_table(folder: Path) -> str:
     return markdown(("difference in %", "gears", "smallest", "median", "largest"), lines)
 
 
+def spheres_table(folder: Path) -> str:
+    """On how many gears the mean by spheres is near that by "line"."""
+    rows = load_data(folder / SPHERES)["gears"]
+    off = np.abs(differences(rows, "spheres", "line", "torque_mean"))
+    return markdown(
+        ("mean by spheres within", "gears of " + str(off.size)),
+        [(f"{bound:g} %", int((off <= bound).sum())) for bound in (0.1, 0.2, 0.3, 1.0)],
+    )
+
+
 def slopes_table(folder: Path) -> str:
     """Mean free torque by spheres and by "line" over the profile slope of the default gear."""
     lines = []
@@ -177,4 +193,13 @@ TOPIC = Topic(
         "law_differences": differences_table,
         "spheres_by_slope": slopes_table,
     },
+)
+
+SPHERES_ALONE = Topic(
+    "spheres beside law line on random gears and on profile slopes, a part of `law_on_gears`",
+    "2 min",
+    "contact_laws",
+    run_spheres,
+    {"gears": 1, "slopes": (0.0,)},
+    {"spheres_near_line": spheres_table},
 )

@@ -46,6 +46,7 @@ TOPICS: dict[str, Topic] = {
     "flank_contact": flank_contact.TOPIC,
     "tooth_compliance": tooth_compliance.TOPIC,
     "law_on_gears": law_on_gears.TOPIC,
+    "spheres_on_gears": law_on_gears.SPHERES_ALONE,
     "free_pinion_torque": free_pinion_torque.TOPIC,
     "scenes": scenes.TOPIC,
     "paper": paper.TOPIC,

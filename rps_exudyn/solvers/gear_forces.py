@@ -35,6 +35,7 @@ from rps_exudyn.solvers.gear_kernel import (
     gear_force,
     gear_tangent,
 )
+from rps_exudyn.solvers.linear_spheres import standing_out
 from rps_exudyn.solvers.newton_follower import newton_follower
 from rps_exudyn.solvers.newton_path import NewtonLaw
 from rps_exudyn.solvers.settling import static_approach
@@ -241,9 +242,8 @@ def mesh_element(
         return ratio_element(gear)
     if fidelity.mesh == "ratio-with-loss":
         return ratio_element(gear, closed_form(gear).towards(gear.test.direction).mesh_loss)
-    spheres = contact_data(
-        gear, profile=fidelity.profile_samples, axial=fidelity.axial_samples, friction_zone=zone
-    )
+    grid = {"profile": fidelity.profile_samples, "axial": fidelity.axial_samples}
+    spheres = standing_out(contact_data(gear, **grid, friction_zone=zone), gear, **grid)
     return sampled_element(by_touching_angle(spheres, GearPair.of(gear)))
 
 
