@@ -1,13 +1,13 @@
 """Spheres of general contact whose load grows with the depth as law "line" asks.
 
-Spheres at equal places bear the load per length c' d sqrt(d / d_0): that of the line law at the mean depth d_0
-alone. Where errors of form or place make one part of a line deeper than another, its deep parts bear too much.
-Spheres that stand out of the flank by a height h touch at the depth d + h, over a wider strip, and bear
+Spheres on the flank bear the load per length c' d sqrt(d / d_0): that of the line law at the mean depth d_0
+alone. Where errors of form or place make one part of a line deeper than another, its deep parts bear too
+much. Spheres that stand out of the flank by a height h touch at the depth d + h, over a wider strip, and bear
 
     F' = c' d_0 ((d + h) / (d_0 + h))^(3/2),      dF'/dd = 3/2 c' d_0 / (d_0 + h)   at d_0,
 
 which with h = d_0 / 2 has both the value and the slope of c' d there. Between half and twice the mean depth
-it is within 9 % of it; without, 30 to 41 % off. A flank in the air touches until it is h away, with a fifth
+it is within 9 % of it; without, 29 to 41 % off. A flank in the air touches until it is h away, with a fifth
 of the load at d_0 at most. The depth of a contact by spheres counts from where they stand.
 """
 
