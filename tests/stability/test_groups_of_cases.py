@@ -3,8 +3,10 @@
 from pathlib import Path
 from typing import Any
 
+import numba
 import pytest
 
+from rps_exudyn.base.compiled import kernel
 from rps_exudyn.results.block import CaseRecord
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.case_run import CaseRunner
@@ -181,3 +183,17 @@ def test_ranges_leave_out_what_no_gear_can_have(tmp_path: Path) -> None:
     ranges = handover.loop_ranges(work.study, work.store.description)
     assert ranges is not None
     assert (min(ranges["yoke.preload"]), round(max(ranges["yoke.preload"]))) == (100, 169)
+
+
+def test_what_other_processes_compile_ends_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They share the cache's folder; only a process that has compiled rounds otherwise."""
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
+    runner = CaseRunner()
+    (tmp_path / "of_another.nbc").touch()
+    assert not runner.has_compiled
+    assert kernel(_twice)(2.0) == 4.0
+    assert runner.has_compiled
+
+
+def _twice(x):  # type: ignore[no-untyped-def]
+    return 2.0 * x
