@@ -36,6 +36,7 @@ from benchmarks.stability import (
     explicit_limits,
     implicit_limits,
     maps,
+    ordinary_gears,
     random_plans,
     wheel_plans,
 )
@@ -67,6 +68,7 @@ TOPICS: dict[str, Topic] = {
     "implicit_limits": implicit_limits.TOPIC,
     "random_plans": random_plans.TOPIC,
     "wheel_plans": wheel_plans.TOPIC,
+    "ordinary_gears": ordinary_gears.TOPIC,
     "corpus": corpus.TOPIC,
     "check_cost": check_cost.TOPIC,
     "damaged_files": damaged_files.TOPIC,

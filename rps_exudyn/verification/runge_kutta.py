@@ -50,8 +50,14 @@ class FreeMotion:
     def of(
         cls, gear: SteeringGear, fidelity: Fidelity, drive: Drive, pulse: TimedForce | None = None
     ) -> "FreeMotion":
-        """Take a gear in its equilibrium; the bush must be condensed."""
+        """Take a gear in its equilibrium; the bush must be condensed.
+
+        Raises:
+            LinAlgError: there is none where the drive starts.
+        """
         model = build_model(gear, fidelity, drive, pulse=pulse)
+        if not model.start.converged:
+            raise np.linalg.LinAlgError("the gear finds no equilibrium in which its masses could be taken")
         force, data = model.forces.dynamics
         q, v = model.start.coordinates[0].copy(), model.start.rates[0].copy()
         model.mbs.Assemble()
