@@ -1,8 +1,8 @@
 """Ordinary gears over a turn by equilibria: how many of them are lost.
 
-The default gear with preload, friction, drag, spring and manufacturing errors drawn evenly from the ranges of
-passenger cars (`verification.population`), each gear simulated on its own in steps of 1 degree. Lost is a gear
-without an equilibrium at some angle.
+The default gear with preload, friction, drag, spring and manufacturing errors drawn evenly from the ranges
+of passenger cars (`verification.population`), each gear simulated on its own in steps of 1 degree. Lost is a
+gear without an equilibrium at some angle.
 """
 
 from collections import Counter

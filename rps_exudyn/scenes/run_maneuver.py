@@ -44,8 +44,8 @@ STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drif
 UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
 JUMPS = (
-    "; where friction falls by more than column.stiffness = {:.4g} N*m/rad the gear jumps, which only "
-    "generalized-alpha knows"
+    "; where the gear's torque falls by more than column.stiffness = {:.4g} N*m/rad, or the rack snaps "
+    "over as it turns about, the gear jumps, which only generalized-alpha knows"
 )
 JUMPS_UNDER_TORQUE = (
     "; under a given torque the gear jumps where friction falls, which only generalized-alpha knows"

@@ -28,6 +28,7 @@ WIDEST = 10.0  # steps of the column's upper end, as far as the pinion's place i
 STALLED = 9  # trials after which every third halves the bracket: about a corner secants shorten one side only
 RETRIES, NEARER = 6, 0.8  # where the gear finds no equilibrium, and how much of a move is left each time
 TWISTS = 3  # times that the start is found behind a column: the torque hardly changes with its twist
+PARTS = 256  # of the shortest step, down to which one without an equilibrium is halved
 MOST_PLACES = 1e-15  # of a bracket [rad]: a torque that jumps is not found any closer
 
 
@@ -108,11 +109,15 @@ class March:
         Raises:
             PathInterrupted: Ctrl-C; it carries the path until then.
         """
-        found, time = 1, self.time
+        found, end = 1, self.time[-1]
+        shortest = float(np.diff(self.time).min(initial=np.inf)) / PARTS
         try:
-            while found < len(time) and self.find(found):
-                found += 1
-                reached(time[found - 1] / time[-1], partial(self.ahead.wheel.shown, time[found - 1]))
+            while found < len(self.time):
+                if self.find(found):
+                    reached(self.time[found] / end, partial(self.ahead.wheel.shown, self.time[found]))
+                    found += 1
+                elif not self.divided(found, shortest):
+                    break
         except KeyboardInterrupt:
             raise PathInterrupted(self.path(start, found)) from None
         return self.path(start, found)
@@ -165,6 +170,17 @@ class March:
         reach = WIDEST * (abs(end - float(self.ahead.place(self.time[k - 1]))) + self.largest / stiff)
         place, self.slope = root(surplus, guess, max(self.slope, stiff), reach, lambda: CLOSE * self.largest)
         return bool(np.isfinite(place))
+
+    def divided(self, k: int, shortest: float) -> bool:
+        """Put an instant halfway before instant k; false where the step [s] is as short as that already."""
+        if self.time[k] - self.time[k - 1] < shortest:
+            return False
+        self.time = np.insert(self.time, k, (self.time[k - 1] + self.time[k]) / 2)
+        self.applied = np.insert(self.applied, k, (self.applied[k - 1] + self.applied[k]) / 2, axis=0)
+        for name in ("coordinates", "rates", "forces", "kept"):
+            rows = getattr(self, name)
+            setattr(self, name, np.insert(rows, k, np.zeros(rows.shape[1:]), axis=0))
+        return True
 
     def path(self, start: EquilibriumPath, found: int) -> EquilibriumPath:
         """Return the path of the instants found."""
