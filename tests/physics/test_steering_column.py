@@ -14,7 +14,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
-from rps_exudyn.solvers.column_path import root
+from rps_exudyn.solvers.column_path import March, root
 from rps_exudyn.solvers.steering_column import SteeringColumn
 
 GEAR = SteeringGear()
@@ -163,3 +163,20 @@ def test_column_at_rest_changes_no_other_scene() -> None:
         rps.run("reversal", gear, fidelity=Fidelity.preset("quasi-static")) for gear in (GEAR, other)
     )
     assert first.summary == second.summary
+
+
+def test_an_instant_without_equilibrium_is_reached_in_shorter_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One is put before it; the work of a cycle stays the same to 0.1 %."""
+    whole, find, lost = feel(), March.find, [20]
+
+    def found(self: March, k: int) -> bool:
+        if k in lost:
+            lost.remove(k)
+            return False
+        return find(self, k)
+
+    monkeypatch.setattr(March, "find", found)
+    divided = rps.run("steering-feel", GEAR, fidelity="quasi-static")
+    assert divided.status is Status.OK
+    assert divided.findings["angles"] == whole.findings["angles"] + 1
+    assert divided.summary["feel_area"] == pytest.approx(whole.summary["feel_area"], rel=1e-3)
