@@ -13,11 +13,13 @@ from typing import Self
 import numpy as np
 
 from rps_exudyn.base.progress import reached
+from rps_exudyn.forces.memory import begin_step
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, inertia_forces
 from rps_exudyn.solvers.path_follower import backward_difference, follower
+from rps_exudyn.solvers.rescue import JUMP, search
 from rps_exudyn.solvers.settled_start import Approach, settled_path
 from rps_exudyn.solvers.steering_column import BehindColumn, SteeringColumn, pinion_at_start
 
@@ -28,6 +30,7 @@ WIDEST = 10.0  # steps of the column's upper end, as far as the pinion's place i
 STALLED = 9  # trials after which every third halves the bracket: about a corner secants shorten one side only
 RETRIES, NEARER = 6, 0.8  # where the gear finds no equilibrium, and how much of a move is left each time
 TWISTS = 3  # times that the start is found behind a column: the torque hardly changes with its twist
+MOST_SEARCHES = 200  # of equilibria that Newton's method does not find, over a path
 PARTS = 256  # of the shortest step, down to which one without an equilibrium is halved
 MOST_PLACES = 1e-15  # of a bracket [rad]: a torque that jumps is not found any closer
 
@@ -87,6 +90,7 @@ class March:
     largest: float = LEAST_TORQUE  # torque so far [N m]
     slope: float = 0.0  # of the gear's torque less the column's, where it was found last [N m/rad]
     residual: float = 0.0  # [N]
+    searches: int = 0
 
     @classmethod
     def begun(
@@ -143,7 +147,18 @@ class March:
             self.balance.data,
         )
         self.counts += counts
-        return float(-sign * self.forces[k, driven]) if found > k else np.nan
+        return float(-sign * self.forces[k, driven]) if found > k or self.searched(k) else np.nan
+
+    def searched(self, k: int) -> bool:
+        """Look further for the equilibrium at instant k that Newton's method did not find."""
+        if self.searches == MOST_SEARCHES:
+            return False
+        self.searches += 1
+        begin_step(self.balance.memory, self.kept[k - 1, 1], self.time[k])
+        rows = self.coordinates, self.rates, self.forces, self.applied
+        self.residual = search(self.balance, self.free, self.time, k, *rows)
+        self.kept[k] = self.balance.memory
+        return self.residual <= JUMP
 
     def rate(self, k: int, coordinate: float) -> float:
         """Return the driven coordinate's rate at instant k by backward differences, as all others have it."""
