@@ -1,0 +1,61 @@
+"""Spheres of general contact over their number: errors of mean and shape of the torque, at rest.
+
+Equilibria of the default gear over a tooth pitch, against those of the flank contact with the same law, so that
+what is seen is the spheres' own error. Rows that touch in step add up to ripple: their number matters.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+import rps_exudyn as rps
+from benchmarks.topic import Topic, digits, load_data, markdown, save_data
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+
+LAWS = "area", "line"
+GRIDS = (14, 10), (19, 13), (27, 15), (27, 16), (27, 17), (27, 18), (27, 22), (38, 23), (38, 26), (54, 36)
+DATA = "sphere_grids.json"
+AT_REST = Fidelity.preset("quasi-static")
+
+
+def run(folder: Path, grids: Sequence[tuple[int, int]] = GRIDS) -> None:
+    """Compare all grids by both laws."""
+    rows = [row for law in LAWS for row in of_law(law, grids)]
+    save_data(folder / DATA, {"rows": rows})
+
+
+def of_law(law: str, grids: Sequence[tuple[int, int]]) -> list[dict[str, object]]:
+    """Mean and shape error of each grid by a law [%]."""
+    gear = SteeringGear().replace({"mesh.law": law})
+    gear = gear.replace({"test.turns": 1 / gear.pinion.teeth})
+    fine = AT_REST.replace({"strip_stations": 8, "strip_points": 4})
+    reference = rps.run("free-pinion-torque", gear, fidelity=fine)["pinion_torque"]
+    rows: list[dict[str, object]] = []
+    for profile, axial in grids:
+        grid = {"mesh": "general-contact", "profile_samples": profile, "axial_samples": axial}
+        found = rps.run("free-pinion-torque", gear, fidelity=AT_REST.replace(grid))["pinion_torque"]
+        mean = 100 * float(found.mean() / reference.mean() - 1)
+        shape = 100 * float(np.std(found - reference) / reference.mean())
+        rows.append({"law": law, "profile": profile, "axial": axial, "mean": mean, "shape": shape})
+    return rows
+
+
+def grids_table(folder: Path) -> str:
+    """Errors of each grid."""
+    lines = [
+        (row["law"], f"{row['profile']} x {row['axial']}", digits(row["mean"]), digits(row["shape"]))
+        for row in load_data(folder / DATA)["rows"]
+    ]
+    return markdown(("law", "spheres on a flank", "mean %", "shape %"), lines)
+
+
+TOPIC = Topic(
+    "general contact at rest: errors of mean and shape over the number of spheres",
+    "1 min",
+    "contact_laws",
+    run,
+    {"grids": ((14, 10),)},
+    {"sphere_grids": grids_table},
+)
