@@ -1,7 +1,7 @@
 """Spheres of general contact over their number: errors of mean and shape of the torque, at rest.
 
-Equilibria of the default gear over a tooth pitch, against those of the flank contact with the same law: what is
-seen is the spheres' own error. Rows that touch in step add up to ripple, so their number matters.
+Equilibria of the default gear over a tooth pitch, against those of the flank contact with the same law: what
+is seen is the error of the spheres. Rows that touch in step add up to ripple, so their number matters.
 """
 
 from collections.abc import Sequence
