@@ -9,7 +9,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rps_exudyn.gears.solids import rack_solid
+from rps_exudyn.gears.bar_section import mass_and_moments
+from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.solvers.record import Record
@@ -21,11 +22,9 @@ FREE_BOUND = 5e-4
 def free_inertia(record: Record, gear: SteeringGear) -> float:
     """Return the largest RMS over a record of the inertia forces that act on the rack besides those along its
     travel, moments over the distance of what holds the rack against them [N]."""
-    bar = rack_solid(gear).mass_properties
-    com = bar.centre_of_mass
-    moments = np.diag(bar.inertia) + bar.mass * (com @ com - com**2)
+    mass, moments = mass_and_moments(RackBar.of(gear), gear.rack.density)
     levers = np.array([gear.rack.bar_diameter / 2, gear.bush.distance, gear.bush.distance])
-    masses = np.concatenate([[bar.mass, bar.mass], moments / levers])
+    masses = np.concatenate([[mass, mass], moments / levers])
     # at even instants: over shorter steps the rack turns over with a larger acceleration
     steps = int(np.ceil(2 * np.ptp(record.time) / np.diff(record.time).max()))
     even = np.linspace(record.time[0], record.time[-1], steps + 1)

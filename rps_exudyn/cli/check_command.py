@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Sequence
+from math import isnan
 from pathlib import Path
 
 from rps_exudyn.base.atomic import check_writable, write_json
@@ -47,12 +48,17 @@ def do_check(
     return all(each.kept for each in sheet)
 
 
+def known(value: float) -> float | None:
+    """A number for JSON, which knows no nan."""
+    return None if isnan(value) else value
+
+
 def _as_dict(sheet: Sequence[Judged]) -> dict[str, object]:
     rows = {
         each.name: {
             "verdict": each.verdict,
-            "nominal": each.nominal,
-            "band": [each.low, each.high],
+            "nominal": known(each.nominal),
+            "band": [known(each.low), known(each.high)],
             "unit": REQUIRED[each.name].unit,
             "limit": each.limit.show(REQUIRED[each.name]),
             "share": each.share,
@@ -68,13 +74,11 @@ def _print(sheet: Sequence[Judged], torque: float, out: Path | None) -> None:
     console = plain_console()
     rows = []
     for each in sheet:
-        show = REQUIRED[each.name].show
-        band = f"{show(each.low)} to {show(each.high)}" if each.low != each.high else ""
+        show, evaluated = REQUIRED[each.name].show, not isnan(each.nominal)
+        band = f"{show(each.low)} to {show(each.high)}" if evaluated and each.low != each.high else ""
         share = f"{each.share:.0%}" if band else ""
-        verdict = each.verdict
-        rows.append(
-            (each.name, each.limit.show(REQUIRED[each.name]), show(each.nominal), band, share, verdict)
-        )
+        nominal = show(each.nominal) if evaluated else ""
+        rows.append((each.name, each.limit.show(REQUIRED[each.name]), nominal, band, share, each.verdict))
     console.print(grid_of(COLUMNS, rows))
     for each in sheet:
         remark = f" {each.remark}." if each.remark else ""

@@ -6,6 +6,7 @@ from enum import StrEnum
 import numpy as np
 
 from rps_exudyn.fitting.identify import Advice, Combination
+from rps_exudyn.fitting.more_runs import MoreRuns
 from rps_exudyn.fitting.problem import Problem
 from rps_exudyn.fitting.series import Series
 from rps_exudyn.parameters.gear import SteeringGear
@@ -80,6 +81,7 @@ class Fit:
     correlations: np.ndarray  # of the unknowns in `correlated`, (n, n)
     correlated: list[str]
     advice: Advice | None
+    repeats: MoreRuns | None
     offset: float  # of the measured pinion angle [rad]
     offset_sd: float
     passes: list[FittedPass]

@@ -9,6 +9,7 @@ from rps_exudyn.base import units
 from rps_exudyn.fitting.bench_tests import BenchTest
 from rps_exudyn.fitting.estimate import Estimate, Fit, Verdict
 from rps_exudyn.fitting.identify import NARROWED, SEPARATING
+from rps_exudyn.fitting.more_runs import MOST_RUNS, WANTED
 from rps_exudyn.fitting.unknowns import LEVEL, declared
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.closed_form import mesh_torque_per_force, torque_per_preload
@@ -68,6 +69,13 @@ def sum_sentence(fit: Fit) -> str:
 
 
 def open_sentences(fit: Fit) -> Iterator[str]:
+    """What these tests leave open, and which tests or how many repeats would tell it."""
+    yield from _apart_sentences(fit)
+    if said := repeats_sentence(fit):
+        yield said
+
+
+def _apart_sentences(fit: Fit) -> Iterator[str]:
     """What cannot be told apart, what is known of it together, and which tests would tell."""
     left = [each.path for each in fit.estimates if each.verdict is Verdict.OPEN and each.path in LEVEL]
     if not left:
@@ -84,6 +92,18 @@ def open_sentences(fit: Fit) -> Iterator[str]:
         rest = f", and leaves {', '.join(still)} to repeats or to what is known of others" if still else ""
         tests = ", ".join(map(test_words, fit.advice.tests))
         yield f"to tell them apart: {tests}; that tells {reached}{rest}"
+
+
+def repeats_sentence(fit: Fit) -> str:
+    """How often all tests must be run for what is wanted; empty where that is reached, or cannot be told."""
+    if fit.repeats is None:
+        return ""
+    parts = []
+    for path, runs in fit.repeats.runs.items():
+        often = f"{runs} runs of each test" if runs else f"more than {MOST_RUNS} runs of each test"
+        parts.append(f"{often} would reach {100 * WANTED[path]:.2g} % of {path}")
+    now = ", ".join(f"{path} to {100 * half:.2g} %" for path, half in fit.repeats.now.items())
+    return f"known are {now} (95 %); {' and '.join(parts)}, with the scatter of these"
 
 
 def test_words(test: BenchTest) -> str:
@@ -144,6 +164,7 @@ def fit_as_dict(fit: Fit) -> dict[str, Any]:
         "correlations": {"of": fit.correlated, "matrix": np.round(fit.correlations, 4).tolist()},
         "further_tests": fit.advice
         and {"tests": [test.title for test in fit.advice.tests], "reached": fit.advice.reached},
+        "more_runs": fit.repeats and {"half_interval": fit.repeats.now, "runs": fit.repeats.runs},
         "angle_offset": {"value": fit.offset, "sd": fit.offset_sd},
         "warnings": list(fit.warnings),
         "assumed": list(fit.assumed),

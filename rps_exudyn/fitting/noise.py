@@ -20,6 +20,7 @@ RATIOS = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0)  # correlated over white standard 
 SURE = 4.0  # of twice the logarithm of the likelihood's ratio, above which correlation is believed
 REPEATABILITY = 0.02  # of a run's level, declared where it was not measured
 SENSOR = 0.005  # of the level: calibration, between tests
+UNLIKE = 1e-3  # probability below which a test's scatter is taken for its own
 FEWEST_RUNS = 3  # that measure the repeatability
 
 
@@ -107,16 +108,12 @@ class Repeats:
 
     runs: int
     sd: float  # of one run's level
-
-    @property
-    def freedom(self) -> int:
-        """Degrees of freedom of the deviation."""
-        return self.runs - 1
+    freedom: int  # degrees of freedom of the deviation
 
 
 def repeats_of(passes: Sequence[MeasuredPass], rows: Sequence[PassRows]) -> dict[str, Repeats]:
     """Return by test the scatter of its runs' levels, half the difference of both directions where there are
-    both; tests with fewer than three runs are left out."""
+    both; tests with fewer than three runs are left out. Several tests share one scatter, see `_pooled`."""
     runs: dict[str, dict[tuple[int, int], dict[int, float]]] = {}
     seen: dict[tuple[str, int, int], int] = {}
     for each, row in zip(passes, rows, strict=True):
@@ -131,8 +128,35 @@ def repeats_of(passes: Sequence[MeasuredPass], rows: Sequence[PassRows]) -> dict
             if len(level) == max(map(len, levels.values()))
         ]
         if len(values) >= FEWEST_RUNS:
-            found[title] = Repeats(len(values), float(np.std(values, ddof=1)))
-    return found
+            found[title] = Repeats(len(values), float(np.std(values, ddof=1)), len(values) - 1)
+    frictions = {each.test.title: friction_part(passes, each) for each in passes}
+    return _pooled(found, frictions)
+
+
+def _pooled(found: dict[str, Repeats], frictions: dict[str, float]) -> dict[str, Repeats]:
+    """Return the scatter of several tests as one of their friction, which all their runs tell together.
+
+    Where a test scatters more than chance lets it, each keeps its own.
+    """
+    if len(found) < 2 or not all(frictions[title] > 0 for title in found):
+        return found
+    freedom = sum(each.freedom for each in found.values())
+    parts = {title: each.sd / frictions[title] for title, each in found.items()}
+    sums = {title: each.freedom * parts[title] ** 2 for title, each in found.items()}
+    variance = sum(sums.values()) / freedom
+    if any(sums[title] > _most(each.freedom) * variance for title, each in found.items()):
+        return found
+    return {
+        title: Repeats(each.runs, float(np.sqrt(variance)) * frictions[title], freedom)
+        for title, each in found.items()
+    }
+
+
+def _most(freedom: int) -> float:
+    """The quantile 1 - `UNLIKE` of chi squared."""
+    from scipy.special import chdtri
+
+    return float(chdtri(freedom, UNLIKE))
 
 
 def noises_of(

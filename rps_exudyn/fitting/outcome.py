@@ -15,6 +15,7 @@ from rps_exudyn.fitting.identify import (
     combination_of,
     logarithmic_slopes,
 )
+from rps_exudyn.fitting.more_runs import WANTED, MoreRuns, more_runs, students
 from rps_exudyn.fitting.noise import REPEATABILITY, SENSOR, Found, Repeats, friction_part
 from rps_exudyn.fitting.problem import Problem
 from rps_exudyn.fitting.series import Series, titles
@@ -68,6 +69,7 @@ def outcome_of(
         correlations=covariance[:count, :count] / np.outer(spread, spread),
         correlated=[f"{each.path} {each.component}".strip() for each in problem.unknowns],
         advice=advice_of(fitted, data, tests) if is_open else None,
+        repeats=_more_runs(problem, solved, repeats, estimates),
         offset=state.offset,
         offset_sd=float(np.sqrt(covariance[count, count])),
         passes=_fitted_passes(problem, solved, covariance, quantile),
@@ -121,13 +123,43 @@ def level_data(problem: Problem, solved: Solved, fitted: SteeringGear) -> LevelD
     return LevelData(paths, whole[:count, :count] - left_over)
 
 
+def _more_runs(
+    problem: Problem,
+    solved: Solved,
+    repeats: dict[str, Repeats],
+    estimates: Sequence[Estimate],
+) -> MoreRuns | None:
+    """What repeats of several tests would reach, where they tell preload and friction at all."""
+    tests = len(problem.measurement.tests)
+    known = (Verdict.FOUND, Verdict.BY_PRIOR)
+    halves = {
+        each.path: (each.interval[1] - each.interval[0]) / 2 / each.value
+        for each in estimates
+        if each.path in WANTED and each.verdict in known
+    }
+    if tests < 2 or not halves:
+        return None
+    runs = min((each.runs for each in repeats.values()), default=1) if len(repeats) == tests else 1
+    return more_runs(halves, runs, tests, lambda count: _repeated(problem, solved, count / runs))
+
+
+def _repeated(problem: Problem, solved: Solved, often: float) -> dict[str, float]:
+    """Standard deviation of each level parameter's logarithm, were each run repeated so often: its mean and
+    its own zero of the sensor scatter less, what is believed of the rest stays."""
+    information = solved.equations.information.copy()
+    for row in solved.equations.rows:
+        information += (often - 1) * np.outer(row.level, row.level) / row.level_sd**2
+    zeros = range(problem.size - len(problem.quiet), problem.size)
+    information[zeros, zeros] += (often - 1) / np.array(problem.quiet) ** 2
+    deviations = np.sqrt(np.diag(np.linalg.inv(information)))
+    return {each.path: float(deviations[j]) for j, each in enumerate(problem.unknowns) if each.is_level}
+
+
 def _quantile(repeats: dict[str, Repeats]) -> float:
     """The quantile of 97.5 %: Student's where repeats gave the scatter."""
     if not repeats:
         return NORMAL
-    from scipy.special import stdtrit
-
-    return float(stdtrit(min(each.freedom for each in repeats.values()), 0.975))
+    return students(min(each.freedom for each in repeats.values()))
 
 
 def _levels(
@@ -180,8 +212,10 @@ def _level(
 def _noise_words(problem: Problem, found: Sequence[Found], repeats: dict[str, Repeats]) -> str:
     """What the intervals rest on."""
     if repeats:
-        each = next(iter(repeats.values()))
-        return f"scatter of {each.runs} runs, Student's t with {each.freedom} degrees of freedom"
+        runs = min(each.runs for each in repeats.values())
+        freedom = min(each.freedom for each in repeats.values())
+        several = f" of {len(repeats)} tests" if len(repeats) > 1 else ""
+        return f"scatter of {runs} runs{several}, Student's t with {freedom} degrees of freedom"
     if any(each.correlated for each in found):
         return (
             "white and correlated noise by REML, and a declared repeatability of "

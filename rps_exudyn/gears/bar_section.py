@@ -80,6 +80,24 @@ def toothed_section(bar: RackBar) -> BarSection:
     )
 
 
+def mass_and_moments(bar: RackBar, density: float) -> tuple[float, np.ndarray]:
+    """Return the bar's mass [kg] and its moments of inertia about the rack frame's axes [kg m^2], shape (3,).
+
+    A round bar, whose middle has the mean section of the teeth; what runs out at its ends is left out.
+    """
+    radius, half = bar.pair.bar_radius, (bar.teeth_each_way + 0.5) * bar.pair.rack_pitch
+    plain, roots = (_about_the_axis(bar, *_heights(low, radius)) for low in (-radius, bar.root_height))
+    y, weight = _heights(bar.tip_height, bar.root_height)
+    toothed = roots + _about_the_axis(bar, y, weight * _filled(bar, y))
+    mass, moments = 0.0, np.zeros(3)
+    parts = ((plain, bar.x_min, -half), (toothed, -half, half), (plain, half, bar.x_max))
+    for (area, y, z), begin, end in parts:
+        length, x = end - begin, area * (end**3 - begin**3) / 3
+        mass += density * area * length
+        moments += density * np.array([(y + z) * length, x + z * length, x + y * length])
+    return mass, moments
+
+
 def tooth_layer(bar: RackBar) -> float:
     """Thickness of the layer of material by which the teeth stiffen the section at their roots [m]."""
     pair = bar.pair
@@ -94,6 +112,14 @@ def _area_of_teeth(bar: RackBar) -> float:
     y, weight = _heights(bar.tip_height, bar.root_height)
     chord = 2 * np.sqrt(np.maximum(bar.pair.bar_radius**2 - y**2, 0))
     return float(weight @ (_filled(bar, y) * chord))
+
+
+def _about_the_axis(bar: RackBar, y: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Area, int y^2 and int z^2 about the bar's axis of its chords at heights Y with weights: shape (3,)."""
+    half_chord = np.sqrt(np.maximum(bar.pair.bar_radius**2 - y**2, 0))
+    return np.array(
+        [weight @ (2 * half_chord), weight @ (2 * half_chord * y**2), weight @ half_chord**3 * 2 / 3]
+    )
 
 
 def _filled(bar: RackBar, y: float | np.ndarray) -> np.ndarray:

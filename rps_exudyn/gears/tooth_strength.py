@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.basic_rack import involute
 from rps_exudyn.gears.clearance import transverse_contact_ratio
 from rps_exudyn.gears.gear_pair import GearPair
@@ -60,7 +61,7 @@ def root_of(form: ToothForm) -> Root:
     """Return the critical section of a tooth (ISO 6336-3, clause on Y_F, load at the tip).
 
     Raises:
-        ValueError: the tooth has no tangent of 30 degrees.
+        ValueError: the tooth has no tangent of 30 degrees, or nothing of it is left there.
     """
     z, alpha = form.teeth, form.pressure_angle
     middle = np.pi / 4 - form.dedendum * np.tan(alpha) - (1 - np.sin(alpha)) * form.fillet / np.cos(alpha)
@@ -81,6 +82,8 @@ def root_of(form: ToothForm) -> Root:
     load_angle = at_tip - half
     above = (np.cos(half) - np.sin(half) * np.tan(load_angle)) * tip_diameter
     arm = (above - z * np.cos(np.pi / 3 - theta) - g / np.cos(theta) + form.fillet) / 2
+    if min(thickness, arm, radius) <= 0:
+        raise ValueError("the tangents of 30 degrees leave no tooth, no arm of the load or no fillet")
     return Root(float(thickness), float(arm), float(radius), float(load_angle), alpha)
 
 
@@ -103,9 +106,17 @@ def rack_form(pair: GearPair) -> ToothForm:
 
 
 def root_stress(gear: SteeringGear, form: ToothForm, torque: float) -> float:
-    """Return sigma_F0 = F_t / (b m_n) Y_Fa Y_Sa Y_epsilon Y_beta under a torque on the pinion [Pa]."""
+    """Return sigma_F0 = F_t / (b m_n) Y_Fa Y_Sa Y_epsilon Y_beta under a torque on the pinion [Pa].
+
+    Raises:
+        InputError: a root without the section that the standard judges.
+    """
     pair = GearPair.of(gear)
-    root, ratio = root_of(form), transverse_contact_ratio(pair)
+    try:
+        root = root_of(form)
+    except ValueError as error:
+        raise InputError(f"ISO 6336 knows no stress of such a root: {error}.") from None
+    ratio = transverse_contact_ratio(pair)
     shared = 0.25 + 0.75 / ratio if ratio > 1 else 1.0
     helix = min(abs(pair.beta_p), STEEPEST_HELIX)
     inclined = 1 - min(_overlap(pair), 1.0) * helix / np.deg2rad(120)

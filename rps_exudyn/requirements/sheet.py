@@ -1,11 +1,13 @@
 """Evaluating the requirements of a gear: each number with its band, and whether it is kept.
 
 A requirement is kept if at least `ASSURED` of the gears drawn keep it; samples that failed do not, and where
-they decide it is open. Numbers that hang on the teeth alone have no band.
+they decide it is open. Numbers that hang on the teeth alone have no band. What a gear does not let compute is
+not evaluated, with the cause; the others still are.
 """
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -27,12 +29,18 @@ ASSURED = 0.95  # of the gears
 RATED_TORQUE = 30.0  # [N m]
 LIGHTEST, HEAVIEST = 0.5, 400.0  # weights between which a kept efficiency is looked for [kg]
 MODEL = Fidelity.preset("quasi-static").replace({"step_angle": "2 deg"})
+TURNING = {
+    "free_torque": "torque_mean",
+    "variation_on_centre": "torque_on_centre_variation",
+    "variation_off_centre": "torque_off_centre_variation",
+}
+"""Requirement -> figure of a run that turns the pinion freely."""
 TURN: dict[str, object] = {"test.path": "there-and-back", "test.start_angle": -np.pi, "test.turns": 1.0}
 
 
 @dataclass(frozen=True)
 class Judged:
-    """One requirement of a gear, SI."""
+    """One requirement of a gear, SI; without numbers (nan) where it is not evaluated, the remark says why."""
 
     name: str
     limit: Limit
@@ -50,7 +58,9 @@ class Judged:
 
     @property
     def verdict(self) -> str:
-        """Return pass, fail, or open where samples that failed decide."""
+        """Return pass, fail, open where samples that failed decide, or not evaluated."""
+        if np.isnan(self.nominal):
+            return "not evaluated"
         if self.kept:
             return "pass"
         return "open" if self.share + self.failed >= ASSURED else "fail"
@@ -75,7 +85,7 @@ def judge(
         told: what is computed next.
 
     Raises:
-        InputError: a gear that cannot be run.
+        InputError: a rated torque that is none.
     """
     if not rated_torque > 0:
         raise InputError(f"the rated torque is {rated_torque:g} N m; it must be more than 0 N m.")
@@ -83,17 +93,32 @@ def judge(
     tell("free torque and its variation")
     yield from _of_turning(gear, inputs, limits, samples)
     tell("efficiencies")
-    yield _of_efficiency(gear, inputs, limits["efficiency_ratio"], samples)
+    yield _row("efficiency_ratio", limits, partial(_of_efficiency, gear, inputs, limits, samples))
     tell(f"teeth and lift under {rated_torque:g} N m")
     pair = GearPair.of(gear)
-    yield _exact("rated_root_pinion", root_stress(gear, pinion_form(pair), rated_torque), limits)
-    yield _exact("rated_root_rack", root_stress(gear, rack_form(pair), rated_torque), limits)
-    yield _exact("rated_flank", flank_stress(gear, rated_torque), limits)
-    lifting = gear.replace({"test.lift_torque": rated_torque})
-    lift = band_of_runs("rack-lift", lifting, MODEL, inputs, max(samples // 2, 8))
-    yield _from_band("rated_lift", "rack_lift", lift, limits)
+    stresses: dict[str, Callable[[], float]] = {
+        "rated_root_pinion": partial(root_stress, gear, pinion_form(pair), rated_torque),
+        "rated_root_rack": partial(root_stress, gear, rack_form(pair), rated_torque),
+        "rated_flank": partial(flank_stress, gear, rated_torque),
+    }
+    for name, stress in stresses.items():
+        yield _row(name, limits, partial(_of_teeth, name, stress, limits))
+    yield _row("rated_lift", limits, partial(_of_lift, gear, inputs, limits, rated_torque, samples))
     yield _exact("travel", 2 * RackBar.of(gear).largest_displacement, limits)
     yield _exact("gain", 2 * np.pi * float(pair.gain), limits)
+
+
+def _row(name: str, limits: Mapping[str, Limit], computed: Callable[[], Judged]) -> Judged:
+    """Return one requirement, not evaluated with the cause where computing it fails."""
+    try:
+        return computed()
+    except InputError as error:
+        return _not_evaluated(name, limits, error)
+
+
+def _not_evaluated(name: str, limits: Mapping[str, Limit], error: InputError) -> Judged:
+    cause = " ".join(error.problems)
+    return Judged(name, limits[name], np.nan, np.nan, np.nan, 0.0, remark=f"Not evaluated: {cause}")
 
 
 def _of_turning(
@@ -101,24 +126,43 @@ def _of_turning(
 ) -> Iterator[Judged]:
     """Torques over a turn about the centre; lock to lock where the torque changes along the travel."""
     path = {"test.path": "lock-to-lock"} if gear.rack.bow or gear.installation.gravity else TURN
-    band = quick_band(gear.replace(path), MODEL, inputs, samples)
-    yield _from_band("free_torque", "torque_mean", band, limits)
-    yield _from_band("variation_on_centre", "torque_on_centre_variation", band, limits)
-    yield _from_band("variation_off_centre", "torque_off_centre_variation", band, limits)
+    try:
+        band = quick_band(gear.replace(path), MODEL, inputs, samples)
+    except InputError as error:
+        yield from (_not_evaluated(name, limits, error) for name in TURNING)
+        return
+    for name, figure in TURNING.items():
+        yield _row(name, limits, partial(_from_band, name, figure, band, limits))
 
 
 def _of_efficiency(
-    gear: SteeringGear, inputs: Mapping[str, Distribution], limit: Limit, samples: int
+    gear: SteeringGear, inputs: Mapping[str, Distribution], limits: Mapping[str, Limit], samples: int
 ) -> Judged:
     short = gear.replace({"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth})
     band = band_of_runs("load-test", short, MODEL, inputs, max(samples // 2, 8))
-    judged = _from_band("efficiency_ratio", "efficiency_ratio", band, {"efficiency_ratio": limit})
+    judged = _from_band("efficiency_ratio", "efficiency_ratio", band, limits)
     weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 - (T_0 / W s')^2"
     if judged.kept:
         return replace(judged, remark=weight)
-    enough = weight_for_ratio(gear, limit.least)
+    enough = weight_for_ratio(gear, judged.limit.least)
     found = f"it would take {enough:.3g} kg" if enough else f"no weight up to {HEAVIEST:g} kg is enough"
     return replace(judged, remark=f"{weight}: {found} at the medians, by the closed form")
+
+
+def _of_teeth(name: str, stress: Callable[[], float], limits: Mapping[str, Limit]) -> Judged:
+    return _exact(name, stress(), limits)
+
+
+def _of_lift(
+    gear: SteeringGear,
+    inputs: Mapping[str, Distribution],
+    limits: Mapping[str, Limit],
+    rated_torque: float,
+    samples: int,
+) -> Judged:
+    lifting = gear.replace({"test.lift_torque": rated_torque})
+    lift = band_of_runs("rack-lift", lifting, MODEL, inputs, max(samples // 2, 8))
+    return _from_band("rated_lift", "rack_lift", lift, limits)
 
 
 def weight_for_ratio(gear: SteeringGear, ratio: float) -> float | None:
@@ -144,6 +188,8 @@ def _exact(name: str, value: float, limits: Mapping[str, Limit]) -> Judged:
 
 def _from_band(name: str, figure: str, band: Band, limits: Mapping[str, Limit]) -> Judged:
     """Judge a figure by its band: the share of its runs; failed ones keep nothing."""
+    if figure not in band.figures:
+        raise InputError(f"the runs give no {figure}.")
     limit, numbers = limits[name], band.drawn.numbers[figure]
     known = numbers[np.isfinite(numbers)]
     nominal = band.nominal.summary[figure]

@@ -7,9 +7,9 @@ rest is smooth, so that a spline carries it to the angles between.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.flank_element import flank_force_and_tangent
@@ -19,6 +19,9 @@ from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.gear_loop import FOUND, KEPT, Grid, Motion, gear_loop
 from rps_exudyn.solvers.gear_numbers import AXIS_OFFSET, COLUMN, PRELOAD, REST_GAP
 from rps_exudyn.solvers.newton_approach import newton_approach
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 COARSE, FINE = 5.0, 0.05  # residual [N] from which a last step is not evaluated: of all gears, of the known
 PINION, RACK = (COORDINATE_BLOCKS[body].start for body in ("pinion", "rack"))
@@ -120,8 +123,8 @@ class Loop:
 class Known:
     """A reference gear's coordinates at the mesh beside gain and runout, and their response."""
 
-    motion: CubicSpline  # -> (8,)
-    response: CubicSpline | None = None  # -> (f, 8) per feature
+    motion: "CubicSpline"  # -> (8,)
+    response: "CubicSpline | None" = None  # -> (f, 8) per feature
     resting: np.ndarray = field(
         default_factory=lambda: np.zeros(0)
     )  # of the rest's place beside the axis (f,)
@@ -171,12 +174,12 @@ class Between:
 
     @classmethod
     def of(
-        cls, columns: CubicSpline, response: CubicSpline, nodes: np.ndarray, record: np.ndarray
+        cls, columns: "CubicSpline", response: "CubicSpline", nodes: np.ndarray, record: np.ndarray
     ) -> "Between":
         """From columns of the reference gear and their response over the angle; nodes (k,), record (m,)."""
         order = np.argsort(nodes)
         weights = np.empty((len(nodes), len(record)))
-        weights[order] = CubicSpline(nodes[order], np.eye(len(nodes)))(record).T
+        weights[order] = rising(nodes[order], np.eye(len(nodes)))(record).T
 
         def known(angles: np.ndarray) -> np.ndarray:
             return np.concatenate([columns(angles)[:, None], response(angles)], axis=1).T.copy()
@@ -210,15 +213,17 @@ class Between:
         return found
 
 
-def rising(angles: np.ndarray, values: np.ndarray) -> CubicSpline:
+def rising(angles: np.ndarray, values: np.ndarray) -> "CubicSpline":
     """Return the spline of values (k, ...) over angles (k,) that rise or fall."""
+    from scipy.interpolate import CubicSpline  # half a second, for the loop over gears alone
+
     order = slice(None) if angles[-1] > angles[0] else slice(None, None, -1)
     return CubicSpline(angles[order], values[order])
 
 
 def learned(
     loop: Loop, rows: Rows, steps: np.ndarray, angles: np.ndarray, per_pitch: int, known: Known
-) -> tuple[Known, CubicSpline, CubicSpline] | None:
+) -> "tuple[Known, CubicSpline, CubicSpline] | None":
     """Follow the reference gear and two for each feature, `steps` (f,) above and below it.
 
     `rows` are these gears in this order; returns what is known then, and the reference gear's columns and

@@ -29,6 +29,7 @@ from rps_exudyn.fitting.estimate import Estimate, Fit, Verdict
 from rps_exudyn.fitting.findings import fit_as_dict, open_sentences
 from rps_exudyn.fitting.fit import fit
 from rps_exudyn.fitting.identify import LevelData, advice_of
+from rps_exudyn.fitting.more_runs import more_runs
 from rps_exudyn.fitting.noise import found_noise
 from rps_exudyn.fitting.problem import PassRows
 from rps_exudyn.fitting.series import read_series, write_series
@@ -271,3 +272,29 @@ def test_least_deviations_fall_with_the_root_of_the_runs() -> None:
     for path, sd in one.items():
         assert sd / three[path] == pytest.approx(np.sqrt(3), rel=1e-9)
     assert one["yoke.preload"] > 0.02
+
+
+def test_runs_that_would_reach_what_is_wanted() -> None:
+    """t s / sqrt(n) <= 5 %: of one test whose run scatters by 10 %, n = 18 (2.11 x 2.36 %), not 17 (2.12 x
+    2.43 %); of six tests, whose scatter counts together, 16; what is reached is not named."""
+    halves = {"yoke.preload": 0.2, "mesh.friction": 0.1}
+    for tests, needed in ((1, 18), (6, 16)):
+        found = more_runs(halves, 1, tests, lambda runs: dict.fromkeys(halves, 0.1 / np.sqrt(runs)))
+        assert found is not None
+        assert found.runs == {"yoke.preload": needed}
+    never = more_runs(halves, 1, 1, lambda _: dict.fromkeys(halves, 0.1))
+    assert never is not None
+    assert never.runs == {"yoke.preload": None}
+    assert more_runs({"yoke.preload": 0.04}, 1, 1, lambda _: {}) is None
+
+
+def test_repeats_of_several_tests_share_their_scatter() -> None:
+    """Three runs of three tests with a repeatability of 2 % each: six degrees of freedom, and t = 2.447."""
+    random = np.random.default_rng(12)
+    noise = BenchNoise(repeatability=0.02)
+    files = [measured(test, noise, random) for test in SET[:3] for _ in range(3)]
+    found = fit(measurement_of(files), other_law=False)
+    assert found.level is not None
+    assert "3 runs of 3 tests, Student's t with 6 degrees of freedom" in found.level.noise
+    assert (found.level.interval[1] - found.level.value) / found.level.sd == pytest.approx(2.447, rel=1e-3)
+    assert found.estimate("bush.drag").value == pytest.approx(25.0, rel=0.06)  # 2.2 standard errors
