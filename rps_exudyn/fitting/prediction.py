@@ -1,8 +1,10 @@
 """What a gear would show in each test of a bench: simulated by equilibria, and by formula.
 
 A curve of free turning is simulated over a turn in both directions, and repeated; of the other tests the mean
-of each direction is predicted, from a tooth pitch of a gear without runout. Without its yoke, and without its
-rack, what is left of a gear is drag and bearing friction.
+of each direction is predicted, from a turn, or from a tooth pitch where the runout is too small to matter: under
+a weight that lifts a flank now and then over the turn, 20 um change the friction by 0.4 %, and the preload that
+is fitted to it by 3 %. Without its yoke, and without its rack, what is left of a gear is drag and bearing
+friction.
 """
 
 from collections.abc import Sequence
@@ -23,6 +25,7 @@ from rps_exudyn.solvers.drive import DrivenBody
 
 STEP = np.radians(2.0)  # the mean to 0.001 %
 TURN = 2 * np.pi
+SEEN = 4e-6  # of a runout, that changes means by a percent of what 20 um do [m]
 FIDELITY = Fidelity.preset("quasi-static").replace({"step_angle": STEP})
 
 
@@ -113,12 +116,14 @@ class Prediction:
         if test.kind in FREE_TURNING:
             ends = float(block.grid[0]), float(block.grid[-1])
             return np.concatenate([self._turned(gear, ends, sense, block.grid) for sense in (1, -1)])
-        true = gear.replace({"pinion.runout": 0.0, "pinion.pitch_error": 0.0, "rack.bow": 0.0})
-        pitch = TURN / gear.pinion.teeth
+        true = gear.replace({"pinion.pitch_error": 0.0, "rack.bow": 0.0})
+        half, step = TURN / 2, 2 * STEP
+        if gear.pinion.runout < SEEN:
+            true, half, step = true.replace({"pinion.runout": 0.0}), half / gear.pinion.teeth, STEP
         body: DrivenBody = "rack" if test.kind == "rack-push" else "pinion"
         means = []
-        for first, last in ((-pitch / 2, pitch / 2), (pitch / 2, -pitch / 2)):
-            maneuver = steady_maneuver(true, body, first, last, STEP)
+        for first, last in ((-half, half), (half, -half)):
+            maneuver = steady_maneuver(true, body, first, last, step)
             run = run_maneuver(true, self.fidelity, maneuver.under(test.load))
             if not run.ok:
                 raise NoPredictionError(f"{test.title}: {run.outcome.message}")

@@ -17,6 +17,7 @@ from rps_exudyn.fitting.unknowns import Unknown
 SMALLEST_NOISE = 1e-3  # of a pass' level: below it the contact law's own ripple is the larger error
 ZERO = 0.05  # standard deviation of a sensor's zero, of the level of its file
 OFFSET = 0.25  # of the angle's offset, of a tooth pitch
+SMOOTH = 9  # points of a running median
 LINEAR_TO = 1.345  # in standard deviations: residuals up to here count fully
 
 
@@ -161,6 +162,8 @@ def pass_rows(problem: Problem, state: State, number: int) -> PassRows:
     free = measured.test.kind in FREE_TURNING
     model = block.at(values, measured.direction, angle)
     left = measured.value - (1 + state.gain) * model - state.zeros[measured.run]
+    if not free:
+        left = _without_ripple(left)
     weights = robust_weights(left, noise.white)
     share = weights / weights.sum()
     by_u = block.at(slopes, measured.direction, angle) if free else _mean_slopes(slopes, measured)
@@ -183,6 +186,17 @@ def robust_weights(left: np.ndarray, white: float) -> np.ndarray:
     """Return the weights of the loss soft_l1, 2 (sqrt(1 + z^2) - 1), about the median: shape (n,)."""
     z = (left - np.median(left)) / (LINEAR_TO * white)
     return 1 / np.sqrt(1 + z**2)
+
+
+def _without_ripple(left: np.ndarray) -> np.ndarray:
+    """Return deviations (n,) from a mean with what is smooth of them taken away, but for its mean.
+
+    A test of which the mean alone is predicted still shows teeth and runout. They are no outliers: weights of
+    the points that take them for such would move the mean by half a percent under a weight.
+    """
+    held = np.pad(left, SMOOTH // 2, mode="edge")
+    smooth = np.median(np.lib.stride_tricks.sliding_window_view(held, SMOOTH), axis=1)
+    return np.asarray(left - smooth + smooth.mean())
 
 
 def _mean_slopes(slopes: np.ndarray, measured: MeasuredPass) -> np.ndarray:

@@ -35,7 +35,6 @@ TURNING = {
     "variation_off_centre": "torque_off_centre_variation",
 }
 """Requirement -> figure of a run that turns the pinion freely."""
-TURN: dict[str, object] = {"test.path": "there-and-back", "test.start_angle": -np.pi, "test.turns": 1.0}
 
 
 @dataclass(frozen=True)
@@ -125,7 +124,10 @@ def _of_turning(
     gear: SteeringGear, inputs: Mapping[str, Distribution], limits: Mapping[str, Limit], samples: int
 ) -> Iterator[Judged]:
     """Torques over a turn about the centre; lock to lock where the torque changes along the travel."""
-    path = {"test.path": "lock-to-lock"} if gear.rack.bow or gear.installation.gravity else TURN
+    path: dict[str, object] = {"test.path": "lock-to-lock"}
+    if not (gear.rack.bow or gear.installation.gravity):
+        start = -np.pi * gear.test.direction
+        path = {"test.path": "there-and-back", "test.start_angle": start, "test.turns": 1.0}
     try:
         band = quick_band(gear.replace(path), MODEL, inputs, samples)
     except InputError as error:

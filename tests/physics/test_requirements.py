@@ -1,6 +1,7 @@
 """The requirement sheet: numbers of the scenes, shares of the gears, and who is refused."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,11 +9,13 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.tooth_strength import pinion_form
 from rps_exudyn.parameters.carried import carried
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.requirements.limits import REQUIRED, read_limits
 from rps_exudyn.requirements.sheet import MODEL, Judged, judge, weight_for_ratio
 from rps_exudyn.solvers.closed_form import load_test, mean_state
+from rps_exudyn.uncertainty.band import Band
 from shell import Command
 
 GEAR = SteeringGear()
@@ -65,6 +68,44 @@ def test_share_of_gears_is_that_below_the_limit(tmp_path: Path) -> None:
     first = next(judge(GEAR, INPUTS, read_limits(file), samples=16))
     assert first.share == pytest.approx(0.5, abs=0.07)
     assert first.verdict == "fail"
+
+
+def test_what_cannot_be_computed_is_not_evaluated(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A gear whose runs fail, and a root that the standard does not know: the sheet says so of each."""
+
+    def lost(*_: object) -> Band:
+        raise InputError("this one ends contact-lost.")
+
+    monkeypatch.setattr("rps_exudyn.requirements.sheet.quick_band", lost)
+    monkeypatch.setattr("rps_exudyn.requirements.sheet.band_of_runs", lost)
+    monkeypatch.setattr(
+        "rps_exudyn.requirements.sheet.pinion_form",
+        lambda pair: replace(pinion_form(pair), dedendum=6.0),
+    )
+    sheet = {each.name: each for each in judge(GEAR, INPUTS, read_limits(), samples=8)}
+    assert list(sheet) == list(REQUIRED)
+    failed = {name for name, each in sheet.items() if each.verdict == "not evaluated"}
+    assert failed == set(REQUIRED) - {"rated_root_rack", "rated_flank", "travel", "gain"}
+    assert sheet["free_torque"].remark == "Not evaluated: this one ends contact-lost."
+    assert "ISO 6336 knows no stress of such a root" in sheet["rated_root_pinion"].remark
+
+
+def test_command_prints_what_is_not_evaluated(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    limit, nan = read_limits()["free_torque"], float("nan")
+    made = [Judged("free_torque", limit, nan, nan, nan, 0.0, remark="Not evaluated: contact-lost")]
+    monkeypatch.setattr("rps_exudyn.cli.check_command.judge", lambda *_, **__: iter(made))
+    answer = command(["check", "--out", "sheet.json"])
+    assert answer.status == 1
+    assert "not evaluated" in answer.out
+    assert "nan" not in answer.out
+    kept = json.loads(Path("sheet.json").read_text())["requirements"]["free_torque"]
+    assert (kept["verdict"], kept["nominal"], kept["band"]) == ("not evaluated", None, [None, None])
+
+
+def test_a_gear_that_turns_the_other_way_is_judged_about_its_centre(sheet: dict[str, Judged]) -> None:
+    """The turn of the sheet lies about the centre in either direction: the same torque, mirrored to 2 %."""
+    found = next(judge(GEAR.replace({"test.direction": -1}), INPUTS, read_limits(), samples=8))
+    assert abs(found.nominal) == pytest.approx(sheet["free_torque"].nominal, rel=0.02)
 
 
 def test_samples_that_failed_leave_a_requirement_open() -> None:
