@@ -28,7 +28,7 @@ ANGLE_ERROR, BOW, RUNOUT, OFFSET = np.radians(0.05), 70e-6, 14e-6, np.radians(2.
 WHOLE = 3.8  # turns
 
 
-def run(folder: Path, seeds: int = 24, turns: float = WHOLE, free: tuple[str, ...] = CURVED) -> None:
+def run(folder: Path, seeds: int = 20, turns: float = WHOLE, free: tuple[str, ...] = CURVED) -> None:
     """Fit a gear of each seed; keep and draw the errors. A run that was stopped goes on where it was."""
     cases = begun(folder / DATA, seeds, turns)
     for seed in range(len(cases), seeds):

@@ -23,6 +23,7 @@ class Verdict(StrEnum):
     NOT_MOVED = "as given, not found"
     NOT_ZERO = "found, differs from zero"
     MAYBE_ZERO = "not different from zero"
+    UNEXPLAINED = "not told: the curves are not explained to their noise"
 
 
 def untold(sd: float, before: float) -> Verdict:

@@ -19,7 +19,13 @@ from rps_exudyn.fitting.more_runs import WANTED, MoreRuns, more_runs, students
 from rps_exudyn.fitting.noise import REPEATABILITY, SENSOR, Found, Repeats, friction_part
 from rps_exudyn.fitting.problem import Problem
 from rps_exudyn.fitting.series import Series, titles
-from rps_exudyn.fitting.shape_estimates import shape_estimates, shape_sentences, with_others
+from rps_exudyn.fitting.shape_estimates import (
+    in_doubt,
+    shape_estimates,
+    shape_sentences,
+    unexplained,
+    with_others,
+)
 from rps_exudyn.fitting.solve import Solved
 from rps_exudyn.fitting.unknowns import LEVEL, SIGNED, VECTORS, settings_of
 from rps_exudyn.gears.gear_pair import GearPair
@@ -53,6 +59,8 @@ def outcome_of(
     count = len(problem.unknowns)
     spread = np.sqrt(np.diag(covariance))[:count]
     estimates = [with_others(each, others) for each in estimates]
+    doubt = unexplained(problem, solved)
+    estimates = [in_doubt(each) for each in estimates] if doubt else estimates
     is_open = [each.path for each in estimates if each.verdict is Verdict.OPEN and each.path in LEVEL]
     unclear = [each.path for each in estimates if each.verdict in (Verdict.OPEN, Verdict.NOT_MOVED)]
     unclear = [path for path in unclear if path in LEVEL] if is_open else []
@@ -78,6 +86,7 @@ def outcome_of(
             *warnings,
             *_warnings(problem, fitted, solved, found, repeats, estimates),
             *shape_sentences(problem, estimates, covariance, others),
+            *([doubt] if doubt else []),
         ),
         converged=solved.converged,
         simulations=problem.prediction.simulations,

@@ -5,14 +5,18 @@ from dataclasses import replace
 
 import numpy as np
 
+from rps_exudyn.fitting.bench_tests import FREE_TURNING
 from rps_exudyn.fitting.curved import OtherEnd
 from rps_exudyn.fitting.estimate import Estimate, Verdict, untold
 from rps_exudyn.fitting.identify import NARROWED
-from rps_exudyn.fitting.problem import Problem
-from rps_exudyn.fitting.unknowns import CURVED, Unknown
+from rps_exudyn.fitting.problem import Problem, white_noise
+from rps_exudyn.fitting.solve import Solved
+from rps_exudyn.fitting.two_parts import is_curved
+from rps_exudyn.fitting.unknowns import CURVED, LEVEL, Unknown
 
 SURE = 5.991  # chi squared of two components, 95 %
 AS_GOOD = 3.84  # of chi squared, within which another end belongs to the 95 % interval
+EXPLAINED = 1.15  # times the white noise that may be left of a pass: four of its own deviations
 ALIKE = 0.9  # correlation from which on two unknowns are named together
 BY_HAND = "the bar between centres under a dial gauge tells its bow"
 
@@ -80,6 +84,32 @@ def with_others(each: Estimate, others: Sequence[OtherEnd]) -> Estimate:
     low, high = min(*values, each.interval[0]), max(*values, each.interval[1])
     unsure = (low, high) != each.interval and each.path.endswith("_angle")
     return replace(each, interval=(low, high), verdict=Verdict.OPEN if unsure else each.verdict)
+
+
+def unexplained(problem: Problem, solved: Solved) -> str:
+    """Return what is to be said of a fit with bow or angle error that does not explain its curves: then bow,
+    angle error and runout may be those of a wrong end of the search, which has small errors of its own.
+
+    Noise that keeps its sign over some degrees looks the same; three runs or a dial gauge tell.
+    """
+    if not is_curved(problem):
+        return ""
+    misfits = [
+        1.4826 * float(np.median(np.abs(row.deviation - np.median(row.deviation)))) / white_noise(each)
+        for each, row in zip(problem.measurement.passes, solved.equations.rows, strict=True)
+        if each.test.kind in FREE_TURNING
+    ]
+    if solved.converged and max(misfits) < EXPLAINED:
+        return ""
+    return (
+        f"what is left of the curves is {max(misfits):.2g} times their white noise: bow, angle error and "
+        f"runout may be others, and have no interval; {BY_HAND}"
+    )
+
+
+def in_doubt(each: Estimate) -> Estimate:
+    """Return an estimate of the shape without a claim, that of the level as it is."""
+    return each if each.path in LEVEL else replace(each, verdict=Verdict.UNEXPLAINED)
 
 
 def shape_sentences(
