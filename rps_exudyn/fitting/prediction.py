@@ -1,9 +1,9 @@
 """What a gear would show in each test of a bench: simulated by equilibria, and by formula.
 
 A curve of free turning is simulated over a turn in both directions, and repeated; of the other tests the mean
-of each direction is predicted, from a turn, or from a tooth pitch where the runout is too small to matter:
-under a weight that lifts a flank now and then over the turn, 20 um change the friction by 0.4 %, and the preload
-that is fitted to it by 3 %. Without its yoke, and without its rack, what is left of a gear is drag and bearing
+of each direction is predicted, from a turn, or from a tooth pitch where the runout is too small to matter.
+Under a weight that lifts a flank now and then over the turn, 20 um change the friction by 0.4 %, and so the
+preload that is fitted. Without its yoke, and without its rack, what is left of a gear is drag and bearing
 friction.
 """
 
