@@ -28,7 +28,7 @@ ANGLE_ERROR, BOW, RUNOUT, OFFSET = np.radians(0.05), 70e-6, 14e-6, np.radians(2.
 WHOLE = 3.8  # turns
 
 
-def run(folder: Path, seeds: int = 20, turns: float = WHOLE, free: tuple[str, ...] = CURVED) -> None:
+def run(folder: Path, seeds: int = 24, turns: float = WHOLE, free: tuple[str, ...] = CURVED) -> None:
     """Fit a gear of each seed; keep and draw the errors. A run that was stopped goes on where it was."""
     cases = begun(folder / DATA, seeds, turns)
     for seed in range(len(cases), seeds):
@@ -131,8 +131,8 @@ PRINTED = (Verdict.NOT_ZERO, Verdict.MAYBE_ZERO)  # with an interval or a larges
 
 
 def table(folder: Path) -> str:
-    """Errors and coverage of each parameter."""
-    cases, rows = load_data(folder / DATA)["cases"], []
+    """Errors and coverage of each parameter, of the fits that converged: others print no interval."""
+    cases, rows = [each for each in load_data(folder / DATA)["cases"] if each["converged"]], []
     for path, (unit, size) in SHOWN.items():
         own = [each["estimates"][path] for each in cases if path in each["estimates"]]
         told = [each for each in own if each["verdict"] in PRINTED]

@@ -301,9 +301,9 @@ def test_repeats_of_several_tests_share_their_scatter() -> None:
 
 
 def test_teeth_and_runout_under_a_weight_are_no_outliers() -> None:
-    """Three runs of six tests with white noise alone: what is left of 20 um of runout and of the teeth under 80
-    and 150 kg must not move their means. The preload comes within 1 %, three stated errors; with the ripple
-    weighed as outliers it was 3 % off."""
+    """Three runs of six tests with white noise alone: what is left of 20 um of runout and of the teeth under
+    80 and 150 kg must not move their means. The preload comes within 1 %, three stated errors; with the
+    ripple weighed as outliers it was 3 % off."""
     random = np.random.default_rng([5, 0])
     files = [measured(test, WHITE, random) for test in SET for _ in range(3)]
     found = fit(measurement_of(files), other_law=False)
