@@ -4,7 +4,6 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from scipy.stats import qmc
 
 from rps_exudyn.parameters.carried import carried
 from rps_exudyn.parameters.distribution import KINDS, Distribution
@@ -192,10 +191,3 @@ def test_solution_error_stands_beside_the_band(both: tuple[Band, Band]) -> None:
     assert 0 < quick.numerical["torque_mean"] < 1e-4 * quick.nominal.summary["torque_mean"]
     assert quick.law is not None
     assert quick.law.law == "line"
-
-
-def test_points_are_those_of_scipys_latin_hypercube() -> None:
-    """Number for number: bands that were published keep their samples."""
-    inputs = {str(i): Distribution("uniform", 0, 1) for i in range(5)}
-    expected = qmc.LatinHypercube(5, rng=np.random.default_rng(7)).random(48)
-    np.testing.assert_array_equal(Samples.drawn(inputs, 48, 7).quantile, expected)
