@@ -59,7 +59,7 @@ def outcome_of(
     count = len(problem.unknowns)
     spread = np.sqrt(np.diag(covariance))[:count]
     estimates = [with_others(each, others) for each in estimates]
-    doubt = unexplained(problem, solved)
+    doubt = unexplained(problem, solved.converged, found)
     estimates = [in_doubt(each) for each in estimates] if doubt else estimates
     is_open = [each.path for each in estimates if each.verdict is Verdict.OPEN and each.path in LEVEL]
     unclear = [each.path for each in estimates if each.verdict in (Verdict.OPEN, Verdict.NOT_MOVED)]

@@ -9,14 +9,16 @@ from rps_exudyn.fitting.bench_tests import FREE_TURNING
 from rps_exudyn.fitting.curved import OtherEnd
 from rps_exudyn.fitting.estimate import Estimate, Verdict, untold
 from rps_exudyn.fitting.identify import NARROWED
+from rps_exudyn.fitting.noise import Found
 from rps_exudyn.fitting.problem import Problem, white_noise
-from rps_exudyn.fitting.solve import Solved
 from rps_exudyn.fitting.two_parts import is_curved
 from rps_exudyn.fitting.unknowns import CURVED, LEVEL, Unknown
 
 SURE = 5.991  # chi squared of two components, 95 %
 AS_GOOD = 3.84  # of chi squared, within which another end belongs to the 95 % interval
-EXPLAINED = 1.15  # times the white noise that may be left of a pass: four of its own deviations
+CHANCE = (
+    6.0  # over the root of the points: by how much more than the white noise may be left, four deviations
+)
 ALIKE = 0.9  # correlation from which on two unknowns are named together
 BY_HAND = "the bar between centres under a dial gauge tells its bow"
 
@@ -86,23 +88,23 @@ def with_others(each: Estimate, others: Sequence[OtherEnd]) -> Estimate:
     return replace(each, interval=(low, high), verdict=Verdict.OPEN if unsure else each.verdict)
 
 
-def unexplained(problem: Problem, solved: Solved) -> str:
-    """Return what is to be said of a fit with bow or angle error that does not explain its curves: then bow,
-    angle error and runout may be those of a wrong end of the search, which has small errors of its own.
+def unexplained(problem: Problem, converged: bool, found: Sequence[Found]) -> str:
+    """Return what is to be said of a fit with bow or angle error that does not explain its curves' shape:
+    then bow, angle error and runout may be those of a wrong end, which has small errors of its own.
 
-    Noise that keeps its sign over some degrees looks the same; three runs or a dial gauge tell.
+    `found` is the noise of each pass about the shape's end. Noise that keeps its sign over some degrees looks
+    the same; three runs or a dial gauge tell.
     """
     if not is_curved(problem):
         return ""
-    misfits = [
-        1.4826 * float(np.median(np.abs(row.deviation - np.median(row.deviation)))) / white_noise(each)
-        for each, row in zip(problem.measurement.passes, solved.equations.rows, strict=True)
-        if each.test.kind in FREE_TURNING
-    ]
-    if solved.converged and max(misfits) < EXPLAINED:
+    passes = problem.measurement.passes
+    free = [i for i, each in enumerate(passes) if each.test.kind in FREE_TURNING]
+    left = [np.hypot(found[i].white, found[i].correlated) / white_noise(passes[i]) for i in free]
+    misfit, points = float(np.sqrt(np.mean(np.square(left)))), sum(passes[i].value.size for i in free)
+    if converged and misfit < 1 + CHANCE / np.sqrt(points):
         return ""
     return (
-        f"what is left of the curves is {max(misfits):.2g} times their white noise: bow, angle error and "
+        f"what is left of the curves is {misfit:.2g} times their white noise: bow, angle error and "
         f"runout may be others, and have no interval; {BY_HAND}"
     )
 
