@@ -3,6 +3,7 @@
 from benchmarks import (
     bar_section_cell,
     block_damage,
+    cluster_scaling,
     efficiency_map,
     explorer,
     flank_contact,
@@ -84,6 +85,7 @@ TOPICS: dict[str, Topic] = {
     "explorer": explorer.TOPIC,
     "validation": validation.TOPIC,
     "study_scaling": study_scaling.TOPIC,
+    "cluster_scaling": cluster_scaling.TOPIC,
     "many_gears": many_gears.TOPIC,
     "block_damage": block_damage.TOPIC,
     "start_up": start_up.TOPIC,

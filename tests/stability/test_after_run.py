@@ -23,6 +23,7 @@ MESH = ForceElement("mesh", ("pinion", "rack"), np.add, None, (), {"mesh_penetra
 def signals() -> dict[str, np.ndarray]:
     n = 50
     return {
+        "time": np.linspace(0, 2, n),
         "pinion_angle": np.linspace(0, 1, n),
         "pinion_torque": np.full(n, 0.6),
         "rack_y": np.full(n, -16e-6),
