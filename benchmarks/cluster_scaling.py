@@ -24,7 +24,7 @@ DATA = "cluster_scaling.json"
 LOST = 2  # workers of the run that loses one
 
 
-def run(folder: Path, cases: int = 500, workers: Sequence[int] = (1, 2, 4)) -> None:
+def run(folder: Path, cases: int = 4000, workers: Sequence[int] = (1, 2, 4)) -> None:
     """Do one study with each number of workers, and with two of which one is killed."""
     rows = []
     with tempfile.TemporaryDirectory() as temporary:
