@@ -33,7 +33,7 @@ PICTURE = "scaling.png"
 KEEP = '[keep]\nsignals = "none"\nblocks = true\n'
 
 
-def run(folder: Path, counts: Sequence[int] = (200, 1000, 10_000), gears: int = 30) -> None:
+def run(folder: Path, counts: Sequence[int] = (200, 1000, 10_000, 100_000), gears: int = 30) -> None:
     """Run studies of so many cases, and the solver alone on so many gears."""
     rows: list[dict[str, float]] = []
     with tempfile.TemporaryDirectory() as studies:
