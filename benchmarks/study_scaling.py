@@ -149,7 +149,7 @@ def scaling_table(folder: Path) -> str:
 
 TOPIC = Topic(
     "cost of a study over the number of its cases",
-    "6 min",
+    "5 min",
     "study_runner",
     run,
     {"counts": (2, 4), "gears": 2},
