@@ -25,7 +25,8 @@ DATA = "bad_inputs.csv"
 COLUMNS = ("topic", "arguments", "status", "traceback", "lost", "beyond_limit_s", "left_alive", "said")
 LATE = 2.0  # [s] that nothing may be alive beyond its limit
 LIMITED = """
-import resource, signal
+import resource, signal, sys
+sys.dont_write_bytecode = True  # a write that is cut short there would spoil the modules of this installation
 from rps_exudyn.cli.commands import main
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, ({bytes}, {bytes}))
