@@ -150,9 +150,10 @@ def table(folder: Path) -> str:
 
 
 def picture(cases: list[dict[str, Any]]) -> Figure:
-    """Fitted over true angle error and bow, with 95 % intervals."""
+    """Fitted over true angle error and bow, with 95 % intervals, of the fits that converged."""
+    cases = [each for each in cases if each["converged"]]
     shown = [path for path in CURVED if path in cases[0]["estimates"]]
-    figure, axes = style.panels([3.0] * len(shown), width=6.0)
+    figure, axes = style.panels([3.0] * len(shown), width=6.0, common_abscissa=False)
     for panel, path in zip(axes, shown, strict=True):
         unit, size = SHOWN[path]
         own = [each["estimates"][path] for each in cases if path in each["estimates"]]
