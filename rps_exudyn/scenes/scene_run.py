@@ -32,6 +32,10 @@ class SceneRun:
         text = "; ".join(remark for remark in (self.outcome.message, *remarks) if remark)
         return replace(self, outcome=replace(self.outcome, message=text)) if self.ok and text else self
 
+    def invalid(self, message: str) -> "SceneRun":
+        """Return the run with what was recorded, as one that cannot be relied on."""
+        return replace(self, outcome=replace(self.outcome, status=Status.INVALID, message=message))
+
     def described(self, figures: Callable[[Signals], dict[str, float]]) -> "SceneRun":
         """Return the run with the summary that `figures` reads from its signals, if there are any."""
         return replace(self, summary=figures(self.signals)) if self.signals else self

@@ -18,7 +18,6 @@ from rps_exudyn.analysis.stick_slip import describe_stick_slip, sticking_speed, 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.maneuver import Maneuver, check_travel
 from rps_exudyn.scenes.remarks import remarks, wide_zone
@@ -72,8 +71,8 @@ def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         finer = run_maneuver(gear, fidelity, maneuver.halved(halved), options)
         cpu = run.outcome.cpu_s + finer.outcome.cpu_s
         if not finer.ok:
-            return _invalid(
-                run, f"steps half as long, which should confirm the figures, fail: {finer.outcome.message}"
+            return run.invalid(
+                f"steps half as long, which should confirm the figures, fail: {finer.outcome.message}"
             )
         changed = _change(stick_slip_figures(run.signals, gear), stick_slip_figures(finer.signals, gear))
         findings = {**finer.outcome.findings, "halvings": halved}
@@ -81,10 +80,9 @@ def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         if changed <= SAME:
             return run
     if halvings and run.ok:
-        return _invalid(
-            run,
+        return run.invalid(
             f"the steps are too coarse: near the sticking speed steps half as long change the torque by "
-            f"{changed:.1%} of its peak",
+            f"{changed:.1%} of its peak"
         )
     return run
 
@@ -99,11 +97,6 @@ def _change(coarse: Mapping[str, float], fine: Mapping[str, float]) -> float:
     """Return by how much figures differ, over the largest torque; 0 of a record too short for any."""
     peak = abs(fine.get("breakaway_torque", 0.0))
     return max(abs(fine[name] - coarse[name]) for name in COMPARED) / peak if peak and coarse else 0.0
-
-
-def _invalid(run: SceneRun, message: str) -> SceneRun:
-    """The run, which cannot be relied on."""
-    return replace(run, outcome=replace(run.outcome, status=Status.INVALID, message=message))
 
 
 NOTHING_FALLS = (

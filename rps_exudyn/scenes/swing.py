@@ -5,13 +5,10 @@ during the record. It shows: the first cycle does not end where it began. Such a
 and more cycles before the record; one that never settles is no swing that repeats, and says so.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.run_options import RunOptions
@@ -34,12 +31,11 @@ def run_swing(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, option
             return run
         run = run_maneuver(gear, fidelity, maneuver.begun_earlier(cycles), options)
     if run.ok and (beyond := unclosed(run.signals, maneuver)) > 1:
-        message = (
+        return run.invalid(
             f"the swing does not settle: after {cycles} cycles the next one still ends {beyond:.2g} times as "
             f"far from where it began as is allowed, {CLOSED:.0%} of the torque and {IN_PLACE:.1%} of the "
             "rack's travel"
         )
-        return replace(run, outcome=replace(run.outcome, status=Status.INVALID, message=message))
     return run
 
 
