@@ -59,8 +59,11 @@ def _running(way: Pass) -> float:
 
 def _turned_about(way: Pass) -> tuple[float, float] | None:
     """Stiffness at no torque after a turn [N m/rad], and the angle turned until the torque is nearly
-    the running one [rad]; None where the record does not show them."""
+    the running one [rad]; None where the record does not show them, as of a way that ends before the torque
+    has turned about."""
     turned, torque, running = np.abs(way.angle - way.angle[0]), _against(way), _running(way)
+    if running <= 0:
+        return None
     reached = np.flatnonzero(torque >= RUNNING * running)
     if not reached.size or torque[0] > -GRADIENT * running or reached[0] < 2:
         return None

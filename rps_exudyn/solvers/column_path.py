@@ -91,6 +91,7 @@ class March:
     slope: float = 0.0  # of the gear's torque less the column's, where it was found last [N m/rad]
     residual: float = 0.0  # [N]
     searches: int = 0
+    searching: bool = True  # at each place where Newton's method finds no equilibrium
 
     @classmethod
     def begun(
@@ -151,7 +152,7 @@ class March:
 
     def searched(self, k: int) -> bool:
         """Look further for the equilibrium at instant k that Newton's method did not find."""
-        if self.searches == MOST_SEARCHES:
+        if not self.searching or self.searches == MOST_SEARCHES:
             return False
         self.searches += 1
         begin_step(self.balance.memory, self.kept[k - 1, 1], self.time[k])
@@ -183,8 +184,42 @@ class March:
 
         guess = before + float(sign * self.rates[k - 1, driven]) * step
         reach = WIDEST * (abs(end - float(self.ahead.place(self.time[k - 1]))) + self.largest / stiff)
-        place, self.slope = root(surplus, guess, max(self.slope, stiff), reach, lambda: CLOSE * self.largest)
-        return bool(np.isfinite(place))
+        slope = max(self.slope, stiff)
+        for self.searching in (False, True):
+            place, found = root(surplus, guess, slope, reach, lambda: CLOSE * self.largest)
+            if np.isfinite(place):
+                self.slope = found
+                return True
+            if self.sprung(k):
+                return True
+        return False
+
+    def sprung(self, k: int) -> bool:
+        """Find pinion and rack together, the column a spring on the pinion; false without an equilibrium.
+
+        Where all sticks, the torque changes so much over so little of the pinion's angle that it is no use as
+        a function of that; its inverse is tame.
+        """
+        driven, sign, step = self.ahead.coordinate, self.ahead.sign, self.time[k] - self.time[k - 1]
+        column, before = self.ahead.column, float(self.coordinates[k - 1, driven])
+        end, moving = (
+            sign * float(self.ahead.place(self.time[k])),
+            sign * float(self.ahead.rate(self.time[k])),
+        )
+        tangent = np.zeros((self.balance.size, self.balance.size))
+        tangent[driven, driven] = -(column.stiffness + column.damping / step)
+
+        def spring(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            torque = np.zeros(self.balance.size)
+            torque[driven] = column.torque(end - q[driven], moving - (q[driven] - before) / step)
+            return torque, tangent
+
+        begin_step(self.balance.memory, self.kept[k - 1, 1], self.time[k])
+        rows = self.coordinates, self.rates, self.forces, self.applied
+        free = np.union1d(self.free, [driven])
+        self.residual = search(self.balance, free, self.time, k, *rows, spring)
+        self.kept[k] = self.balance.memory
+        return self.residual <= CLOSE * self.largest / self.balance.lengths[driven]
 
     def divided(self, k: int, shortest: float) -> bool:
         """Put an instant halfway before instant k; false where the step [s] is as short as that already."""

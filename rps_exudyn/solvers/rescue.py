@@ -10,6 +10,7 @@ from rps_exudyn.solvers.path_follower import TOLERANCE, backward_difference, inv
 from rps_exudyn.solvers.settling import Tangent, differences, settled
 
 At = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # free coordinates -> all, and their rates
+Outside = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # coordinates -> forces (n,), tangent (n, n)
 
 RESCUING_STEPS = 100  # most rescues take 30 to 80
 CREEP_PARTS, CREEP_STEPS = 12, 3  # of a tooth pitch, of which a gear that finds no rest makes steps
@@ -114,11 +115,13 @@ def search(
     rates: np.ndarray,
     forces: np.ndarray,
     applied: np.ndarray,
+    outside: Outside | None = None,
 ) -> float:
     """Let the gear creep to the equilibrium that Newton's method did not find: from where the path leads, or
     else from where it was.
 
-    Fills row k and returns the residual [N].
+    Fills row k and returns the residual [N]. What acts from `outside`, such as a spring on the coordinate that
+    is driven otherwise, is balanced too; the row's forces are those without it.
     """
     base, levers = coordinates[0].copy(), balance.lengths[free]
     per_time, ahead = 1 / (time[1] - time[0]), coordinates[0] + (time[1] - time[0]) * rates[0]
@@ -134,14 +137,21 @@ def search(
     def force(place: np.ndarray) -> np.ndarray:
         return np.asarray(balance.force(*at(place), balance.data)) + applied[k]
 
-    tangent = _compiled_tangent(balance, free, base[free], per_time, applied[k], at)
+    def unbalanced(place: np.ndarray) -> np.ndarray:
+        left = force(place)
+        return (left if outside is None else left + outside(coordinates[k])[0])[free]
+
+    own = _compiled_tangent(balance, free, base[free], per_time, applied[k], at)
+
+    def tangent(place: np.ndarray) -> np.ndarray:
+        slope = own(place)
+        return slope if outside is None else slope + outside(coordinates[k])[1][np.ix_(free, free)]
+
     residual = np.inf
     for start in (ahead, coordinates[k - 1]):
         with np.errstate(all="ignore"):  # far from an equilibrium the forces may be of any size
             try:
-                place, residual = settled(
-                    lambda place: force(place)[free], start[free], levers, RESCUING_STEPS, tangent
-                )
+                place, residual = settled(unbalanced, start[free], levers, RESCUING_STEPS, tangent)
             except np.linalg.LinAlgError:  # not finite there
                 continue
         forces[k] = force(place)
