@@ -120,8 +120,8 @@ def search(
     """Let the gear creep to the equilibrium that Newton's method did not find: from where the path leads, or
     else from where it was.
 
-    Fills row k and returns the residual [N]. What acts from `outside`, such as a spring on the coordinate that
-    is driven otherwise, is balanced too; the row's forces are those without it.
+    Fills row k and returns the residual [N]. What acts from `outside`, such as a spring on the coordinate
+    that is driven otherwise, is balanced too; the row's forces are those without it.
     """
     base, levers = coordinates[0].copy(), balance.lengths[free]
     per_time, ahead = 1 / (time[1] - time[0]), coordinates[0] + (time[1] - time[0]) * rates[0]
