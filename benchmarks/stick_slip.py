@@ -17,8 +17,8 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
-from rps_exudyn.verification.guides_limit import damping_with_guides
-from rps_exudyn.verification.sliding_limit import measured_damping, predicted_damping
+from rps_exudyn.solvers.sliding_stability import one_inertia_damping, sliding_damping
+from rps_exudyn.verification.sliding_limit import measured_damping
 from rps_exudyn.verification.stick_slip import event_based, on_bristles, regularised
 
 DATA = "stick_slip.json"
@@ -94,7 +94,7 @@ def sheet(
     else:
         least = np.stack([1.0 - sticks(_damped(model, each), speeds) for each in ratios])
     falling = [model.linear_limit(float(speed)) / unit for speed in speeds]
-    bristles = [predicted_damping(gear.replace({"test.speed": float(speed)})) / unit for speed in speeds]
+    bristles = [one_inertia_damping(gear.replace({"test.speed": float(speed)})) / unit for speed in speeds]
     return {
         "ratio": ratio,
         "travel": travel,
@@ -153,9 +153,9 @@ def map_picture(data: dict[str, Any]) -> Figure:
 def bisected(travel: float, speed: float) -> dict[str, Any]:
     """The limit of the whole gear's steady sliding, measured and predicted [N m s/rad]."""
     gear = gear_with(1.2, travel, speed=speed)
-    predicted = predicted_damping(gear)
+    predicted = one_inertia_damping(gear)
     case = {"travel": travel, "speed": speed, "predicted": predicted}
-    case["with_guides"] = damping_with_guides(gear, Fidelity.preset("flank"))
+    case["with_guides"] = sliding_damping(gear, Fidelity.preset("flank"))
     if not np.isfinite(predicted):
         return {**case, "predicted": None, "message": "stable without damping"}
     try:

@@ -264,7 +264,7 @@ SUMMARY = {
     "sliding_damping": Quantity(
         "N*m*s/rad",
         "N*m*s/rad",
-        "damping of the column below which steady sliding at test.speed is unstable, of falling friction",
+        "damping of the column below which steady sliding at test.speed is unstable, of the whole gear",
     ),
     "bristle_margin": _number("above 0 where steady sliding at test.speed is stable with bristles"),
     "impacts": _number("number of impacts of the plunger on the yokenut"),

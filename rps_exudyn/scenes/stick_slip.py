@@ -2,8 +2,9 @@
 
 The column twists until static friction is overcome, which is the breakaway. If friction falls with speed the
 gear may come to rest again, and again. The record begins at rest and goes on for so many cycles; figures are
-those of its later half. Beside them stands what is predicted (`analysis.stick_slip`): the speed below which
-the reduced gear goes on sticking, and the damping of the column below which steady sliding is unstable.
+those of its later half. Beside them stands what is predicted: the speed below which the reduced gear goes on
+sticking (`analysis.stick_slip`), and the damping of the column below which steady sliding is unstable
+(`solvers.sliding_stability`).
 
 Near that speed little damping decides whether vibration dies away or stays, and time steps add some of their
 own. There the motion is made again in half the steps until that changes nothing.
@@ -27,6 +28,7 @@ from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.drive import SetOff
 from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
+from rps_exudyn.solvers.sliding_stability import sliding_damping
 
 PER_PERIOD = 40  # steps in a natural period of gear and column
 CYCLES = 12  # of sticking and slipping that are recorded, and more where little damps
@@ -56,7 +58,7 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
     nothing = "" if model.surplus > 0 else NOTHING_FALLS
     zone = wide_zone(fidelity, "sticking depends", WIDEST_ZONE) if model.surplus > 0 else ""
     return run.noting(*remarks(gear, run.signals), nothing, zone).described(
-        lambda signals: {**stick_slip_figures(signals, gear), **balance(signals)}
+        lambda signals: {**_seen(signals, gear), **predictions(gear, fidelity), **balance(signals)}
     )
 
 
@@ -74,7 +76,7 @@ def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
             return run.invalid(
                 f"steps half as long, which should confirm the figures, fail: {finer.outcome.message}"
             )
-        changed = _change(stick_slip_figures(run.signals, gear), stick_slip_figures(finer.signals, gear))
+        changed = _change(_seen(run.signals, gear), _seen(finer.signals, gear))
         findings = {**finer.outcome.findings, "halvings": halved}
         run = replace(finer, outcome=replace(finer.outcome, cpu_s=cpu, findings=findings))
         if changed <= SAME:
@@ -126,16 +128,22 @@ def set_off(gear: SteeringGear) -> Maneuver:
     return Maneuver(SetOff("wheel", test.start_angle, test.direction * test.speed), step, 0, steps)
 
 
-def stick_slip_figures(signals: Signals, gear: SteeringGear) -> dict[str, float]:
-    """Return what the record shows, and what is predicted."""
-    test, model, presliding = gear.test, reduced_gear(gear), presliding_angle(gear)
-    predicted = {
-        "sliding_damping": model.linear_limit(test.speed),
-        "sticking_speed": predicted_sticking(gear),
-    }
+def _seen(signals: Signals, gear: SteeringGear) -> dict[str, float]:
+    """Return what the record shows."""
+    return describe_stick_slip(signals, gear.test.direction * gear.test.speed)
+
+
+def predictions(gear: SteeringGear, fidelity: Fidelity) -> dict[str, float]:
+    """Return what is predicted: where the reduced gear sticks, and where the gear's steady sliding is stable;
+    of that nothing where no equilibrium is found about which it could be said."""
+    model, presliding = reduced_gear(gear), presliding_angle(gear)
+    predicted = {"sticking_speed": predicted_sticking(gear)}
+    damping = sliding_damping(gear, fidelity) if model.surplus > 0 else 0.0
+    if np.isfinite(damping):
+        predicted["sliding_damping"] = damping
     if presliding:
-        predicted["bristle_margin"] = model.bristle_margin(test.speed, presliding)
-    return describe_stick_slip(signals, test.direction * test.speed) | predicted
+        predicted["bristle_margin"] = model.bristle_margin(gear.test.speed, presliding)
+    return predicted
 
 
 def predicted_sticking(gear: SteeringGear) -> float:

@@ -2,11 +2,11 @@
 
 The wheel turns at a constant speed and the gear slides settled; then the wheel is nudged by a small angle,
 and the vibration of the column's twist grows or decays. The damping between both is the limit that
-`Oscillator.linear_limit` and `Oscillator.bristle_margin` predict.
+`solvers.sliding_stability` predicts, of one inertia and of the whole gear.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,11 +16,12 @@ from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.solvers.drive import Steady
-from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
+from rps_exudyn.solvers.reduced_gear import reduced_gear
 from rps_exudyn.solvers.settled_start import SteadyApproach
+from rps_exudyn.solvers.sliding_stability import PERIODS
 
-PER_PERIOD, PERIODS = 60, 9  # steps in a natural period, and periods in a run ...
-FIRST = 1  # ... of which those from this one on show the vibration
+PER_PERIOD = 60  # steps in a natural period; of the periods of a run ...
+FIRST = 1  # ... those from this one on show the vibration
 NUDGE = 0.02  # of the angle that the wheel turns in a natural period
 
 
@@ -66,21 +67,6 @@ def growth(gear: SteeringGear, fidelity: Fidelity) -> float:
     periods = range(FIRST, PERIODS - 1)
     sizes = [float(np.std(vibration[at * PER_PERIOD : (at + 1) * PER_PERIOD])) for at in periods]
     return float(np.polyfit(np.array(periods) * period, np.log(sizes), 1)[0])
-
-
-def predicted_damping(gear: SteeringGear) -> float:
-    """Return the damping of the column at which the limits say that growth is 0 [N m s/rad]; nan where
-    sliding is stable without any."""
-    model, presliding, speed = reduced_gear(gear), presliding_angle(gear), gear.test.speed
-    if not presliding:
-        return model.linear_limit(speed) or np.nan
-    damping = np.linspace(0, 1.2 * max(model.linear_limit(speed), 1e-9), 121)
-    margins = np.array([replace(model, damping=each).bristle_margin(speed, presliding) for each in damping])
-    unstable = np.flatnonzero(margins < 0)
-    if not unstable.size or unstable[-1] + 1 == damping.size:
-        return float("nan")
-    last = slice(unstable[-1], unstable[-1] + 2)
-    return float(np.interp(0.0, margins[last], damping[last]))
 
 
 def measured_damping(gear: SteeringGear, fidelity: Fidelity, near: float, tolerance: float = 0.01) -> float:

@@ -14,6 +14,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
+from rps_exudyn.solvers import column_path
 from rps_exudyn.solvers.column_path import March, root
 from rps_exudyn.solvers.steering_column import SteeringColumn
 
@@ -180,3 +181,27 @@ def test_an_instant_without_equilibrium_is_reached_in_shorter_steps(monkeypatch:
     assert divided.status is Status.OK
     assert divided.findings["angles"] == whole.findings["angles"] + 1
     assert divided.summary["feel_area"] == pytest.approx(whole.summary["feel_area"], rel=1e-3)
+
+
+def test_pinion_and_rack_are_found_together_where_the_torque_is_too_steep(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Instants whose root is not found alone have the same torque and place by the spring on the pinion, to
+    the tolerances of both (1e-4 of the largest torque)."""
+    whole, missing = feel(), iter([True] * 3)
+    monkeypatch.setattr(
+        column_path, "root", lambda *given: (np.nan, 1.0) if next(missing, False) else root(*given)
+    )
+    together = rps.run("steering-feel", GEAR, fidelity="quasi-static")
+    assert together.status is Status.OK
+    assert together.findings["angles"] == whole.findings["angles"]
+    largest = np.abs(whole["column_torque"]).max()
+    assert together["column_torque"] == pytest.approx(whole["column_torque"], abs=3e-4 * largest)
+    assert next(missing, None) is None
+
+
+def test_a_way_that_ends_before_the_torque_turns_about_has_no_breakaway() -> None:
+    """The record of a run that failed a little after the wheel turned back."""
+    angle = np.concatenate([np.linspace(-0.5, 0.5, 400), np.linspace(0.5, 0.4999, 40)[1:]])
+    signals = {"wheel_angle": angle, "column_torque": np.full(angle.size, 0.6), "pinion_angle": angle}
+    assert "on_centre_stiffness" not in describe_feel(signals)

@@ -20,9 +20,13 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
+from rps_exudyn.scenes.stick_slip import predictions
+from rps_exudyn.solvers.drive import Steady
+from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
-from rps_exudyn.verification.guides_limit import damping_with_guides
-from rps_exudyn.verification.sliding_limit import growth, measured_damping, predicted_damping
+from rps_exudyn.solvers.sliding_stability import masses, one_inertia_damping, sliding_damping
+from rps_exudyn.verification.runge_kutta import FreeMotion
+from rps_exudyn.verification.sliding_limit import growth, measured_damping
 from rps_exudyn.verification.stick_slip import event_based, largest_sticking_speed, regularised
 from rps_exudyn.verification.stick_slip import on_bristles as cells_on_bristles
 
@@ -183,7 +187,7 @@ def test_limit_of_the_whole_gear_is_the_predicted_one(law: str) -> None:
     parts = {f"{part}.friction_law": law for part in ("mesh", "yoke", "bush", "bearing")}
     short = {f"{part}.bristle_travel": "2 um" for part in ("mesh", "yoke", "bush", "bearing")}
     gear = STEEL.replace({**parts, **short, "test.speed": 1.5})
-    predicted = predicted_damping(gear)
+    predicted = one_inertia_damping(gear)
     assert predicted == pytest.approx(0.0310 if law == "stribeck" else 0.0273, rel=0.02)
     rates = [
         growth(gear.replace({"column.damping": share * predicted}), Fidelity.preset("flank"))
@@ -199,10 +203,30 @@ def test_guides_lower_the_limit_of_fast_sliding(law: str) -> None:
     parts = {f"{part}.friction_law": law for part in ("mesh", "yoke", "bush", "bearing")}
     short = {f"{part}.bristle_travel": "2 um" for part in ("mesh", "yoke", "bush", "bearing")}
     gear, model = STEEL.replace({**parts, **short, "test.speed": 2.5}), Fidelity.preset("flank")
-    predicted = damping_with_guides(gear, model)
-    assert 1.1 * predicted < 0.92 * predicted_damping(gear)
+    predicted = sliding_damping(gear, model)
+    assert 1.1 * predicted < 0.92 * one_inertia_damping(gear)
     rates = [growth(gear.replace({"column.damping": share * predicted}), model) for share in (0.9, 1.1)]
     assert rates[0] > 0 > rates[1]
+
+
+def test_masses_of_the_linearised_gear_are_those_of_its_exudyn_system() -> None:
+    """All entries to 1e-9 of the largest of their rows and columns."""
+    forces = gear_forces(STEEL, Fidelity.preset("flank"))
+    motion = FreeMotion.of(STEEL, Fidelity.preset("flank"), Steady("pinion", 0.0, 0.0))
+    found = masses(STEEL, forces, motion.place)
+    size = np.sqrt(np.outer(np.diag(motion.mass), np.diag(motion.mass)))
+    assert np.abs((found - motion.mass) / size).max() < 1e-9
+
+
+def test_scene_states_the_limit_of_the_whole_gear() -> None:
+    """Its figure is the damping by eigenvalues, below that of one inertia, in either direction of the wheel
+    (the gear is not the same both ways, 15 %); nothing is stated where no friction falls."""
+    gear, model = STEEL.replace({"test.speed": 2.5}), Fidelity.preset("flank")
+    stated = predictions(gear, model)["sliding_damping"]
+    assert stated == sliding_damping(gear, model) < 0.92 * one_inertia_damping(gear)
+    other = predictions(gear.replace({"test.direction": -1}), model)["sliding_damping"]
+    assert other == pytest.approx(stated, rel=0.15)
+    assert predictions(GEAR, model)["sliding_damping"] == 0.0
 
 
 def test_limit_is_not_found_where_nothing_grows() -> None:

@@ -1,0 +1,146 @@
+"""The damping of the column below which steady sliding is unstable, of one inertia and of the whole gear.
+
+The limits of `analysis.stick_slip` know one inertia. A rack yields sideways and rolls as it vibrates, and
+friction across the sliding damps that: less damping of the column is enough. How much less, the whole gear
+says, its forces linearised about steady sliding; nothing is integrated. Bristles count as Stribeck's law in
+this difference, and by their own margin in the limit itself.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.gears.solids import rack_solid
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.balance import SIZE
+from rps_exudyn.solvers.drive import Steady
+from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
+from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
+from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
+from rps_exudyn.solvers.settled_start import SteadyApproach, settled_path
+
+PERIODS = 9  # natural periods over which the gear is linearised
+PITCHES = 4  # that lead there
+NEAR = 0.3  # of the column's natural frequency, within which its vibration is looked for
+TOLERANCE = 1e-3  # of the damping sought
+PARTS = ("mesh", "yoke", "bush", "bearing")
+
+
+def one_inertia_damping(gear: SteeringGear) -> float:
+    """Return the damping of the column at which the reduced gear's vibration about steady sliding neither
+    grows nor decays [N m s/rad]; nan where it is stable without any."""
+    model, presliding, speed = reduced_gear(gear), presliding_angle(gear), gear.test.speed
+    if not presliding:
+        return model.linear_limit(speed) or np.nan
+    damping = np.linspace(0, 1.2 * max(model.linear_limit(speed), 1e-9), 121)
+    margins = np.array([replace(model, damping=each).bristle_margin(speed, presliding) for each in damping])
+    unstable = np.flatnonzero(margins < 0)
+    if not unstable.size or unstable[-1] + 1 == damping.size:
+        return float("nan")
+    last = slice(unstable[-1], unstable[-1] + 2)
+    return float(np.interp(0.0, margins[last], damping[last]))
+
+
+def sliding_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
+    """Return the same of the whole gear; 0 where one inertia is stable without any, nan where the gear finds
+    no equilibrium about which it could be linearised."""
+    falling, alone = reduced_gear(gear).linear_limit(gear.test.speed), one_inertia_damping(gear)
+    return 0.0 if np.isnan(alone) else max(0.0, alone + linearised_damping(gear, fidelity) - falling)
+
+
+def linearised_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
+    """Return the same with friction that knows the speed alone, up to three times what one inertia needs; 0
+    where the gear is stable without any, nan without an equilibrium."""
+    bristles = [part for part in PARTS if getattr(gear, part).friction_law == "bristle"]
+    gear = gear.replace({f"{part}.friction_law": "stribeck" for part in bristles})
+    vibration = Vibration.of(gear, fidelity)
+    if vibration is None:
+        return float("nan")
+    most = 3 * reduced_gear(gear).linear_limit(gear.test.speed)
+    if not vibration.growth(0.0) > 0:
+        return 0.0
+    if vibration.growth(most) > 0:
+        return most
+    return float(brentq(vibration.growth, 0.0, most, xtol=TOLERANCE * most))
+
+
+@dataclass(frozen=True, eq=False)
+class Vibration:
+    """A gear behind its column, linearised at instants of steady sliding.
+
+    Attributes:
+        mass: of all coordinates, (n, n).
+        by_place: forces by coordinates at the instants, (PERIODS + 1, n, n), the column's spring among them.
+        by_rate: forces by rates, the column's damping not among them.
+        frequency: of gear and column as one inertia [rad/s].
+    """
+
+    mass: np.ndarray
+    by_place: np.ndarray
+    by_rate: np.ndarray
+    frequency: float
+
+    @classmethod
+    def of(cls, gear: SteeringGear, fidelity: Fidelity) -> "Vibration | None":
+        """Linearise over natural periods from the test's start on; None without an equilibrium there."""
+        model, test = reduced_gear(gear), gear.test
+        forces = gear_forces(gear, _condensed(fidelity))
+        time = np.linspace(0, PERIODS * 2 * np.pi / model.frequency, PERIODS + 1)
+        bar, pitch = RackBar.of(gear), 2 * np.pi / gear.pinion.teeth / test.speed
+        behind = bar.largest_displacement / bar.pair.gain + test.direction * test.start_angle
+        approach = SteadyApproach(pitch, min(PITCHES * pitch, max(0.0, float(behind)) / test.speed))
+        drive = Steady("pinion", test.start_angle, test.direction * test.speed)
+        path = settled_path(forces.statics, GearPair.of(gear), drive, approach, time)
+        if not path.converged:
+            return None
+        tangent, (_, data) = forces.dynamics_tangent, forces.dynamics
+        by_place, by_rate = (
+            np.array(
+                [tangent(q, v, data, *factors) for q, v in zip(path.coordinates, path.rates, strict=True)]
+            )
+            for factors in ((1.0, 0.0), (0.0, 1.0))
+        )
+        by_place[:, 0, 0] -= model.stiffness
+        free = np.array([i for i in range(by_place.shape[1]) if i not in forces.locked])
+        mass, at = masses(gear, forces, path.coordinates[0]), np.ix_(free, free)
+        by_place, by_rate = (np.array([each[at] for each in every]) for every in (by_place, by_rate))
+        return cls(mass[at], by_place, by_rate, model.frequency)
+
+    def growth(self, damping: float) -> float:
+        """Return the growth rate of a vibration near the natural frequency [1/s], its mean over the instants,
+        with a damping of the column [N m s/rad]."""
+        n, instants = len(self.mass), len(self.by_rate)
+        damped = self.by_rate.copy()
+        damped[:, 0, 0] -= damping
+        accelerations = np.linalg.solve(self.mass, np.concatenate([self.by_place, damped], axis=2))
+        moved = np.broadcast_to(np.eye(n, 2 * n, n), (instants, n, 2 * n))
+        values = np.linalg.eigvals(np.concatenate([moved, accelerations], axis=1))
+        near = np.abs(np.abs(values.imag) / self.frequency - 1) < NEAR
+        return float(np.mean(np.where(near, values.real, -self.frequency).max(axis=1)))
+
+
+def masses(gear: SteeringGear, forces: GearForces, place: np.ndarray) -> np.ndarray:
+    """Return the mass matrix of pinion, rack, plunger and modes at a place (n,), shape (n, n)."""
+    mass = np.eye(place.size)
+    mass[0, 0], bar = following_inertia(gear)[0], rack_solid(gear).mass_properties
+    angles = place[COORDINATE_BLOCKS["rack"]][3:]
+    turn, spin = rotation_matrix(angles), spin_map(angles)
+    x, y, z = turn @ bar.centre_of_mass
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    about_point = turn @ bar.inertia @ turn.T - bar.mass * cross @ cross
+    beside = -bar.mass * cross @ spin
+    rack = COORDINATE_BLOCKS["rack"]
+    mass[rack, rack] = np.block([[bar.mass * np.eye(3), beside], [beside.T, spin.T @ about_point @ spin]])
+    mass[SIZE - 1, SIZE - 1] = gear.yoke.plunger_mass
+    return mass
+
+
+def _condensed(fidelity: Fidelity) -> Fidelity:
+    """The same with a bush that has no coordinates of its own, and teeth whose contact is smooth."""
+    coarse = {"bush": "condensed"} if "chain" in fidelity.bush else {}
+    return fidelity.replace(coarse | ({"mesh": "flank"} if fidelity.mesh == "general-contact" else {}))
