@@ -15,6 +15,7 @@ gear locks itself, and net exceeds 1 where less rubs under the load than without
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -85,13 +86,12 @@ class LoadTest:
                 )
 
 
-def measured_load_test(
-    signals: Signals, load: float, gain: float, free_torque: float, pitch: float
-) -> LoadTest:
+def measured_load_test(signals: Signals, load: Any, gain: Any, free_torque: Any, pitch: float) -> LoadTest:
     """Evaluate a record of raising (pinion angle rises) and lowering at the angles common to both.
 
     Means are over the whole tooth pitches from the smallest of these angles; over all of them, if they are
-    less than one pitch.
+    less than one pitch. Of many gears load, gain and free torque are arrays, one number for each, and so are
+    the numbers of the load test.
 
     Args:
         signals: pinion_angle [rad] and pinion_torque [N m], both directions.
@@ -131,7 +131,7 @@ def describe_load_test(test: LoadTest) -> dict[str, float]:
         "torque_reverse": test.torque_reverse,
         "free_torque": test.free_torque,
     }
-    if not test.load > 0:
+    if not np.all(np.asarray(test.load) > 0):
         return torques
     names = ("forward", "reverse", "forward_net", "reverse_net", "ratio")
     return torques | {f"efficiency_{name}": getattr(test, f"efficiency_{name}") for name in names}

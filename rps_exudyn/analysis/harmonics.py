@@ -6,6 +6,7 @@ discarded.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -37,13 +38,16 @@ def order_spectrum(angle: np.ndarray, values: np.ndarray, highest: int) -> Spect
     return Spectrum(np.arange(harmonics.size), np.abs(harmonics), np.angle(harmonics))
 
 
-def order_amplitude(angle: np.ndarray, values: np.ndarray, order: int) -> float | None:
+def order_amplitude(angle: np.ndarray, values: np.ndarray, order: int) -> Any:
     """Amplitude of the harmonic `order` times per revolution; None if no whole period was recorded.
 
-    `values` are of shape (..., n).
-
+    `values` are of shape (..., n); angles that differ from gear to gear too, and the amplitude is nan where
+    a gear turned less than a period.
     `order` = number of teeth gives the tooth order, for which a tooth pitch is enough; 1 the first order.
     """
+    if angle.ndim > 1:
+        each = [order_amplitude(*pair, order) for pair in zip(angle, values, strict=True)]
+        return np.array([np.nan if amplitude is None else amplitude for amplitude in each])
     harmonics = _harmonics(angle, values, 2 * np.pi / order, 1)
     return None if harmonics is None else number_of(abs(harmonics[1]))
 

@@ -11,6 +11,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from rps_exudyn.analysis.many import over_instants
+
 Signals = Mapping[str, np.ndarray]
 
 LEAST_TURN = 5e-3  # of the whole range of angles: a smaller turn back begins no pass
@@ -19,7 +21,10 @@ LEAST_JUMP = 0.3  # of the range, that one step back goes where another pass in 
 
 @dataclass(frozen=True, eq=False)
 class Pass:
-    """The signals recorded while the pinion turned one way, each of shape (n,), of many gears (..., n)."""
+    """The signals recorded while the pinion turned one way, each of shape (n,), of many gears (..., n).
+
+    Many gears share time; their angles are the same too, or all rise or all fall.
+    """
 
     direction: int  # +1 moves the rack along +X
     signals: dict[str, np.ndarray]  # in the order of time; the pinion angle strictly monotone
@@ -46,7 +51,7 @@ def passes(signals: Signals) -> list[Pass]:
 def interpolated(signals: Signals, name: str, angle: np.ndarray, direction: int) -> np.ndarray:
     """A signal at rising pinion angles [rad]; its own angles rise (`direction` +1) or fall (-1)."""
     order = slice(None, None, direction)
-    return np.interp(angle, signals["pinion_angle"][order], signals[name][order])
+    return over_instants(angle, signals["pinion_angle"][order], signals[name][..., order])
 
 
 def turning_points(angle: np.ndarray) -> list[int]:
@@ -56,7 +61,7 @@ def turning_points(angle: np.ndarray) -> list[int]:
         return []
     steps = np.diff(angle)
     if (steps > 0).all() or (steps < 0).all():
-        return [0, angle.size - 1]
+        return [0, angle.shape[-1] - 1]
     points, low, high, direction = [], 0, 0, 0
     angles = angle.tolist()  # numbers one by one: an array's elements take ten times as long
     for i, value in enumerate(angles):
@@ -80,12 +85,12 @@ def turning_points(angle: np.ndarray) -> list[int]:
 def _maneuvers(signals: Signals) -> list[Signals]:
     """The records from which this one was joined."""
     angle = signals["pinion_angle"]
-    joints = np.flatnonzero(np.diff(signals.get("time", np.arange(angle.size))) <= 0) + 1
-    inner = sorted({*joints.tolist(), *_jumps_back(angle)})
+    joints = np.flatnonzero(np.diff(signals.get("time", np.arange(angle.shape[-1]))) <= 0) + 1
+    inner = sorted({*joints.tolist(), *(_jumps_back(angle) if angle.ndim == 1 else ())})
     if not inner:
         return [signals]
-    ends = [0, *inner, angle.size]
-    return [{name: values[i:j] for name, values in signals.items()} for i, j in pairwise(ends)]
+    ends = [0, *inner, angle.shape[-1]]
+    return [{name: values[..., i:j] for name, values in signals.items()} for i, j in pairwise(ends)]
 
 
 def _jumps_back(angle: np.ndarray) -> list[int]:
@@ -103,7 +108,7 @@ def _jumps_back(angle: np.ndarray) -> list[int]:
 
 def _passes_of_one(signals: Signals) -> list[Pass]:
     ends = turning_points(signals["pinion_angle"])
-    begins = ends[:1] + [_left(signals["pinion_angle"], end) for end in ends[1:]]
+    begins = ends[:1] + [_left(signals["pinion_angle"], end) for end in ends[1:-1]]
     return [_pass(signals, first, last) for first, (_, last) in zip(begins, pairwise(ends), strict=False)]
 
 
@@ -151,8 +156,8 @@ def whole_periods(angle: np.ndarray, period: float) -> np.ndarray:
 
 
 def _pass(signals: Signals, first: int, last: int) -> Pass:
-    angle = signals["pinion_angle"][first : last + 1]
-    direction = 1 if angle[-1] > angle[0] else -1
+    angle = signals["pinion_angle"][..., first : last + 1]
+    direction = 1 if np.all(angle[..., -1] > angle[..., 0]) else -1
     if (direction * np.diff(angle) > 0).all():
         return Pass(direction, {name: values[..., first : last + 1] for name, values in signals.items()})
     farthest = np.maximum.accumulate(direction * angle)

@@ -9,13 +9,16 @@ from rps_exudyn.analysis.passes import Signals, passes
 RANGES = {"rack_lift_range": "rack_y", "rack_roll_range": "rack_roll", "rack_yaw_range": "rack_yaw"}
 
 
-def transmission_error(signals: Signals, gain: float) -> np.ndarray:
-    """Rack displacement minus `gain` [m/rad] times pinion angle, from its mean, shape (..., n) [m]."""
-    error = signals["rack_displacement"] - gain * signals["pinion_angle"]
+def transmission_error(signals: Signals, gain: float | np.ndarray) -> np.ndarray:
+    """Rack displacement minus `gain` [m/rad] times pinion angle, from its mean, shape (..., n) [m].
+
+    `gain` is a number, or one for each gear, (gears,).
+    """
+    error = signals["rack_displacement"] - np.asarray(gain)[..., None] * signals["pinion_angle"]
     return np.asarray(error - error.mean(axis=-1, keepdims=True) if error.size else error)
 
 
-def describe_rack(signals: Signals, gain: float) -> dict[str, float]:
+def describe_rack(signals: Signals, gain: float | np.ndarray) -> dict[str, float]:
     """The summary's figures of the motions that were recorded; `gain` is rack travel per radian [m].
 
     The transmission error is the larger of those in the two directions: the difference between directions is
@@ -28,7 +31,7 @@ def describe_rack(signals: Signals, gain: float) -> dict[str, float]:
     return _transmission(signals, gain) | figures
 
 
-def _transmission(signals: Signals, gain: float) -> dict[str, float]:
+def _transmission(signals: Signals, gain: float | np.ndarray) -> dict[str, float]:
     each_way = [(turned.angle, transmission_error(turned.signals, gain)) for turned in passes(signals)]
     if not each_way:
         return {}

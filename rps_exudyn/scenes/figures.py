@@ -17,13 +17,17 @@ from rps_exudyn.scenes.scene_run import Signals
 
 
 def figures_of_turning(signals: Signals, gear: SteeringGear) -> dict[str, float]:
-    """Return the figures of a pinion turned steadily: its torque the first way, and what both ways show."""
+    """Return the figures of a pinion turned steadily: its torque, and what any gear in motion shows."""
+    return {**figures_of_torque(signals, gear), **figures_of_motion(signals, gear)}
+
+
+def figures_of_torque(signals: Signals, gear: SteeringGear) -> dict[str, float]:
+    """Return the figures of the torque of a pinion turned steadily, the first way and both ways."""
     teeth, first = gear.pinion.teeth, passes(signals)[0].signals
     return {
         **describe_torque(first["pinion_angle"], first["pinion_torque"], teeth),
         **describe_directions(signals),
         **describe_on_centre(signals, teeth, gear.test.centre_window),
-        **figures_of_motion(signals, gear),
     }
 
 
@@ -36,17 +40,23 @@ def figures_of_motion(signals: Signals, gear: SteeringGear) -> dict[str, float]:
     """Return the figures of any gear in motion: its gain, how the rack moves in its guides, where the work
     goes."""
     return {
-        "rack_gain": gain(passes(signals)[0].signals),
-        **describe_rack(signals, float(GearPair.of(gear).gain)),
+        **figures_of_rack(signals, float(GearPair.of(gear).gain)),
         **describe_losses(signals),
         **balance(signals),
     }
 
 
+def figures_of_rack(signals: Signals, rack_gain: float | np.ndarray) -> dict[str, float]:
+    """Return how the rack follows the pinion and moves in its guides; `rack_gain` is its travel per radian
+    [m], a number or one for each of many gears."""
+    return {"rack_gain": gain(passes(signals)[0].signals), **describe_rack(signals, rack_gain)}
+
+
 def gain(signals: Signals) -> float:
     """Return the displacement of the rack per revolution of the pinion over a record in one direction [m]."""
     angle, place = signals["pinion_angle"], signals["rack_displacement"]
-    return number_of((place[..., -1] - place[..., 0]) / (angle[-1] - angle[0]) * 2 * np.pi)
+    turned = angle[..., -1] - angle[..., 0]
+    return number_of((place[..., -1] - place[..., 0]) / turned * 2 * np.pi)
 
 
 def balance(signals: Signals) -> dict[str, float]:

@@ -6,6 +6,7 @@ The rack moves as fast as the pinion would move it at the test's speed, over the
 import numpy as np
 
 from rps_exudyn.analysis.harmonics import LEAST_PER_PERIOD
+from rps_exudyn.analysis.many import largest, number_of, spread
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -38,10 +39,10 @@ def push_figures(signals: Signals) -> dict[str, float]:
     """Return the force along the motion: mean over all displacement, spread in the worse direction."""
     force, place = signals["rack_force"], signals["rack_displacement"]
     work = np.trapezoid(force, place)
-    spreads = [float(np.ptp(each.signals["rack_force"])) for each in passes(signals)]
+    spreads = [spread(each.signals["rack_force"]) for each in passes(signals)]
     return {
-        "push_force_mean": float(work / np.abs(np.diff(place)).sum()),
-        "push_force_peak_to_peak": max(spreads),
+        "push_force_mean": number_of(work / np.abs(np.diff(place)).sum(axis=-1)),
+        "push_force_peak_to_peak": largest(spreads),
     }
 
 

@@ -20,7 +20,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.simulate.looped import Looped, looped, why_not
+from rps_exudyn.simulate.loop_knows import LEFT_TO_SINGLE_RUNS, why_not
+from rps_exudyn.simulate.looped import Looped, looped
 from rps_exudyn.simulate.run import simulate
 
 ROUNDING = 1e-9  # of an angle [rad]
@@ -88,7 +89,7 @@ class Batch:
         """Return a signal over pinion angles.
 
         Args:
-            name: of the signal, by `quantities`; of gears in the loop the pinion torque.
+            name: of the signal, by `quantities`; of gears in the loop those of `loop_legs.SIGNALS`.
             angle: rising pinion angles [rad], shape (m,).
             direction: sense in which the pinion turns, +1 moves the rack along +X.
 
@@ -99,23 +100,15 @@ class Batch:
         found = np.full((len(self.results), len(angle)), np.nan)
         for i, (row, result) in enumerate(zip(found, self.results, strict=True)):
             if result is None:
-                row[:] = self._of_loop(i, name, angle, direction)
-                continue
-            turned = longest_pass(result.signals, direction) if result.status is Status.OK else None
+                assert self.found is not None
+                turned, about = longest_pass(self.found.signals_of(i), direction), ROUNDING
+            else:
+                signals = result.signals if result.status is Status.OK else {}
+                turned, about = longest_pass(signals, direction), 0.0
             if turned is not None and name in turned.signals:
-                inside = (angle >= turned.angle.min()) & (angle <= turned.angle.max())
+                inside = (angle >= turned.angle.min() - about) & (angle <= turned.angle.max() + about)
                 row[inside] = turned.over(angle[inside], name)
         return found
-
-    def _of_loop(self, i: int, name: str, angle: np.ndarray, direction: int) -> np.ndarray:
-        """The pinion torque of a gear in the loop at rising angles [rad]; nan where it is not known."""
-        row = np.full(len(angle), np.nan)
-        assert self.found is not None
-        turned = self.found.angle[::direction]
-        if name == "pinion_torque" and turned[-1] > turned[0]:
-            inside = (angle >= turned[0] - ROUNDING) & (angle <= turned[-1] + ROUNDING)
-            row[inside] = np.interp(angle[inside], turned, self.found.torque[i, ::direction])
-        return row
 
 
 def batch(
@@ -132,20 +125,20 @@ def batch(
     Each row is simulated on its own; a gear that cannot exist is a row with the status `invalid`, and its
     message says why.
 
-    Where only the torque is to be kept, one compiled loop finds most gears of a free pinion torque, five
-    times as fast over a turn and ten times over a tooth pitch: 99 % of the means within 1e-4 and of the
-    peaks to peaks within 1.1 % of single runs in steps of 1 degree (`results/study_runner`).
-    It keeps no other signals, and of the figures not those that need no run (`torque_closed_form`) or tell
-    of the solution (`energy_residual`). What it does not know or does not find well within the bounds of all
-    checks is simulated one by one; `Batch.in_loop` and `Batch.alone` say so. Tables of few gears are not
-    worth a loop.
+    Where only the torque is to be kept, one compiled loop finds most gears of a free pinion torque, a load
+    test or a rack push, five times as fast over a turn and ten times over a tooth pitch: 99 % of the means
+    within 1e-4 and of the peaks to peaks within 1.1 % of single runs in steps of 1 degree
+    (`results/study_runner`). It keeps no signals but force and place of the drive, and of the figures not
+    those that need no run (`torque_closed_form`) or tell of the solution (`energy_residual`). What it does
+    not know (`loop_knows.LEFT_TO_SINGLE_RUNS`) or does not find well within the bounds of all checks is
+    simulated one by one; `Batch.in_loop` and `Batch.alone` say so. Tables of few gears are not worth a loop.
 
     Args:
         scene: one of `scenes.SCENE_NAMES`.
         gear: what all have in common.
         values: path of a parameter -> its n values, SI or text with a unit.
         fidelity: name of a preset, or a `Fidelity`.
-        keep: "signals", all of them; or "torque", the torque's curve and figures.
+        keep: "signals", all of them; or "torque", the curve of the drive's torque or force, and figures.
         ranges: of a table that is a part of a larger one: path -> values over which that one varies, SI; so
             the loop finds each gear the same in whichever part it is.
 
@@ -179,8 +172,8 @@ def _in_loop(
     """What the loop finds, and why it is not asked."""
     if reason := why_not(scene, gear, fidelity, values):
         return None, reason
-    found = looped(gear, fidelity, _numbers(values), None if ranges is None else _numbers(ranges))
-    return found, "" if found else "the table has too few gears for a loop, or its middle gear is not found"
+    found = looped(scene, gear, fidelity, _numbers(values), None if ranges is None else _numbers(ranges))
+    return found, "" if found else LEFT_TO_SINGLE_RUNS["few"]
 
 
 def _numbers(values: Mapping[str, Any]) -> dict[str, np.ndarray]:

@@ -1,8 +1,8 @@
 """Cases of one design at once, by `batch`: each becomes the result that a study keeps.
 
-Where no more than the torque is kept, most gears of a free pinion torque come from the loop over many gears.
-Their results hold what the loop knows: the torque over the angle and its figures, without counters and
-geometry; the finding "loop" says so.
+Where no more than the torque or force of the drive is kept, most gears of a free pinion torque, a load test
+or a rack push come from the loop over many gears. Their results hold what the loop knows: that curve and its
+figures, without counters and geometry; the finding "loop" says so.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,14 +17,14 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.batch import Batch, batch
+from rps_exudyn.simulate.loop_legs import SIGNALS
 
-TORQUE = {"time", "pinion_angle", "pinion_torque"}
-FINDING = "torque by the loop over many gears: mean within 1e-4, peak to peak mostly within 1 %"
+FINDING = "figures by the loop over many gears: mean within 1e-4, peak to peak mostly within 1 %"
 
 
-def torque_alone(signals: Sequence[str] | None) -> bool:
-    """Tell whether what a study keeps is no more than the loop knows; None keeps all signals."""
-    return signals is not None and set(signals) <= TORQUE
+def torque_alone(scene: str, signals: Sequence[str] | None) -> bool:
+    """Tell whether what a study keeps is no more than the loop knows of its scene; None keeps all signals."""
+    return signals is not None and set(signals) <= {*SIGNALS.get(scene, ())}
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class CaseGroup:
         """
         wall, cpu = perf_counter(), process_time()
         table = {path: [each[path] for each in self.settings] for path in self.settings[0]}
-        keep: Literal["torque", "signals"] = "torque" if torque_alone(signals) else "signals"
+        keep: Literal["torque", "signals"] = "torque" if torque_alone(self.scene, signals) else "signals"
         found = batch(self.scene, self.gear, table, fidelity=self.fidelity, keep=keep, ranges=self.ranges)
         each_cpu = (process_time() - cpu) / len(self.settings)
         each_wall = (perf_counter() - wall) / len(self.settings)
@@ -59,7 +59,6 @@ class CaseGroup:
             return
         rows, fidelity = np.flatnonzero(batch.in_loop).tolist(), self.fidelity.model_dump()
         numbers = np.array([values[rows] for values in loop.summary.values()]).T.tolist()
-        time = np.abs(loop.angle - loop.angle[0]) / self.gear.test.speed
         for row, figures in zip(rows, numbers, strict=True):
             yield Result(
                 scene=self.scene,
@@ -69,8 +68,12 @@ class CaseGroup:
                 findings={"loop": FINDING},
                 status=Status.OK,
                 message=loop.messages[row],
-                signals={"time": time, "pinion_angle": loop.angle, "pinion_torque": loop.torque[row]},
-                summary=dict(zip(loop.summary, figures, strict=True)),
+                signals=loop.signals_of(row),
+                summary={
+                    name: value
+                    for name, value in zip(loop.summary, figures, strict=True)
+                    if not np.isnan(value)
+                },
                 cpu_s=cpu,
                 wall_s=wall,
             )

@@ -9,7 +9,9 @@ import numpy as np
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.maneuver import Maneuver, largest_angle, maneuvers_of_test, steady_maneuver
+from rps_exudyn.scenes.maneuver import Maneuver, largest_angle, steady_maneuver
+from rps_exudyn.simulate.loop_legs import Leg
+from rps_exudyn.solvers.drive import travel_per_radian
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_rows import RUNOUT, RUNOUT_ANGLE, packed_rows
 from rps_exudyn.solvers.many_gears import Between, Known, Loop, Rows, learned, motion_at_mesh, rising
@@ -29,8 +31,9 @@ Ends = tuple[tuple[str, tuple[float, float]], ...]
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """What all gears of a table have in common."""
+    """What all gears of a table have in common over one leg."""
 
+    leg: Leg
     gear: SteeringGear  # the reference
     fidelity: Fidelity
     loop: Loop
@@ -45,13 +48,14 @@ class Design:
 
     @classmethod
     def of(
-        cls, gear: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table | None = None
+        cls, leg: Leg, gear: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table | None = None
     ) -> "Design | None":
         """Follow the reference gear, and those from which the others' motion is learned.
 
         What only the ranges tell is learned once for all parts of a table.
 
         Args:
+            leg: the maneuver.
             gear: the reference.
             fidelity: how all are modelled.
             table: path -> values (n,) of the gears, SI.
@@ -60,25 +64,30 @@ class Design:
         whole = table if ranges is None else ranges
         alike = not any(np.any(whole.get(path, gear.value_at(path))) for path in SINGLE_OUT)
         steps, features = _features(gear, table, whole)
-        design = cls._learned(gear, fidelity, tuple(steps), alike)
+        design = cls._learned(leg, gear, fidelity, tuple(steps), alike)
         return None if design is None else replace(design, features=features)
 
     @classmethod
-    @lru_cache(maxsize=8)
+    @lru_cache(maxsize=12)
     def _learned(
-        cls, gear: SteeringGear, fidelity: Fidelity, steps: tuple[tuple[Ends, float], ...], alike: bool
+        cls,
+        leg: Leg,
+        gear: SteeringGear,
+        fidelity: Fidelity,
+        steps: tuple[tuple[Ends, float], ...],
+        alike: bool,
     ) -> "Design | None":
         """Learn from gears `steps` above and below the reference; `alike` if all pitches are."""
         of_record = gear if alike else gear.replace({RUNOUT: 1e-6})
-        whole = maneuvers_of_test(of_record, "pinion", fidelity.step_angle)[0]
+        whole, pair = leg.maneuver(of_record, fidelity.step_angle), GearPair.of(gear)
         maneuver = whole.one_period()
-        record = _record(maneuver)
+        record = _record(maneuver) / leg.travel(pair.gain)
         nodes, per_pitch = _nodes(gear, maneuver, record)
         if np.abs(nodes).max() > largest_angle(gear) - 2 * np.pi / gear.pinion.teeth:
             return None
         rows = packed_rows([gear, *_perturbed(gear, steps)], fidelity)
-        forces, pair = gear_forces(gear, fidelity), GearPair.of(gear)
-        loop = Loop(forces, pair, float(gear.test.direction) * gear.test.speed)
+        forces = gear_forces(gear, fidelity, leg.load(gear))
+        loop = Loop(forces, pair, leg.speed(gear), leg.body, leg.weighted)
         spacing = (nodes[1] - nodes[0]) / PER_INSTANT
         before = per_pitch or LEAD
         fine = nodes[0] + spacing * np.arange(-before * PER_INSTANT, (len(nodes) - 1) * PER_INSTANT + 1)
@@ -93,15 +102,18 @@ class Design:
         known, columns, response = taught
         between = Between.of(columns, response, nodes, record)
         bound = next(iter(forces.mesh.valid_to.values()))
-        none = np.zeros((0, len(steps)))
-        return cls(
-            gear, fidelity, loop, maneuver, whole.periods, nodes, per_pitch, known, between, none, bound
-        )
+        given = leg, gear, fidelity, loop, maneuver, whole.periods, nodes, per_pitch, known, between
+        return cls(*given, np.zeros((0, len(steps))), bound)
 
     @property
     def record(self) -> np.ndarray:
         """Angles of the record's first period [rad]."""
-        return _record(self.maneuver)
+        return _record(self.maneuver) / self.leg.travel(self.loop.pair.gain)
+
+    @property
+    def time(self) -> np.ndarray:
+        """Instants of the whole record [s]."""
+        return np.abs(self.angle - self.angle[0]) / abs(self.loop.speed)
 
     @property
     def angle(self) -> np.ndarray:
@@ -114,6 +126,7 @@ class Design:
 
 
 def _record(maneuver: Maneuver) -> np.ndarray:
+    """Places of the drive over the record."""
     time = maneuver.time
     return np.asarray(maneuver.drive.place(time[maneuver.lead :]))
 
@@ -174,13 +187,13 @@ def _followed(
     """The reference gear's motion from a settled start, by the path of single runs."""
     step = abs(fine[1] - fine[0]) * PER_INSTANT / PER_SPACING
     beyond = 2 * (fine[1] - fine[0])
-    maneuver = steady_maneuver(gear, "pinion", fine[0] - beyond, fine[-1] + beyond, step)
+    maneuver = steady_maneuver(gear, loop.body, fine[0] - beyond, fine[-1] + beyond, step)
     path = settled_path(loop.forces.statics, loop.pair, maneuver.drive, maneuver.approach, maneuver.time)
     if not path.converged:
         return None
-    angles = np.asarray(maneuver.drive.place(path.time))
+    angles = np.asarray(maneuver.drive.place(path.time)) / travel_per_radian(loop.body, loop.pair.gain)
     inside = path.time >= 0
     at_mesh = motion_at_mesh(
-        angles[inside], path.coordinates[None, inside], rows.of(np.array([0])), loop.pair, np.zeros(1)
+        angles[inside], path.coordinates[None, inside], rows.of(np.array([0])), loop, np.zeros(1)
     )
     return Known(rising(angles[inside], at_mesh[0]))

@@ -25,6 +25,7 @@ from rps_exudyn.solvers.gear_numbers import (
     REST_GAP,
     flank_of,
     guides_of,
+    load_of,
     seat_of,
 )
 from rps_exudyn.solvers.newton_approach import CLOSE, newton_approach
@@ -365,7 +366,6 @@ def gear_loop(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
         data, ideal, work = unowned(handle.data), np.empty(COUNT), work_space(grid)
         rows, references, points, stiffnesses = unowned((rows, references, points, stiffnesses))
         grid, motion, features, out = unowned((grid, motion, features, out))
-        loaded = data.load.force != (0.0, 0.0, 0.0) or data.weight.force != (0.0, 0.0, 0.0)
         for g in range(rows.shape[0]):
             row = rows[g]
             ideal[:] = row
@@ -381,7 +381,9 @@ def gear_loop(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
             stiffness = stiffnesses[min(g, stiffnesses.shape[0] - 1)]
             spring, nut, bearing, fit = guides_of(row, stiffness, data.bearing, data.fit)
             mesh = flank_of(row, reference, data.mesh)
-            parts = Parts(mesh, seat, spring, nut, bearing, fit, data.load, data.weight, loaded)
+            load, none = load_of(row, data.load), (0.0, 0.0, 0.0)
+            loaded = load.force != none or data.weight.force != none
+            parts = Parts(mesh, seat, spring, nut, bearing, fit, load, data.weight, loaded)
             ended[g], evaluations[g] = follow_gear(
                 g, row, parts, speeds[g], y - resting, motion, features, grid, work, out[g]
             )

@@ -10,6 +10,7 @@ import numpy as np
 
 from rps_exudyn.base.compiled import kernel
 from rps_exudyn.forces.bearing import BearingData
+from rps_exudyn.forces.external_load import DeadForceData
 from rps_exudyn.forces.sliding_fit import FitData
 from rps_exudyn.forces.yoke import NutData, SeatData, SpringData
 from rps_exudyn.mesh_contact.flank_data import FlankData
@@ -34,7 +35,8 @@ NUMBERS: dict[str, tuple[str, ...]] = {
 }
 ARRAYS = {"mesh": "rack_reference", "seat": "points", "fit": "stiffness"}
 FIRST = {"mesh": 0, "seat": 32, "spring": 42, "nut": 44, "bearing": 46, "fit": 49}
-COUNT = 54
+LOAD, LOAD_PLACE = 54, 55  # of what pulls the rack's end along X [N], [m]
+COUNT = 56
 REST_GAP, PRELOAD, AXIS_OFFSET = 35, 43, 18  # columns that the yoke's adjustment needs
 IDEAL = (9, 10, 29)  # columns of runout and friction, which it does without
 
@@ -44,7 +46,8 @@ COLUMN = {(part, name): FIRST[part] + i for part, names in NUMBERS.items() for i
 
 def numbers_of(data: Any) -> np.ndarray:
     """Return the row of a gear's data, shape (`COUNT`,)."""
-    return np.array([float(getattr(getattr(data, part), name)) for part, name in COLUMN])
+    parts = [float(getattr(getattr(data, part), name)) for part, name in COLUMN]
+    return np.array([*parts, data.load.force[0], data.load.place])
 
 
 def arrays_of(data: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -132,3 +135,9 @@ def guides_of(row, stiffness, bearing, fit):  # type: ignore[no-untyped-def]
         BearingData(row[46], row[47], row[48], bearing.law),
         FitData(stiffness, row[49], row[50], row[51], row[52], row[53], fit.law),
     )
+
+
+@kernel
+def load_of(row, load):  # type: ignore[no-untyped-def]
+    """Return the load with the numbers of a row."""
+    return DeadForceData((row[54], load.force[1], load.force[2]), row[55])

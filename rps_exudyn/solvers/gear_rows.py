@@ -15,8 +15,9 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.report import check_gear
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.solvers.gear_numbers import COLUMN, COUNT, REST_GAP, arrays_of, numbers_of
+from rps_exudyn.solvers.closed_form import GRAVITY
+from rps_exudyn.solvers.gear_forces import gear_forces, load_at_end
+from rps_exudyn.solvers.gear_numbers import COLUMN, COUNT, LOAD, LOAD_PLACE, REST_GAP, arrays_of, numbers_of
 from rps_exudyn.solvers.many_gears import Rows
 
 RUNOUT, RUNOUT_ANGLE = "pinion.runout", "pinion.runout_angle"
@@ -29,7 +30,7 @@ Table = Mapping[str, np.ndarray]
 
 
 def packed_rows(gears: list[SteeringGear], fidelity: Fidelity) -> Rows:
-    """Pack gears one by one.
+    """Pack gears one by one, each under the weight of its load test.
 
     Raises:
         InputError: a gear that cannot exist.
@@ -40,6 +41,8 @@ def packed_rows(gears: list[SteeringGear], fidelity: Fidelity) -> Rows:
         forces = gear_forces(gear, fidelity)
         data = forces.packed(forces.condensed_fit)
         numbers.append(numbers_of(data))
+        weight = load_at_end(gear, gear.test.direction * GRAVITY * gear.test.load_mass).data
+        numbers[-1][[LOAD, LOAD_PLACE]] = weight.force[0], weight.place
         arrays.append(arrays_of(data))
     seat = np.array([gear.yoke.seat_stiffness for gear in gears])
     references, points, stiffnesses = (_stacked(each) for each in zip(*arrays, strict=True))

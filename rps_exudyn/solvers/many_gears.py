@@ -14,10 +14,11 @@ import numpy as np
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.flank_element import flank_force_and_tangent
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
+from rps_exudyn.solvers.drive import DrivenBody
 from rps_exudyn.solvers.gear_forces import GearForces
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.gear_loop import FOUND, KEPT, Grid, Motion, gear_loop
-from rps_exudyn.solvers.gear_numbers import AXIS_OFFSET, COLUMN, PRELOAD, REST_GAP
+from rps_exudyn.solvers.gear_numbers import AXIS_OFFSET, COLUMN, LOAD, PRELOAD, REST_GAP
 from rps_exudyn.solvers.newton_approach import newton_approach
 
 if TYPE_CHECKING:
@@ -64,11 +65,16 @@ class Found:
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """One compiled loop over gears that share laws, drive and angles."""
+    """One compiled loop over gears that share laws, drive and angles.
+
+    A driven rack moves as the pinion would move it: the angles are those of a pinion without errors.
+    """
 
     forces: GearForces  # of the reference gear
     pair: GearPair
     speed: float  # of the pinion, with its sense [rad/s]
+    body: DrivenBody = "pinion"
+    weighted: bool = False  # whether each gear's weight pulls at its rack
     place: tuple[float, float] = field(init=False)  # of the reference rack under its preload [m]
 
     def __post_init__(self) -> None:
@@ -92,13 +98,16 @@ class Loop:
         balance, n = self.forces.statics, len(rows)
         numbers = rows.numbers.copy()
         numbers[:, REST_GAP] = rows.seat_stiffness
+        if not self.weighted:
+            numbers[:, LOAD] = 0.0
+        driven = COORDINATE_BLOCKS[self.body].start
         out = np.zeros((n, len(angles), KEPT))
         ended, evaluations = np.zeros((2, n), dtype=np.int64)
         x, y = self.place
         aside = rows.numbers[:, AXIS_OFFSET] - self.pair.axis_offset
         near = np.column_stack([np.full(n, x), y + aside + features @ known.resting])
-        swing = float(np.cos(self.pair.beta_p) / np.cos(self.pair.beta_r))
-        grid = Grid(PINION, balance.free(PINION), CHARACTERISTIC_LENGTHS, swing, angles, per_pitch, accepted)
+        free, swing = balance.free(driven), swing_of(self.pair)
+        grid = Grid(driven, free, CHARACTERISTIC_LENGTHS, swing, angles, per_pitch, accepted)
         gear_loop(self.forces.mesh.tangent, self.forces.seat.kernel)(
             balance.data,
             numbers,
@@ -140,8 +149,13 @@ class Known:
         )
 
 
+def swing_of(pair: GearPair) -> float:
+    """Return the share of the runout across the pinion's axis that the rack follows along X."""
+    return float(np.cos(pair.beta_p) / np.cos(pair.beta_r))
+
+
 def motion_at_mesh(
-    angles: np.ndarray, coordinates: np.ndarray, rows: Rows, pair: GearPair, shift: np.ndarray
+    angles: np.ndarray, coordinates: np.ndarray, rows: Rows, loop: Loop, shift: np.ndarray
 ) -> np.ndarray:
     """Return coordinates (n, k, 8) at the mesh, beside gain, runout and a shift (n,) along Y [m]."""
     at = coordinates.copy()
@@ -153,8 +167,13 @@ def motion_at_mesh(
     )
     across = towards_y * np.sin(angles) + towards_e * np.cos(angles)
     lift = towards_y * np.cos(angles) - towards_e * np.sin(angles)
-    at[..., 0] += angles
-    at[..., RACK] -= gain * angles + across * np.cos(pair.beta_p) / np.cos(pair.beta_r)
+    swing = across * swing_of(loop.pair)
+    at[..., PINION] += angles
+    at[..., RACK] -= gain * angles
+    if loop.body == "rack":
+        at[..., PINION] -= swing / gain
+    else:
+        at[..., RACK] -= swing
     at[..., RACK + 1] -= lift + shift[:, None]
     at[..., RACK + 6] -= lift
     return at
@@ -233,7 +252,7 @@ def learned(
     if not found.found.all():
         return None
     shift = found.adjusted - loop.place[1]
-    motion = motion_at_mesh(angles, found.out[..., :8], rows, loop.pair, shift)
+    motion = motion_at_mesh(angles, found.out[..., :8], rows, loop, shift)
 
     def slope(values: np.ndarray) -> np.ndarray:
         difference = (values[1::2] - values[2::2]) / (2 * steps[:, None, None])

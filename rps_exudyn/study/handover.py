@@ -16,7 +16,8 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.case_group import torque_alone
-from rps_exudyn.simulate.looped import can_exist, fewest, why_not
+from rps_exudyn.simulate.loop_knows import why_not
+from rps_exudyn.simulate.looped import can_exist, fewest
 from rps_exudyn.simulate.processes import Done, Task
 from rps_exudyn.study.definition import FIDELITY, Study
 from rps_exudyn.study.description import Case, Description, settings_of
@@ -144,7 +145,7 @@ def loop_ranges(study: Study, description: Description) -> dict[str, list[float]
     All groups are given the same ranges, those of the whole design, so that a case ends the same in whichever
     group it is.
     """
-    if not torque_alone(description.signals.signals):
+    if not torque_alone(description.scene, description.signals.signals):
         return None
     gear, fidelity = study.base.steering_gear, study.base.fidelity
     settings = [settings_of(study.axes, case.values) for case in description.cases]

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from rps_exudyn.analysis.passes import Signals
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -240,9 +241,7 @@ class _Seen:
 
     def add(self, part: Batch, told: Told | None, count: int) -> None:
         """Add some samples."""
-        summary, in_loop = part.summary, np.zeros((0, 0))
-        if part.in_loop.any():
-            in_loop = self._curves_of_loop(part)
+        summary = part.summary
         for i, (result, status, message) in enumerate(
             zip(part.results, part.statuses, part.messages, strict=True)
         ):
@@ -254,10 +253,11 @@ class _Seen:
                 self.rows.append(
                     [float(summary[name][i]) if name in summary else np.nan for name in self.names]
                 )
-                self._keep(in_loop[i])
+                assert part.found is not None
+                self._keep(self._curve_of(part.found.signals_of(i), self.nominal.gear))
             else:
                 self.rows.append([result.summary.get(name, np.nan) for name in self.names])
-                self._keep(self._curve_of(result))
+                self._keep(self._curve_of(result.signals, result.gear))
             if told is not None:
                 told(len(self.rows), count)
 
@@ -268,20 +268,15 @@ class _Seen:
         elif self.curves is not None:
             self.curves.append(curve)
 
-    def _curve_of(self, result: Result) -> np.ndarray | None:
-        """The curve of a result at the nominal run's times; None if its motion is another."""
+    def _curve_of(self, signals: Signals, gear: SteeringGear) -> np.ndarray | None:
+        """The curve of a run at the nominal run's times; None if its motion is another."""
         if self.curves is None:
             return None
         try:
-            curve = curve_of(result.scene, result.signals, result.gear, self.fidelity)
+            curve = curve_of(self.nominal.scene, signals, gear, self.fidelity)
             return curve.over(self.grid, smooth=False)
         except ValueError:  # another number of maneuvers
             return None
-
-    def _curves_of_loop(self, part: Batch) -> np.ndarray:
-        """Torque over the nominal run's angles, in their order."""
-        angle, sense = self.nominal.signals["pinion_angle"], self.nominal.gear.test.direction
-        return part.curves("pinion_torque", angle[::sense], sense)[:, ::sense]
 
 
 def figure_quantiles(drawn: Drawn) -> dict[str, Quantiles]:

@@ -11,7 +11,7 @@ from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.batch import Batch, batch
-from rps_exudyn.simulate.looped import why_not
+from rps_exudyn.simulate.loop_knows import why_not
 
 TOGETHER, IN_LOOP = 32, 1024  # runs between which Ctrl-C loses nothing: single ones, those of one loop
 

@@ -78,7 +78,7 @@ def curve_errors(
         for name, order in (("tooth_order", teeth), ("first_order", 1)):
             amplitudes = [order_amplitude(angle, values, order) for values in (own, true)]
             if None not in amplitudes:
-                orders[name] = 100 * (amplitudes[0] - amplitudes[1]) / size  # type: ignore[operator]
+                orders[name] = 100 * (amplitudes[0] - amplitudes[1]) / size
     return Errors(
         rms=rms_difference(own, true, size),
         rms_linear=rms_difference(linear, true, size),
