@@ -14,6 +14,7 @@ from rps_exudyn.analysis.many import number_of, over_instants
 
 LEAST_PER_PERIOD = 6  # recorded points that a period needs to be resolved
 EVEN_PER_PERIOD = 128  # even angles in a period, at least
+ROUNDING = 1e-6  # of a period that may be missing: a free pinion turns on by what its rack does
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +56,7 @@ def order_amplitude(angle: np.ndarray, values: np.ndarray, order: int) -> Any:
 def _harmonics(angle: np.ndarray, values: np.ndarray, period: float, highest: int) -> np.ndarray | None:
     """Complex c_k with values ~ Re sum c_k exp(2 pi i k angle / period), k = 0 .. highest; (highest + 1, ...)
     of values (..., n)."""
-    whole = int(abs(angle[-1] - angle[0]) / period * (1 + 1e-9)) if len(angle) > 1 else 0
+    whole = int(abs(angle[-1] - angle[0]) / period * (1 + ROUNDING)) if len(angle) > 1 else 0
     if whole == 0:
         return None
     recorded = int(len(angle) * period / abs(angle[-1] - angle[0]))

@@ -21,9 +21,12 @@ from rps_exudyn.study.runner import StudyWork, Tally, run_study
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.study_file import read_study
 from rps_exudyn.study.table import CaseTable, show_value
+from rps_exudyn.study.ways import ways_of
 
 MANY_CASES = 5000
 """More need `--yes`."""
+
+_NONE_IN_LOOP = "  none by the loop over many gears: {}"
 
 SHOWN_SKIPPED = 5
 SHOWN_GROUPS = 5
@@ -130,11 +133,13 @@ def list_cases(request: Request, json: bool) -> int:
     """Print the cases, which of them are missing, and the estimated time; exit status 0."""
     work, jobs = request.work(), request.processes
     time = estimate(work, jobs)
+    ways = ways_of(work.study, work.description, len(work.missing))
     missing = {case.hash for case in work.missing}
     cases = work.description.cases
     if json:
         rows = [{"hash": case.hash, "values": case.values, "missing": case.hash in missing} for case in cases]
         content = {"cases": rows, "missing": len(missing), "jobs": jobs, "seconds": time.seconds}
+        content |= {"in_loop": ways.ranges is not None, "not_in_loop": ways.alone}
         print(json_text.dumps(content, indent=2))
         return 0
     for case in cases:
@@ -145,6 +150,10 @@ def list_cases(request: Request, json: bool) -> int:
         f"{len(cases)} cases, {len(missing)} of them to be done: about {duration(time.seconds)} "
         f"with {jobs} {'process' if jobs == 1 else 'processes'} ({time.source})"
     )
+    if ways.ranges is not None:
+        print("  most of them by the loop over many gears, several times as fast")
+    elif ways.alone:
+        print(_NONE_IN_LOOP.format(ways.alone))
     return 0
 
 
@@ -166,6 +175,7 @@ def _print_tally(work: StudyWork, tally: Tally, json: bool) -> None:
             "done_now": tally.done_now,
             "in_groups": tally.through_batch,
             "in_loop": tally.in_loop,
+            "not_in_loop": tally.alone,
         }
         print(json_text.dumps(content, indent=2))
         return
@@ -175,6 +185,8 @@ def _print_tally(work: StudyWork, tally: Tally, json: bool) -> None:
     print(
         f"{work.study.title}: {count} cases in {folder} ({outcomes}), {tally.done_now} of them done now{how}"
     )
+    if tally.alone and tally.through_batch:
+        print(_NONE_IN_LOOP.format(tally.alone))
     print_said(tally.said)
 
 

@@ -21,6 +21,7 @@ LEFT_TO_SINGLE_RUNS = {
     "friction": "the loop knows Coulomb's friction alone",
     "parameter": "the loop does not know how gears differ in {path}",
     "text": "the values of {path} are no plain numbers",
+    "signals": "the loop keeps the signals {signals} alone",
     "few": "the table has too few gears for a loop, or its middle gear is not found",
 }
 """All reasons for which no gear of a table goes through the loop."""

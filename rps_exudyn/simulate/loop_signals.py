@@ -99,8 +99,7 @@ class LegRecord:
         """Work over one period [J], (n,) each: of drive and load, lost at each place, and stored; over the
         rack's edges goes what the others leave."""
         works = self._lost()
-        place = self.design.record * (self.number("mesh", "gain") if self._of_rack else 1.0)
-        works["drive"] = np.trapezoid(self.signals[self.design.leg.force], place)
+        works["drive"] = np.trapezoid(self.signals[self.design.leg.force], self._path)
         travel = np.diff(self.signals["rack_displacement"][:, [0, -1]])[:, 0]
         works["load"] = self.rows.numbers[:, LOAD] * travel if self.design.leg.weighted else 0.0 * travel
         stored = self._stored()
@@ -117,7 +116,9 @@ class LegRecord:
         even[[0, -1]] /= 2
         weighed = self.design.between.weighed(self.found.out, self.features, places, even)[..., 0]
         lost = dict(zip(("mesh", "damping", "seat", "bush"), weighed, strict=True))
-        return lost | {"bearing": self.number("bearing", "torque")[:, 0] * turned}
+        angle = self.signals.get("pinion_angle", record[None])
+        own = np.abs(angle[:, -1] - angle[:, 0])  # it turns to one side alone, see `_turns_on`
+        return lost | {"bearing": self.number("bearing", "torque")[:, 0] * own}
 
     def _stored(self) -> np.ndarray:
         """Elastic energy at the begin and the end of the period [J], (n, 2)."""
@@ -145,18 +146,30 @@ class LegRecord:
             (normal > 0).all(axis=-1),
             out[:, :, MESH.start + 5].max(axis=-1) < SAFE * design.bound,
             late < SAFE * min(ROLLING, LAG_BOUND),
-            missed(angle, force).max(axis=-1) < SAFE * PEAK * np.abs(mean(angle, force)),
+            missed(angle, force).max(axis=-1) < SAFE * PEAK * self._size(),
             (drift < STEADY) | (not design.maneuver.closes),
             self._works_ok(),
             self._turns_on(),
         )
         return np.asarray(np.logical_and.reduce(checks))
 
+    def _size(self) -> np.ndarray:
+        """Size of the drive's force [N m or N], (n,): its mean, or that of friction, of which a weight may
+        leave little to the drive."""
+        places = ("mesh", "damping", "edges", "seat", "bush", "bearing")
+        lost = np.sum([self.works[name] for name in places], axis=0) / np.ptp(self._path, axis=-1)
+        return np.maximum(np.abs(mean(self.design.record, self.signals[self.design.leg.force])), lost)
+
+    @property
+    def _path(self) -> np.ndarray:
+        """Places of the driven body over the record's first period, (m,) [rad] or (n, m) [m]."""
+        return self.design.record * (self.number("mesh", "gain") if self._of_rack else 1.0)
+
     def _works_ok(self) -> np.ndarray:
         """Whether the mean is resolved, and little work goes over the rack's edges, (n,)."""
         design, works = self.design, self.works
         work, hidden = every_second(design.record, self.signals[design.leg.force])
-        scale = self.rows.numbers[:, COLUMN["mesh", "gain"]] if self._of_rack else 1.0
+        scale = np.ptp(self._path, axis=-1) / np.ptp(design.record)
         least = MISSED_TORQUE * np.ptp(design.record) + ROUNDING
         larger = np.maximum(np.abs(works["drive"]), np.abs(works["load"]))
         edges = SAFE * edge_bound(design.gear) * larger

@@ -16,9 +16,9 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.loop_design import Design, Table
 from rps_exudyn.simulate.loop_figures import figures_of, remarks_on
-from rps_exudyn.simulate.loop_legs import LOAD_TEST, SIGNALS, legs_of
+from rps_exudyn.simulate.loop_knows import WEIGHT
+from rps_exudyn.simulate.loop_legs import SIGNALS, legs_of
 from rps_exudyn.simulate.loop_signals import LegRecord, joined
-from rps_exudyn.solvers.gear_numbers import LOAD
 from rps_exudyn.solvers.gear_rows import RUNOUT, RUNOUT_ANGLE, packed_rows, rows_of_table
 from rps_exudyn.solvers.many_gears import Rows
 
@@ -103,9 +103,10 @@ def _fixed_runout(table: Mapping[str, Any]) -> bool:
 
 
 def _within(table: Table, ranges: Table) -> np.ndarray:
-    """Rows of a table within the ranges."""
+    """Rows of a table within the ranges; none without its weight."""
     inside = [(ranges[path].min() <= each) & (each <= ranges[path].max()) for path, each in table.items()]
-    return np.flatnonzero(np.logical_and.reduce(inside))
+    weighted = np.greater(table.get(WEIGHT, 1.0), 0.0)
+    return np.flatnonzero(np.logical_and.reduce(inside) & weighted)
 
 
 def _exists(gear: SteeringGear, fidelity: Fidelity, table: Table, row: int) -> bool:
@@ -135,8 +136,6 @@ class _Part:
         """Follow the chosen gears over all legs, and describe those that the loop has found in each."""
         records = [LegRecord.of(design, rows, chosen) for design in designs]
         kept = np.logical_and.reduce([each.surely_ok() for each in records])
-        if scene == LOAD_TEST:
-            kept &= rows.numbers[chosen, LOAD] != 0
         if not kept.all():
             records = [each.some(kept) for each in records]
         if not kept.any():

@@ -10,25 +10,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
-import numpy as np
-
-from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes import scene_named
-from rps_exudyn.simulate.case_group import torque_alone
-from rps_exudyn.simulate.loop_knows import why_not
-from rps_exudyn.simulate.looped import can_exist, fewest
 from rps_exudyn.simulate.processes import Done, Task
-from rps_exudyn.study.definition import FIDELITY, Study
-from rps_exudyn.study.description import Case, Description, settings_of
+from rps_exudyn.study.definition import Study
+from rps_exudyn.study.description import Case, settings_of
 from rps_exudyn.study.store import Store
+from rps_exudyn.study.ways import ways_of
 
 SECONDS = 2.0  # of work in a group
-FEWEST = 64  # missing cases, from which groups pay
 LARGEST = 1024  # cases of a group
 SMALLEST, SHARES = 8, 4  # least cases of a group; and of what is left, for each worker, one share is the most
 SMALLEST_OF_LOOP, SHARES_OF_LOOP = 256, 2  # the loop over many gears begins each time by learning from some
-QUANTILES = 65  # of a parameter's values, by which groups are told how it varies
 OF_LIMIT = 4  # groups that fit into one case's time limit: a group has no more time than a case
 
 
@@ -58,8 +49,10 @@ class Handover(Iterator[Task]):
         self._cases = {case.hash: case for case in missing}
         self._alone: deque[Case] = deque()
         self._left = deque(missing)
-        self._grouped = in_groups(study, store.description, len(missing))
-        self._ranges = loop_ranges(study, store.description) if self._grouped else None
+        ways = ways_of(study, store.description, len(missing))
+        self._grouped, self._ranges = ways.grouped, ways.ranges
+        self.alone = ways.alone
+        """Why none goes through the loop over many gears; or ""."""
         self._looped = self._ranges is not None
         self._smallest = SMALLEST_OF_LOOP if self._looped else SMALLEST
         self._shares = (SHARES_OF_LOOP if self._looped else SHARES) * workers
@@ -136,45 +129,3 @@ class Handover(Iterator[Task]):
         of_loop = {} if self._ranges is None else {"ranges": self._ranges}
         about = {"hash": name, "gear": gear, "fidelity": fidelity, "members": members}
         return self._common() | about | of_loop
-
-
-def loop_ranges(study: Study, description: Description) -> dict[str, list[float]] | None:
-    """Return over what the parameters vary, for the loop over many gears; None where the study keeps signals
-    that it does not know, or where it does not know the cases.
-
-    All groups are given the same ranges, those of the whole design, so that a case ends the same in whichever
-    group it is.
-    """
-    if not torque_alone(description.scene, description.signals.signals):
-        return None
-    gear, fidelity = study.base.steering_gear, study.base.fidelity
-    settings = [settings_of(study.axes, case.values) for case in description.cases]
-    table = {path: np.array([each[path] for each in settings]) for path in settings[0]}
-    if why_not(description.scene, gear, fidelity, table):
-        return None
-    ranges = {path: _allowed(gear, fidelity, path, values) for path, values in table.items()}
-    enough = all(ranges.values()) and len(settings) >= fewest(table)
-    return ranges if enough else None
-
-
-def _allowed(gear: SteeringGear, fidelity: Fidelity, path: str, values: np.ndarray) -> list[float]:
-    """Quantiles of a parameter's values, without those at the ends that no gear can have."""
-    some = deque(np.unique(np.quantile(values, np.linspace(0, 1, QUANTILES))).tolist())
-    while some and not can_exist(gear, fidelity, {path: some[0]}):
-        some.popleft()
-    while some and not can_exist(gear, fidelity, {path: some[-1]}):
-        some.pop()
-    return list(some)
-
-
-def in_groups(study: Study, description: Description, cases: int) -> bool:
-    """Tell whether cases go through `batch`: many of one model, each of them steady and cheap."""
-    paths = [path for axis in study.axes for path in (*axis.paths, *axis.along)]
-    model = study.base.fidelity
-    return (
-        cases >= FEWEST
-        and scene_named(description.scene).steady
-        and model.solver in ("equilibrium", "closed-form")
-        and model.mesh != "general-contact"
-        and not any(path.startswith(FIDELITY) for path in paths)
-    )

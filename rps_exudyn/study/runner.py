@@ -80,6 +80,7 @@ class Tally:
     skipped: list[tuple[Path, str]]  # each with the reason
     through_batch: int = 0  # of those done now; the others were simulated singly
     in_loop: int = 0  # of those through the batch
+    alone: str = ""  # why none is, of a study whose cases go in groups
 
 
 def run_study(
@@ -129,7 +130,7 @@ def _run(work: StudyWork, run: Run, form: str, workers: int, seconds: float) -> 
         rows = list(store.rows())
         statuses = Counter(row.status for _, row in rows)
         skipped = skipped + store.skipped
-        ways = tasks.through_batch, tasks.in_loop
+        ways = tasks.through_batch, tasks.in_loop, tasks.alone
         return Tally(statuses, groups(rows), len(work.missing), skipped, *ways)
 
 

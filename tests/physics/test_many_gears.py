@@ -7,7 +7,7 @@ import rps_exudyn as rps
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.simulate.looped import why_not
+from rps_exudyn.simulate.loop_knows import why_not
 from rps_exudyn.solvers.gear_numbers import REST_GAP
 from rps_exudyn.solvers.gear_rows import ZONE_COLUMNS, packed_rows, rows_of_table
 
@@ -112,8 +112,8 @@ def test_numbers_of_rows_are_those_of_packed_gears() -> None:
 @pytest.mark.parametrize(
     ("scene", "changes", "values", "sentence"),
     [
-        ("load-test", {}, {"yoke.preload": [300.0]}, "knows the scene free-pinion-torque"),
-        (SCENE, {"test.path": "there-and-back"}, {"yoke.preload": [300.0]}, "one way"),
+        ("reversal", {}, {"yoke.preload": [300.0]}, "knows the scenes free-pinion-torque"),
+        (SCENE, {"test.path": "lock-to-lock"}, {"yoke.preload": [300.0]}, "one-way and there-and-back"),
         (SCENE, {"mesh.law": "teeth"}, {"yoke.preload": [300.0]}, "no teeth that bend"),
         (SCENE, {"yoke.friction_law": "bristle"}, {"yoke.preload": [300.0]}, "Coulomb's friction alone"),
         (SCENE, {}, {"pinion.teeth": [6]}, "differ in pinion.teeth"),

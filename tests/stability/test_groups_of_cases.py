@@ -12,10 +12,11 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.case_run import CaseRunner
 from rps_exudyn.simulate.processes import Done, Task
 from rps_exudyn.study import handover
-from rps_exudyn.study.handover import FEWEST, Handover
+from rps_exudyn.study.handover import Handover
 from rps_exudyn.study.runner import StudyWork
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.study_file import read_study
+from rps_exudyn.study.ways import FEWEST, ways_of
 from shell import Command
 from study_files import write_grid, write_stand_in
 
@@ -169,10 +170,19 @@ def test_members_in_the_loop_end_alike_in_whichever_group(tmp_path: Path) -> Non
         assert row["summary"] == pytest.approx(other["summary"], rel=1e-9)
 
 
-@pytest.mark.parametrize("keep", ["", '[keep]\nsignals = ["rack_y"]\n', IN_LOOP + 'mesh.law = "teeth"\n'])
-def test_what_the_loop_does_not_know_is_not_asked_of_it(tmp_path: Path, keep: str) -> None:
+@pytest.mark.parametrize(
+    ("keep", "reason"),
+    [
+        ("", "keeps the signals time, pinion_angle"),
+        ('[keep]\nsignals = ["rack_y"]\n', "keeps the signals time, pinion_angle"),
+        (IN_LOOP + 'mesh.law = "teeth"\n', "no teeth that bend"),
+    ],
+)
+def test_what_the_loop_does_not_know_is_not_asked_of_it(tmp_path: Path, keep: str, reason: str) -> None:
     """All signals are kept, one that the loop does not know, or its law."""
-    assert all("ranges" not in task for task in tasks_of(tmp_path, FEWEST, keep))
+    tasks = tasks_of(tmp_path, FEWEST, keep)
+    assert all("ranges" not in task for task in tasks)
+    assert reason in tasks.alone
 
 
 def test_ranges_leave_out_what_no_gear_can_have(tmp_path: Path) -> None:
@@ -180,7 +190,7 @@ def test_ranges_leave_out_what_no_gear_can_have(tmp_path: Path) -> None:
     file = write_grid(tmp_path / "s.toml", *range(100, 170), 5e6)
     file.write_text(file.read_text().replace("[[axis]]", '[keep]\nsignals = "none"\n[[axis]]'))
     work = StudyWork.of(read_study(file), tmp_path / "s")
-    ranges = handover.loop_ranges(work.study, work.store.description)
+    ranges = ways_of(work.study, work.store.description, len(work.missing)).ranges
     assert ranges is not None
     assert (min(ranges["yoke.preload"]), round(max(ranges["yoke.preload"]))) == (100, 169)
 
@@ -197,3 +207,36 @@ def test_what_other_processes_compile_ends_no_worker(tmp_path: Path, monkeypatch
 
 def _twice(x):  # type: ignore[no-untyped-def]
     return 2.0 * x
+
+
+@pytest.mark.parametrize(
+    ("scene", "axis", "cause"),
+    [
+        ("load-test", 'path = "test.load_mass"\nunit = "kg"\nlinspace = [0, 64, 65]', "greater than 0"),
+        (
+            "rack-push",
+            f'path = "yoke.preload"\nvalues = {[5e6, *range(270, 334)]}',
+            "more than the teeth carry",
+        ),
+    ],
+)
+def test_of_other_scenes_some_cases_go_singly(tmp_path: Path, scene: str, axis: str, cause: str) -> None:
+    """The first has no run, and its cause; the others are the loop's, within 1e-4 of single runs."""
+    file = tmp_path / "s.toml"
+    file.write_text(
+        f'scene = "{scene}"\nfidelity = "quasi-static"\n[keep]\nsignals = "none"\n'
+        f"[set]\ntest.turns = 0.2\n[[axis]]\n{axis}\n"
+    )
+    work = StudyWork.of(read_study(file), tmp_path / "s")
+    tasks, runner = Handover(work.study, work.store, work.missing, "record"), CaseRunner()
+    group = dict(next(tasks))
+    group["members"] = group["members"][:1] + group["members"][40:45]
+    found = runner.run_group(group)
+    assert found is not None
+    assert [row["in_loop"] for row, _ in found] == [False] + 5 * [True]
+    assert found[0][0]["status"] == "invalid"
+    assert cause in found[0][0]["message"]
+    tasks._alone.append(work.missing[44])
+    alone = runner.run(dict(next(tasks)))[0]
+    name = "torque_forward" if scene == "load-test" else "push_force_mean"
+    assert found[5][0]["summary"][name] == pytest.approx(alone["summary"][name], rel=1e-4)

@@ -69,6 +69,7 @@ def test_repeated_study_does_nothing_and_extended_one_only_what_is_new(
         "done_now": 1,
         "in_groups": 0,
         "in_loop": 0,
+        "not_in_loop": "",
     }
     after = {path.name: path.stat().st_mtime_ns for path in (tmp_path / "s" / "cases").iterdir()}
     assert before.items() <= after.items()
