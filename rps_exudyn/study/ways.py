@@ -43,13 +43,15 @@ def ways_of(study: Study, description: Description, missing: int) -> Ways:
     if not in_groups(study, description, missing):
         return Ways(False)
     gear, fidelity, scene = study.base.steering_gear, study.base.fidelity, description.scene
-    settings = [settings_of(study.axes, case.values) for case in description.cases]
-    table = {path: np.array([each[path] for each in settings]) for path in settings[0]}
-    if reason := why_not(scene, gear, fidelity, table):
+    if reason := why_not(scene, gear, fidelity, {}):
         return Ways(True, alone=reason)
     if not torque_alone(scene, description.signals.signals):
         known = ", ".join(SIGNALS[scene])
         return Ways(True, alone=LEFT_TO_SINGLE_RUNS["signals"].format(signals=known))
+    settings = [settings_of(study.axes, case.values) for case in description.cases]
+    table = {path: np.array([each[path] for each in settings]) for path in settings[0]}
+    if reason := why_not(scene, gear, fidelity, table):
+        return Ways(True, alone=reason)
     ranges = {path: _allowed(gear, fidelity, path, values) for path, values in table.items()}
     if not all(ranges.values()) or len(settings) < fewest(table):
         return Ways(True, alone=LEFT_TO_SINGLE_RUNS["few"])
