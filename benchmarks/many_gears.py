@@ -19,6 +19,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.batch import Batch, batch
 from rps_exudyn.simulate.loop_design import SINGLE_OUT, Design
+from rps_exudyn.simulate.loop_legs import legs_of
 from rps_exudyn.solvers.gear_rows import RUNOUT_ANGLE, rows_of_table
 from rps_exudyn.solvers.many_gears import COARSE
 from rps_exudyn.study.description import settings_of
@@ -98,19 +99,26 @@ def measured(gears: Gears, singles: int) -> dict[str, float]:
     }
 
 
-def in_solver(gears: Gears) -> dict[str, float]:
+def in_solver(gears: Gears, scene: str = SCENE) -> dict[str, float]:
     """CPU time [s] of the compiled loop alone, and evaluations of the forces per gear and angle."""
     centre = {path: float(np.median(values)) for path, values in gears.table.items()}
     varied = centre if "pinion.runout" not in centre else centre | {"pinion.runout": 0.0}
     reference, fidelity = gears.gear.replace(varied), Fidelity.preset("quasi-static")
     rows = rows_of_table(reference, fidelity, gears.table)
-    design = Design.of(reference, fidelity, gears.table)
-    assert design is not None  # the reference gear is found
-    follow, nodes = design.loop.follow, design.nodes
-    follow(rows.of(np.arange(2)), nodes, design.per_pitch, design.known, design.features[:2], COARSE)
-    arguments = rows, nodes, design.per_pitch, design.known, design.features, COARSE
-    seconds, found = least(lambda: follow(*arguments), REPEATS)
-    return {"seconds": seconds, "evaluations": float(found.evaluations.mean() / len(nodes))}
+    designs = [Design.of(leg, reference, fidelity, gears.table) for leg in legs_of(scene, reference)]
+
+    def follow(some: np.ndarray) -> list[np.ndarray]:
+        evaluations = []
+        for design in designs:
+            assert design is not None  # the reference gear is found
+            known, nodes = design.known, design.nodes
+            arguments = nodes, design.per_pitch, known, design.features[some], COARSE
+            evaluations.append(design.loop.follow(rows.of(some), *arguments).evaluations / len(nodes))
+        return evaluations
+
+    follow(np.arange(2))
+    seconds, evaluations = least(lambda: follow(np.arange(len(rows))), REPEATS)
+    return {"seconds": seconds, "evaluations": float(np.mean(evaluations))}
 
 
 def least(work: Callable[[], Found], repeats: int) -> tuple[float, Found]:
