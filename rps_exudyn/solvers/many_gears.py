@@ -6,7 +6,7 @@ rest is smooth, so that a spline carries it to the angles between.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,7 +24,9 @@ from rps_exudyn.solvers.newton_approach import newton_approach
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
-COARSE, FINE = 5.0, 0.05  # residual [N] from which a last step is not evaluated: of all gears, of the known
+# Residual [N] from which a last step is not evaluated: of all gears; of the known, the next one where the
+# contact's quadrature jumps by more at an angle, so that none below it is found
+COARSE, FINE = 5.0, (0.05, 0.5, 5.0)
 PINION, RACK = (COORDINATE_BLOCKS[body].start for body in ("pinion", "rack"))
 
 
@@ -248,7 +250,7 @@ def learned(
     `rows` are these gears in this order; returns what is known then, and the reference gear's columns and
     their response over the angle; None if one of them was not found.
     """
-    found = loop.follow(rows, angles, per_pitch, known, np.zeros((len(rows), 0)), FINE)
+    found = _finely(loop, rows, angles, per_pitch, known)
     if not found.found.all():
         return None
     shift = found.adjusted - loop.place[1]
@@ -262,3 +264,20 @@ def learned(
     resting = (beside[1::2] - beside[2::2]) / (2 * steps)
     responding = Known(rising(angles, motion[0]), rising(angles, slope(motion)), resting)
     return responding, rising(angles, found.out[0]), rising(angles, slope(found.out))
+
+
+def _finely(loop: Loop, rows: Rows, angles: np.ndarray, per_pitch: int, known: Known) -> Found:
+    """Follow gears, each by the smallest residual of `FINE` by which it is found."""
+
+    def followed(some: Rows, accepted: float) -> Found:
+        return loop.follow(some, angles, per_pitch, known, np.zeros((len(some), 0)), accepted)
+
+    found = followed(rows, FINE[0])
+    for accepted in FINE[1:]:
+        lost = np.flatnonzero(~found.found)
+        if not lost.size:
+            break
+        again = followed(rows.of(lost), accepted)
+        for each in fields(found):
+            getattr(found, each.name)[lost] = getattr(again, each.name)
+    return found

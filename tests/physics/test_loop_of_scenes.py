@@ -142,6 +142,16 @@ def test_a_weight_that_lifts_a_flank_off_is_remarked() -> None:
     assert numbers[0] == pytest.approx(numbers[1], rel=0.05)
 
 
+def test_a_gear_to_learn_from_is_found_where_its_contact_jumps() -> None:
+    """Under a weight by law area the quadrature jumps at single angles, here by more than 0.05 N."""
+    gear = rps.SteeringGear().replace({"test.turns": 1 / 2, "test.load_mass": "80 kg", "mesh.law": "area"})
+    found = rps.batch("load-test", gear, {"yoke.preload": np.linspace(295.0, 305.0, 12)}, keep="torque")
+    alone = rps.run("load-test", gear.replace({"yoke.preload": 295.0}), fidelity="quasi-static")
+    assert found.in_loop.all()
+    for name in ("torque_forward", "torque_reverse"):
+        assert found.summary[name][0] == pytest.approx(alone.summary[name], rel=MEAN)
+
+
 def test_what_goes_to_single_runs_stands_in_the_pages() -> None:
     page = " ".join((Path(__file__).parents[2] / "docs" / "equilibria.md").read_text().split())
     for sentence in LEFT_TO_SINGLE_RUNS.values():
