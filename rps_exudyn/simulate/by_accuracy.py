@@ -5,16 +5,18 @@
 
 `rps.run(..., accuracy="1%")` and `rps-exudyn run --accuracy 1%` use it.
 
-The error is that of the scene's torque or force, RMS over the motion in % of its mean, whether one joins the
-computed angles by straight lines or smoothly. What a setting promises is its worst error on many random
-gears, with a margin, and what the reference itself leaves open. docs/accuracy.md says how it was found.
+The error is that of a quantity: the scene's torque or force, RMS over the motion in % of its mean, or a number
+of its summary where that curve jumps (`promised_quantity`). What a setting promises is its worst error on many
+random gears and tests, with a margin, and what the reference itself leaves open. docs/accuracy.md says how it
+was found.
 """
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -30,10 +32,6 @@ from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.maneuver import whole_periods
 
 LEAST_SLIDING = 0.2  # of the mean, somewhere in mesh: below it references of random gears do not agree
-LARGEST_SWING = 7.5  # acceleration of the pinion [rad/s^2]; 15 rpm by 30 degrees, as measured, has 4.7
-DENSER = {"area": 1, "line": 2, "teeth": 2}
-"""Times the angles of the table, which was measured by law "area", whose loads fade out at ends of a line;
-where they end at once, curves have kinks, and 2 of 20 random gears miss 0.1 % at the table's own angles."""
 
 TABLE = Path(__file__).with_name("table.json")
 
@@ -53,12 +51,14 @@ class Setting:
 
     def angles_for(self, gear: SteeringGear) -> int | None:
         """Return the angles on a tooth pitch that keep the promise by the gear's contact law."""
-        return None if self.angles_per_pitch is None else DENSER[gear.mesh.law] * self.angles_per_pitch
+        if self.angles_per_pitch is None:
+            return None
+        return ceil(denser(gear.mesh.law) * self.angles_per_pitch)
 
     def cost_for(self, gear: SteeringGear) -> float:
         """Return about how many CPU seconds of the solver a revolution of this gear costs."""
         alike = whole_periods(gear, 2 * np.pi) == gear.pinion.teeth
-        return DENSER[gear.mesh.law] * (self.cost if alike else self.cost_of_turn)
+        return denser(gear.mesh.law) * (self.cost if alike else self.cost_of_turn)
 
     def for_gear(self, gear: SteeringGear) -> Fidelity:
         """Return the fidelity, with the step that has the setting's angles on this gear's tooth pitch."""
@@ -70,57 +70,97 @@ class Setting:
 
 @dataclass(frozen=True)
 class SceneTable:
-    """Settings measured on one scene."""
+    """Settings measured on one quantity of a scene."""
 
     scene: str
+    quantity: str  # name of its signal, or of a number of its summary
     floor: float  # below it the references' methods disagree [%]
     gears: int  # on which the settings were tried
     settings: tuple[Setting, ...]
 
+    def known(self, gear: SteeringGear, presets: Collection[str]) -> list[Setting]:
+        """Return the settings of these presets whose model has the gear's contact law."""
+        return [each for each in self.settings if each.preset in presets and knows_law(each, gear)]
+
 
 @dataclass(frozen=True)
 class Choice:
-    """Setting chosen, its fidelity, and why."""
+    """Setting chosen, its fidelity, what it promises, and why."""
 
     fidelity: Fidelity
     setting: Setting
+    quantity: str  # whose error is promised
     why: str
     beside: str  # what the promise leaves out: the error of the contact law
 
 
-def choose(scene: str, gear: SteeringGear, wanted: float, preset: str | None = None) -> Choice:
+def choose(
+    scene: str,
+    gear: SteeringGear,
+    wanted: float,
+    preset: str | None = None,
+    without: Collection[str] = (),
+) -> Choice:
     """Return the cheapest setting that promises `wanted` [%], of all or of one preset.
+
+    Where none promises it of the scene's signal, one that promises it of a number of the summary is taken.
+    `without` names presets that were tried and did not run.
 
     Raises:
         InputError: the accuracy is below the floor, no setting promises it, or nothing is known of the scene.
     """
-    table = scene_table(scene)
+    tables = scene_tables(scene)
     if preset is not None and preset not in PRESETS:
         raise InputError(unknown_preset(preset))
-    if wanted < table.floor:
+    presets = {preset} if preset else PRESETS.keys() - set(without)
+    _check_reach(tables, gear, wanted, preset, presets)
+    for table in tables:
+        enough = [each for each in table.known(gear, presets) if each.promised <= wanted]
+        if enough and wanted >= table.floor:
+            break
+    taken = min(enough, key=lambda each: each.cost_for(gear))
+    why = _why(taken, table, gear, wanted, len(enough)) + _instead_of(tables[0], table) + beyond_promise(gear)
+    fidelity = taken.for_gear(gear)
+    return Choice(fidelity, taken, table.quantity, why, _beside(gear, fidelity))
+
+
+def _check_reach(
+    tables: Sequence[SceneTable],
+    gear: SteeringGear,
+    wanted: float,
+    preset: str | None,
+    presets: Collection[str],
+) -> None:
+    """Check that a setting promises what is wanted of one of the quantities.
+
+    Raises:
+        InputError: none does; the sentence says how far they go.
+    """
+    scene, floor = tables[0].scene, min(table.floor for table in tables)
+    if wanted < floor:
         raise InputError(
-            f"--accuracy is {wanted:g} %; the references of {scene} are known to {table.floor:.2g} %, "
+            f"--accuracy is {wanted:g} %; the references of {scene} are known to {floor:.2g} %, "
             "which is the strictest that can be promised."
         )
-    known = [each for each in table.settings if preset in (None, each.preset) and knows_law(each, gear)]
-    fast = beyond_swings(gear) if scene == "reversal" else ""
-    if fast and preset is None:  # equilibria miss the most of it
-        known = [each for each in known if each.preset != "quasi-static"]
+    known = [(each, table) for table in tables for each in table.known(gear, presets)]
     if not known:
-        measured = ", ".join(sorted({each.preset for each in table.settings}))
+        measured = ", ".join(sorted({each.preset for table in tables for each in table.settings}))
         raise InputError(f"fidelity is {preset}; for {scene} accuracies are known of {measured}.")
-    enough = [each for each in known if each.promised <= wanted]
-    if not enough:
-        best = min(each.promised for each in known)
+    if not any(each.promised <= wanted and wanted >= table.floor for each, table in known):
+        best = min(max(each.promised, table.floor) for each, table in known)
         of = f"of {preset} " if preset else ""
         raise InputError(
             f"--accuracy is {wanted:g} %; the most exact setting {of}in the table for {scene} "
             f"promises {best:.2g} %."
         )
-    taken = min(enough, key=lambda each: each.cost_for(gear))
-    why = _why(taken, table, gear, wanted, len(enough)) + beyond_promise(gear) + fast
-    fidelity = taken.for_gear(gear)
-    return Choice(fidelity, taken, why, _beside(gear, fidelity))
+
+
+def _instead_of(first: SceneTable, taken: SceneTable) -> str:
+    """Tell that another quantity than the scene's signal is promised; empty if it is the signal."""
+    if taken is first:
+        return ""
+    best = min(each.promised for each in first.settings)
+    return f"; promised is {taken.quantity} alone, of {first.quantity} {best:.2g} % at best"
 
 
 def beyond_promise(gear: SteeringGear, signals: Mapping[str, np.ndarray] | None = None) -> str:
@@ -136,17 +176,6 @@ def beyond_promise(gear: SteeringGear, signals: Mapping[str, np.ndarray] | None 
     ):
         return "; NOT promised for this run, in which the yoke stops at its nut"
     return ""
-
-
-def beyond_swings(gear: SteeringGear) -> str:
-    """Tell why the table promises nothing for a swing as fast as the gear's test; empty if it does."""
-    acceleration = gear.test.speed**2 / gear.test.amplitude
-    if acceleration <= LARGEST_SWING:
-        return ""
-    return (
-        f"; NOT promised for this swing, which accelerates the pinion by {acceleration:.3g} rad/s^2, the "
-        f"table's by up to {LARGEST_SWING:g}: the rack rings after it turns about"
-    )
 
 
 def knows_law(setting: Setting, gear: SteeringGear) -> bool:
@@ -172,7 +201,8 @@ def _why(taken: Setting, table: SceneTable, gear: SteeringGear, wanted: float, e
     per = scene_named(table.scene).unit_of_cost
     return (
         f"{taken.preset}, {', '.join(knobs) or 'unmodified'}: the cheapest of {enough} settings that keep "
-        f"{wanted:g} %; it promises {taken.promised:.2g} % (half of {table.gears} random gears stay below "
+        f"{wanted:g} %; it promises {taken.promised:.2g} % of {table.quantity} (half of {table.gears} random gears "
+        f"stay below "
         f"{taken.median:.2g} %) at about {1e3 * cost:.2g} ms of CPU time per {per}"
     )
 
@@ -195,8 +225,8 @@ def percent(text: str) -> float:
     return value
 
 
-def scene_table(scene: str) -> SceneTable:
-    """Return the published table of a scene.
+def scene_tables(scene: str) -> list[SceneTable]:
+    """Return the published tables of a scene, that of its signal first if there is one.
 
     Raises:
         InputError: there is none.
@@ -204,12 +234,23 @@ def scene_table(scene: str) -> SceneTable:
     scenes = _tables()["scenes"]
     if scene not in scenes:
         raise InputError(
-            f"--accuracy knows {', '.join(scenes)}; for {scene} too few random gears have a reference, "
-            "so that nothing can be promised."
+            f"--accuracy knows {', '.join(scenes)}; for {scene} nothing was measured that could be promised."
         )
-    table = scenes[scene]
-    settings = tuple(Setting(**row) for row in table["settings"])
-    return SceneTable(scene, table["floor"], table["gears"], settings)
+    return [
+        SceneTable(
+            scene,
+            table["quantity"],
+            table["floor"],
+            table["gears"],
+            tuple(Setting(**row) for row in table["settings"]),
+        )
+        for table in scenes[scene]["quantities"]
+    ]
+
+
+def denser(law: str) -> float:
+    """Return how many times the angles of the table a contact law needs, as measured."""
+    return float(_tables()["laws"].get(law, 1.0))
 
 
 @cache

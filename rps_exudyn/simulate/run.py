@@ -9,6 +9,8 @@
     accuracy="1%"        by the cheapest model that keeps this error (by_accuracy.py, accuracy_kept.py)
 """
 
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -17,10 +19,11 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Listener, following
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.simulate.accuracy_kept import kept_by
-from rps_exudyn.simulate.by_accuracy import beyond_promise, choose, percent
+from rps_exudyn.simulate.accuracy_kept import Wanted, kept_by
+from rps_exudyn.simulate.by_accuracy import Choice, beyond_promise, choose, percent
 from rps_exudyn.simulate.checked_run import run_checked
 from rps_exudyn.simulate.fallback import run_with_fallback
 from rps_exudyn.simulate.isolated_run import isolated_run
@@ -92,15 +95,46 @@ def simulate(
             raise InputError(
                 "accuracy chooses the model itself; give fidelity by the name of a preset, or leave it out."
             )
-        wanted = percent(accuracy)
-        choice = choose(scene, gear, wanted, fidelity)
-        limited = partial(simulate, scene, gear, robust=robust, time_limit=time_limit)
-        result = kept_by(limited, scene, gear, choice.fidelity, wanted)
-        why = choice.why + beyond_promise(gear, result.signals).removeprefix(beyond_promise(gear))
-        return replace(result, findings={**result.findings, "accuracy": why + choice.beside})
+        limited = partial(simulate, scene, robust=robust, time_limit=time_limit)
+        return _by_accuracy(limited, scene, gear, percent(accuracy), fidelity)
     chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity or "flank")
     if time_limit is not None:
         return isolated_run(scene, gear, chosen, time_limit, robust=robust)
     if robust:
         return run_with_fallback(scene, gear, chosen)
     return run_checked(scene, gear, chosen)
+
+
+def _by_accuracy(
+    run: Callable[[SteeringGear, Fidelity], Result],
+    scene: str,
+    gear: SteeringGear,
+    wanted: float,
+    preset: str | None,
+) -> Result:
+    """Run by the cheapest setting that promises an error [%]; where equilibria do not run, the cheapest with
+    inertia, unless a preset is named.
+
+    Raises:
+        InputError: nothing promises it.
+    """
+    choice = choose(scene, gear, wanted, preset)
+    result, why = _kept(run, scene, gear, wanted, choice), choice.why
+    if result.status is not Status.OK and preset is None and choice.fidelity.solver == "equilibrium":
+        failed, cause = choice, f"{result.status}: {result.message}"
+        with suppress(InputError):  # then the failed run stands
+            choice = choose(scene, gear, wanted, without={failed.setting.preset})
+            result = _kept(run, scene, gear, wanted, choice)
+            why = f"{failed.setting.preset} ends {cause}; instead {choice.why}"
+    why += beyond_promise(gear, result.signals).removeprefix(beyond_promise(gear))
+    return replace(result, findings={**result.findings, "accuracy": why + choice.beside})
+
+
+def _kept(
+    run: Callable[[SteeringGear, Fidelity], Result],
+    scene: str,
+    gear: SteeringGear,
+    wanted: float,
+    choice: Choice,
+) -> Result:
+    return kept_by(run, Wanted(scene, choice.quantity, wanted), gear, choice.fidelity)

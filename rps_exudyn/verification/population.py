@@ -47,11 +47,12 @@ ERRORS = {
 
 def random_gears(seed: int, count: int) -> list[SteeringGear]:
     """The first admissible gears of a seed."""
-    gears = _admissible(np.random.default_rng(seed))
+    gears = admissible_gears(np.random.default_rng(seed))
     return [next(gears) for _ in range(count)]
 
 
-def _admissible(rng: np.random.Generator) -> Iterator[SteeringGear]:
+def admissible_gears(rng: np.random.Generator) -> Iterator[SteeringGear]:
+    """Yield gears that can exist, without end."""
     while True:
         try:
             gear = _random_gear(rng)

@@ -1,0 +1,113 @@
+"""What `--accuracy` is measured on, scene by scene: settings, references and quantities.
+
+Steady turning: equilibria with fine strips, and dynamics at two steps, the shorter of which shows vibration.
+Swings: dynamics at two steps, and equilibria where they exist. Impacts: classical Runge-Kutta of the
+package's own and Exudyn in parts of the scene's steps. At rest: strips of two kinds.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.verification.references import by_strips
+from rps_exudyn.verification.scene_truth import Make, by_model, impact_explicitly, impact_in_parts
+
+Setting = tuple[str, int | None, dict[str, float]]
+"""Preset, angles per pitch, other settings."""
+
+FINE: dict[str, float] = {"strip_stations": 8, "strip_points": 4}
+
+
+@dataclass(frozen=True)
+class Measured:
+    """How a scene is measured.
+
+    Attributes:
+        settings: what is tried.
+        methods: name -> how the truth is found; the first that succeeds is the reference.
+        figures: numbers of the summary that are promised besides the signal, or instead of it.
+        signal: whether the scene's signal is promised.
+        gears: how many are drawn.
+        uncertain: largest uncertainty of a reference, of the signal and of figures [%].
+        most_failures: share of gears on which an offered setting may find nothing.
+    """
+
+    settings: Sequence[Setting]
+    methods: Mapping[str, Make]
+    figures: tuple[str, ...] = ()
+    signal: bool = True
+    gears: int = 90
+    uncertain: tuple[float, float] = (0.03, 0.03)
+    most_failures: float = 0.1
+
+    def allowed(self, scene: str) -> dict[str, float]:
+        """Return the quantities, the signal first, each with the largest uncertainty of its reference [%]."""
+        signal = {scene_named(scene).signal: self.uncertain[0]} if self.signal else {}
+        return signal | dict.fromkeys(self.figures, self.uncertain[1])
+
+
+def moving(step: str, **changes: Any) -> Make:
+    """Method: dynamics with fine strips in steps of an angle."""
+    settings = {"step_angle": step, "tolerance": 1e-5, **FINE, **changes}
+    return by_model(Fidelity.preset("flank").replace(settings))
+
+
+def resting(stations: int, points: int) -> Make:
+    """Method: equilibria under loads one after the other."""
+    strips = {"strip_stations": stations, "strip_points": points}
+    return by_model(Fidelity.preset("quasi-static").replace(strips))
+
+
+# --- steady turning ----------------------------------------------------------------------------------
+STEADY: list[Setting] = [("quasi-static", n, {}) for n in (6, 8, 12, 16, 24, 36, 48, 72, 96, 144)]
+STEADY += [("quasi-static", 96, FINE), ("quasi-static", 144, FINE)]
+STEADY += [("flank", n, {}) for n in (12, 24, 48, 96, 144)]
+TURNED: dict[str, Make] = {
+    "equilibria": by_model(by_strips("0.1 deg")),
+    "dynamics": moving("0.25 deg"),
+    "dynamics, short steps": moving("0.0625 deg"),
+}
+TURNING = Measured(STEADY, TURNED)
+
+# --- swings ------------------------------------------------------------------------------------------
+TO_AND_FRO: list[Setting] = [("quasi-static", n, {}) for n in (24, 60, 180, 360, 720)]
+TO_AND_FRO += [("flank", n, {}) for n in (24, 60, 180, 360, 720, 1440)]
+SWUNG: dict[str, Make] = {
+    "dynamics, short steps": moving("0.01 deg"),
+    "dynamics": moving("0.02 deg"),
+    "equilibria": by_model(by_strips("0.02 deg")),
+}
+
+# --- impacts -----------------------------------------------------------------------------------------
+STRUCK: list[Setting] = [("flank", None, {"tolerance": each}) for each in (1e-2, 1e-3, 1e-4)]
+HIT: dict[str, Make] = {
+    "Runge-Kutta": impact_explicitly(4e-6),
+    "a quarter of the step": impact_in_parts(4),
+}
+
+# --- at rest -----------------------------------------------------------------------------------------
+STILL: list[Setting] = [
+    ("quasi-static", None, {"strip_stations": stations, "strip_points": points})
+    for stations, points in ((2, 2), (3, 2), (4, 2), (6, 3), (8, 4))
+]
+RESTED: dict[str, Make] = {"strips 12 x 6": resting(12, 6), "strips 9 x 5": resting(9, 5)}
+
+SCENES: dict[str, Measured] = {
+    "free-pinion-torque": TURNING,
+    "load-test": TURNING,
+    "rack-push": TURNING,
+    "yoke-setting": Measured(STEADY, TURNED, gears=80),
+    "reversal": Measured(
+        TO_AND_FRO, SWUNG, ("hysteresis_area",), uncertain=(0.5, 0.05), most_failures=0.5
+    ),
+    "steering-feel": Measured(
+        TO_AND_FRO, SWUNG, ("feel_area",), gears=50, uncertain=(0.5, 0.05), most_failures=0.5
+    ),
+    "rack-lift": Measured(STILL, RESTED, ("rack_lift",), signal=False, gears=50),
+    "radial-play": Measured(STILL, RESTED, ("radial_play_y",), signal=False, gears=50),
+    "yoke-impact": Measured(
+        STRUCK, HIT, ("impact_peak_force", "impact_force_rms"), signal=False, gears=45, uncertain=(0.1, 0.1)
+    ),
+}

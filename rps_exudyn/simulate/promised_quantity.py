@@ -1,0 +1,50 @@
+"""What an accuracy is about: the scene's signal over time, or a number of its summary.
+
+    error_between("pinion_torque", "reversal", gear, (coarse, fidelity), (fine, finer))
+
+A signal's error is the RMS over the motion in % of its mean, the larger of joining its instants by straight
+lines and smoothly; a number's is in % of the number.
+"""
+
+from typing import Protocol
+
+import numpy as np
+
+from rps_exudyn.analysis.curve import difference
+from rps_exudyn.analysis.passes import Signals
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.headline import curve_of
+
+
+class Recorded(Protocol):
+    """A run of a scene: a `SceneRun` or a `Result`."""
+
+    @property
+    def signals(self) -> Signals:
+        """Signals over time."""
+
+    @property
+    def summary(self) -> dict[str, float]:
+        """Numbers of the run."""
+
+
+def is_signal(scene: str, quantity: str) -> bool:
+    """Tell whether a quantity is the scene's signal; the others are numbers of its summary."""
+    return quantity == scene_named(scene).signal
+
+
+def error_between(
+    quantity: str,
+    scene: str,
+    gear: SteeringGear,
+    run: tuple[Recorded, Fidelity],
+    truer: tuple[Recorded, Fidelity],
+) -> float:
+    """Return how far a quantity of a run lies from that of a truer one [%]; nan where one does not have it."""
+    if is_signal(scene, quantity):
+        own, true = (curve_of(scene, each.signals, gear, fidelity) for each, fidelity in (run, truer))
+        return difference(own, true)
+    own_value, value = (each.summary.get(quantity, np.nan) for each, _ in (run, truer))
+    return 100 * abs(own_value - value) / abs(value) if value else float("nan")
