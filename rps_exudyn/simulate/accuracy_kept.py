@@ -23,7 +23,9 @@ AGREED = 0.5  # of the wanted error: what is left is at most as much again, wher
 MOST_FINER = {"equilibrium": 5, "generalized-alpha": 4}
 """Solver -> times that steps are halved, but for scenes with inertia, whose steps are their own."""
 STATIONS, POINTS = 12, 6  # finest strips: more show nothing
-SLOW = 20 * np.pi / 30  # speed of the pinion [rad/s] up to which vibration of random gears is below 0.1 %
+SLOW, SLOW_AT, GROWTH = 20 * np.pi / 30, 0.1, 0.4
+"""Up to this speed of the pinion [rad/s] vibration of random gears stays below 0.1 %; for another accuracy
+the speed is its power `GROWTH` times as large: 50 rpm for 1 %."""
 VIBRATION_STEP = 5e-5  # of dynamics that show it [s]
 PITCHES = 2  # over which it is looked for
 
@@ -58,10 +60,10 @@ def kept_by(run: Run, wanted: Wanted, gear: SteeringGear, first: Fidelity) -> Re
         Interrupted: Ctrl-C; it carries the last whole run, or else what was recorded.
     """
     result, fidelity = run(gear, first), first
-    if result.status is not Status.OK:
-        return result
     own_steps = scene_named(wanted.scene).needs_inertia
-    for _ in range(0 if own_steps else MOST_FINER.get(first.solver, 0)):
+    if result.status is not Status.OK or own_steps or first.solver not in MOST_FINER:
+        return result
+    for _ in range(MOST_FINER[first.solver]):
         finer = finer_than(fidelity)
         try:
             truer = run(gear, finer)
@@ -80,8 +82,8 @@ def kept_by(run: Run, wanted: Wanted, gear: SteeringGear, first: Fidelity) -> Re
 def vibrating(run: Run, wanted: Wanted, gear: SteeringGear, fidelity: Fidelity) -> str:
     """Compare equilibria of a fast steady test with dynamics over its first pitches; return what was found,
     empty for other runs."""
-    slow = gear.test.speed <= SLOW or not scene_named(wanted.scene).steady
-    if fidelity.solver != "equilibrium" or slow:
+    slow = gear.test.speed <= SLOW * (wanted.percent / SLOW_AT) ** GROWTH
+    if fidelity.solver != "equilibrium" or slow or not scene_named(wanted.scene).steady:
         return ""
     turns = min(gear.test.turns, PITCHES / gear.pinion.teeth)
     path = "there-and-back" if wanted.scene == "yoke-setting" else "one-way"
@@ -89,8 +91,8 @@ def vibrating(run: Run, wanted: Wanted, gear: SteeringGear, fidelity: Fidelity) 
     moving = Fidelity.preset("flank").replace({"step_angle": gear.test.speed * VIBRATION_STEP})
     try:
         still, moved = run(part, fidelity), run(part, moving)
-    except InputError as error:  # the first pitches of a way from lock to lock may lie elsewhere
-        return f"; NOT promised: whether the gear vibrates at this speed is not known, {error}"
+    except InputError as beyond:  # the first pitches of a way from lock to lock may lie elsewhere
+        return f"; NOT promised: whether the gear vibrates at this speed is not known, {beyond}"
     if not (still.status is Status.OK and moved.status is Status.OK):
         return f"; NOT promised: dynamics, which would show vibration, end {moved.status}, {moved.message}"
     error = wanted.error(part, (still, fidelity), (moved, moving))

@@ -5,10 +5,10 @@
 
 `rps.run(..., accuracy="1%")` and `rps-exudyn run --accuracy 1%` use it.
 
-The error is that of a quantity: the scene's torque or force, RMS over the motion in % of its mean, or a number
-of its summary where that curve jumps (`promised_quantity`). What a setting promises is its worst error on many
-random gears and tests, with a margin, and what the reference itself leaves open. docs/accuracy.md says how it
-was found.
+The error is that of a quantity: the scene's torque or force, RMS over the motion in % of its mean, or a
+number of its summary where that curve jumps (`promised_quantity`). What a setting promises is its worst error
+on many random gears and tests, with a margin, and what the reference itself leaves open. docs/accuracy.md
+says how it was found.
 """
 
 import json
@@ -32,6 +32,9 @@ from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.maneuver import whole_periods
 
 LEAST_SLIDING = 0.2  # of the mean, somewhere in mesh: below it references of random gears do not agree
+
+SAME_MOTION = {"yoke-setting": "free-pinion-torque"}
+"""Scene -> the scene whose table it takes: the pinion is turned in the same way, the yoke set anew."""
 
 TABLE = Path(__file__).with_name("table.json")
 
@@ -201,8 +204,8 @@ def _why(taken: Setting, table: SceneTable, gear: SteeringGear, wanted: float, e
     per = scene_named(table.scene).unit_of_cost
     return (
         f"{taken.preset}, {', '.join(knobs) or 'unmodified'}: the cheapest of {enough} settings that keep "
-        f"{wanted:g} %; it promises {taken.promised:.2g} % of {table.quantity} (half of {table.gears} random gears "
-        f"stay below "
+        f"{wanted:g} %; it promises {taken.promised:.2g} % of {table.quantity} (half of {table.gears} "
+        "random gears stay below "
         f"{taken.median:.2g} %) at about {1e3 * cost:.2g} ms of CPU time per {per}"
     )
 
@@ -225,16 +228,22 @@ def percent(text: str) -> float:
     return value
 
 
+def known_scenes() -> list[str]:
+    """Return the scenes that have a table."""
+    return [*_tables()["scenes"], *SAME_MOTION]
+
+
 def scene_tables(scene: str) -> list[SceneTable]:
     """Return the published tables of a scene, that of its signal first if there is one.
 
     Raises:
         InputError: there is none.
     """
-    scenes = _tables()["scenes"]
-    if scene not in scenes:
+    measured = SAME_MOTION.get(scene, scene)
+    if measured not in _tables()["scenes"]:
         raise InputError(
-            f"--accuracy knows {', '.join(scenes)}; for {scene} nothing was measured that could be promised."
+            f"--accuracy knows {', '.join(known_scenes())}; for {scene} nothing was measured that could be "
+            "promised."
         )
     return [
         SceneTable(
@@ -244,7 +253,7 @@ def scene_tables(scene: str) -> list[SceneTable]:
             table["gears"],
             tuple(Setting(**row) for row in table["settings"]),
         )
-        for table in scenes[scene]["quantities"]
+        for table in _tables()["scenes"][measured]["quantities"]
     ]
 
 

@@ -6,28 +6,18 @@ A signal's error is the RMS over the motion in % of its mean, the larger of join
 lines and smoothly; a number's is in % of the number.
 """
 
-from typing import Protocol
-
 import numpy as np
 
 from rps_exudyn.analysis.curve import difference
-from rps_exudyn.analysis.passes import Signals
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.headline import curve_of
+from rps_exudyn.scenes.scene_run import SceneRun
 
-
-class Recorded(Protocol):
-    """A run of a scene: a `SceneRun` or a `Result`."""
-
-    @property
-    def signals(self) -> Signals:
-        """Signals over time."""
-
-    @property
-    def summary(self) -> dict[str, float]:
-        """Numbers of the run."""
+Recorded = SceneRun | Result
+"""A run of a scene, with its signals and summary."""
 
 
 def is_signal(scene: str, quantity: str) -> bool:
@@ -42,7 +32,7 @@ def error_between(
     run: tuple[Recorded, Fidelity],
     truer: tuple[Recorded, Fidelity],
 ) -> float:
-    """Return how far a quantity of a run lies from that of a truer one [%]; nan where one does not have it."""
+    """Return how far a quantity of a run lies from that of a truer one [%]; nan where one has none."""
     if is_signal(scene, quantity):
         own, true = (curve_of(scene, each.signals, gear, fidelity) for each, fidelity in (run, truer))
         return difference(own, true)

@@ -1,4 +1,4 @@
-"""Equilibria that `--accuracy` chose give way to finer ones until two in a row agree."""
+"""Runs that `--accuracy` chose give way to finer ones until two in a row agree."""
 
 from functools import partial
 
@@ -9,22 +9,23 @@ from rps_exudyn.analysis.curve import difference
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.headline import curve_of
-from rps_exudyn.simulate.accuracy_kept import finer_than, kept_by
+from rps_exudyn.simulate.accuracy_kept import SLOW, Wanted, finer_than, kept_by
 from rps_exudyn.simulate.run import simulate
 
-SCENE = "free-pinion-torque"
+SCENE, SIGNAL = "free-pinion-torque", "pinion_torque"
 GEAR = SteeringGear().replace({"mesh.law": "teeth", "test.turns": 0.3})
 STILL = Fidelity.preset("quasi-static")
-RUN = partial(simulate, SCENE, GEAR)
+RUN = partial(simulate, SCENE)
 
 
 @pytest.mark.parametrize("wanted", [0.5, 0.1])
 def test_a_first_choice_that_is_too_coarse_is_refined_until_it_keeps_what_is_wanted(wanted: float) -> None:
     """Steps of 12 degrees miss 0.85 %; the reference has steps of a tenth of a degree."""
     coarse, fine = (STILL.replace({"step_angle": step}) for step in ("12 deg", "0.1 deg"))
-    result = kept_by(RUN, SCENE, GEAR, coarse, wanted)
+    result = kept_by(RUN, Wanted(SCENE, SIGNAL, wanted), GEAR, coarse)
     taken = STILL.replace({name: result.fidelity[name] for name in ("step_angle", "strip_stations")})
-    curves = [curve_of(SCENE, each.signals, GEAR, taken) for each in (RUN(coarse), result, RUN(fine))]
+    runs = (RUN(GEAR, coarse), result, RUN(GEAR, fine))
+    curves = [curve_of(SCENE, each.signals, GEAR, taken) for each in runs]
     assert difference(curves[0], curves[2]) > wanted
     assert difference(curves[1], curves[2]) <= wanted
     assert "half the steps" in result.findings["accuracy_checked"]
@@ -32,31 +33,76 @@ def test_a_first_choice_that_is_too_coarse_is_refined_until_it_keeps_what_is_wan
 
 def test_a_first_choice_that_is_confirmed_is_kept() -> None:
     first = STILL.replace({"step_angle": "1 deg"})
-    result = kept_by(RUN, SCENE, GEAR, first, 1.0)
+    result = kept_by(RUN, Wanted(SCENE, SIGNAL, 1.0), GEAR, first)
     assert result.fidelity == first.model_dump()
 
 
-def test_a_model_with_inertia_is_run_once() -> None:
+def test_a_number_of_the_summary_is_confirmed_by_itself() -> None:
+    """The mean of steps of 12 degrees is right to 1 %, the curve is not to 0.5 %."""
+    coarse, wanted = STILL.replace({"step_angle": "12 deg"}), 1.0
+    mean = kept_by(RUN, Wanted(SCENE, "torque_mean", wanted), GEAR, coarse)
+    curve = kept_by(RUN, Wanted(SCENE, SIGNAL, wanted), GEAR, coarse)
+    assert "torque_mean differs by" in mean.findings["accuracy_checked"]
+    assert mean.fidelity["step_angle"] > curve.fidelity["step_angle"]
+
+
+def test_a_scene_with_steps_of_its_own_is_run_once() -> None:
     runs = []
 
-    def run(fidelity: Fidelity) -> rps.Result:
+    def run(gear: SteeringGear, fidelity: Fidelity) -> rps.Result:
         runs.append(fidelity)
-        return RUN(STILL)
+        return RUN(GEAR, STILL)
 
-    kept_by(run, SCENE, GEAR, Fidelity.preset("flank"), 1.0)
+    kept_by(run, Wanted("yoke-impact", "impact_peak_force", 1.0), GEAR, Fidelity.preset("flank"))
     assert len(runs) == 1
 
 
 def test_a_choice_whose_finer_run_fails_says_that_it_is_not_confirmed() -> None:
     first = STILL.replace({"step_angle": "1 deg"})
 
-    def run(fidelity: Fidelity) -> rps.Result:
+    def run(gear: SteeringGear, fidelity: Fidelity) -> rps.Result:
         gear = GEAR if fidelity == first else GEAR.replace({"mesh.law": "area", "mesh.stiffness": 1e11})
         return simulate(SCENE, gear, fidelity)
 
-    result = kept_by(run, SCENE, GEAR, first, 1.0)
+    result = kept_by(run, Wanted(SCENE, SIGNAL, 1.0), GEAR, first)
     assert result.status == "ok"
     assert result.findings["accuracy_checked"].startswith("not confirmed: in finer steps it ends invalid")
+
+
+@pytest.mark.parametrize(
+    ("rpm", "moved_by", "said"),
+    [
+        (15, 0.1, ""),
+        (120, 0.003, ", dynamics by 0.3 %"),
+        (120, 0.1, "NOT promised: at this speed the gear vibrates, dynamics differ by 9.1 %"),
+    ],
+)
+def test_equilibria_of_a_fast_test_are_compared_with_dynamics(rpm: float, moved_by: float, said: str) -> None:
+    """What dynamics find is made up: the equilibria's torque, by a share larger."""
+    gear, first = GEAR.replace({"test.speed": f"{rpm} rpm"}), STILL.replace({"step_angle": "1 deg"})
+    still = RUN(GEAR, first)
+    asked = []
+
+    def run(gear: SteeringGear, fidelity: Fidelity) -> rps.Result:
+        if fidelity.solver == "equilibrium":
+            return still
+        asked.append(gear.test.turns * gear.pinion.teeth)
+        moved = {**still.signals, SIGNAL: (1 + moved_by) * still.signals[SIGNAL]}
+        return rps.Result(**{**vars(still), "signals": moved})
+
+    found = kept_by(run, Wanted(SCENE, SIGNAL, 1.0), gear, first).findings["accuracy_checked"]
+    assert said in found
+    assert ("dynamics" in found) == bool(asked) == (gear.test.speed > 3 * SLOW)
+    assert all(pitches <= 2 for pitches in asked)
+
+
+def test_dynamics_take_the_place_of_equilibria_that_do_not_run() -> None:
+    """A swing too fast for equilibria; asked for by name they are not replaced."""
+    gear = SteeringGear().replace({"test.speed": "60 rpm", "test.amplitude": "5 deg"})
+    result = rps.run("reversal", gear, accuracy="3%")
+    assert result.fidelity["solver"] == "generalized-alpha"
+    assert result.findings["accuracy"].startswith("quasi-static ends invalid: the swing is too fast")
+    assert rps.run("reversal", gear, accuracy="3%", fidelity="quasi-static").status == "invalid"
 
 
 @pytest.mark.quick

@@ -5,7 +5,7 @@ import pytest
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.simulate.by_accuracy import choose, percent, scene_table
+from rps_exudyn.simulate.by_accuracy import choose, known_scenes, percent, scene_tables
 from shell import Command
 
 
@@ -23,18 +23,20 @@ def refused(command: Command, *arguments: str) -> str:
 
 
 def test_stricter_than_the_floor(command: Command) -> None:
-    floor = scene_table("free-pinion-torque").floor
+    floor = scene_tables("free-pinion-torque")[0].floor
     assert f"{floor:.2g} %, which is the strictest" in refused(command, "--accuracy", "0.0001%")
 
 
 def test_stricter_than_any_setting_of_the_preset(command: Command) -> None:
-    best = min(each.promised for each in scene_table("rack-push").settings)
-    said = refused(command, "rack-push", "--accuracy", f"{(best + scene_table('rack-push').floor) / 2}%")
+    table = scene_tables("rack-push")[0]
+    best = min(each.promised for each in table.settings)
+    said = refused(command, "rack-push", "--accuracy", f"{(best + table.floor) / 2}%")
     assert f"promises {best:.2g} %" in said
 
 
 def test_scene_or_preset_that_was_not_measured(command: Command) -> None:
-    assert "for yoke-impact too few random gears" in refused(command, "yoke-impact", "--accuracy", "1%")
+    said = refused(command, "stick-slip", "--accuracy", "1%")
+    assert f"--accuracy knows {', '.join(known_scenes())}; for stick-slip" in said
     assert "accuracies are known of flank, quasi-static" in refused(
         command, "--fidelity", "closed-form", "--accuracy", "1%"
     )
@@ -43,11 +45,13 @@ def test_scene_or_preset_that_was_not_measured(command: Command) -> None:
 def test_settings_in_a_scenes_own_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     row = {"preset": "flank", "angles_per_pitch": None, "settings": {"tolerance": 1e-3}, "promised": 2.0}
     row |= {"median": 1.0, "cost": 2.0, "cost_of_turn": 2.0, "failed": 0.0}
-    table = {"scenes": {"yoke-impact": {"floor": 0.1, "gears": 12, "settings": [row]}}}
+    quantity = {"quantity": "impact_peak_force", "floor": 0.1, "gears": 12, "settings": [row]}
+    table = {"scenes": {"yoke-impact": {"quantities": [quantity]}}, "laws": {}}
     monkeypatch.setattr("rps_exudyn.simulate.by_accuracy._tables", lambda: table)
     choice = choose("yoke-impact", SteeringGear(), 3.0)
     assert choice.fidelity.step_angle == Fidelity.preset("flank").step_angle
     assert choice.fidelity.tolerance == 1e-3
+    assert "promises 2 % of impact_peak_force" in choice.why
     assert choice.why.endswith("ms of CPU time per run")
 
 

@@ -1,0 +1,151 @@
+"""Whether `--accuracy` keeps its promise on other gears, under tests drawn from the wide ranges.
+
+Each scene gets random gears and tests like those of the table (`verification.wide_tests`), but other ones.
+Each is run by `--accuracy` 1 and 0.1 % as a user would run it, and compared with a truth of its own by the
+table's methods. A promise is kept if the error and the methods' difference together are within what was
+wanted, missed if the error less their difference is not, and undecided between. Gears are drawn until
+`JUDGED` promises of a scene and an accuracy are kept or missed. A run outside the promise's scope says so:
+it fails, is refused, or calls its accuracy not promised, not reached or not confirmed.
+"""
+
+import json
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from time import process_time
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from benchmarks.accuracy_speed.limited import cpu_limit
+from benchmarks.accuracy_speed.promise_scenes import SCENES, Measured
+from benchmarks.topic import Topic, load_data, markdown, save_data
+from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.simulate.by_accuracy import choose
+from rps_exudyn.simulate.run import simulate
+from rps_exudyn.verification.scene_truth import Truth, truth_of
+from rps_exudyn.verification.wide_tests import gears_under_tests
+
+SEED = 31
+WANTED = (1.0, 0.1)
+JUDGED, MOST = 20, 60  # promises kept or missed, and gears drawn
+LONGEST = 40.0  # CPU time of a reference, and of a run with what confirms it [s]
+DATA = "promise_check.json"
+PARTIAL = "promise_check.partial.json"
+SAID = ("NOT promised", "NOT reached", "not confirmed")
+
+
+def run(
+    folder: Path,
+    scenes: Mapping[str, Measured] = MappingProxyType(SCENES),
+    judged: int = JUDGED,
+    most: int = MOST,
+) -> None:
+    """Draw gears, run and judge them; a run goes on with what the folder has."""
+    keep = folder / PARTIAL
+    rows: dict[str, list[dict[str, Any]]] = json.loads(keep.read_text()) if keep.exists() else {}
+    for scene, measured in scenes.items():
+        known = rows.setdefault(scene, [])
+        while len(known) < most and not _enough(known, judged):
+            gear = gears_under_tests(SEED, scene, len(known) + 1)[-1]
+            known.append(checked(scene, gear, measured))
+            print(scene, len(known), [each["verdict"] for each in known[-1]["by"]], flush=True)
+            with replacing(keep) as partial:
+                partial.write_text(json.dumps(rows))
+    save_data(folder / DATA, {"seed": SEED, "scenes": rows})
+    keep.unlink()
+
+
+def _enough(rows: Sequence[Mapping[str, Any]], judged: int) -> bool:
+    return all(
+        sum(row["by"][at]["verdict"] in ("kept", "missed") for row in rows) >= judged
+        for at in range(len(WANTED))
+    )
+
+
+def checked(scene: str, gear: SteeringGear, measured: Measured) -> dict[str, Any]:
+    """What the promises were on one gear."""
+    allowed, began = measured.allowed(scene), process_time()
+    everything = dict.fromkeys(allowed, np.inf)
+    try:
+        with cpu_limit(LONGEST):
+            truth: Truth | str = truth_of(scene, gear, measured.methods, tuple(allowed), everything)
+    except ArithmeticError as error:
+        truth = str(error)
+    verdicts = [verdict_on(scene, gear, truth, wanted) for wanted in WANTED]
+    return {
+        "speed": gear.test.speed,
+        "reference": truth if isinstance(truth, str) else truth.uncertainty,
+        "by": verdicts,
+        "seconds": process_time() - began,
+    }
+
+
+def verdict_on(scene: str, gear: SteeringGear, truth: Truth | str, wanted: float) -> dict[str, Any]:
+    """Run a gear by an accuracy [%], and judge what came out."""
+    try:
+        quantity = choose(scene, gear, wanted).quantity
+        with cpu_limit(LONGEST):
+            result = simulate(scene, gear, accuracy=f"{wanted:g}%")
+    except InputError as refusal:
+        return {"verdict": "refused", "said": str(refusal)}
+    except ArithmeticError as late:
+        return {"verdict": "too long", "said": str(late)}
+    said = f"{result.findings.get('accuracy', '')} | {result.findings.get('accuracy_checked', '')}"
+    answer = {"quantity": quantity, "said": said, "model": result.fidelity["name"]}
+    if result.status is not Status.OK:
+        return {**answer, "verdict": str(result.status), "said": result.message}
+    if isinstance(truth, str):
+        return {**answer, "verdict": "no reference" if not _outside(said) else "outside"}
+    error = truth.errors_of(result, Fidelity.model_validate(result.fidelity))[quantity]
+    answer |= {"error": error, "doubt": truth.uncertainty[quantity]}
+    return {**answer, "verdict": "outside" if _outside(said) else judged_by(**answer, wanted=wanted)}
+
+
+def judged_by(error: float, doubt: float, wanted: float, **_: object) -> str:
+    """Return whether a promise is kept, missed or undecided; errors and the reference's doubt in %."""
+    if error + doubt <= wanted:
+        return "kept"
+    return "missed" if error - doubt > wanted else "undecided"
+
+
+def _outside(said: str) -> bool:
+    return any(words in said for words in SAID)
+
+
+def check_table(folder: Path) -> str:
+    """Promises kept, by scene and accuracy."""
+    rows = []
+    for scene, known in load_data(folder / DATA)["scenes"].items():
+        for at, wanted in enumerate(WANTED):
+            by = [row["by"][at] for row in known]
+            counts = Counter(each["verdict"] for each in by)
+            promised = [each for each in by if each["verdict"] in ("kept", "missed")]
+            quantities = sorted({each["quantity"] for each in promised})
+            worst = max((each["error"] for each in promised), default=0.0)
+            failed = sum(counts.values()) - sum(
+                counts[name] for name in ("kept", "missed", "undecided", "outside", "no reference", "refused")
+            )
+            kept = f"{counts['kept']} of {len(promised)}"
+            others = [counts[name] for name in ("undecided", "outside", "no reference", "refused")]
+            rows.append(
+                (scene, f"{wanted:g} %", ", ".join(quantities), kept, f"{worst:.2g} %", *others, failed)
+            )
+    head = ("scene", "wanted", "quantity", "kept", "largest error", "undecided", "outside, and said so",
+            "no reference", "refused", "runs that end otherwise")  # fmt: skip
+    return markdown(head, rows)
+
+
+TOPIC = Topic(
+    "promises of --accuracy kept on other gears, under tests from the wide ranges",
+    "30 min",
+    "accuracy_speed",
+    run,
+    {"scenes": {"rack-lift": SCENES["rack-lift"]}, "judged": 1, "most": 1},
+    {"promise_check": check_table},
+)
