@@ -26,7 +26,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.scenes.maneuver import whole_periods
-from rps_exudyn.simulate.by_accuracy import TABLE, beyond_promise
+from rps_exudyn.simulate.by_accuracy import TABLE, beyond_in_run, beyond_promise
 from rps_exudyn.verification.runs import revolutions, run_scene
 from rps_exudyn.verification.scene_truth import truth_of
 from rps_exudyn.verification.wide_tests import gears_under_tests
@@ -37,7 +37,7 @@ WIDE_MARGIN, FEW = 2.0, 12  # where fewer gears had a reference
 LONGEST = 40.0  # CPU time for a gear, with compiling [s]
 COSTED = 16  # gears whose costs are measured
 RAW = "promise_errors.json"  # of a run that was stopped
-LAW_SCENE, LAW_GEARS = "free-pinion-torque", 26
+LAW_SCENE, LAW_GEARS = "free-pinion-torque", 24
 FACTORS = (1.0, 1.5, 2.0, 4.0)
 
 
@@ -87,8 +87,10 @@ def errors_on(scene: str, gear: SteeringGear, measured: Measured) -> dict[str, A
         truth = truth_of(scene, gear, measured.methods, tuple(allowed), allowed)
     except ArithmeticError as error:
         return {"refused": str(error)}
+    if truth.failed and measured.all_methods:
+        return {"refused": "; ".join(f"{name}: {why}" for name, why in truth.failed.items())}
     signals = next(iter(truth.runs.values()))[0].signals
-    if beyond := beyond_promise(gear, signals):
+    if beyond := beyond_promise(gear) or beyond_in_run(scene, signals):
         return {"refused": beyond.removeprefix("; ")}
     found = []
     for setting in measured.settings:

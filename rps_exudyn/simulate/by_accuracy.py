@@ -166,17 +166,22 @@ def _instead_of(first: SceneTable, taken: SceneTable) -> str:
     return f"; promised is {taken.quantity} alone, of {first.quantity} {best:.2g} % at best"
 
 
-def beyond_promise(gear: SteeringGear, signals: Mapping[str, np.ndarray] | None = None) -> str:
-    """Tell why the table promises nothing for this gear, or for what its run has shown; empty if it does."""
+def beyond_promise(gear: SteeringGear) -> str:
+    """Tell why the table promises nothing for this gear; empty if it does."""
     if GearPair.of(gear).slowest_sliding < LEAST_SLIDING:
         return (
             "; NOT promised for this gear, whose teeth hardly slide at the pitch point: friction jumps there"
         )
-    if (
-        signals
-        and np.ptp(signals["pinion_angle"]) > 0
-        and (signals.get("yokenut_force", np.zeros(1)) > 0).any()
-    ):
+    return ""
+
+
+def beyond_in_run(scene: str, signals: Mapping[str, np.ndarray]) -> str:
+    """Tell why the table promises nothing for what a run has shown; empty if it does.
+
+    Where the pinion is held the yoke may stop: that is what such scenes are for.
+    """
+    stopped = (signals.get("yokenut_force", np.zeros(1)) > 0).any()
+    if scene_named(scene).revolutions and stopped:
         return "; NOT promised for this run, in which the yoke stops at its nut"
     return ""
 

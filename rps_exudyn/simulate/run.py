@@ -23,7 +23,7 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.accuracy_kept import Wanted, kept_by
-from rps_exudyn.simulate.by_accuracy import Choice, beyond_promise, choose, percent
+from rps_exudyn.simulate.by_accuracy import Choice, beyond_in_run, choose, percent
 from rps_exudyn.simulate.checked_run import run_checked
 from rps_exudyn.simulate.fallback import run_with_fallback
 from rps_exudyn.simulate.isolated_run import isolated_run
@@ -126,7 +126,7 @@ def _by_accuracy(
             choice = choose(scene, gear, wanted, without={failed.setting.preset})
             result = _kept(run, scene, gear, wanted, choice)
             why = f"{failed.setting.preset} ends {cause}; instead {choice.why}"
-    why += beyond_promise(gear, result.signals).removeprefix(beyond_promise(gear))
+    why += beyond_in_run(scene, result.signals)
     return replace(result, findings={**result.findings, "accuracy": why + choice.beside})
 
 
