@@ -240,3 +240,20 @@ def test_of_other_scenes_some_cases_go_singly(tmp_path: Path, scene: str, axis: 
     alone = runner.run(dict(next(tasks)))[0]
     name = "torque_forward" if scene == "load-test" else "push_force_mean"
     assert found[5][0]["summary"][name] == pytest.approx(alone["summary"][name], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("extra", "said"),
+    [
+        (IN_LOOP, "most of them by the loop over many gears"),
+        (
+            IN_LOOP + 'yoke.friction_law = "bristle"\n',
+            "none by the loop over many gears: the loop knows Coulomb",
+        ),
+        ("", "none by the loop over many gears: the loop keeps the signals time"),
+    ],
+)
+def test_a_dry_run_says_which_way_cases_go(command: Command, tmp_path: Path, extra: str, said: str) -> None:
+    file = write_grid(tmp_path / "s.toml", *range(250, 250 + FEWEST))
+    file.write_text(file.read_text().replace("[[axis]]", f"{extra}[[axis]]"))
+    assert said in command(["study", str(file), "--dry-run"]).out
