@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rps_exudyn.base.compiled import inlined, kernel, kernel_over, unowned
+from rps_exudyn.base.linear import put
 from rps_exudyn.forces.bearing import BearingData, bearing_force
 from rps_exudyn.forces.external_load import DeadForceData, add_dead_force
 from rps_exudyn.forces.memory import begin_step, duration, slip_rates
@@ -196,10 +197,10 @@ def along(force: Kernel) -> Kernel:
         begin_step(memory, begun[0], time[0])
         first = force(coordinates[0], rates[0], data)
         out = np.empty((coordinates.shape[0], first.size))
-        out[0] = first
+        put(first, out[0])
         for i in range(1, coordinates.shape[0]):
             begin_step(memory, begun[i], time[i])
-            out[i] = force(coordinates[i], rates[i], data)
+            put(force(coordinates[i], rates[i], data), out[i])
         return out
 
     return kernel_over(each, force)

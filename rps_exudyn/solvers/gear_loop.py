@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rps_exudyn.base.compiled import kernel, kernel_over, unowned
+from rps_exudyn.base.linear import put
 from rps_exudyn.forces.external_load import add_dead_force
 from rps_exudyn.forces.friction import constant_drag
 from rps_exudyn.forces.sliding_fit import held_fit_force
@@ -259,7 +260,7 @@ def instant_of(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
                 whole_tangent(q, parts.spring, parts.nut, by_mesh, others, tangent)
                 if not solve_step(tangent, total, free, grid.lengths, system, move):
                     return False, attempt + 1, 0
-                here[:] = q
+                put(q, here)
             else:  # too far along the last step
                 done, fraction = False, 0.5 * fraction
                 if fraction < SMALLEST_FRACTION:
@@ -315,7 +316,7 @@ def gear_of(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
             evaluations += tries
             if not here:
                 return LOST, evaluations
-            found[k] = d
+            put(d, found[k])
         return FOUND, evaluations
 
     return kernel_over(follow_gear, mesh_tangent, seat_force)
@@ -368,7 +369,7 @@ def gear_loop(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
         grid, motion, features, out = unowned((grid, motion, features, out))
         for g in range(rows.shape[0]):
             row = rows[g]
-            ideal[:] = row
+            put(row, ideal)
             for column in IDEAL:
                 ideal[column] = 0.0
             reference = references[min(g, references.shape[0] - 1)]
