@@ -142,6 +142,19 @@ def test_a_weight_that_lifts_a_flank_off_is_remarked() -> None:
     assert numbers[0] == pytest.approx(numbers[1], rel=0.05)
 
 
+def test_transmission_error_is_against_each_gears_own_gain() -> None:
+    """2 um of the module change the travel by three times the error of a gear; rest is the loop's ripple."""
+    gear = rps.SteeringGear().replace({"test.turns": 1 / 6, "mesh.law": "line"})
+    module = float(gear.value_at("pinion.normal_module"))
+    values = {"pinion.normal_module": module + np.linspace(-2e-6, 2e-6, 12)}
+    found = rps.batch("free-pinion-torque", gear, values, keep="torque")
+    first = gear.replace({"pinion.normal_module": module - 2e-6})
+    alone = rps.run("free-pinion-torque", first, fidelity="quasi-static")
+    assert found.in_loop[0]
+    name = "transmission_error_peak_to_peak"
+    assert found.summary[name][0] == pytest.approx(alone.summary[name], rel=0.05)
+
+
 def test_a_gear_to_learn_from_is_found_where_its_contact_jumps() -> None:
     """Under a weight by law area the quadrature jumps at single angles, here by more than 0.05 N."""
     gear = rps.SteeringGear().replace({"test.turns": 1 / 2, "test.load_mass": "80 kg", "mesh.law": "area"})
