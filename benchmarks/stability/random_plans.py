@@ -24,6 +24,7 @@ import numpy as np
 from benchmarks.topic import Topic, markdown
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.kernel_cache import before_compiling
+from rps_exudyn.checks.after_run import LAW_LEFT
 from rps_exudyn.checks.before_run import refused
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
@@ -46,7 +47,7 @@ COLUMNS = (
     "number", "kind", "verdict", "status", "error", "ripple_error", "reference", "refused", "message",
     "reference_seconds", "seconds", "plan",
 )  # fmt: skip
-LAW_LEFT = "to which the contact's law holds"  # in the message of a run whose teeth are too deep
+
 WRONGLY_OK = ("SILENTLY WRONG", "SILENTLY WRONG RIPPLE")
 
 
@@ -168,7 +169,9 @@ def verdict(row: dict[str, Any]) -> str:
     """Tell whether a plan was right, refused rightly or not, failed, or was silently wrong."""
     if row["status"] == "input-error":
         return "wrong input"
-    if LAW_LEFT in row["message"]:  # of which the reference says nothing, which has the same law
+    if (
+        LAW_LEFT in row["message"]
+    ):  # teeth too deep, of which the reference says nothing, which has the same law
         return "beyond the contact's law"
     error, ripple = row.get("error", nan), row.get("ripple_error", nan)
     mean_right, ripple_right = abs(error) <= WRONG, not abs(ripple) > WRONG_RIPPLE

@@ -23,6 +23,7 @@ from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.solvers.equilibrium import Start
 from rps_exudyn.solvers.record import Record, contact_disagreement
 
+LAW_LEFT, UNSETTLED = "to which the contact's law holds", "the gear does not settle"
 ENERGY_BOUND = 2e-3  # of the drive's or the load's work; 1e-5 is usual ...
 # What loaded material takes along or leaves behind where it passes an edge of the rack: 0.04 % on the paper's
 # gear, more with much friction, and where an error of the shaft angle lets the teeth bear on an edge.
@@ -119,7 +120,7 @@ def law_valid(element: ForceElement, signals: dict[str, np.ndarray]) -> Failure:
             yield (
                 Status.INVALID,
                 f"{name} is {quantity.show(signals[name].max())}, first above the {quantity.show(bound)} "
-                f"to which the contact's law holds at {first_angle(signals, beyond)}",
+                f"{LAW_LEFT} at {first_angle(signals, beyond)}",
             )
 
 
@@ -193,7 +194,7 @@ def start_forgotten(start: Start, signals: dict[str, np.ndarray], gear: Steering
         ends = f", the rack has teeth for {teeth:.3g} before" if np.isfinite(teeth) else ""
         yield (
             Status.INVALID,
-            f"the gear does not settle: {start.unsettled:.1%} of the force at the start depends on where the "
+            f"{UNSETTLED}: {start.unsettled:.1%} of the force at the start depends on where the "
             f"motion began; forgotten {asks}{ends}",
         )
 

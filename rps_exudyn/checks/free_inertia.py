@@ -15,6 +15,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.solvers.record import Record
 
+TOO_FAST = "the swing is too fast for equilibria"
 FREE_BOUND = 5e-4
 """Of the teeth's mean normal force, RMS over the record: dynamics then differ by 1 % of the torque, RMS."""
 
@@ -43,6 +44,6 @@ def inertia_followed(
     if share > FREE_BOUND:
         yield (
             Status.INVALID,
-            f"the swing is too fast for equilibria: as it turns about, the rack's inertia besides its travel "
+            f"{TOO_FAST}: as it turns about, the rack's inertia besides its travel "
             f"is {share:.2%} of the teeth's force, allowed are {FREE_BOUND:.2%}; choose generalized-alpha",
         )

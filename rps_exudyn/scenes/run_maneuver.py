@@ -13,6 +13,8 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import begin_part
+from rps_exudyn.checks.after_run import LAW_LEFT, UNSETTLED
+from rps_exudyn.checks.free_inertia import TOO_FAST
 from rps_exudyn.checks.memory import check_memory
 from rps_exudyn.checks.needs_finer import needs_finer, rolls_over_late
 from rps_exudyn.gears.gear_pair import GearPair
@@ -42,6 +44,7 @@ SHORTEST_AT_TURNS = 1e-9  # ... where all friction turns about at once
 LEAST_FORCE = 10.0  # of which a tolerance is a fraction [N]
 STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drifts less is settled
 UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
+INCURABLE = TOO_FAST, LAW_LEFT, UNSETTLED  # by shorter steps: causes why a swing is invalid
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
 JUMPS = (
     "; where the gear's torque falls by more than column.stiffness = {:.4g} N*m/rad, or the rack snaps "
@@ -159,7 +162,8 @@ def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver) -> bool:
     if run.outcome.status not in (Status.OK, Status.INVALID) or not run.signals:
         return False
     if isinstance(maneuver.drive, Swing):
-        return rolls_over_late(run.signals, gear)
+        incurable = any(cause in run.outcome.message for cause in INCURABLE) and not run.ok
+        return not incurable and rolls_over_late(run.signals, gear)
     return maneuver.is_steady and needs_finer(run.signals, gear)
 
 
