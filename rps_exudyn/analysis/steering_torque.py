@@ -1,4 +1,4 @@
-"""Figures of a wheel that a torque steers to and fro: loop, dead bands and gradient."""
+"""Figures of a wheel that a torque steers: loop, dead bands and gradient, or where it moves off."""
 
 from collections.abc import Mapping
 
@@ -10,6 +10,23 @@ from rps_exudyn.analysis.steering_feel import at_wheel
 Signals = Mapping[str, np.ndarray]
 
 MIDDLE = 0.2  # of the angles either side of the middle, over which the gradient is taken
+
+
+MOVED_OFF = 0.5  # of the speed with which the pinion follows a growing torque without friction
+
+
+def describe_breakaway(signals: Signals, speed: float, gain: float) -> dict[str, float]:
+    """The summary's figure of a torque that grows at a constant rate: the largest torque of the column, less
+    what the tyres take of it, until the pinion has moved off; {} of one that has not.
+
+    `speed` [rad/s] is that with which the pinion would follow without friction, `gain` the rack's [m].
+    """
+    turning = np.sign(speed) * np.gradient(signals["pinion_angle"], signals["time"])
+    moved = np.flatnonzero(turning > MOVED_OFF * abs(speed))
+    if not moved.size:
+        return {}
+    overcome = np.sign(speed) * (signals["column_torque"] + gain * signals["tyre_force"])
+    return {"breakaway_torque": float(overcome[: moved[0] + 1].max())}
 
 
 def describe_steering_torque(signals: Signals, period: float) -> dict[str, float]:

@@ -86,6 +86,11 @@ class Test(Table):
     steer_frequency: Frequency = parameter(
         "0.2 Hz", "steering-torque: of that torque", "estimate", ge=0.001, le=5
     )
+    steer_shape: Literal["sine", "ramp"] = parameter(
+        "sine",
+        "steering-torque: to and fro; or growing at a constant rate to the peak, in a quarter of a cycle",
+        "estimate",
+    )
     tyre_stiffness: SpringRate = parameter(
         0.0,
         "steering-torque: restoring force of the tyres along the rack over its travel; 0: none",

@@ -248,7 +248,10 @@ SUMMARY = {
         "N*m/rad",
         "column_torque over wheel_angle about the middle of that loop, mean of the ways",
     ),
-    "breakaway_torque": _torque("largest column_torque against the motion after a turn, mean over the turns"),
+    "breakaway_torque": _torque(
+        "largest column_torque against the motion after a turn, mean over the turns; steering-torque by a "
+        "ramp: less what the tyres take, until the pinion moves off"
+    ),
     "breakaway_ratio": _number("breakaway_torque over feel_running_torque"),
     "stick_slip_amplitude": Quantity(
         "rad", "deg", "stick-slip: half the range of column_twist over the later half of the record"

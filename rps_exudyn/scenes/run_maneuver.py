@@ -43,6 +43,7 @@ SHORTEST_STEP = 1e-7  # of the dynamics [s] ...
 SHORTEST_AT_TURNS = 1e-9  # ... where all friction turns about at once
 LEAST_FORCE = 10.0  # of which a tolerance is a fraction [N]
 STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drifts less is settled
+UNDER_TORQUE = 0.1  # of the tolerance where a torque is given, for what is left over would hold the gear
 UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
 INCURABLE = TOO_FAST, LAW_LEFT, UNSETTLED  # by shorter steps: causes why a swing is invalid
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
@@ -105,6 +106,8 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
         return SceneRun(_lost(maneuver, model.start, Outcome(Status.OK)))
     model.mbs.Assemble()
     tolerance = fidelity.tolerance * max(gear.yoke.preload, LEAST_FORCE)
+    if isinstance(maneuver.drive, WheelTorque):
+        tolerance *= UNDER_TORQUE
     plans = [
         SolverPlan(
             start_time=piece.before * maneuver.time_step,

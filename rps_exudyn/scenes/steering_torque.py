@@ -3,11 +3,13 @@
 The torque has its peak `test.steer_torque` and the frequency `test.steer_frequency`; the wheel turns as the
 column, the gear's friction and a linear spring at the rack, `test.tyre_stiffness`, let it. That spring
 carries nothing where the test starts. One cycle and a quarter go before the record, which starts at a peak.
+With `test.steer_shape` ramp the torque grows from none at a constant rate, until it is at that peak after a
+quarter of a cycle: the wheel moves off where it overcomes the friction.
 """
 
 import numpy as np
 
-from rps_exudyn.analysis.steering_torque import describe_steering_torque
+from rps_exudyn.analysis.steering_torque import describe_breakaway, describe_steering_torque
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -18,16 +20,17 @@ from rps_exudyn.scenes.remarks import remarks, wide_zone
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene import Scene
-from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import closed_form
-from rps_exudyn.solvers.wheel_torque import TyreSpring, WheelTorque
+from rps_exudyn.solvers.wheel_torque import GrowingTorque, TyreSpring, WheelTorque
 
 PER_CYCLE = 400  # steps
+PER_RAMP = 2000  # steps of a torque that grows, each by 0.05 % of its peak
 WIDEST_ZONE = 0.01  # of friction: wider ones creep where they should stick
 
 
 def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
-    """Give the wheel a torque to and fro and record.
+    """Give the wheel a torque, to and fro or growing, and record.
 
     Friction's zone follows the largest speed that the pinion may have.
 
@@ -35,16 +38,21 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
         InputError: no tyres, a torque that leaves the rack's teeth, or a model without a column.
     """
     maneuver = torque_maneuver(gear)
-    frequency = gear.test.steer_frequency
-    speed = 2 * np.pi * frequency * _largest_turn(gear)
+    speed = _largest_speed(gear)
     run = run_maneuver(gear.replace({"test.speed": speed}), fidelity, maneuver, options)
-    remark = wide_zone(fidelity, "angle_dead_band depends", WIDEST_ZONE)
+    figure = "breakaway_torque" if gear.test.steer_shape == "ramp" else "angle_dead_band"
+    remark = wide_zone(fidelity, f"{figure} depends", WIDEST_ZONE)
     return run.noting(*remarks(gear, run.signals), _held(gear), remark).described(
-        lambda signals: {
-            **describe_steering_torque(signals, 1 / frequency),
-            **figures_of_motion(signals, gear),
-        }
+        lambda signals: {**_figures(signals, gear), **figures_of_motion(signals, gear)}
     )
+
+
+def _figures(signals: Signals, gear: SteeringGear) -> dict[str, float]:
+    """What the record shows of the shape of the torque."""
+    if gear.test.steer_shape == "ramp":
+        speed, gain = gear.test.direction * _largest_speed(gear), float(GearPair.of(gear).gain)
+        return describe_breakaway(signals, speed, gain)
+    return describe_steering_torque(signals, 1 / gear.test.steer_frequency)
 
 
 def torque_maneuver(gear: SteeringGear) -> Maneuver:
@@ -63,15 +71,23 @@ def torque_maneuver(gear: SteeringGear) -> Maneuver:
     ends = test.start_angle - turn, test.start_angle + turn
     check_travel(gear, ends, f"test.steer_torque = {test.steer_torque:.4g} N*m against test.tyre_stiffness")
     tyre = TyreSpring(test.tyre_stiffness, gain * test.start_angle)
-    drive = WheelTorque(
-        "wheel", test.start_angle, test.direction * test.steer_torque, 1 / test.steer_frequency, tyre
-    )
+    given = "wheel", test.start_angle, test.direction * test.steer_torque, 1 / test.steer_frequency, tyre
+    if test.steer_shape == "ramp":
+        growing = GrowingTorque(*given)
+        return Maneuver(growing, growing.period / 4 / PER_RAMP, 0, PER_RAMP)
+    drive = WheelTorque(*given)
     return Maneuver(drive, drive.period / PER_CYCLE, PER_CYCLE * 5 // 4, PER_CYCLE * test.cycles)
 
 
 def _largest_turn(gear: SteeringGear) -> float:
     """Angle of the pinion that the peak would reach without friction [rad]."""
     return gear.test.steer_torque / (gear.test.tyre_stiffness * float(GearPair.of(gear).gain) ** 2)
+
+
+def _largest_speed(gear: SteeringGear) -> float:
+    """Largest speed with which the pinion would follow the torque without friction [rad/s]."""
+    of_peak = 4.0 if gear.test.steer_shape == "ramp" else 2 * np.pi
+    return float(of_peak * gear.test.steer_frequency * _largest_turn(gear))
 
 
 def _held(gear: SteeringGear) -> str:

@@ -53,3 +53,17 @@ class WheelTorque(Drive):
     def shown(self, time: float) -> str:
         """Return the torque at an instant [s] for a reader, for instance "1.2 N m at the wheel"."""
         return f"{float(self.torque(time)):.4g} N m at the wheel"
+
+
+@dataclass(frozen=True)
+class GrowingTorque(WheelTorque):
+    """A torque on the wheel that grows at a constant rate, to its peak in a quarter of the period."""
+
+    @property
+    def growth(self) -> float:
+        """Return the rate, in the sense of the peak [N m/s]."""
+        return 4 * self.peak / self.period
+
+    def torque(self, time: Places) -> np.ndarray:
+        """Return growth t, of the shape of the times [s]."""
+        return np.asarray(self.growth * np.asarray(time))

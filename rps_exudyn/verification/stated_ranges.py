@@ -114,7 +114,7 @@ TEST: dict[str, Range] = {
     "test.pulse_force": Even(-2500, 2500),
 }
 
-OF_OTHER_SCENES = ("test.steer_torque", "test.steer_frequency")
+OF_OTHER_SCENES = ("test.steer_torque", "test.steer_frequency", "test.steer_shape")
 """Parameters of scenes of which no plan is drawn: a gear keeps their defaults, and plans their texts."""
 
 GEAR: Mapping[str, Range] = {**TEETH, **ERRORS, **PARTS, **COLUMN, **TEST}
