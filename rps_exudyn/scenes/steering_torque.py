@@ -71,11 +71,12 @@ def torque_maneuver(gear: SteeringGear) -> Maneuver:
     ends = test.start_angle - turn, test.start_angle + turn
     check_travel(gear, ends, f"test.steer_torque = {test.steer_torque:.4g} N*m against test.tyre_stiffness")
     tyre = TyreSpring(test.tyre_stiffness, gain * test.start_angle)
-    given = "wheel", test.start_angle, test.direction * test.steer_torque, 1 / test.steer_frequency, tyre
+    shape = GrowingTorque if test.steer_shape == "ramp" else WheelTorque
+    drive = shape(
+        "wheel", test.start_angle, test.direction * test.steer_torque, 1 / test.steer_frequency, tyre
+    )
     if test.steer_shape == "ramp":
-        growing = GrowingTorque(*given)
-        return Maneuver(growing, growing.period / 4 / PER_RAMP, 0, PER_RAMP)
-    drive = WheelTorque(*given)
+        return Maneuver(drive, drive.period / 4 / PER_RAMP, 0, PER_RAMP)
     return Maneuver(drive, drive.period / PER_CYCLE, PER_CYCLE * 5 // 4, PER_CYCLE * test.cycles)
 
 
