@@ -31,7 +31,7 @@ from benchmarks import (
     tooth_compliance,
     validation,
 )
-from benchmarks.accuracy_speed import law_and_scaling, measured_points, overview, promise_table
+from benchmarks.accuracy_speed import law_and_scaling, measured_points, overview, promise_check, promise_table
 from benchmarks.bad_inputs import bad_inputs, damaged_files
 from benchmarks.peers import scene_files, side_by_side
 from benchmarks.stability import (
@@ -68,6 +68,7 @@ TOPICS: dict[str, Topic] = {
     "law_and_scaling": law_and_scaling.TOPIC,
     "overview": overview.TOPIC,
     "promise_table": promise_table.TOPIC,
+    "promise_check": promise_check.TOPIC,
     "stability_maps": maps.TOPIC,
     "explicit_limits": explicit_limits.TOPIC,
     "implicit_limits": implicit_limits.TOPIC,

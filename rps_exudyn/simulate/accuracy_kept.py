@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -64,7 +65,7 @@ def kept_by(run: Run, wanted: Wanted, gear: SteeringGear, first: Fidelity) -> Re
     if result.status is not Status.OK or own_steps or first.solver not in MOST_FINER:
         return result
     for _ in range(MOST_FINER[first.solver]):
-        finer = finer_than(fidelity)
+        finer = finer_than(fidelity, taken_step(result, wanted.scene, fidelity))
         try:
             truer = run(gear, finer)
         except Interrupted:
@@ -104,12 +105,22 @@ def vibrating(run: Run, wanted: Wanted, gear: SteeringGear, fidelity: Fidelity) 
     )
 
 
-def finer_than(fidelity: Fidelity) -> Fidelity:
-    """Return a model in half the steps and with finer strips."""
+def taken_step(result: Result, scene: str, fidelity: Fidelity) -> float:
+    """Return the pinion angle of a run's steps [rad], which may be halved where its record asked for it: half
+    of the step that was asked for could be the one that was taken."""
+    halved = fidelity.step_angle / 2 ** int(result.findings.get("halvings", 0))
+    if fidelity.solver != "equilibrium" or not scene_named(scene).steady:
+        return halved
+    ways = [np.abs(np.diff(way.signals["pinion_angle"])) for way in passes(result.signals)]
+    return min(halved, *(float(np.median(way)) for way in ways))
+
+
+def finer_than(fidelity: Fidelity, step: float) -> Fidelity:
+    """Return a model in half of a step [rad] and with finer strips."""
     stations, points = fidelity.strip_stations, fidelity.strip_points
     return fidelity.replace(
         {
-            "step_angle": fidelity.step_angle / 2,
+            "step_angle": step / 2,
             "strip_stations": max(stations, min(STATIONS, round(1.5 * stations))),
             "strip_points": max(points, min(POINTS, points + 1)),
         }

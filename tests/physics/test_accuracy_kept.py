@@ -2,6 +2,7 @@
 
 from functools import partial
 
+import numpy as np
 import pytest
 
 import rps_exudyn as rps
@@ -9,7 +10,7 @@ from rps_exudyn.analysis.curve import difference
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.headline import curve_of
-from rps_exudyn.simulate.accuracy_kept import SLOW, Wanted, finer_than, kept_by
+from rps_exudyn.simulate.accuracy_kept import SLOW, Wanted, finer_than, kept_by, taken_step
 from rps_exudyn.simulate.run import simulate
 
 SCENE, SIGNAL = "free-pinion-torque", "pinion_torque"
@@ -105,10 +106,22 @@ def test_dynamics_take_the_place_of_equilibria_that_do_not_run() -> None:
     assert rps.run("reversal", gear, accuracy="3%", fidelity="quasi-static").status == "invalid"
 
 
+def test_a_run_in_halved_steps_is_not_confirmed_by_those_that_it_took() -> None:
+    """Steps of 8 degrees halved to 4 on the way there, to 2 on the way back: the finer run must be below."""
+    angle = np.radians(np.concatenate([np.arange(0, 61, 4.0), np.arange(60, -1, -2.0)]))
+    time = np.concatenate([np.arange(16) * 4.0, np.arange(31) * 2.0 + 60])
+    made = RUN(GEAR, STILL)
+    signals = {"time": time, "pinion_angle": angle, SIGNAL: np.ones(angle.size)}
+    result = rps.Result(**{**vars(made), "signals": signals, "findings": {"halvings": 1}})
+    model = STILL.replace({"step_angle": "8 deg"})
+    assert taken_step(result, SCENE, model) == pytest.approx(np.radians(2))
+    assert taken_step(result, "reversal", model) == pytest.approx(np.radians(4))
+
+
 @pytest.mark.quick
 def test_strips_are_refined_up_to_the_finest_that_show_anything() -> None:
     model = STILL
     for _ in range(6):
-        model = finer_than(model)
+        model = finer_than(model, model.step_angle)
     assert (model.strip_stations, model.strip_points) == (12, 6)
-    assert finer_than(model).strip_stations == 12
+    assert finer_than(model, model.step_angle).strip_stations == 12
