@@ -6,8 +6,8 @@ which methods must agree (`promise_scenes`); for a quantity in which they differ
 left out. The error of a setting on a gear is that of the quantity, plus the methods' difference; it promises
 1.5 times the worst of all gears, twice the worst of few. A setting that fails too often is not offered.
 
-Contact laws `area` and `teeth` are measured on the first of these gears: how many times the angles of the table they
-need for what the table promises.
+Contact laws `area` and `teeth` are measured on the first of these gears: how many times the angles of the
+table they need for what the table promises.
 """
 
 import json
