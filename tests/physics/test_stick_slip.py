@@ -69,6 +69,20 @@ def test_sticking_speeds_of_the_table() -> None:
     assert bool(sticks(damped(0.01), np.array([12.0]))[0])
 
 
+def test_sticking_speeds_of_the_table_with_its_stribeck_speeds() -> None:
+    """With 5 mm/s for the teeth and 10 mm/s for the plunger the last two of the table are met as well: 2.6
+    rad/s to 10 % and none at a damping ratio of 0.3, where 5 mm/s for both leaves 0.84 rad/s. Events found by
+    another integrator say the same of the last."""
+    gear = STEEL.replace({"mesh.stribeck_speed": "5 mm/s", "yoke.stribeck_speed": "10 mm/s"})
+    model, other = reduced_gear(gear), damped(0.3)
+    unit = 2 * np.sqrt(model.stiffness * model.inertia)
+    speeds = [sticking_speed(replace(model, damping=ratio * unit)) for ratio in (0.03, 0.1, 0.3)]
+    assert speeds[:2] == pytest.approx([6.6, 2.6], rel=0.1)
+    assert speeds[2] == 0.0
+    assert event_based(replace(model, damping=0.3 * unit), 0.7, rtol=1e-7) is None
+    assert event_based(other, 0.7, rtol=1e-7) is not None
+
+
 def test_slow_sticking_needs_falling_friction() -> None:
     plain = Oscillator(7e-5, 100.0, 0.001, (Rubbing(0.6),))
     assert sticking_speed(plain) == 0.0
