@@ -32,6 +32,7 @@ RETRIES, NEARER = 6, 0.8  # where the gear finds no equilibrium, and how much of
 TWISTS = 3  # times that the start is found behind a column: the torque hardly changes with its twist
 MOST_SEARCHES = 200  # of equilibria that Newton's method does not find, over a path
 PARTS = 256  # of the shortest step, down to which one without an equilibrium is halved
+STUCK = 0.1  # of what the column's end moves: a pinion that moves less is held by friction
 MOST_PLACES = 1e-15  # of a bracket [rad]: a torque that jumps is not found any closer
 
 
@@ -195,7 +196,8 @@ class March:
         return False
 
     def sprung(self, k: int) -> bool:
-        """Find pinion and rack together, the column a spring on the pinion; false without an equilibrium.
+        """Find pinion and rack together, the column a spring on the pinion; false without an equilibrium, or
+        with one for which the pinion would have to leave its place.
 
         Where all sticks, the torque changes so much over so little of the pinion's angle that it is no use as
         a function of that; its inverse is tame.
@@ -219,7 +221,9 @@ class March:
         free = np.union1d(self.free, [driven])
         self.residual = search(self.balance, free, self.time, k, *rows, spring)
         self.kept[k] = self.balance.memory
-        return self.residual <= CLOSE * self.largest / self.balance.lengths[driven]
+        moved = abs(float(self.coordinates[k, driven]) - before)
+        stuck = moved <= STUCK * abs(end - sign * float(self.ahead.place(self.time[k - 1])))
+        return stuck and self.residual <= CLOSE * self.largest / self.balance.lengths[driven]
 
     def divided(self, k: int, shortest: float) -> bool:
         """Put an instant halfway before instant k; false where the step [s] is as short as that already."""
