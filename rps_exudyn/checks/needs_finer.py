@@ -2,19 +2,23 @@
 
 A yoke that stops at its nut, or a tooth that takes over with a jerk, is over in a few degrees. Equilibria
 cost so little that such a record is made again in half the steps instead of being refused. After each turn of
-a swing the rack rolls over to its other side, and knows the rate of that half a step late.
+a swing the rack rolls over to its other side, and knows the rate of that half a step late. Where the yoke is
+at its nut, the force follows from how far teeth and nut yield, and teeth that bend need finer strips.
 """
 
 import numpy as np
 
-from rps_exudyn.analysis.resolution import unresolved
+from rps_exudyn.analysis.resolution import every_second, unresolved
 from rps_exudyn.checks.after_run import driven_along, missed_mean, rolling_lag
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 
 MEAN = 0.01  # of the mean that may hide between the steps ...
 ROLLING = 0.01  # ... or be moved by a late rate of rolling
 ROLLING_OVER = 0.004  # ... in a swing, over its travel: its work is then right to a percent
-PEAK = 0.05  # of the mean by which a step may leave the curve through its neighbours: peaks are right to 5 %
+PEAK = 0.025  # of the mean by which a step may leave the curve through its neighbours: peaks are right to 4 %
+FINEST = 12  # stations of a strip; more show nothing
+STRIPS_AGREE = 0.005  # of the mean, between a record and that by strips of twice the stations
 
 
 def rolls_over_late(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:
@@ -33,3 +37,18 @@ def needs_finer(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:
         or rolling_lag(signals, gear)[1] > ROLLING
         or unresolved(path, force) > PEAK
     )
+
+
+def finer_strips(fidelity: Fidelity, gear: SteeringGear, signals: dict[str, np.ndarray]) -> Fidelity | None:
+    """Return the model with strips of twice the stations by which a record should be confirmed; None where
+    it need not be, or nothing finer is known."""
+    stopped = (signals.get("yokenut_force", np.zeros(1)) > 0).any()
+    if gear.mesh.law != "teeth" or not stopped or fidelity.strip_stations >= FINEST:
+        return None
+    return fidelity.replace({"strip_stations": min(FINEST, 2 * fidelity.strip_stations)})
+
+
+def strips_agree(coarse: dict[str, np.ndarray], fine: dict[str, np.ndarray]) -> bool:
+    """Tell whether strips hardly move the mean of the drive's torque or force over a record."""
+    (work, _), (right, _) = (every_second(*driven_along(each)[::-1]) for each in (coarse, fine))
+    return bool(abs(work - right) <= STRIPS_AGREE * abs(right))

@@ -205,7 +205,7 @@ def band_of(part, data):  # type: ignore[no-untyped-def]
 @borrowing
 def surplus(q, z_squared, band, data):  # type: ignore[no-untyped-def]
     """Surplus of the flank along the transverse tangent, at the tangent length q and the square of Z [m]."""
-    relieved = q - band.relief_from
+    relieved = max(q - band.relief_from, 0.0)
     return data.slope * (q - data.q_form) - band.relief * relieved * relieved - data.crowning * z_squared
 
 

@@ -75,11 +75,12 @@ def describe_strip(strip, line, band, side, data):  # type: ignore[no-untyped-de
     tip[0], tip[1], tip[3], tip[4], tip[6], tip[7] = y_0 + data.tip_depth, y_1, y_3, y_4, y_6, y_7
     if data.crowning > 0 or data.slope != 0 or relief > 0:  # P moves along e_t by the flank's surplus
         y_t, z_t = s * side.y[2], s * side.z[2]
-        tip[0] += y_t * surplus_0
-        tip[1] += y_t * surplus_1
-        tip[2] = y_t * surplus_2
-        tip[3] += y_t * surplus_3
-        tip[4] += y_t * surplus_4
+        # relief by its chord: the parabola, far below the band, would put the tips anywhere
+        chord = relief * (band.high - band.low)
+        tip[0] += y_t * (data.slope * (q_0 - data.q_form) - chord * u)
+        tip[1] += y_t * (data.slope - chord) * q_1
+        tip[2] = -y_t * data.crowning
+        tip[3] -= y_t * (data.slope - chord) * s * rb
         # at the bar's ends crowning is that of their Z, relief that of the band's middle
         middle = (band.high - band.low) / 2
         surplus_0 = data.slope * (q_0 - data.q_form) - relief * middle * middle
@@ -201,11 +202,14 @@ def touching(strip, from_, to):  # type: ignore[no-untyped-def]
 
 @borrowing
 def greatest_width(strip, from_, to):  # type: ignore[no-untyped-def]
-    """Half width of the strip at its ends or in its middle, whichever is greatest, with some margin."""
-    _, at_low, _ = width(strip, from_)
-    _, middle, _ = width(strip, (from_ + to) / 2)
-    _, at_high, _ = width(strip, to)
-    return min(1.2 * np.sqrt(max(at_low, middle, at_high, 0.0)), MARGIN)
+    """How far the strip reaches from xi = 0 at its ends or in its middle, whichever is farthest, with some
+    margin: relief and slope move its crest away from there."""
+    reach = 0.0
+    for z in (from_, (from_ + to) / 2, to):
+        middle, square, _ = width(strip, z)
+        if square > 0:
+            reach = max(reach, abs(middle) + np.sqrt(square))
+    return min(1.2 * reach, MARGIN)
 
 
 @borrowing

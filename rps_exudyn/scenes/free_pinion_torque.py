@@ -24,7 +24,7 @@ def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptio
     maneuvers = maneuvers_of_test(gear, "pinion", fidelity.step_angle, options.least_steps)
     run = run_maneuvers(gear, fidelity, maneuvers, options)
     formula = {} if beyond_formulas(gear) else {"torque_closed_form": _by_formula(gear)}
-    vibration = unresolved_vibration(fidelity, run.signals, "pinion_torque", "pinion_angle")
+    vibration = unresolved_vibration(fidelity, run, "pinion_torque", "pinion_angle")
     left_out = ("torque_peak_to_peak",) if vibration else ()
     return run.noting(*remarks(gear, run.signals), vibration).described(
         lambda signals: without({**figures_of_turning(signals, gear), **formula}, left_out)

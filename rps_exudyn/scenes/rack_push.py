@@ -27,7 +27,7 @@ def rack_push(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     """
     maneuvers = maneuvers_of_test(gear, "rack", fidelity.step_angle, options.least_steps)
     run = run_maneuvers(gear, fidelity, maneuvers, options)
-    vibration = unresolved_vibration(fidelity, run.signals, "rack_force", "rack_displacement")
+    vibration = unresolved_vibration(fidelity, run, "rack_force", "rack_displacement")
     coarse = fidelity.step_angle > 2 * np.pi / gear.pinion.teeth / LEAST_PER_PERIOD
     left_out = ("push_force_peak_to_peak",) if vibration or coarse else ()
     return run.noting(*remarks(gear, run.signals), vibration).described(

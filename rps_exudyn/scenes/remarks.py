@@ -10,9 +10,14 @@ from rps_exudyn.analysis.resolution import UNRESOLVED, unresolved
 from rps_exudyn.mesh_contact.steel import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.scene_run import SceneRun
 
 LIFTED, STOPPED = "carry nothing", "is used up"
 """Words of a remark on a contact that opens or closes, beyond which numbers follow another law."""
+
+GROWN = 0.7  # power of e by which a vibration may grow over a way unseen
+DIED = 1.0  # power of e by which what began before a way, or with it, should die over it ...
+UNRESOLVED_UNDAMPED = 0.015  # ... or else steps may miss no more of the mean than that
 
 
 def met_limit(message: str) -> bool:
@@ -58,19 +63,29 @@ def _yoke_stopped(gear: SteeringGear, signals: Signals) -> Iterator[str]:
         )
 
 
-def unresolved_vibration(fidelity: Fidelity, signals: Signals, signal: str, place: str) -> str:
-    """Return a remark on a dynamic record whose steps do not resolve how its signal vibrates over a place,
-    or ""."""
-    if fidelity.solver != "generalized-alpha" or signal not in signals:
+def unresolved_vibration(fidelity: Fidelity, run: SceneRun, signal: str, place: str) -> str:
+    """Return a remark on a dynamic run whose steps do not resolve how its signal vibrates over a place, or
+    damp a vibration that grows; or ""."""
+    if fidelity.solver != "generalized-alpha" or signal not in run.signals:
         return ""
-    ways = [each.signals for each in passes(signals)]
+    ways = [each.signals for each in passes(run.signals)]
     share = max((unresolved(way[place], way[signal]) for way in ways), default=0.0)
-    if share <= UNRESOLVED:
+    found = run.outcome.findings
+    if (grown := found.get("vibration_grows", 0.0)) > GROWN:
+        seen = (
+            f"friction feeds a vibration that grows {np.exp(min(grown, 20.0)):.3g} times over a way "
+            "and that the steps damp"
+        )
+    elif share > (UNRESOLVED_UNDAMPED if found.get("vibration_dies", np.inf) < DIED else UNRESOLVED):
+        seen = (
+            f"{signal} leaves the curve through its neighbours by up to {share:.1%} of its mean: vibration "
+            "that the steps do not resolve"
+        )
+    else:
         return ""
     return (
-        f"{signal} leaves the curve through its neighbours by up to {share:.1%} of its mean: vibration that "
-        "the steps do not resolve, so that its peak to peak is left out; lower fidelity.step_angle, or "
-        "choose the fidelity quasi-static, which knows no vibration"
+        f"{seen}, so that its peak to peak is left out; lower fidelity.step_angle, or choose the fidelity "
+        "quasi-static, which knows no vibration"
     )
 
 

@@ -16,7 +16,7 @@ from rps_exudyn.base.progress import begin_part
 from rps_exudyn.checks.after_run import LAW_LEFT, UNSETTLED
 from rps_exudyn.checks.free_inertia import TOO_FAST
 from rps_exudyn.checks.memory import check_memory
-from rps_exudyn.checks.needs_finer import needs_finer, rolls_over_late
+from rps_exudyn.checks.needs_finer import finer_strips, needs_finer, rolls_over_late, strips_agree
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -97,6 +97,7 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
     from rps_exudyn.multibody.model import build_model
     from rps_exudyn.multibody.recorder import Recorder
     from rps_exudyn.multibody.solve import SolverPlan, solve_one_after_another
+    from rps_exudyn.multibody.vibration import vibration
 
     load, approach = maneuver.rack_load, maneuver.approach
     model = build_model(
@@ -126,6 +127,8 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
         outcome = Outcome(Status.TIMEOUT, f"interrupted at {recorder.reached:.4g} s of {recorder.end:.4g} s")
         interrupted = True
     record = recorder.record()
+    if maneuver.is_steady and outcome.status is Status.OK:
+        outcome.findings.update(vibration(model, record))
     model.release()
     run = _finished(gear, maneuver, outcome, record, model.start, model.forces.friction_zone, options)
     if interrupted:
@@ -140,7 +143,8 @@ def by_equilibrium(
     """Go from equilibrium to equilibrium; a curve that repeats is followed over one period only.
 
     It repeats if all periods together drift by little: under its weight a rack tilts more the farther it is
-    out. Steps that are too long for what the record shows are halved.
+    out. Steps that are too long for what the record shows are halved, and so are the strips of contact of
+    teeth that bend where the yoke is at its nut: its force then depends on how far all of them yield.
     """
     if maneuver.pulse is not None:
         raise InputError("fidelity.solver is equilibrium, which knows no pulses: choose generalized-alpha.")
@@ -150,6 +154,12 @@ def by_equilibrium(
         halved += 1
         run = _settled(gear, fidelity, period.halved(halved), options)
     findings: dict[str, int] = {"halvings": halved} if halved else {}
+    confirmed = options.least_steps.halvings == 0
+    while run.ok and not confirmed and (finer := finer_strips(fidelity, gear, run.signals)):
+        coarse, fidelity = run, finer
+        run = _settled(gear, fidelity, period.halved(halved), options)
+        confirmed = run.ok and strips_agree(coarse.signals, run.signals)
+        findings["strip_stations"] = fidelity.strip_stations
     if maneuver.periods > 1 and run.ok:
         force = run.signals[maneuver.drive.signal]
         if maneuver.periods * abs(force[-1] - force[0]) > CLOSED * np.abs(force).max():

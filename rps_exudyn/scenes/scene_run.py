@@ -48,11 +48,13 @@ def joined(runs: Sequence[SceneRun]) -> SceneRun:
     The outcome is that of the first maneuver that failed; maneuvers after it should not have been made.
     """
     outcomes = [run.outcome for run in runs]
+    outcome = next((each for each in outcomes if each.status is not Status.OK), outcomes[0])
     outcome = replace(
-        next((each for each in outcomes if each.status is not Status.OK), outcomes[0]),
+        outcome,
         time_reached=sum(each.time_reached for each in outcomes),
         cpu_s=sum(each.cpu_s for each in outcomes),
         counters=dict(sum((Counter(each.counters) for each in outcomes), Counter())),
+        findings={**outcome.findings, **_worst_vibration(outcomes)},
     )
     recorded = [run.signals for run in runs if run.signals]
     signals: Signals = dict(recorded[0]) if recorded else {}
@@ -61,6 +63,12 @@ def joined(runs: Sequence[SceneRun]) -> SceneRun:
             before = signals[name][-1] if name == "time" or is_work(name) else 0.0
             signals[name] = np.concatenate([signals[name], before + values])
     return SceneRun(outcome, signals)
+
+
+def _worst_vibration(outcomes: Sequence[Outcome]) -> dict[str, float]:
+    worst = {"vibration_grows": max, "vibration_dies": min}
+    known = {name: [each.findings[name] for each in outcomes if name in each.findings] for name in worst}
+    return {name: worst[name](values) for name, values in known.items() if values}
 
 
 def outcome_of_path(path: EquilibriumPath, cpu_s: float) -> Outcome:

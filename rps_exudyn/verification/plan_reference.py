@@ -47,6 +47,7 @@ GENERATORS = 100
 STATIONS = {"mesh": "flank", "strip_stations": 12, "strip_points": 6}
 PER_FASTEST = 2.0  # Runge-Kutta's step over the time constant of the fastest mode; stable to 2.8
 MOST_EXPLICIT = 3000  # steps; motion that needs more is slow
+INSTANTS, GROWN = 24, 0.5  # at which slow motion is linearised; powers of e by which a vibration may grow
 PARTS = (1, 2, 4)  # of such a step, one after the other
 
 
@@ -164,6 +165,7 @@ def _along(plan: ScenePlan, forces: GearForces, way: Way) -> tuple[np.ndarray, n
             record = shifted.recorded(time, places, rates)
             kept = time >= run_in - step / 2
             return drive.place(time[kept] - run_in), record.drive[kept], "Runge-Kutta"
+        _check_steady(motion, _followed(gear, forces, way, 1)[1], way.length / gear.test.speed)
     along, path = _followed(gear, forces, way, 1)
     if _rolls(gear, path, along.size):
         along, path = _followed(gear, forces, way, FINER)
@@ -276,15 +278,31 @@ def _motion(
 
 def _explicit_step(motion: FreeMotion) -> float:
     """Step in which Runge-Kutta resolves the fastest mode where the motion starts [s]."""
-    inverse, moving = motion.inverse_mass(motion.place), np.ix_(motion.moving, motion.moving)
+    return PER_FASTEST / float(np.abs(_modes(motion, motion.place, motion.rate)).max())
+
+
+def _modes(motion: FreeMotion, place: np.ndarray, rate: np.ndarray) -> np.ndarray:
+    """Eigenvalues of the motion linearised at a place and rate [1/s], (2m,)."""
+    inverse, moving = motion.inverse_mass(place), np.ix_(motion.moving, motion.moving)
     slope = tangent(motion.force)
     stiffness, damping = (
-        inverse @ slope(motion.place, motion.rate, motion.data, *factors)[moving]
-        for factors in ((1.0, 0.0), (0.0, 1.0))
+        inverse @ slope(place, rate, motion.data, *factors)[moving] for factors in ((1.0, 0.0), (0.0, 1.0))
     )
     n = len(stiffness)
-    state = np.block([[np.zeros((n, n)), np.eye(n)], [stiffness, damping]])
-    return PER_FASTEST / float(np.abs(np.linalg.eigvals(state)).max())
+    return np.linalg.eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [stiffness, damping]]))
+
+
+def _check_steady(motion: FreeMotion, path: EquilibriumPath, duration: float) -> None:
+    """Check that no vibration grows along equilibria that are to stand for a motion of some duration [s].
+
+    Raises:
+        NotFoundError: one does, fed by friction: the motion is another one.
+    """
+    some = np.linspace(0, len(path.coordinates) - 1, INSTANTS).astype(int)
+    values = np.array([_modes(motion, path.coordinates[i], path.rates[i]) for i in some])
+    rates = np.where(values.imag != 0, values.real, 0.0).max(axis=1)
+    if (grown := float(np.maximum(rates, 0).mean() * duration)) > GROWN:
+        raise NotFoundError(f"friction feeds a vibration, which grows by e^{grown:.2g}: nothing is slow")
 
 
 def explicit(motion: FreeMotion, step: float, steps: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
