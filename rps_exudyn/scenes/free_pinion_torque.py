@@ -7,7 +7,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import figures_of_turning, without
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
-from rps_exudyn.scenes.remarks import remarks, unresolved_vibration
+from rps_exudyn.scenes.remarks import remarks, unresolved_peaks
 from rps_exudyn.scenes.run_maneuver import run_maneuvers
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene import Scene
@@ -24,9 +24,9 @@ def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptio
     maneuvers = maneuvers_of_test(gear, "pinion", fidelity.step_angle, options.least_steps)
     run = run_maneuvers(gear, fidelity, maneuvers, options)
     formula = {} if beyond_formulas(gear) else {"torque_closed_form": _by_formula(gear)}
-    vibration = unresolved_vibration(fidelity, run, "pinion_torque", "pinion_angle")
-    left_out = ("torque_peak_to_peak",) if vibration else ()
-    return run.noting(*remarks(gear, run.signals), vibration).described(
+    unseen = unresolved_peaks(fidelity, run, "pinion_torque", "pinion_angle")
+    left_out = ("torque_peak_to_peak",) if unseen else ()
+    return run.noting(*remarks(gear, run.signals), unseen).described(
         lambda signals: without({**figures_of_turning(signals, gear), **formula}, left_out)
     )
 

@@ -12,7 +12,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import figures_of_motion, without
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
-from rps_exudyn.scenes.remarks import remarks, unresolved_vibration
+from rps_exudyn.scenes.remarks import remarks, unresolved_peaks
 from rps_exudyn.scenes.run_maneuver import run_maneuvers
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene import Scene
@@ -27,10 +27,10 @@ def rack_push(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     """
     maneuvers = maneuvers_of_test(gear, "rack", fidelity.step_angle, options.least_steps)
     run = run_maneuvers(gear, fidelity, maneuvers, options)
-    vibration = unresolved_vibration(fidelity, run, "rack_force", "rack_displacement")
+    unseen = unresolved_peaks(fidelity, run, "rack_force", "rack_displacement")
     coarse = fidelity.step_angle > 2 * np.pi / gear.pinion.teeth / LEAST_PER_PERIOD
-    left_out = ("push_force_peak_to_peak",) if vibration or coarse else ()
-    return run.noting(*remarks(gear, run.signals), vibration).described(
+    left_out = ("push_force_peak_to_peak",) if unseen or coarse else ()
+    return run.noting(*remarks(gear, run.signals), unseen).described(
         lambda signals: without({**push_figures(signals), **figures_of_motion(signals, gear)}, left_out)
     )
 

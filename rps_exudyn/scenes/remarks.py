@@ -1,6 +1,7 @@
 """Remarks on a run that is all right: which limits of the gear it met, with the numbers."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ LIFTED, STOPPED = "carry nothing", "is used up"
 GROWN = 0.7  # power of e by which a vibration may grow over a way unseen
 DIED = 1.0  # power of e by which what began before a way, or with it, should die over it ...
 UNRESOLVED_UNDAMPED = 0.015  # ... or else steps may miss no more of the mean than that
+JUMP = 0.05  # of the mean between equilibria whose steps were halved as often as makes sense
 
 
 def met_limit(message: str) -> bool:
@@ -63,24 +65,28 @@ def _yoke_stopped(gear: SteeringGear, signals: Signals) -> Iterator[str]:
         )
 
 
-def unresolved_vibration(fidelity: Fidelity, run: SceneRun, signal: str, place: str) -> str:
-    """Return a remark on a dynamic run whose steps do not resolve how its signal vibrates over a place, or
-    damp a vibration that grows; or ""."""
-    if fidelity.solver != "generalized-alpha" or signal not in run.signals:
+def unresolved_peaks(fidelity: Fidelity, run: SceneRun, signal: str, place: str) -> str:
+    """Return a remark on a run whose steps do not show how large its signal becomes over a place; or ""."""
+    if fidelity.solver == "closed-form" or signal not in run.signals:
         return ""
     ways = [each.signals for each in passes(run.signals)]
     share = max((unresolved(way[place], way[signal]) for way in ways), default=0.0)
-    found = run.outcome.findings
+    seen = f"{signal} leaves the curve through its neighbours by up to {share:.1%} of its mean: "
+    if fidelity.solver == "equilibrium":
+        seen += "the gear snaps over, which equilibria only jump across, so that its peak to peak is left out"
+        return seen if share > JUMP else ""
+    return _unresolved_vibration(run.outcome.findings, share, seen)
+
+
+def _unresolved_vibration(found: dict[str, Any], share: float, seen: str) -> str:
+    """The remark on a dynamic run."""
     if (grown := found.get("vibration_grows", 0.0)) > GROWN:
         seen = (
             f"friction feeds a vibration that grows {np.exp(min(grown, 20.0)):.3g} times over a way "
             "and that the steps damp"
         )
     elif share > (UNRESOLVED_UNDAMPED if found.get("vibration_dies", np.inf) < DIED else UNRESOLVED):
-        seen = (
-            f"{signal} leaves the curve through its neighbours by up to {share:.1%} of its mean: vibration "
-            "that the steps do not resolve"
-        )
+        seen += "vibration that the steps do not resolve"
     else:
         return ""
     return (

@@ -156,10 +156,15 @@ def by_equilibrium(
     findings: dict[str, int] = {"halvings": halved} if halved else {}
     confirmed = options.least_steps.halvings == 0
     while run.ok and not confirmed and (finer := finer_strips(fidelity, gear, run.signals)):
-        coarse, fidelity = run, finer
-        run = _settled(gear, fidelity, period.halved(halved), options)
-        confirmed = run.ok and strips_agree(coarse.signals, run.signals)
-        findings["strip_stations"] = fidelity.strip_stations
+        better = _settled(gear, finer, period.halved(halved), options)
+        if not better.ok:
+            run = run.noting(
+                f"strips of {finer.strip_stations} stations do not confirm it: {better.outcome.message}"
+            )
+            break
+        confirmed = strips_agree(run.signals, better.signals)
+        run, fidelity = better, finer
+        findings["strip_stations"] = finer.strip_stations
     if maneuver.periods > 1 and run.ok:
         force = run.signals[maneuver.drive.signal]
         if maneuver.periods * abs(force[-1] - force[0]) > CLOSED * np.abs(force).max():
