@@ -39,11 +39,16 @@ def needs_finer(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:
     )
 
 
+def yoke_stops(signals: dict[str, np.ndarray]) -> bool:
+    """Tell whether the yoke meets its nut: forces then depend on where the rack stands to a few micrometres,
+    and so on how it rolled before the record."""
+    return bool((signals.get("yokenut_force", np.zeros(1)) > 0).any())
+
+
 def finer_strips(fidelity: Fidelity, gear: SteeringGear, signals: dict[str, np.ndarray]) -> Fidelity | None:
     """Return the model with strips of twice the stations by which a record should be confirmed; None where
     it need not be, or nothing finer is known."""
-    stopped = (signals.get("yokenut_force", np.zeros(1)) > 0).any()
-    if gear.mesh.law != "teeth" or not stopped or fidelity.strip_stations >= FINEST:
+    if gear.mesh.law != "teeth" or not yoke_stops(signals) or fidelity.strip_stations >= FINEST:
         return None
     return fidelity.replace({"strip_stations": min(FINEST, 2 * fidelity.strip_stations)})
 

@@ -140,6 +140,8 @@ def _integrate(strip, cuts, breaks, band, line, side, data, sums, slopes):  # ty
     ends = ends_of(strip, low, high, half)
     low_ends, high_ends = low_ends and ends.limit_low < 0, high_ends and ends.limit_high < 0
     watched, count, low_ends, high_ends = watch_limits(strip, ends, half, low_ends, high_ends, cuts, breaks)
+    if count == 0:  # limits leave nothing, and no breaks
+        return 0.0
     for i in range(count - 1):
         z_0, length = breaks[i], breaks[i + 1] - breaks[i]
         # where the load fades out; law "line": linearly, which the plain rule integrates exactly

@@ -18,6 +18,7 @@ LEAST_PER_CYCLE = 200  # steps of a swing
 YIELDING = 3e-3  # pinion angle after a turn over which friction turns about, in most gears less [rad]
 STEPS_OF_YIELDING = 25  # steps over that angle: the angle at which the gear runs again to 0.5 %
 LEAST_BEFORE, PER_PITCH_BEFORE = 48, 20  # equilibria over half a cycle that leads to a swing's start
+CLOSE = 4  # times the equilibria that lead to a start from which all depends closely
 RUN_IN = np.deg2rad(0.5)  # pinion angle turned before the record starts, at least
 
 
@@ -97,6 +98,11 @@ class Maneuver:
     def without_settling(self) -> "Maneuver":
         """Return the same from where the gear first rests, without the equilibria that lead there."""
         return replace(self, approach=None)
+
+    def closely_approached(self) -> "Maneuver":
+        """Return the same, steady motion led to its start in a quarter of the steps."""
+        assert isinstance(self.approach, SteadyApproach)
+        return replace(self, approach=replace(self.approach, density=CLOSE))
 
     def begun_earlier(self, cycles: int) -> "Maneuver":
         """Return the same swing with so many more cycles before its record."""

@@ -16,7 +16,13 @@ from rps_exudyn.base.progress import begin_part
 from rps_exudyn.checks.after_run import LAW_LEFT, UNSETTLED
 from rps_exudyn.checks.free_inertia import TOO_FAST
 from rps_exudyn.checks.memory import check_memory
-from rps_exudyn.checks.needs_finer import finer_strips, needs_finer, rolls_over_late, strips_agree
+from rps_exudyn.checks.needs_finer import (
+    finer_strips,
+    needs_finer,
+    rolls_over_late,
+    strips_agree,
+    yoke_stops,
+)
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -155,8 +161,13 @@ def by_equilibrium(
         run = _settled(gear, fidelity, period.halved(halved), options)
     findings: dict[str, int] = {"halvings": halved} if halved else {}
     confirmed = options.least_steps.halvings == 0
+    if run.ok and not confirmed and yoke_stops(run.signals) and maneuver.is_steady:
+        maneuver = maneuver.closely_approached()
+        run = _settled(gear, fidelity, maneuver.one_period().halved(halved), options)
+        findings["closely_approached"] = 1
+    period = maneuver.one_period().halved(halved)
     while run.ok and not confirmed and (finer := finer_strips(fidelity, gear, run.signals)):
-        better = _settled(gear, finer, period.halved(halved), options)
+        better = _settled(gear, finer, period, options)
         if not better.ok:
             run = run.noting(
                 f"strips of {finer.strip_stations} stations do not confirm it: {better.outcome.message}"

@@ -60,13 +60,15 @@ class SteadyApproach(Approach):
 
     unit: float  # time in which a tooth pitch is turned [s]
     toothed: float
+    density: int = 1  # times the equilibria of a tooth pitch
     distances = DISTANCES
 
     def instants(self, distance: float) -> np.ndarray:
         """Return the instants of a beginning so many tooth pitches back, the last of a far one fine."""
         fine = min(distance, FINE_PITCHES) if distance >= FINE_FROM else 0.0
-        far = np.linspace(-distance, -fine, max(round(COARSE * (distance - fine)), 1), endpoint=False)
-        near = np.linspace(-fine, 0.0, round(FINE * fine), endpoint=False)
+        coarse, close = COARSE * self.density, FINE * self.density
+        far = np.linspace(-distance, -fine, max(round(coarse * (distance - fine)), 1), endpoint=False)
+        near = np.linspace(-fine, 0.0, round(close * fine), endpoint=False)
         return self.unit * np.concatenate([far, near])
 
     def allowed(self, distance: float, rolling: float) -> float:
