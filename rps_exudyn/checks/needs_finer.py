@@ -45,10 +45,10 @@ def yoke_stops(signals: dict[str, np.ndarray]) -> bool:
     return bool((signals.get("yokenut_force", np.zeros(1)) > 0).any())
 
 
-def finer_strips(fidelity: Fidelity, gear: SteeringGear, signals: dict[str, np.ndarray]) -> Fidelity | None:
-    """Return the model with strips of twice the stations by which a record should be confirmed; None where
-    it need not be, or nothing finer is known."""
-    if gear.mesh.law != "teeth" or not yoke_stops(signals) or fidelity.strip_stations >= FINEST:
+def finer_strips(fidelity: Fidelity, gear: SteeringGear) -> Fidelity | None:
+    """Return the model with strips of twice the stations; None where nothing finer is known, or the law loads
+    each place of a strip by itself, which few stations integrate."""
+    if gear.mesh.law != "teeth" or fidelity.mesh != "flank" or fidelity.strip_stations >= FINEST:
         return None
     return fidelity.replace({"strip_stations": min(FINEST, 2 * fidelity.strip_stations)})
 

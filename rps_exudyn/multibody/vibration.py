@@ -2,12 +2,13 @@
 
 Friction between parts that yield can feed a vibration; nothing else may damp it much. Implicit steps damp
 what is faster than they are, so that a record looks smooth in which the gear in truth shakes. The linearised
-motion tells: an eigenvalue's real part is the rate at which its vibration grows.
+motion tells.
 """
 
 import numpy as np
 
 from rps_exudyn.multibody.steering_model import SteeringModel
+from rps_exudyn.solvers.linearised_motion import eigenvalues, slopes
 from rps_exudyn.solvers.record import Record
 
 INSTANTS = 12  # of a record at which the motion is linearised
@@ -23,7 +24,14 @@ def vibration(model: SteeringModel, record: Record) -> dict[str, float]:
         return {}
     some = np.unique(np.linspace(0, len(record.time) - 1, INSTANTS).astype(int))
     step, time = float(np.median(np.diff(record.time))), record.time[some]
-    values = np.linalg.eigvals(_systems(model, record, some))
+    mass = np.array(model.mbs.sys["dynamicSolver"].GetSystemMassMatrix())
+    held = (model.drive.coordinate, *model.forces.locked)
+    free = np.array([i for i in range(len(mass)) if i not in held])
+    by_place, by_rate = (
+        each[:, free[:, None], free]
+        for each in slopes(model.forces, record.coordinates[some], record.rates[some])
+    )
+    values = eigenvalues(mass[np.ix_(free, free)], by_place, by_rate)
     rates = np.where(np.abs(values.imag) * step > SLOWEST, values.real, -np.inf).max(axis=1)
     if not np.isfinite(rates).all():  # where nothing vibrates so fast
         return {}
@@ -31,22 +39,3 @@ def vibration(model: SteeringModel, record: Record) -> dict[str, float]:
         "vibration_grows": float(np.trapezoid(np.maximum(rates, 0.0), time)),
         "vibration_dies": float(-np.trapezoid(rates, time)),
     }
-
-
-def _systems(model: SteeringModel, record: Record, instants: np.ndarray) -> np.ndarray:
-    """Matrices of the linearised motion of what moves freely, as systems of first order, (n, 2m, 2m)."""
-    forces, (_, data) = model.forces, model.forces.dynamics
-    mass = np.array(model.mbs.sys["dynamicSolver"].GetSystemMassMatrix())
-    held = (model.drive.coordinate, *forces.locked)
-    free = np.array([i for i in range(len(mass)) if i not in held])
-    block, m = np.ix_(free, free), len(free)
-    systems = np.zeros((len(instants), 2 * m, 2 * m))
-    systems[:, :m, m:] = np.eye(m)
-    for system, i in zip(systems, instants, strict=True):
-        place, rate = record.coordinates[i], record.rates[i]
-        slopes = [
-            forces.dynamics_tangent(place, rate, data, *factors)[block]
-            for factors in ((1.0, 0.0), (0.0, 1.0))
-        ]
-        system[m:] = np.linalg.solve(mass[block], np.hstack(slopes))
-    return systems

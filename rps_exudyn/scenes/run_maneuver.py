@@ -149,8 +149,8 @@ def by_equilibrium(
     """Go from equilibrium to equilibrium; a curve that repeats is followed over one period only.
 
     It repeats if all periods together drift by little: under its weight a rack tilts more the farther it is
-    out. Steps that are too long for what the record shows are halved, and so are the strips of contact of
-    teeth that bend where the yoke is at its nut: its force then depends on how far all of them yield.
+    out. Steps that are too long for what the record shows are halved. Where the yoke is at its nut, forces
+    depend on a few micrometres: shorter steps lead to the start, and finer strips confirm teeth that bend.
     """
     if maneuver.pulse is not None:
         raise InputError("fidelity.solver is equilibrium, which knows no pulses: choose generalized-alpha.")
@@ -160,22 +160,11 @@ def by_equilibrium(
         halved += 1
         run = _settled(gear, fidelity, period.halved(halved), options)
     findings: dict[str, int] = {"halvings": halved} if halved else {}
-    confirmed = options.least_steps.halvings == 0
-    if run.ok and not confirmed and yoke_stops(run.signals) and maneuver.is_steady:
-        maneuver = maneuver.closely_approached()
-        run = _settled(gear, fidelity, maneuver.one_period().halved(halved), options)
-        findings["closely_approached"] = 1
-    period = maneuver.one_period().halved(halved)
-    while run.ok and not confirmed and (finer := finer_strips(fidelity, gear, run.signals)):
-        better = _settled(gear, finer, period, options)
-        if not better.ok:
-            run = run.noting(
-                f"strips of {finer.strip_stations} stations do not confirm it: {better.outcome.message}"
-            )
-            break
-        confirmed = strips_agree(run.signals, better.signals)
-        run, fidelity = better, finer
-        findings["strip_stations"] = finer.strip_stations
+    if run.ok and options.least_steps.halvings and yoke_stops(run.signals):
+        if maneuver.is_steady:
+            maneuver = maneuver.closely_approached()
+            run = _settled(gear, fidelity, maneuver.one_period().halved(halved), options)
+        run, fidelity = _by_finer_strips(run, gear, fidelity, maneuver.one_period().halved(halved), options)
     if maneuver.periods > 1 and run.ok:
         force = run.signals[maneuver.drive.signal]
         if maneuver.periods * abs(force[-1] - force[0]) > CLOSED * np.abs(force).max():
@@ -184,6 +173,23 @@ def by_equilibrium(
             findings["periods_alike"] = maneuver.periods
             run = replace(run, signals=repeated(run.signals, maneuver.periods))
     return replace(run, outcome=replace(run.outcome, findings={**run.outcome.findings, **findings}))
+
+
+def _by_finer_strips(
+    run: SceneRun, gear: SteeringGear, fidelity: Fidelity, period: Maneuver, options: RunOptions
+) -> tuple[SceneRun, Fidelity]:
+    """Return the first run that strips of twice the stations confirm, and its model; the run as it is where
+    its contact needs no finer ones or they find nothing."""
+    confirmed = False
+    while run.ok and not confirmed and (finer := finer_strips(fidelity, gear)):
+        better = _settled(gear, finer, period, options)
+        if not better.ok:
+            why = better.outcome.message
+            return run.noting(f"strips of {finer.strip_stations} stations do not confirm it: {why}"), fidelity
+        confirmed = strips_agree(run.signals, better.signals)
+        found = {**better.outcome.findings, "strip_stations": finer.strip_stations}
+        run, fidelity = replace(better, outcome=replace(better.outcome, findings=found)), finer
+    return run, fidelity
 
 
 def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver) -> bool:

@@ -21,6 +21,7 @@ from rps_exudyn.solvers.balance import SIZE
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
+from rps_exudyn.solvers.linearised_motion import eigenvalues, slopes
 from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
 from rps_exudyn.solvers.settled_start import SteadyApproach, settled_path
 
@@ -98,13 +99,7 @@ class Vibration:
         path = settled_path(forces.statics, GearPair.of(gear), drive, approach, time)
         if not path.converged:
             return None
-        tangent, (_, data) = forces.dynamics_tangent, forces.dynamics
-        by_place, by_rate = (
-            np.array(
-                [tangent(q, v, data, *factors) for q, v in zip(path.coordinates, path.rates, strict=True)]
-            )
-            for factors in ((1.0, 0.0), (0.0, 1.0))
-        )
+        by_place, by_rate = slopes(forces, path.coordinates, path.rates)
         by_place[:, 0, 0] -= model.stiffness
         free = np.array([i for i in range(by_place.shape[1]) if i not in forces.locked])
         mass, at = masses(gear, forces, path.coordinates[0]), np.ix_(free, free)
@@ -114,12 +109,9 @@ class Vibration:
     def growth(self, damping: float) -> float:
         """Return the growth rate of a vibration near the natural frequency [1/s], its mean over the instants,
         with a damping of the column [N m s/rad]."""
-        n, instants = len(self.mass), len(self.by_rate)
         damped = self.by_rate.copy()
         damped[:, 0, 0] -= damping
-        accelerations = np.linalg.solve(self.mass, np.concatenate([self.by_place, damped], axis=2))
-        moved = np.broadcast_to(np.eye(n, 2 * n, n), (instants, n, 2 * n))
-        values = np.linalg.eigvals(np.concatenate([moved, accelerations], axis=1))
+        values = eigenvalues(self.mass, self.by_place, damped)
         near = np.abs(np.abs(values.imag) / self.frequency - 1) < NEAR
         return float(np.mean(np.where(near, values.real, -self.frequency).max(axis=1)))
 
