@@ -18,9 +18,9 @@ SLOWEST = 0.5  # radians of a vibration in one step; slower ones the record show
 def vibration(model: SteeringModel, record: Record) -> dict[str, float]:
     """Return by how many powers of e the fastest growing vibration grows over a record, and by how many that
     one dies which dies most slowly; nothing of spheres, of a bush of segments and of friction that
-    remembers, whose tangents are others."""
+    remembers, whose tangents are others, and nothing behind a column, whose scenes look for themselves."""
     others = model.contacts is not None or bool(model.segments) or model.forces.memory.needed
-    if others or len(record.time) < 2:
+    if others or model.column is not None or len(record.time) < 2:
         return {}
     some = np.unique(np.linspace(0, len(record.time) - 1, INSTANTS).astype(int))
     step, time = float(np.median(np.diff(record.time))), record.time[some]
