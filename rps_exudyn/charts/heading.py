@@ -11,6 +11,9 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result
 
+NOT_TURNED = ("rack-lift", "radial-play", "rattle", "steering-torque", "yoke-impact")
+"""Scenes without a rig that turns the gear at the test's speed."""
+
 
 def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str]) -> None:
     """Write the headline; `figures` are the summary's names -> labels, skipped if they are not in it."""
@@ -29,8 +32,10 @@ def scene_of(result: Result) -> str:
 
 
 def about(result: Result) -> str:
-    """What was simulated in one line: gear, preload, speed, fidelity."""
+    """What was simulated in one line: gear, preload, speed where there is one, fidelity."""
     gear = result.gear
-    speed = next(item for item in SteeringGear.declared_at("test.speed")).show(gear.test.speed)
     size = f"{gear.pinion.teeth} teeth, module {mm(gear.pinion.normal_module)}"
-    return f"{size} · preload {gear.yoke.preload:g} N · {speed} · fidelity {result.fidelity['name']}"
+    parts = [size, f"preload {gear.yoke.preload:g} N"]
+    if result.scene not in NOT_TURNED:
+        parts.append(next(item for item in SteeringGear.declared_at("test.speed")).show(gear.test.speed))
+    return " · ".join([*parts, f"fidelity {result.fidelity['name']}"])
