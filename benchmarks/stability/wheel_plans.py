@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.stability.random_plans import COLUMNS, WRONG, WRONGLY_OK, read, text_of, verdict, write
+from benchmarks.stability.random_plans import COLUMNS, WRONG, WRONGLY_OK, mark_of, read, verdict, write
 from benchmarks.topic import Topic, markdown
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.checks.before_run import refused
@@ -121,9 +121,9 @@ def run(folder: Path, plans: int = PLANS, first: int = 0) -> None:
     rows: dict[int, dict[str, Any]] = {int(row["number"]): row for row in read(folder / DATA)}
     for number in range(first, plans):
         plan = plan_of(number)
-        if rows.get(number, {}).get("plan") == text_of(plan):
+        if rows.get(number, {}).get("plan") == mark_of(plan):
             continue
-        row = {"number": number, "kind": plan.scene, "plan": text_of(plan), **outcome_of(plan)}
+        row = {"number": number, "kind": plan.scene, "plan": mark_of(plan), **outcome_of(plan)}
         row["verdict"] = verdict(row)
         if row["verdict"] in WRONGLY_OK:
             print({name: row.get(name) for name in COLUMNS}, flush=True)

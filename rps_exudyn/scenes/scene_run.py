@@ -57,6 +57,9 @@ def joined(runs: Sequence[SceneRun]) -> SceneRun:
         findings={**outcome.findings, **_worst_vibration(outcomes)},
     )
     recorded = [run.signals for run in runs if run.signals]
+    # one that lost its teeth knows no pressure of them
+    known = {name for name in (recorded[0] if recorded else {}) if all(name in each for each in recorded)}
+    recorded = [{name: values for name, values in each.items() if name in known} for each in recorded]
     signals: Signals = dict(recorded[0]) if recorded else {}
     for maneuver in recorded[1:]:
         for name, values in maneuver.items():

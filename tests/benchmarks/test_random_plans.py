@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.stability import random_plans
-from benchmarks.stability.random_plans import DATA, plan_of, read, text_of, verdict, write
+from benchmarks.stability.random_plans import DATA, mark_of, plan_of, read, verdict, write
 
 RIGHT = {"status": "ok", "message": "", "error": 0.001, "ripple_error": 0.01, "refused": ""}
 VERDICTS = {
@@ -44,7 +44,7 @@ def test_plans_that_were_run_are_kept_and_those_of_other_declarations_run_again(
             return {**RIGHT, "message": "anew"}
 
     monkeypatch.setattr(random_plans, "Child", Worker)
-    kept = {"number": 0, "kind": "plan", "verdict": "right", "plan": text_of(plan_of(0)), "message": "kept"}
+    kept = {"number": 0, "kind": "plan", "verdict": "right", "plan": mark_of(plan_of(0)), "message": "kept"}
     write([kept, {**kept, "number": 1, "plan": "another"}], tmp_path / DATA)
     random_plans.run(tmp_path, plans=2, gears=0)
     assert [row["message"] for row in read(tmp_path / DATA)] == ["kept", "anew"]

@@ -11,9 +11,10 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.solids import rack_solid
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.load_test import oriented
+from rps_exudyn.scenes.scene_run import SceneRun, joined
 from rps_exudyn.solvers.closed_form import GRAVITY, pushing_force, unloading_force
 
 GEAR = SteeringGear()
@@ -324,3 +325,16 @@ def test_path_gets_past_an_angle_where_the_contact_changes() -> None:
     assert coarse.status is Status.OK
     assert np.diff(coarse["pinion_angle"]) == pytest.approx(np.deg2rad(1), rel=1e-9)  # as asked for
     assert fine.summary["torque_mean"] == pytest.approx(coarse.summary["torque_mean"], rel=1e-4)
+
+
+def test_maneuvers_of_which_one_lost_its_teeth_are_joined() -> None:
+    """Flanks that carry nothing have no pressure: a load test would end in a traceback instead."""
+    time, lost = np.array([0.0, 1.0]), Outcome(Status.CONTACT_LOST, "the teeth carry no load")
+    raised = SceneRun(Outcome(Status.OK), {"time": time, "work_drive": time, "mesh_pressure": 1e9 * time})
+    lowered = SceneRun(lost, {"time": time, "work_drive": 2 * time})
+    both = joined([raised, lowered])
+    assert both.outcome.status is Status.CONTACT_LOST
+    assert {name: values.tolist() for name, values in both.signals.items()} == {
+        "time": [0.0, 1.0, 1.0, 2.0],
+        "work_drive": [0.0, 1.0, 1.0, 3.0],
+    }
