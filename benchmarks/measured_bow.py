@@ -6,7 +6,7 @@ what the fit expects; bow, angle error and runout are drawn with the deviations 
 """
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -150,21 +150,27 @@ def table(folder: Path) -> str:
 
 
 def picture(cases: list[dict[str, Any]]) -> Figure:
-    """Fitted over true angle error and bow, with 95 % intervals, of the fits that converged."""
+    """Fitted over true angle error and bow of the fits that converged, with the 95 % intervals that are
+    printed; hollow where none is."""
     cases = [each for each in cases if each["converged"]]
     shown = [path for path in CURVED if path in cases[0]["estimates"]]
     figure, axes = style.panels([3.0] * len(shown), width=6.0, common_abscissa=False)
     for panel, path in zip(axes, shown, strict=True):
         unit, size = SHOWN[path]
         own = [each["estimates"][path] for each in cases if path in each["estimates"]]
-        true, value = (size * np.array([each[name] for each in own]) for name in ("true", "value"))
-        ends = size * np.array([each["interval"] for each in own]).T
-        bars = np.abs(ends - value)
-        panel.errorbar(true, value, bars, fmt=".", linewidth=0.8, color=style.COLOURS["torque"])
+        true = size * np.array([each["true"] for each in own])
+        for printed in (True, False):
+            some = [each for each in own if (each["verdict"] in PRINTED) == printed]
+            at, value = (size * np.array([each[name] for each in some]) for name in ("true", "value"))
+            ends = size * np.array([each["interval"] for each in some]).reshape(-1, 2).T
+            bars = np.abs(ends - value) if printed else None
+            fill: Literal["full", "none"] = "full" if printed else "none"
+            colour = style.COLOURS["torque"]
+            panel.errorbar(at, value, bars, fmt=".", fillstyle=fill, linewidth=0.8, color=colour)
         panel.plot([true.min(), true.max()], [true.min(), true.max()], **style.REFERENCE_LINE)
         panel.set_ylabel(f"fitted {path} [{unit}]")
         panel.set_xlabel(f"true [{unit}]")
-    style.title(figure, "Bow and angle error fitted to made-up free torques over the travel")
+    style.title(figure, "Bow and angle error of made-up gears, fitted; hollow: no interval")
     return figure
 
 
