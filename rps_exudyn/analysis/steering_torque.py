@@ -10,8 +10,6 @@ from rps_exudyn.analysis.steering_feel import at_wheel
 Signals = Mapping[str, np.ndarray]
 
 MIDDLE = 0.2  # of the angles either side of the middle, over which the gradient is taken
-
-
 MOVED_OFF = 0.5  # of the speed with which the pinion follows a growing torque without friction
 
 

@@ -57,18 +57,24 @@ def joined(runs: Sequence[SceneRun]) -> SceneRun:
         findings={**outcome.findings, **_worst_vibration(outcomes)},
     )
     recorded = [run.signals for run in runs if run.signals]
-    # one that lost its teeth knows no pressure of them
-    known = {name for name in (recorded[0] if recorded else {}) if all(name in each for each in recorded)}
-    recorded = [{name: values for name, values in each.items() if name in known} for each in recorded]
     signals: Signals = dict(recorded[0]) if recorded else {}
-    for maneuver in recorded[1:]:
-        for name, values in maneuver.items():
-            before = signals[name][-1] if name == "time" or is_work(name) else 0.0
-            signals[name] = np.concatenate([signals[name], before + values])
+    for maneuver in recorded[1:]:  # which knows no pressure of teeth that it has lost
+        signals = {
+            name: _continued(name, values, maneuver[name])
+            for name, values in signals.items()
+            if name in maneuver
+        }
     return SceneRun(outcome, signals)
 
 
+def _continued(name: str, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """A signal of two maneuvers, one after the other; time and works go on where they stood."""
+    stood = before[-1] if name == "time" or is_work(name) else 0.0
+    return np.concatenate([before, stood + after])
+
+
 def _worst_vibration(outcomes: Sequence[Outcome]) -> dict[str, float]:
+    """What the outcomes found about vibration, of each the worst."""
     worst = {"vibration_grows": max, "vibration_dies": min}
     known = {name: [each.findings[name] for each in outcomes if name in each.findings] for name in worst}
     return {name: worst[name](values) for name, values in known.items() if values}

@@ -154,7 +154,7 @@ def _turned(plan: ScenePlan) -> Expected:
 
 def _along(plan: ScenePlan, forces: GearForces, way: Way) -> tuple[np.ndarray, np.ndarray, str]:
     """Places of the driven body and what the drive overcomes, over one way; and the method."""
-    gear, drive = plan.gear, way.drive(plan.gear)
+    gear, drive, motion = plan.gear, way.drive(plan.gear), None
     if plan.fidelity.solver == "generalized-alpha":
         run_in = min(RUN_IN * 2 * np.pi / gear.pinion.teeth, _room(gear, way)) / gear.test.speed
         motion = _motion(plan, forces, drive, _before(gear, way, -run_in))
@@ -165,8 +165,9 @@ def _along(plan: ScenePlan, forces: GearForces, way: Way) -> tuple[np.ndarray, n
             record = shifted.recorded(time, places, rates)
             kept = time >= run_in - step / 2
             return drive.place(time[kept] - run_in), record.drive[kept], "Runge-Kutta"
-        _check_steady(motion, _followed(gear, forces, way, 1)[1], way.length / gear.test.speed)
     along, path = _followed(gear, forces, way, 1)
+    if motion is not None:
+        _check_steady(motion, path, way.length / gear.test.speed)
     if _rolls(gear, path, along.size):
         along, path = _followed(gear, forces, way, FINER)
     force = -drive.sign * path.forces[-along.size :, drive.coordinate]
