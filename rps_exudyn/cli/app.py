@@ -4,7 +4,6 @@ Exit status: 0 done; 1 the simulation failed (its file says how); 2 wrong input,
 on standard error; 130 interrupted.
 """
 
-from importlib.metadata import version
 from typing import Annotated
 
 from cyclopts import App, Parameter
@@ -13,10 +12,17 @@ from rps_exudyn.cli.options import GearOptions, SetupOptions
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 
+
+def _version() -> str:
+    from importlib.metadata import version  # loads what reads the heads of mails, too
+
+    return version("rps-exudyn")
+
+
 app = App(
     name="rps-exudyn",
     help="Rack-and-pinion steering gears: pinion torque, its variation, and how far to trust it.",
-    version=lambda: version("rps-exudyn"),
+    version=_version,
     suppress_keyboard_interrupt=False,  # `main` reports which files remain
 )
 

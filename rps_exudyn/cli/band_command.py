@@ -12,7 +12,8 @@ from rps_exudyn.base.sentence import as_sentence
 from rps_exudyn.cli.app import DONE, INTERRUPTED
 from rps_exudyn.cli.kept import say
 from rps_exudyn.cli.options import SetupOptions, parse_settings
-from rps_exudyn.cli.printed import grid_of, plain_console, print_json, result_as_dict
+from rps_exudyn.cli.printed import print_json, result_as_dict
+from rps_exudyn.cli.text_table import put, put_table
 from rps_exudyn.parameters.carried import carried
 from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.quantities import SUMMARY
@@ -75,31 +76,28 @@ def do_band(
 
 def print_band(band: Band, files: Iterable[Path]) -> None:
     """Print quantiles with their errors, contributions, and what the band does not contain."""
-    console = plain_console()
     count, failed = len(band.drawn.samples), band.drawn.failed
-    console.print(f"{band.nominal.scene} · {band.method} · {failed} of {count} samples failed", style="bold")
+    put(f"{band.nominal.scene} · {band.method} · {failed} of {count} samples failed", "bold")
     if band.interrupted:
-        console.print("Interrupted: the band is that of the samples done until then.")
+        put("Interrupted: the band is that of the samples done until then.")
     for cause, number in band.drawn.failures.items():
-        console.print(f"{number} x {cause}", soft_wrap=True)
-    console.print(grid_of(_HEAD, list(_figure_rows(band))))
-    console.print(
-        "Errors are standard errors of quantiles, from the number of samples; the file has more quantiles."
-    )
+        put(f"{number} x {cause}")
+    put_table(_HEAD, list(_figure_rows(band)))
+    put("Errors are standard errors of quantiles, from the number of samples; the file has more quantiles.")
     name = scene_named(band.nominal.scene).figure
     if (shares := band.contributions.get(name)) is not None:
         largest = list(shares.fractions.items())[:SHOWN]
         text = ", ".join(f"{path} {100 * share:.0f} %" for path, share in largest)
-        console.print(f"Contributions to {name}: {text}; acting together {100 * shares.together:.0f} %.")
+        put(f"Contributions to {name}: {text}; acting together {100 * shares.together:.0f} %.")
     if failed and name in band.figures:
         low, high = band.figures[name].lowest[0], band.figures[name].highest[-1]
-        console.print(
+        put(
             f"With the failed samples at either end, 5 to 95 % of {name}: {_end(name, low)} to "
             f"{_end(name, high)}."
         )
-    console.print(_beside(band, name), soft_wrap=True)
+    put(_beside(band, name))
     for file in files:
-        console.print(f"written: {file}", soft_wrap=True)
+        put(f"written: {file}")
 
 
 _HEAD = ("quantity", "medians' run", "5 %", "median", "95 %", "error of 5 %", "error of 95 %")

@@ -10,7 +10,8 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import to_si
 from rps_exudyn.cli.kept import say
 from rps_exudyn.cli.options import GearOptions, parse_settings
-from rps_exudyn.cli.printed import grid_of, plain_console, print_json
+from rps_exudyn.cli.printed import print_json
+from rps_exudyn.cli.text_table import put, put_table
 from rps_exudyn.parameters.carried import carried
 from rps_exudyn.requirements.limits import REQUIRED, read_limits
 from rps_exudyn.requirements.sheet import ASSURED, Judged, judge
@@ -71,7 +72,6 @@ def _as_dict(sheet: Sequence[Judged]) -> dict[str, object]:
 
 
 def _print(sheet: Sequence[Judged], torque: float, out: Path | None) -> None:
-    console = plain_console()
     rows = []
     for each in sheet:
         show, evaluated = REQUIRED[each.name].show, not isnan(each.nominal)
@@ -79,11 +79,11 @@ def _print(sheet: Sequence[Judged], torque: float, out: Path | None) -> None:
         share = f"{each.share:.0%}" if band else ""
         nominal = show(each.nominal) if evaluated else ""
         rows.append((each.name, each.limit.show(REQUIRED[each.name]), nominal, band, share, each.verdict))
-    console.print(grid_of(COLUMNS, rows))
+    put_table(COLUMNS, rows)
     for each in sheet:
         remark = f" {each.remark}." if each.remark else ""
         text = f"{each.name}: {REQUIRED[each.name].long_name}. From: {each.limit.source}.{remark}"
-        console.print(text, soft_wrap=True)
-    console.print(f"Rated torque {torque:g} N m. A requirement passes if {ASSURED:.0%} of the gears keep it.")
+        put(text)
+    put(f"Rated torque {torque:g} N m. A requirement passes if {ASSURED:.0%} of the gears keep it.")
     if out is not None:
-        console.print(f"written: {out}")
+        put(f"written: {out}")

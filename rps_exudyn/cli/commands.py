@@ -46,6 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")  # of a terminal that knows no Greek letters
     os.environ["MPLBACKEND"] = "agg"  # pictures are files; a user's own choice may not exist here
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # to look for some opens every package
     try:
         _check_folder()
         status = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")

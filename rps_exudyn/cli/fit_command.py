@@ -68,24 +68,23 @@ def _prior(value: str, deviation: str, si: str) -> tuple[float, float]:
 
 def print_fit(fit: "Fit", files: Iterable[Path]) -> None:
     """Print level, what is not separable, the table of parameters, and warnings."""
-    from rps_exudyn.cli.printed import grid_of, plain_console
+    from rps_exudyn.cli.text_table import put, put_table
     from rps_exudyn.fitting import findings
 
-    console = plain_console()
     tests = ", ".join(dict.fromkeys(each.test for each in fit.passes))
-    console.print(f"fit · tests: {tests} · {'converged' if fit.converged else 'NOT CONVERGED'}", style="bold")
+    put(f"fit · tests: {tests} · {'converged' if fit.converged else 'NOT CONVERGED'}", "bold")
     for sentence in (findings.level_sentence(fit), *findings.open_sentences(fit)):
         if sentence:
-            console.print(sentence, soft_wrap=True)
+            put(sentence)
     columns = ("parameter", "value", "95 % interval", "expected before", "verdict")
-    console.print(grid_of(columns, findings.rows(fit)))
+    put_table(columns, findings.rows(fit))
     if sentence := findings.offset_sentence(fit):
-        console.print(sentence, soft_wrap=True)
+        put(sentence)
     for sentence in fit.warnings:
-        console.print(f"note: {sentence}", soft_wrap=True)
-    console.print(f"{fit.simulations} simulations, {fit.cpu_s:.2g} s of CPU time")
+        put(f"note: {sentence}")
+    put(f"{fit.simulations} simulations, {fit.cpu_s:.2g} s of CPU time")
     for file in files:
-        console.print(f"written: {file}", soft_wrap=True)
+        put(f"written: {file}")
 
 
 def write_files(fit: "Fit", out: Path, plot: Path | None, report: Path | None) -> list[Path]:

@@ -3,14 +3,11 @@
 import json
 import math
 from collections.abc import Iterable, Mapping
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-from rich.table import Table as Grid
-
 from rps_exudyn.base.units import words
+from rps_exudyn.cli.text_table import put, put_table
 from rps_exudyn.parameters.declaration import Declared
 from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.law_error import law_error
@@ -26,17 +23,14 @@ if TYPE_CHECKING:
 
 def print_result(result: "Result", files: Iterable[Path] = ()) -> None:
     """Print scene, fidelity and status, then every summary value with its unit and definition."""
-    console = plain_console()
-    console.print(
-        f"{result.scene} · fidelity {result.fidelity['name']} · status {result.status}", style="bold"
-    )
+    put(f"{result.scene} · fidelity {result.fidelity['name']} · status {result.status}", "bold")
     if result.message:
-        console.print(result.message)
-    console.print(grid_of(("quantity", "value", "definition"), _summary_rows(result)))
+        put(result.message)
+    put_table(("quantity", "value", "definition"), _summary_rows(result))
     if result.status is Status.OK and (error := law_error(result.gear, result.fidelity)):
-        console.print(error.sentence, soft_wrap=True)
-    console.print(", ".join([f"{result.cpu_s:.3g} s of CPU time", *_counts(result)]))
-    _print_files(console, files)
+        put(error.sentence)
+    put(", ".join([f"{result.cpu_s:.3g} s of CPU time", *_counts(result)]))
+    _print_files(files)
 
 
 def result_as_dict(result: "Result", files: Iterable[Path] = ()) -> dict[str, Any]:
@@ -48,28 +42,27 @@ def result_as_dict(result: "Result", files: Iterable[Path] = ()) -> dict[str, An
 
 def print_comparison(comparison: "Comparison", names: tuple[str, str], files: Iterable[Path] = ()) -> None:
     """Print the settings that differ, both summaries, and how far the curves of each signal lie apart."""
-    console = plain_console()
     for name, scene, status in zip(names, comparison.scene, comparison.status, strict=True):
-        console.print(f"{name}: {scene} · status {status}", style="bold")
+        put(f"{name}: {scene} · status {status}", "bold")
     settings = [(path, *_both_shown(path, pair)) for path, pair in comparison.settings.items()]
     if settings:
-        console.print(grid_of(("setting", *names), settings))
+        put_table(("setting", *names), settings)
     else:
-        console.print("No setting differs.")
-    console.print()
-    console.print(grid_of(("quantity", *names, "difference"), _summary_differences(comparison)))
-    console.print()
+        put("No setting differs.")
+    put()
+    put_table(("quantity", *names, "difference"), _summary_differences(comparison))
+    put()
     if comparison.signals:
         angles = f"{_angle(comparison.angle[0])} to {_angle(comparison.angle[-1])}"
-        console.print(f"Signals over pinion angles of {angles}, the torque's in % of its mean:")
+        put(f"Signals over pinion angles of {angles}, the torque's in % of its mean:")
         rows = (
             (name, pair.shown(pair.rms), pair.shown(pair.largest), _angle(pair.angle))
             for name, pair in comparison.signals.items()
         )
-        console.print(grid_of(("quantity", "RMS difference", "largest", "at"), rows))
+        put_table(("quantity", "RMS difference", "largest", "at"), rows)
     else:
-        console.print("The results share no range of the pinion angle: no signals are compared.")
-    _print_files(console, files)
+        put("The results share no range of the pinion angle: no signals are compared.")
+    _print_files(files)
 
 
 def comparison_as_dict(comparison: "Comparison", files: Iterable[Path] = ()) -> dict[str, Any]:
@@ -101,22 +94,21 @@ def print_measured(compared: "list[AgainstMeasured] | None") -> None:
     """Print figures of the measured and the simulated torque, and how far the curves lie apart."""
     if compared is None:
         return
-    console = plain_console()
-    console.print()
+    put()
     if not compared:
-        console.print("Nothing to compare: at no pinion angle is there a measured and a simulated torque.")
+        put("Nothing to compare: at no pinion angle is there a measured and a simulated torque.")
     for each in compared:
         low, high = map(_angle, each.angle_range)
         sign = "+" if each.direction > 0 else "-"
-        console.print(f"Torque towards {sign}X, pinion angles of {low} to {high}:")
+        put(f"Torque towards {sign}X, pinion angles of {low} to {high}:")
         rows = [
             (name, SUMMARY[name].show(value), SUMMARY[name].show(each.simulated[name]))
             for name, value in each.measured.items()
             if name in each.simulated
         ]
-        console.print(grid_of(("quantity", "measured", "simulated"), rows))
+        put_table(("quantity", "measured", "simulated"), rows)
         pair = each.torque
-        console.print(
+        put(
             f"difference: RMS {pair.shown(pair.rms)}, largest {pair.shown(pair.largest)} of the measured mean"
         )
 
@@ -142,14 +134,13 @@ def measured_as_dict(compared: "list[AgainstMeasured] | None") -> dict[str, Any]
 def print_differing(differing: Mapping[str, tuple[Any, Any]], largest: tuple[str, float], name: str) -> None:
     """Print the numbers of a repeated simulation that differ from the file `name`, and the `largest`
     difference."""
-    console = plain_console()
     if not differing:
-        console.print(f"Every number is that of {name}, bit for bit.", soft_wrap=True)
+        put(f"Every number is that of {name}, bit for bit.")
         return
     rows = [(what, *map(str, pair)) for what, pair in differing.items()]
-    console.print(grid_of(("differs", name, "now"), rows))
+    put_table(("differs", name, "now"), rows)
     quantity, size = largest
-    console.print(f"The largest relative difference is {size:.2g}{f', of {quantity}' if quantity else ''}.")
+    put(f"The largest relative difference is {size:.2g}{f', of {quantity}' if quantity else ''}.")
 
 
 def print_geometry(report: "GeometryReport", files: Iterable[Path] = ()) -> None:
@@ -159,33 +150,31 @@ def print_geometry(report: "GeometryReport", files: Iterable[Path] = ()) -> None
         (f"mass of {part}", f"{properties.mass:.4g} kg", "")
         for part, properties in report.mass_properties.items()
     ]
-    console = plain_console()
-    console.print(grid_of(("quantity", "value", "definition"), rows))
+    put_table(("quantity", "value", "definition"), rows)
     for warning in report.warnings:
-        console.print(f"warning: {warning}", soft_wrap=True)
-    _print_files(console, files)
+        put(f"warning: {warning}")
+    _print_files(files)
 
 
 def print_parameters(table: Setup, items: list[Declared]) -> None:
     """Print value, meaning and source of parameters; of a single one its allowed values, too."""
     rows = [(item.path, item.show(table.value_at(item.path)), item.meaning, item.source) for item in items]
-    console = plain_console()
-    console.print(grid_of(("parameter", "value", "meaning", "source"), rows))
+    put_table(("parameter", "value", "meaning", "source"), rows)
     for item in items:
         if (derived := _derived(table, item)) is not None and item.unit is not None:
-            console.print(f"{item.path} is {item.unit.show(derived)} for this gear.")
+            put(f"{item.path} is {item.unit.show(derived)} for this gear.")
     law = law_error(table, table.fidelity.model_dump())
     if law and "mesh.law" in (item.path for item in items):
-        console.print(law.sentence, soft_wrap=True)
+        put(law.sentence)
     if len(items) == 1:
-        console.print(f"{items[0].path} must be {items[0].allowed}.")
+        put(f"{items[0].path} must be {items[0].allowed}.")
 
 
 def _derived(table: Setup, item: Declared) -> float | None:
     """The value that the gear has for a parameter which is not given (SI)."""
     if table.value_at(item.path):
         return None
-    from rps_exudyn.gears.tooth_stiffness import DERIVED  # loads numpy, which other parameters do without
+    from rps_exudyn.gears.tooth_stiffness import DERIVED  # with what makes them
 
     return DERIVED[item.path](table) if item.path in DERIVED else None
 
@@ -242,25 +231,9 @@ def _counts(result: "Result") -> Iterable[str]:
             yield f"{value} {words(name)}"
 
 
-def _print_files(console: Console, files: Iterable[Path]) -> None:
+def _print_files(files: Iterable[Path]) -> None:
     for file in files:
-        console.print(f"written: {file}", soft_wrap=True)
-
-
-def grid_of(columns: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Grid:
-    """A table without lines, as all commands print it."""
-    grid = Grid(box=None, header_style="dim", pad_edge=False, padding=(0, 2, 0, 0))
-    for column in columns:
-        grid.add_column(column, no_wrap=column in ("quantity", "parameter", "value"))
-    for row in rows:
-        grid.add_row(*row)
-    return grid
-
-
-def plain_console() -> Console:
-    """A console of plain text; lines are not broken when they go to a file or a pipe."""
-    plain = partial(Console, highlight=False, markup=False, emoji=False)
-    return plain() if plain().is_terminal else plain(width=200)
+        put(f"written: {file}")
 
 
 def _finite(value: Any) -> Any:

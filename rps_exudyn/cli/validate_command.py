@@ -7,7 +7,8 @@ from pathlib import Path
 from rps_exudyn.base.atomic import check_writable, replacing, write_json
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.kept import say
-from rps_exudyn.cli.printed import grid_of, plain_console, print_json
+from rps_exudyn.cli.printed import print_json
+from rps_exudyn.cli.text_table import put, put_table
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.validation.comparison import Comparison, compare_rows
 from rps_exudyn.validation.page import COLUMNS, row_cells, validation_figure, validation_page
@@ -45,9 +46,8 @@ def do_validate(folder: Path | None, only: tuple[str, ...], out: Path, as_json: 
 
 
 def _print(comparisons: list[Comparison], files: list[Path]) -> None:
-    console = plain_console()
-    console.print(grid_of(COLUMNS, [tuple(row_cells(each)) for each in comparisons]))
+    put_table(COLUMNS, [tuple(row_cells(each)) for each in comparisons])
     counts = Counter(each.verdict.value for each in comparisons)
-    console.print(", ".join(f"{count} {verdict}" for verdict, count in counts.items()) + ".", style="bold")
+    put(", ".join(f"{count} {verdict}" for verdict, count in counts.items()) + ".", "bold")
     for file in files:
-        console.print(f"written: {file}", soft_wrap=True)
+        put(f"written: {file}")

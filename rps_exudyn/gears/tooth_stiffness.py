@@ -12,11 +12,13 @@ x up to 1 lie at the edge of what it was fitted to: an error of 10 % must be exp
 default gear say 14.3, the standard 13.8 N/(mm um).
 """
 
-import numpy as np
+from math import asin, cos, degrees, inf, sin
+from typing import TYPE_CHECKING
 
-from rps_exudyn.gears.clearance import transverse_contact_ratio
-from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
+
+if TYPE_CHECKING:  # `describe` tells the stiffness of a gear, and does without numpy
+    from rps_exudyn.gears.gear_pair import GearPair
 
 PER_MM_UM = 1e9  # [N/m^2] in one N/(mm um)
 SERIES = (0.04723, 0.15551, 0.25791, -0.00635, -0.11654, -0.00193, -0.24188, 0.00529, 0.00182)
@@ -30,7 +32,7 @@ LEAST_SHIFT, LARGEST_SHIFT = -0.5, 2.0  # of x_1 + x_2 in the series; beyond, th
 
 def virtual_teeth(teeth: float, helix: float, base_helix: float) -> float:
     """Return the teeth of the spur gear in the normal section, z_n = z / (cos^2 beta_b cos beta)."""
-    return teeth / (np.cos(base_helix) ** 2 * np.cos(helix))
+    return teeth / (cos(base_helix) ** 2 * cos(helix))
 
 
 def theoretical_stiffness(z_n1: float, z_n2: float, x_1: float = 0.0, x_2: float = 0.0) -> float:
@@ -46,7 +48,7 @@ def theoretical_stiffness(z_n1: float, z_n2: float, x_1: float = 0.0, x_2: float
         x_2: of the wheel.
     """
     terms = (1, 1 / z_n1, 1 / z_n2, x_1, x_1 / z_n1, x_2, x_2 / z_n2, x_1**2, x_2**2)
-    return float(PER_MM_UM / np.dot(SERIES, terms))
+    return float(PER_MM_UM / sum(c * term for c, term in zip(SERIES, terms, strict=True)))
 
 
 def basic_rack_factor(dedendum: float, pressure_angle: float) -> float:
@@ -56,12 +58,12 @@ def basic_rack_factor(dedendum: float, pressure_angle: float) -> float:
         dedendum: h_fP / m_n of the basic rack.
         pressure_angle: its pressure angle alpha_Pn [rad].
     """
-    return float((1 + 0.5 * (1.2 - dedendum)) * (1 - 0.02 * (20 - np.rad2deg(pressure_angle))))
+    return float((1 + 0.5 * (1.2 - dedendum)) * (1 - 0.02 * (20 - degrees(pressure_angle))))
 
 
 def single_stiffness(theoretical: float, rack_factor: float, helix: float) -> float:
     """Return c' = c'_th C_M C_R C_B cos beta [N/m^2]."""
-    return float(theoretical * MEASURED * SOLID * rack_factor * np.cos(helix))
+    return float(theoretical * MEASURED * SOLID * rack_factor * cos(helix))
 
 
 def mesh_stiffness_transverse(single: float, contact_ratio: float) -> float:
@@ -77,16 +79,34 @@ def mesh_stiffness_lengthwise(transverse: float) -> float:
     return 0.85 * transverse
 
 
-def stiffness_of_pair(pair: GearPair) -> float:
+def rack_stiffness(
+    teeth: int, helix: float, pressure_angle: float, profile_shift: float, dedendum: float
+) -> float:
+    """Return c' of a pinion with its rack [N/m^2].
+
+    Args:
+        teeth: of the pinion.
+        helix: its helix angle beta_p at the reference cylinder [rad].
+        pressure_angle: normal pressure angle alpha_n [rad].
+        profile_shift: its profile shift coefficient.
+        dedendum: h_fP / m_n of the basic rack.
+    """
+    z_n = virtual_teeth(teeth, helix, asin(sin(helix) * cos(pressure_angle)))
+    shift = min(max(profile_shift, LEAST_SHIFT), LARGEST_SHIFT)
+    rack_factor = basic_rack_factor(dedendum, pressure_angle)
+    return single_stiffness(theoretical_stiffness(z_n, inf, shift), rack_factor, helix)
+
+
+def stiffness_of_pair(pair: "GearPair") -> float:
     """Return c' of the pinion with its rack [N/m^2]."""
-    z_n = virtual_teeth(pair.teeth, pair.beta_p, pair.beta_b)
-    shift = min(max(pair.profile_shift, LEAST_SHIFT), LARGEST_SHIFT)
-    rack_factor = basic_rack_factor(pair.rack_dedendum / pair.module, pair.alpha_n)
-    return single_stiffness(theoretical_stiffness(z_n, np.inf, shift), rack_factor, pair.beta_p)
+    dedendum = pair.rack_dedendum / pair.module
+    return rack_stiffness(pair.teeth, pair.beta_p, pair.alpha_n, pair.profile_shift, dedendum)
 
 
-def mesh_stiffness_of_pair(pair: GearPair) -> float:
+def mesh_stiffness_of_pair(pair: "GearPair") -> float:
     """Return c_gamma_alpha of the pinion with its rack [N/m^2]."""
+    from rps_exudyn.gears.clearance import transverse_contact_ratio
+
     return mesh_stiffness_transverse(stiffness_of_pair(pair), transverse_contact_ratio(pair))
 
 
@@ -96,7 +116,12 @@ def line_stiffness(gear: SteeringGear) -> float:
     The standard's c' counts per face width and along the line of action; per length of line and normal to the
     flank the same stiffness is c' / cos beta_b, 9 % more for the default gear, less than its uncertainty.
     """
-    return gear.mesh.line_stiffness or stiffness_of_pair(GearPair.of(gear))
+    if given := gear.mesh.line_stiffness:
+        return given
+    pinion, dedendum = gear.pinion, gear.basic_rack.dedendum
+    return rack_stiffness(
+        pinion.teeth, pinion.helix_angle, pinion.pressure_angle, pinion.profile_shift, dedendum
+    )
 
 
 DERIVED = {"mesh.line_stiffness": line_stiffness}

@@ -16,8 +16,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from rps_exudyn.base.units import shown, to_si
 
 CUT = 3.0  # standard deviations at which normal distributions end
@@ -86,7 +84,7 @@ class Distribution:
     @property
     def ends(self) -> tuple[float, float]:
         """Least and greatest value that can be drawn."""
-        low, high = self.quantile(np.array([0.0, 1.0]))
+        low, high = self.quantile(0.0), self.quantile(1.0)
         return float(low), float(high)
 
     def quantile(self, u: Any) -> Any:
@@ -120,6 +118,7 @@ _EXAMPLES = '"300 N +- 30 N", "300 N +- 10 %", "uniform(200 N, 400 N)" or "logno
 
 def _normal_quantile(u: Any) -> Any:
     """Deviations from the mean of a normal distribution that ends at `CUT`, in standard deviations."""
+    import numpy as np  # with scipy for those who draw, not for each command that reads parameters
     from scipy.special import ndtr, ndtri
 
     within = ndtr(-CUT) + np.asarray(u) * (ndtr(CUT) - ndtr(-CUT))

@@ -13,11 +13,11 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any, Literal, Self
 
-import numpy as np
 from pydantic import computed_field, model_validator
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.declaration import (
+    DEG,
     Angle,
     Declared,
     Number,
@@ -61,8 +61,8 @@ class Fidelity(Table):
         "1 deg",
         "largest pinion rotation per time step or equilibrium; a record has at least four",
         "choice",
-        ge=np.deg2rad(0.001),  # the rack's travel takes a million of them
-        le=np.deg2rad(40),
+        ge=0.001 * DEG,  # the rack's travel takes a million of them
+        le=40 * DEG,
     )
     torque_tolerance: Number = parameter(
         0.0,

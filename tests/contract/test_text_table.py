@@ -1,0 +1,74 @@
+"""Tables of the commands: nothing lost where cells are broken, lines no longer than the terminal."""
+
+import sys
+
+import pytest
+from rich.console import Console
+from rich.table import Table as Grid
+
+from rps_exudyn.cli import text_table
+from rps_exudyn.cli.text_table import GAP, put, put_table
+from rps_exudyn.parameters.setup import Setup
+
+HEADS = ("parameter", "value", "meaning", "source")
+
+
+@pytest.fixture(scope="module")
+def rows() -> list[tuple[str, ...]]:
+    """The longest table of all: every parameter."""
+    return [(item.path, item.show(item.default), item.meaning, item.source) for item in Setup.declared()]
+
+
+def lines_at(
+    width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], rows: list
+) -> list:
+    monkeypatch.setattr(text_table, "IN_FILES", width)
+    put_table(HEADS, rows)
+    return capsys.readouterr().out.splitlines()
+
+
+@pytest.mark.parametrize("width", [90, 120, 200])
+def test_broken_cells_keep_every_word_and_the_width(
+    width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], rows: list
+) -> None:
+    lines = lines_at(width, monkeypatch, capsys, rows)
+    assert max(map(len, lines)) <= width
+    words = sorted(word for row in [HEADS, *rows] for cell in row for word in cell.split())
+    assert sorted(word for line in lines for word in line.split()) == words
+
+
+def test_wide_table_is_that_of_the_library_for_help(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], rows: list
+) -> None:
+    """An independent layout of the same table; it pads its last column."""
+    grid = Grid(box=None, pad_edge=False, padding=(0, GAP, 0, 0))
+    for head in HEADS:
+        grid.add_column(head, no_wrap=head in text_table.UNBROKEN)
+    for row in rows:
+        grid.add_row(*row)
+    console = Console(width=400, highlight=False, markup=False, emoji=False)
+    with console.capture() as captured:
+        console.print(grid)
+    expected = [line.rstrip() for line in captured.get().splitlines()]
+    assert lines_at(400, monkeypatch, capsys, rows) == expected
+
+
+def test_columns_that_stay_whole_may_exceed_a_narrow_terminal() -> None:
+    widths = text_table.column_widths(("parameter", "meaning"), [("a" * 30, "b " * 40)], 20)
+    assert widths == [30, text_table.NARROWEST]
+
+
+def test_terminal_gets_styles_and_lines_of_its_width(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+    monkeypatch.setenv("COLUMNS", "30")
+    monkeypatch.setenv("TERM", "xterm")
+    put("one two three four five six seven eight", "bold")
+    put("written: /a/path/that/is/longer/than/the/terminal.h5")
+    first, second, *rest = capsys.readouterr().out.splitlines()
+    assert (first, second) == ("\x1b[1mone two three four five six\x1b[0m", "\x1b[1mseven eight\x1b[0m")
+    assert rest == ["written:", "/a/path/that/is/longer/than/the/terminal.h5"]  # a path stays whole
+    monkeypatch.setenv("TERM", "dumb")
+    put("eight", "bold")
+    assert capsys.readouterr().out == "eight\n"
