@@ -106,7 +106,8 @@ def test_joint_is_felt_alike_by_both() -> None:
 def test_curves_in_different_steps_lie_over_each_other() -> None:
     """Recording begins at another phase with every step, which a comparison over time takes into account: the
     curves differ by the steps' error (0.06 %) and not by the phase (1.5 %)."""
-    coarse, fine = (Fidelity.preset("flank").replace({"step_angle": step}) for step in ("0.83 deg", "0.5 deg"))
+    flank = Fidelity.preset("flank")
+    coarse, fine = (flank.replace({"step_angle": step}) for step in ("0.83 deg", "0.5 deg"))
     curves = [
         curve_of("steering-feel", rps.run("steering-feel", GEAR, fidelity=each).signals, GEAR, each)
         for each in (coarse, fine)
