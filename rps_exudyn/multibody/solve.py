@@ -34,6 +34,7 @@ class SolverPlan:
     relative_tolerance: float = 1e-12  # on the residual over that of the step's first guess
     max_iterations: int = 20
     contractivity: float = 0.5  # residual over that before, above which Newton's method takes a new Jacobian
+    initial_accelerations: bool = True  # found from the forces at the start; without them 0
     discontinuous_tolerance: float = 1e-4
     adaptive_step: bool = True
     minimum_step: float = 1e-7  # [s]
@@ -71,7 +72,7 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
     import exudyn as exu
 
     start = process_time()
-    message, cause = "", None
+    message, cause, said = "", None, ""
     try:
         with silent():
             finished = bool(
@@ -83,6 +84,7 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
             )
     except exu.ExudynError as error:
         finished, cause = False, error.__cause__  # what a force in Python raised, or None
+        said = str(error).strip().partition("\n")[0]
         if isinstance(cause, KeyboardInterrupt | SystemExit):
             raise cause from None
     cpu = process_time() - start
@@ -102,6 +104,8 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
     elif not finished:
         status = Status.NO_CONVERGENCE
         message = f"no step down to {plan.minimum_step:g} s converged at {reached:.6g} s"
+        if said:  # after an iteration that ran away to numbers that no Jacobian has
+            message = f"Exudyn stopped at {reached:.6g} s: {said}"
     elif reached < plan.end_time * (1 - 1e-9):
         status, message = Status.TIMEOUT, f"stopped at {reached:.6g} s of {plan.end_time:.6g} s"
     else:
@@ -149,7 +153,7 @@ def settings_of(plan: SolverPlan) -> "exudyn.SimulationSettings":
     time.computeLoadsJacobian = 0
     time.generalizedAlpha.spectralRadius = plan.spectral_radius
     time.generalizedAlpha.useNewmark = time.generalizedAlpha.useIndex2Constraints = False
-    time.generalizedAlpha.computeInitialAccelerations = True
+    time.generalizedAlpha.computeInitialAccelerations = plan.initial_accelerations
 
     newton = time.newton
     newton.useModifiedNewton = True

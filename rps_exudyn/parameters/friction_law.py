@@ -5,6 +5,7 @@ from typing import Literal
 from rps_exudyn.parameters.declaration import Length, Number, SlidingSpeed, Table, Time, parameter
 
 LawName = Literal["coulomb", "stribeck", "bristle"]
+RUBBING_PARTS = "mesh", "yoke", "bush", "bearing"  # of a gear, each with its law
 
 
 class FrictionLaw(Table):

@@ -16,6 +16,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam
 from rps_exudyn.parameters.fidelity import RATIOS, Fidelity
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Outcome, Status
 from rps_exudyn.scenes.run_options import RunOptions
@@ -111,6 +112,7 @@ def run_at_rest(
     gear: SteeringGear, fidelity: Fidelity, drive: Drive, loads: OutsideLoads, options: RunOptions
 ) -> SceneRun:
     """Find the equilibria under the loads, the drive's body held; the run has no summary yet."""
+    gear = _tapped(gear)
     gear = gear.replace({"rack.modes": max(gear.rack.modes, LEAST_MODES)}) if gear.rack.modes else gear
     place, start, interrupted = RackBar.of(gear).x_min, process_time(), False
     forces = gear_forces(gear, fidelity)
@@ -136,6 +138,11 @@ def run_at_rest(
     if interrupted:
         raise Interrupted(SceneRun(outcome, signals))
     return SceneRun(outcome, signals)
+
+
+def _tapped(gear: SteeringGear) -> SteeringGear:
+    """Return the gear without memory of friction: bristles would hold what tapping lets go."""
+    return gear.replace({f"{part}.friction_law": "coulomb" for part in RUBBING_PARTS})
 
 
 def moved_by_modes(gear: SteeringGear, fidelity: Fidelity, place: float) -> np.ndarray:

@@ -121,6 +121,8 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
             end_time=(piece.before + piece.steps) * maneuver.time_step,
             steps=piece.steps * piece.parts,
             absolute_tolerance=tolerance,
+            # what the equilibrium's tolerance leaves would throw spheres out of contact in a long first step
+            initial_accelerations=model.contacts is None,
             contractivity=SHAKEN if maneuver.pulse is not None and model.modes else SolverPlan.contractivity,
             minimum_step=SHORTEST_AT_TURNS if isinstance(maneuver.drive, UNEVEN) else SHORTEST_STEP,
         )

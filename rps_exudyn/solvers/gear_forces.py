@@ -22,6 +22,7 @@ from rps_exudyn.mesh_contact.ratio import ratio_element
 from rps_exudyn.mesh_contact.sampled_contact import sampled_element
 from rps_exudyn.mesh_contact.spheres import contact_data
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar, bent_bar
@@ -197,7 +198,7 @@ def check_friction_laws(gear: SteeringGear, fidelity: Fidelity) -> None:
     Raises:
         InputError: it does not.
     """
-    laws = {part: getattr(gear, part).friction_law for part in ("mesh", "yoke", "bush", "bearing")}
+    laws = {part: getattr(gear, part).friction_law for part in RUBBING_PARTS}
     for part, law in laws.items():
         if law == "bristle" and fidelity.mesh == "general-contact":
             raise InputError(

@@ -16,6 +16,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.solids import rack_solid
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import SIZE
 from rps_exudyn.solvers.drive import Steady
@@ -29,7 +30,6 @@ PERIODS = 9  # natural periods over which the gear is linearised
 PITCHES = 4  # that lead there
 NEAR = 0.3  # of the column's natural frequency, within which its vibration is looked for
 TOLERANCE = 1e-3  # of the damping sought
-PARTS = ("mesh", "yoke", "bush", "bearing")
 
 
 def one_inertia_damping(gear: SteeringGear) -> float:
@@ -57,7 +57,7 @@ def sliding_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
 def linearised_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
     """Return the same with friction that knows the speed alone, up to three times what one inertia needs; 0
     where the gear is stable without any, nan without an equilibrium."""
-    bristles = [part for part in PARTS if getattr(gear, part).friction_law == "bristle"]
+    bristles = [part for part in RUBBING_PARTS if getattr(gear, part).friction_law == "bristle"]
     gear = gear.replace({f"{part}.friction_law": "stribeck" for part in bristles})
     vibration = Vibration.of(gear, fidelity)
     if vibration is None:

@@ -9,6 +9,7 @@ from rps_exudyn.forces.bush import bush_chain, housing_station
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
@@ -87,6 +88,16 @@ def test_lift_is_that_of_the_closed_form(lift: Result) -> None:
     largest = np.argmax(lift["pinion_torque"])
     assert lift["plunger_displacement"][largest] == pytest.approx(plunger, abs=1.5e-6)
     assert lift.summary["rack_lift"] == pytest.approx(rack, abs=6e-6)
+
+
+@pytest.mark.parametrize("name", ["rigid_play", "lift"])
+def test_gear_that_is_tapped_knows_no_law_of_friction(name: str, request: pytest.FixtureRequest) -> None:
+    """Bristles would hold what tapping lets go; the readings are those without them."""
+    plain = request.getfixturevalue(name)
+    bristles = GEAR.replace({f"{part}.friction_law": "bristle" for part in RUBBING_PARTS})
+    held = rps.run(plain.scene, bristles, fidelity=RIGID)
+    assert held.status is Status.OK, held.message
+    assert held.summary == pytest.approx(plain.summary)
 
 
 def test_clearance_shows_in_the_lift() -> None:
