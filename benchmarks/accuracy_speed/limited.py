@@ -3,12 +3,15 @@
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
+from time import process_time
 from types import FrameType
+
+LEAST = 1e-3  # of what is left of an outer limit, which a timer of zero would switch off [s]
 
 
 @contextmanager
 def cpu_limit(seconds: float) -> Iterator[None]:
-    """Interrupt the block after so much CPU time of this process.
+    """Interrupt the block after so much CPU time of this process; blocks may stand in each other.
 
     Raises:
         ArithmeticError: the block was interrupted.
@@ -17,14 +20,17 @@ def cpu_limit(seconds: float) -> Iterator[None]:
     def interrupt(number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGPROF, interrupt)
-    signal.setitimer(signal.ITIMER_PROF, seconds)
+    before, began = signal.signal(signal.SIGPROF, interrupt), process_time()
+    outer = signal.getitimer(signal.ITIMER_PROF)[0]
+    allowed = min(seconds, outer) if outer else seconds
+    signal.setitimer(signal.ITIMER_PROF, allowed)
     try:
         yield
     except KeyboardInterrupt:
         if signal.getitimer(signal.ITIMER_PROF)[0] > 0:  # it came from outside
             raise
-        raise ArithmeticError(f"it takes more than {seconds:g} s of CPU time") from None
+        raise ArithmeticError(f"it takes more than {allowed:.3g} s of CPU time") from None
     finally:
-        signal.setitimer(signal.ITIMER_PROF, 0)
+        left = max(LEAST, outer - (process_time() - began)) if outer else 0.0
         signal.signal(signal.SIGPROF, before)
+        signal.setitimer(signal.ITIMER_PROF, left)

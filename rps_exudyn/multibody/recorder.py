@@ -18,6 +18,7 @@ from rps_exudyn.solvers.record import Record
 from rps_exudyn.solvers.wheel_torque import WheelTorque
 
 NOTHING = np.zeros(0)
+SAME_TIME = 1e-12  # of the time: by so little Exudyn's last step ends beyond the one before, if steps were reduced
 
 
 class Step(NamedTuple):
@@ -46,7 +47,7 @@ class Recorder:
 
     def _keep(self, mbs: Any, t: float) -> bool:
         system = mbs.systemData
-        if self.steps and t <= self.steps[-1].time:  # a solver that goes on reports where it starts
+        if self.steps and t <= self.steps[-1].time * (1 + SAME_TIME):  # or a solver that goes on begins there
             return True
         drive, mesh = self._multiplier(system), None
         coordinates, rates = np.array(system.GetODE2Coordinates()), np.array(system.GetODE2Coordinates_t())

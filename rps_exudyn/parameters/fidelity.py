@@ -27,6 +27,7 @@ from rps_exudyn.parameters.declaration import (
 from rps_exudyn.parameters.problem import Problem
 
 CHAINS = ("chain", "adams-chain")
+LEAST_SWING_STEPS = 5  # fewer do not see an impact
 RATIOS = ("ratio", "ratio-with-loss")
 PresetName = Literal["full", "flank", "quasi-static", "closed-form"]
 
@@ -71,6 +72,14 @@ class Fidelity(Table):
         "choice",
         ge=0,
         lt=1,
+    )
+    swing_steps: int = parameter(
+        0,
+        "yoke-impact and rattle: time steps per swing of the plunger between seat and yokenut, their fastest "
+        "motion; 0 takes the scene's own",
+        "choice",
+        ge=0,
+        le=1000,
     )
     tolerance: Number = parameter(
         1e-4,
@@ -174,6 +183,12 @@ def _choices() -> tuple[Declared, ...]:
 
 
 def _conflicts(chosen: Fidelity) -> Iterator[Problem]:
+    if 0 < chosen.swing_steps < LEAST_SWING_STEPS:
+        yield Problem(
+            ("swing_steps",),
+            f"fidelity.swing_steps is {chosen.swing_steps}; it must be 0, for the scene's own, or at least "
+            f"{LEAST_SWING_STEPS}.",
+        )
     if chosen.rack == "guided" and chosen.bush != "condensed":
         yield Problem(
             ("rack", "bush"),

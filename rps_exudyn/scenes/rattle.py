@@ -85,7 +85,7 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
         )
     chosen, test = fidelity.with_bending(), gear.test
     chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE)})
-    maneuvers = list(shaken_by_road(gear))
+    maneuvers = list(shaken_by_road(gear, chosen.swing_steps or STEPS_PER_SWING))
     run = run_maneuvers(gear, chosen, maneuvers, options)
     growing = test.road_shape == GROWING
     band = Band(test.band_low, test.band_high)
@@ -128,7 +128,7 @@ def _threshold_remark(gear: SteeringGear, figures: Mapping[str, float]) -> str:
     return f"the force grows by {growth:.3g} N per cycle, by which the threshold may be too high"
 
 
-def shaken_by_road(gear: SteeringGear) -> Iterator[Maneuver]:
+def shaken_by_road(gear: SteeringGear, steps_per_swing: int = STEPS_PER_SWING) -> Iterator[Maneuver]:
     """Yield one maneuver for each phase at which the force begins: one cycle of run-in, then the record.
 
     Raises:
@@ -138,7 +138,7 @@ def shaken_by_road(gear: SteeringGear) -> Iterator[Maneuver]:
     check_travel(gear, (test.start_angle,), "test.start_angle")
     peak = test.road_force * np.array([np.cos(test.road_angle), np.sin(test.road_angle), 0.0])
     swing = 2 * np.pi * np.sqrt(yoke.plunger_mass / (yoke.seat_stiffness + yoke.nut_stiffness))
-    step = min(swing / STEPS_PER_SWING, 1 / (STEPS_PER_BAND * test.band_high))
+    step = min(swing / steps_per_swing, 1 / (STEPS_PER_BAND * test.band_high))
     per_cycle = int(np.ceil(1 / (test.road_frequency * step)))
     for phase in 2 * np.pi * np.arange(test.road_phases) / test.road_phases:
         road = RoadForce(

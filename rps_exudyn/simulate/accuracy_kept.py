@@ -1,8 +1,8 @@
 """Whether a run keeps a wanted accuracy on the gear at hand: the same in half the steps and finer strips.
 
 The table of `by_accuracy` knows what a setting is worth on many gears. A gear unlike them, or a test that
-stops the yoke at its nut, may need more; so each run whose steps can be halved is compared with a finer one,
-and gives way to it until the two agree. Equilibria of a fast test are compared with dynamics as well, in
+stops the yoke at its nut, may need more; so each run is compared with one in half the steps, and gives way to
+it until the two agree. Steps of impacts are parts of the plunger's swing. Equilibria of a fast test are compared with dynamics as well, in
 which each tooth that enters sets the rack vibrating.
 """
 
@@ -22,7 +22,7 @@ from rps_exudyn.simulate.promised_quantity import error_between, is_signal
 
 AGREED = 0.5  # of the wanted error: what is left is at most as much again, where a curve has jumps
 MOST_FINER = {"equilibrium": 5, "generalized-alpha": 4}
-"""Solver -> times that steps are halved, but for scenes with inertia, whose steps are their own."""
+"""Solver -> times that steps are halved."""
 STATIONS, POINTS = 12, 6  # finest strips: more show nothing
 SLOW, SLOW_AT, GROWTH = 20 * np.pi / 30, 0.1, 0.4
 """Up to this speed of the pinion [rad/s] vibration of random gears stays below 0.1 %; for another accuracy
@@ -61,7 +61,7 @@ def kept_by(run: Run, wanted: Wanted, gear: SteeringGear, first: Fidelity) -> Re
         Interrupted: Ctrl-C; it carries the last whole run, or else what was recorded.
     """
     result, fidelity = run(gear, first), first
-    own_steps = scene_named(wanted.scene).needs_inertia
+    own_steps = scene_named(wanted.scene).needs_inertia and not first.swing_steps
     if result.status is not Status.OK or own_steps or first.solver not in MOST_FINER:
         return result
     for _ in range(MOST_FINER[first.solver]):
@@ -116,11 +116,12 @@ def taken_step(result: Result, scene: str, fidelity: Fidelity) -> float:
 
 
 def finer_than(fidelity: Fidelity, step: float) -> Fidelity:
-    """Return a model in half of a step [rad] and with finer strips."""
+    """Return a model in half of a step [rad], or of the plunger's swing, and with finer strips."""
     stations, points = fidelity.strip_stations, fidelity.strip_points
+    steps = {"swing_steps": 2 * fidelity.swing_steps} if fidelity.swing_steps else {"step_angle": step / 2}
     return fidelity.replace(
         {
-            "step_angle": step / 2,
+            **steps,
             "strip_stations": max(stations, min(STATIONS, round(1.5 * stations))),
             "strip_points": max(points, min(POINTS, points + 1)),
         }

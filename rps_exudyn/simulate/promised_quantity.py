@@ -32,9 +32,13 @@ def error_between(
     run: tuple[Recorded, Fidelity],
     truer: tuple[Recorded, Fidelity],
 ) -> float:
-    """Return how far a quantity of a run lies from that of a truer one [%]; nan where one has none."""
+    """Return how far a quantity of a run lies from that of a truer one [%]; nan where one of them has none."""
     if is_signal(scene, quantity):
         own, true = (curve_of(scene, each.signals, gear, fidelity) for each, fidelity in (run, truer))
         return difference(own, true)
-    own_value, value = (each.summary.get(quantity, np.nan) for each, _ in (run, truer))
+    own_value, value = (each.summary.get(quantity) for each, _ in (run, truer))
+    if own_value == value:  # or neither has one: where nothing is hit, there is no peak
+        return 0.0
+    if own_value is None or value is None:
+        return float("nan")
     return 100 * abs(own_value - value) / abs(value) if value else float("nan")

@@ -19,7 +19,7 @@ from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.scenes.yoke_impact import end_deflection, shaken
-from rps_exudyn.simulate.promised_quantity import Recorded, error_between
+from rps_exudyn.simulate.promised_quantity import Recorded, error_between, is_signal
 from rps_exudyn.verification.references import SHAKEN, explicitly
 from rps_exudyn.verification.runs import run_scene
 
@@ -71,8 +71,8 @@ def truth_of(
     quantity by more than is allowed [%].
 
     Raises:
-        ArithmeticError: fewer than `LEAST` of them do, or all quantities differ too much; its message says
-            how.
+        ArithmeticError: fewer than `LEAST` of them do, all quantities differ too much, or nothing happens of
+            what they count; its message says how.
     """
     runs: dict[str, Made] = {}
     failed: dict[str, str] = {}
@@ -86,6 +86,8 @@ def truth_of(
             failed[name] = f"{run.outcome.status}, {run.outcome.message}"
             continue
         runs[name] = run, fidelity
+        if not any(is_signal(scene, each) or run.summary.get(each) for each in quantities):
+            raise ArithmeticError(f"nothing to measure: {' and '.join(quantities)} are 0")
         truth = Truth(scene, gear, tuple(quantities), runs, failed)
         if len(runs) >= LEAST and not any(truth.uncertainty[each] <= allowed[each] for each in quantities):
             known = ", ".join(f"{each} to {truth.uncertainty[each]:.2g} %" for each in quantities)

@@ -131,6 +131,7 @@ FIDELITY: Mapping[str, Range] = {
     "solver": Choice({"equilibrium": 1, "generalized-alpha": 1, "closed-form": 0}),
     "step_angle": Logarithmic(0.1 * DEG, 15 * DEG),
     "torque_tolerance": Seldom(0.2, Logarithmic(1e-4, 1e-2)),
+    "swing_steps": Choice({0: 1}),  # the scene's own
     "tolerance": Logarithmic(1e-6, 1e-2),
     "strip_stations": Whole(2, 8),
     "strip_points": Whole(2, 6),

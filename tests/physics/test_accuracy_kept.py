@@ -9,8 +9,11 @@ import rps_exudyn as rps
 from rps_exudyn.analysis.curve import difference
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.headline import curve_of
+from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.simulate.accuracy_kept import SLOW, Wanted, finer_than, kept_by, taken_step
+from rps_exudyn.simulate.promised_quantity import error_between
 from rps_exudyn.simulate.run import simulate
 
 SCENE, SIGNAL = "free-pinion-torque", "pinion_torque"
@@ -56,6 +59,38 @@ def test_a_scene_with_steps_of_its_own_is_run_once() -> None:
 
     kept_by(run, Wanted("yoke-impact", "impact_peak_force", 1.0), GEAR, Fidelity.preset("flank"))
     assert len(runs) == 1
+
+
+SHORT = SteeringGear().replace({"test.pulse_duration": "4 ms", "test.pulse_period": "4 ms"})
+
+
+def test_an_impact_is_confirmed_by_half_the_steps_of_a_swing() -> None:
+    """8 steps per swing of the plunger against 16, the peak to 1 %; what is kept lies that near to 40 steps."""
+    first = Fidelity.preset("flank").replace({"swing_steps": 8})
+    run, taken = partial(simulate, "yoke-impact"), []
+
+    def noted(gear: SteeringGear, fidelity: Fidelity) -> rps.Result:
+        taken.append((fidelity.swing_steps, fidelity.step_angle))
+        return run(gear, fidelity)
+
+    result = kept_by(noted, Wanted("yoke-impact", "impact_peak_force", 1.0), SHORT, first)
+    assert [steps for steps, _ in taken][:2] == [8, 16]
+    assert {angle for _, angle in taken} == {first.step_angle}
+    assert "impact_peak_force differs by" in result.findings["accuracy_checked"]
+    fine = run(SHORT, first.replace({"swing_steps": 40}))
+    peak = fine.summary["impact_peak_force"]
+    assert result.summary["impact_peak_force"] == pytest.approx(peak, rel=0.01)
+
+
+@pytest.mark.quick
+def test_where_nothing_is_hit_there_is_no_error() -> None:
+    """Neither run has a peak: no error; one of two has one: no number says how large it is."""
+    hit, missed = (SceneRun(Outcome(Status.OK), {}, figures) for figures in ({"impact_peak_force": 2.0}, {}))
+    model = Fidelity.preset("flank")
+    both = partial(error_between, "impact_peak_force", "yoke-impact", GEAR)
+    assert both((missed, model), (missed, model)) == both((hit, model), (hit, model)) == 0
+    assert np.isnan(both((hit, model), (missed, model)))
+    assert np.isnan(both((missed, model), (hit, model)))
 
 
 def test_a_choice_whose_finer_run_fails_says_that_it_is_not_confirmed() -> None:

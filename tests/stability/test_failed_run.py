@@ -100,3 +100,16 @@ def test_ctrl_c_passes_through_python() -> None:
     with pytest.raises(KeyboardInterrupt) as interrupt:
         rps.run("free-pinion-torque", turns=TURNS)
     assert interrupt.value.recorded.signals["time"].size >= 2  # type: ignore[attr-defined]
+
+
+def test_an_instant_that_is_reached_twice_is_kept_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Exudyn ends reduced steps with one of 1e-17 s: two rows at one time would be taken for two motions."""
+    keep = Recorder._keep
+
+    def keep_twice(recorder: Recorder, mbs: Any, t: float) -> bool:
+        return keep(recorder, mbs, t) and keep(recorder, mbs, float(np.nextafter(t, np.inf)))
+
+    once = rps.run("free-pinion-torque", turns=TURNS)
+    monkeypatch.setattr(Recorder, "_keep", keep_twice)
+    twice = rps.run("free-pinion-torque", turns=TURNS)
+    np.testing.assert_array_equal(twice["time"], once["time"])
