@@ -1,10 +1,11 @@
 """What `--accuracy` is measured on, scene by scene: settings, references and quantities.
 
 Steady turning: equilibria with fine strips, and dynamics at two steps, the shorter of which shows vibration.
-Swings: dynamics in two steps and strips of two kinds, and equilibria where they exist; behind a column they mostly do not, and
-`wheel_plans` compares that motion with an integration of its own. Impacts: Exudyn in parts of the scene's
-steps, and for pulses across the rack, along Y, classical Runge-Kutta of the package's own; where teeth hardly
-slide, under other pulses, that would need steps far below 2 us. At rest: strips of two kinds.
+Swings: dynamics in two steps and strips of two kinds, and equilibria where they exist; behind a column they
+mostly do not, and `wheel_plans` compares that motion with an integration of its own. Impacts: Exudyn in parts
+of the scene's steps, and for pulses across the rack, along Y, classical Runge-Kutta of the package's own;
+where teeth hardly slide, under other pulses, that would need steps far below 2 us. At rest: strips of two
+kinds.
 """
 
 from collections.abc import Mapping, Sequence
@@ -119,10 +120,10 @@ SCENES: dict[str, Measured] = {
     "load-test": replace(TURNING, gears=104),
     "rack-push": TURNING,
     "reversal": Measured(
-        TO_AND_FRO, SWUNG, ("hysteresis_area",), gears=88, uncertain=(0.5, 0.03), most_failures=0.5
+        TO_AND_FRO, SWUNG, ("hysteresis_area",), gears=50, uncertain=(0.5, 0.03), most_failures=0.5
     ),
     "steering-feel": Measured(BY_DYNAMICS, IN_MOTION, ("feel_area",), gears=44, uncertain=(0.5, 0.03)),
-    "rack-lift": Measured(STILL, RESTED, ("rack_lift",), signal=False, gears=44),
+    "rack-lift": Measured(STILL, RESTED, ("rack_lift",), signal=False, gears=52),
     "radial-play": Measured(STILL, RESTED, ("radial_play_y",), signal=False, gears=44),
     "yoke-impact": Measured(
         STRUCK, HIT, ("impact_peak_force", "impact_force_rms"), signal=False, gears=60, uncertain=(0.1, 0.05)

@@ -18,7 +18,9 @@ from rps_exudyn.solvers.record import Record
 from rps_exudyn.solvers.wheel_torque import WheelTorque
 
 NOTHING = np.zeros(0)
-SAME_TIME = 1e-12  # of the time: by so little Exudyn's last step ends beyond the one before, if steps were reduced
+SAME_TIME = (
+    1e-12  # of the time: by so little Exudyn's last step ends beyond the one before, if steps were reduced
+)
 
 
 class Step(NamedTuple):

@@ -6,8 +6,6 @@ A signal's error is the RMS over the motion in % of its mean, the larger of join
 lines and smoothly; a number's is in % of the number.
 """
 
-import numpy as np
-
 from rps_exudyn.analysis.curve import difference
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -32,7 +30,7 @@ def error_between(
     run: tuple[Recorded, Fidelity],
     truer: tuple[Recorded, Fidelity],
 ) -> float:
-    """Return how far a quantity of a run lies from that of a truer one [%]; nan where one of them has none."""
+    """Return how far a quantity of a run lies from that of a truer one [%]; nan where only one has it."""
     if is_signal(scene, quantity):
         own, true = (curve_of(scene, each.signals, gear, fidelity) for each, fidelity in (run, truer))
         return difference(own, true)

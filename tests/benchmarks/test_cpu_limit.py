@@ -28,11 +28,15 @@ def test_a_block_that_takes_too_long_is_ended_and_one_that_does_not_is_not() -> 
 def test_an_inner_limit_leaves_the_outer_one_its_rest() -> None:
     """The inner block fails by itself after 0.05 s; the outer one goes on and ends by its own limit."""
     reached = []
-    with pytest.raises(ArithmeticError, match=r"more than 0\.3 s"), cpu_limit(0.3):
+
+    def in_turn() -> None:
         with pytest.raises(ArithmeticError, match=r"more than 0\.05 s"), cpu_limit(0.05):
             work(5.0)
         reached.append("after the inner one")
         work(5.0)
+
+    with pytest.raises(ArithmeticError, match=r"more than 0\.3 s"), cpu_limit(0.3):
+        in_turn()
     assert reached
 
 

@@ -65,7 +65,7 @@ SHORT = SteeringGear().replace({"test.pulse_duration": "4 ms", "test.pulse_perio
 
 
 def test_an_impact_is_confirmed_by_half_the_steps_of_a_swing() -> None:
-    """8 steps per swing of the plunger against 16, the peak to 1 %; what is kept lies that near to 40 steps."""
+    """8 steps per swing of the plunger against 16, the peak to 1 %; what is kept is that near to 40 steps."""
     first = Fidelity.preset("flank").replace({"swing_steps": 8})
     run, taken = partial(simulate, "yoke-impact"), []
 

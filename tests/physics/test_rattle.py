@@ -138,7 +138,9 @@ def test_impulse_on_the_nut_is_what_the_plunger_carries_over_whole_cycles(shaken
 
 def test_half_the_steps_change_no_promised_figure(shaken: Result) -> None:
     """Impulse, force RMS and speed RMS of steps half as long: 3 %."""
-    finer = rps.run("rattle", GEAR.replace(FAST), fidelity=Fidelity.preset("flank").replace({"swing_steps": 14}))
+    finer = rps.run(
+        "rattle", GEAR.replace(FAST), fidelity=Fidelity.preset("flank").replace({"swing_steps": 14})
+    )
     for name in ("rattle_impulse_per_cycle", "rattle_force_rms", "rattle_speed_rms"):
         assert shaken.summary[name] == pytest.approx(finer.summary[name], rel=0.03)
 

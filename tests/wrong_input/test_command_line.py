@@ -48,7 +48,7 @@ MISTAKES = {
     "run --mesh ratio --solver closed-form": "fidelity.mesh is ratio, but fidelity.solver is closed-form",
     "run --fidelity closed-form --bush chain": "fidelity.bush is chain, but fidelity.solver is closed-form",
     "run --fidelity full --solver equilibrium": "fidelity.bush is chain, but fidelity.solver is equilibrium",
-    "yoke-impact --set fidelity.swing_steps=3": "fidelity.swing_steps is 3; it must be 0",
+    "run yoke-impact --set fidelity.swing_steps=3": "fidelity.swing_steps is 3; it must be 0",
     "run --set fidelity.step_angle=1mm": "fidelity.step_angle is '1mm', which is no quantity in rad",
     "run --set fidelity.step_angel=1": "fidelity.step_angel is no parameter; the nearest ones are",
     "run --set fidelity.name=mine": "fidelity.name cannot be set",
