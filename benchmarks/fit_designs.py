@@ -104,7 +104,7 @@ def table(folder: Path) -> str:
         (
             f"loop, {scene}",
             f"{1e3 * each['begin']:.0f} ms to begin about a new gear, {1e3 * each['each']:.1f} ms a gear; "
-            f"the fit's own {1e3 * each['single']:.0f} ms a gear: pays from {_pays(each)} gears on, "
+            f"the fit's own {1e3 * each['single']:.0f} ms a gear: {_pays(each)}, "
             f"{100 * each['in_loop']:.0f} % of them in the loop",
         )
         for scene, each in data["loops"].items()
@@ -114,7 +114,7 @@ def table(folder: Path) -> str:
 
 def _pays(times: dict[str, float]) -> str:
     saved = times["single"] - times["each"]
-    return "no number of" if saved <= 0 else f"{int(np.ceil(times['begin'] / saved))}"
+    return "never pays" if saved <= 0 else f"pays from {int(np.ceil(times['begin'] / saved))} gears on"
 
 
 TOPIC = Topic(
