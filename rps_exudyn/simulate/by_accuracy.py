@@ -36,6 +36,15 @@ LEAST_SLIDING = 0.2  # of the mean, somewhere in mesh: below it references of ra
 SAME_MOTION = {"yoke-setting": "free-pinion-torque"}
 """Scene -> the scene whose table it takes: the pinion is turned in the same way, the yoke set anew."""
 
+NO_TABLE = {
+    "rattle": "motions with impacts that go on are chaotic: figures differ from start to start",
+    "steering-feel": "it has not been measured",
+    "yoke-impact": "it has not been measured",
+    "steering-torque": "it has a fixed number of steps per cycle, which no setting changes",
+    "stick-slip": "it has steps of its own, which no setting changes",
+}
+"""Scene -> why nothing is promised of it."""
+
 TABLE = Path(__file__).with_name("table.json")
 
 
@@ -246,9 +255,9 @@ def scene_tables(scene: str) -> list[SceneTable]:
     """
     measured = SAME_MOTION.get(scene, scene)
     if measured not in _tables()["scenes"]:
+        why = f": {NO_TABLE[scene]}" if scene in NO_TABLE else ""
         raise InputError(
-            f"--accuracy knows {', '.join(known_scenes())}; for {scene} nothing was measured that could be "
-            "promised."
+            f"--accuracy knows {', '.join(known_scenes())}; for {scene} nothing can be promised{why}."
         )
     return [
         SceneTable(

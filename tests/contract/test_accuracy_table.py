@@ -30,6 +30,22 @@ def test_forty_gears_stand_behind_a_steady_scene_and_a_tenth_of_a_percent_is_pro
     assert min(each.promised for each in table.settings) <= 0.1
 
 
+@pytest.mark.parametrize(
+    ("scene", "quantity"),
+    [
+        ("reversal", "hysteresis_area"),
+        ("rack-lift", "rack_lift"),
+        ("radial-play", "radial_play_y"),
+    ],
+)
+def test_forty_gears_stand_behind_a_number_and_a_tenth_of_a_percent_is_promised(
+    scene: str, quantity: str
+) -> None:
+    (table,) = (each for each in scene_tables(scene) if each.quantity == quantity)
+    assert table.gears >= 40
+    assert min(each.promised for each in table.settings) <= 0.1
+
+
 def test_quantities_are_the_scenes_signal_or_numbers_of_a_summary() -> None:
     assert set(known_scenes()) <= set(SCENE_NAMES)
     for scene in known_scenes():

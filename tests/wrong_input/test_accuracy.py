@@ -5,7 +5,8 @@ import pytest
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.simulate.by_accuracy import choose, known_scenes, percent, scene_tables
+from rps_exudyn.scenes import SCENE_NAMES
+from rps_exudyn.simulate.by_accuracy import NO_TABLE, choose, known_scenes, percent, scene_tables
 from shell import Command
 
 
@@ -36,10 +37,15 @@ def test_stricter_than_any_setting_of_the_preset(command: Command) -> None:
 
 def test_scene_or_preset_that_was_not_measured(command: Command) -> None:
     said = refused(command, "stick-slip", "--accuracy", "1%")
-    assert f"--accuracy knows {', '.join(known_scenes())}; for stick-slip" in said
+    assert f"--accuracy knows {', '.join(known_scenes())}; for stick-slip nothing can be promised: it" in said
     assert "accuracies are known of flank, quasi-static" in refused(
         command, "--fidelity", "closed-form", "--accuracy", "1%"
     )
+
+
+def test_every_scene_has_a_table_or_a_reason_why_it_has_none() -> None:
+    assert {*known_scenes(), *NO_TABLE} == set(SCENE_NAMES)
+    assert not set(known_scenes()) & set(NO_TABLE)
 
 
 def test_settings_in_a_scenes_own_steps(monkeypatch: pytest.MonkeyPatch) -> None:
