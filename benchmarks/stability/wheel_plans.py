@@ -25,7 +25,7 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.checked_run import run_unchecked
 from rps_exudyn.verification.behind_column import Behind, Wheel, WheelFigures, figures
-from rps_exudyn.verification.plan_reference import NotFoundError
+from rps_exudyn.verification.refined_steps import NotFoundError
 from rps_exudyn.verification.sampler import REACHES, drawn, random_gear
 from rps_exudyn.verification.stability import ScenePlan, cpu_time_limit
 from rps_exudyn.verification.stated_ranges import GEAR

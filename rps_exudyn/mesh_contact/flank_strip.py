@@ -144,9 +144,20 @@ def slanted(strip, row, z, g):  # type: ignore[no-untyped-def]
 # --- along the line --------------------------------------------------------------------------------
 @borrowing
 def crest(strip, z):  # type: ignore[no-untyped-def]
-    """Greatest pressing at Z."""
+    """Greatest pressing at Z.
+
+    Beyond the band's low end q is taken to stay what it is there: near the base circle the strip has no
+    crest, and what a sloping flank adds to its depth, over q, would have no bound.
+    """
     c_0, c_1, c_2 = across(strip, PRESSING, z)
+    c_2 += _per_roll(strip) * min(at(strip, LOW_END, z), 0.0)
     return c_0 - c_1 * c_1 / (4 * c_2) if c_2 < 0 else c_0
+
+
+@borrowing
+def _per_roll(strip):  # type: ignore[no-untyped-def]
+    """Half of N_p, by which the depth's curvature across the strip falls with q."""
+    return 1.5 * abs(strip[DEPTH, 9]) / abs(strip[LOW_END, 3])
 
 
 @borrowing
@@ -155,12 +166,10 @@ def is_wide(strip, from_, to):  # type: ignore[no-untyped-def]
 
     The half width over the tangent length is largest where the latter is least, at an end.
     """
-    c_3 = abs(strip[DEPTH, 9])
-    half_n_p = 1.5 * c_3 / abs(strip[LOW_END, 3])
-    wide = False
+    c_3, wide = abs(strip[DEPTH, 9]), False
     for z in (from_, to):
         d_0, _, d_2 = across(strip, DEPTH, z)
-        d_2 += half_n_p * min(across(strip, LOW_END, z)[0], 0.0)  # q is not less than at the band's low end
+        d_2 += _per_roll(strip) * min(at(strip, LOW_END, z), 0.0)  # q is not less than at the band's low end
         wide = wide or c_3 * c_3 * d_0 > -WIDE * WIDE * d_2 * d_2 * d_2
     return wide
 

@@ -10,7 +10,7 @@ flywheel           the gear by Exudyn's explicit solvers      } those of
 faceted            pinions of flat facets                     } `simulate`
 equilibria         equilibria under force laws of no fidelity
 sampler            random gears and plans over every declared parameter; `ranges`, `stated_ranges`
-plan_reference     the right figures of any plan, known before it is run; `seat_cells`
+plan_reference     the right figures of any plan, known before it is run; `seat_cells`, `refined_steps`
 stick_slip         stick-slip of gear and column, reduced to one inertia, by events and by limits
 stability          whether a plan's number is right; bisected limits
 """

@@ -24,7 +24,7 @@ from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.reduced_gear import reduced_gear
 from rps_exudyn.solvers.steering_column import SteeringColumn
-from rps_exudyn.verification.plan_reference import NotFoundError
+from rps_exudyn.verification.refined_steps import NotFoundError
 from rps_exudyn.verification.runge_kutta import FreeMotion
 from rps_exudyn.verification.stability import ScenePlan
 

@@ -8,12 +8,12 @@
 The gear moves from many pitches before the record, as far as its teeth allow, through all of it: no settled
 start of `solvers.equilibrium`, no period that stands for others. The seat is a sum over cells; the teeth's
 contact an integral over generators, or over many stations where its law knows no generators; steps are fine
-whatever the plan's are. Where a plan has inertia and its motion is fast, classical Runge-Kutta goes on from
-there; slow motion is that without inertia.
+whatever the plan's are, and halved until halves of them say the same. Where a plan has inertia and its motion
+is fast, classical Runge-Kutta goes on from there; slow motion is that without inertia.
 """
 
 from dataclasses import dataclass, replace
-from math import ceil, nan
+from math import ceil, floor, nan
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from rps_exudyn.solvers.drive import Drive, DrivenBody, Steady, Swing, travel_pe
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, equilibrium_path
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, tangent
+from rps_exudyn.verification.refined_steps import NotFiniteError, NotFoundError, confirmed
 from rps_exudyn.verification.runge_kutta import FreeMotion, runge_kutta
 from rps_exudyn.verification.seat_cells import cell_seat
 from rps_exudyn.verification.stability import ScenePlan
@@ -36,8 +37,6 @@ PITCHES_BEFORE = 8
 STEPS_BEFORE = 12  # per pitch, on the way to the record ...
 STEPS = 60  # ... and of the record ...
 LEAST_STEPS, MOST_STEPS = 24, 400  # ... fewer of a long one, but no fewer than that; and of all of it
-FINER = 4  # steps in one where the rack rolls by more than `ROLLING` of its travel: rates lag by half a step
-ROLLING = 0.02
 LAST_STEPS, LAST_STEP = 4, 1e-3  # of a pitch, before inertia sets in: for exact rates
 RUN_IN = 0.5  # pitches by Runge-Kutta before the record
 PER_CYCLE = 600  # equilibria of a swing
@@ -46,9 +45,9 @@ CURVE_FINER, CURVE_PER_CYCLE = 2, 1600  # of a curve's steps, and of those of a 
 GENERATORS = 100
 STATIONS = {"mesh": "flank", "strip_stations": 12, "strip_points": 6}
 PER_FASTEST = 2.0  # Runge-Kutta's step over the time constant of the fastest mode; stable to 2.8
-MOST_EXPLICIT = 3000  # steps; motion that needs more is slow
+MOST_EXPLICIT = 3000  # steps; motion that needs more is slow ...
+MOST_REFINED = 12000  # ... and parts of them
 INSTANTS, GROWN = 24, 0.5  # at which slow motion is linearised; powers of e by which a vibration may grow
-PARTS = (1, 2, 4)  # of such a step, one after the other
 
 
 @dataclass(frozen=True)
@@ -67,10 +66,6 @@ class Expected:
     ripple: float = nan
     cause: str = ""
     method: str = ""
-
-
-class NotFoundError(ArithmeticError):
-    """The reference found no equilibrium, or is too expensive."""
 
 
 def expected(plan: ScenePlan) -> Expected:
@@ -141,37 +136,54 @@ def _turned(plan: ScenePlan) -> Expected:
     test = plan.gear.test
     load = test.direction * GRAVITY * test.load_mass if plan.scene == "load-test" else 0.0
     forces = reference_forces(plan, load)
-    means, ripples, methods = [], [], []
-    for way in _ways(plan)[: None if plan.scene == "rack-push" else 1]:  # whose mean is the figure
-        place, force, method = _along(plan, forces, way)
-        mean = float(np.trapezoid(force, place) / (place[-1] - place[0]))
-        means.append(mean * (way.sense if plan.scene == "rack-push" else 1))
-        ripples.append(float(np.ptp(force)))
-        methods.append(method)
-    figure = float(np.mean(means)) * (test.direction if plan.scene == "load-test" else 1)
-    return Expected(figure, nan if plan.scene == "load-test" else max(ripples), method=methods[0])
+    ways = _ways(plan)[: None if plan.scene == "rack-push" else 1]  # whose mean is the figure
+    found = [_along(plan, forces, way) for way in ways]
+    senses = [way.sense if plan.scene == "rack-push" else 1 for way in ways]
+    figure = float(np.mean([each.figure * sense for each, sense in zip(found, senses, strict=True)]))
+    if plan.scene == "load-test":
+        return Expected(figure * test.direction, method=found[0].method)
+    return Expected(figure, max(each.ripple for each in found), method=found[0].method)
 
 
-def _along(plan: ScenePlan, forces: GearForces, way: Way) -> tuple[np.ndarray, np.ndarray, str]:
-    """Places of the driven body and what the drive overcomes, over one way; and the method."""
-    gear, drive, motion = plan.gear, way.drive(plan.gear), None
+def _along(plan: ScenePlan, forces: GearForces, way: Way) -> Expected:
+    """Mean and spread of what the drive overcomes over one way."""
+    gear, drive = plan.gear, way.drive(plan.gear)
     if plan.fidelity.solver == "generalized-alpha":
+        duration = way.length / gear.test.speed
         run_in = min(RUN_IN * 2 * np.pi / gear.pinion.teeth, _room(gear, way)) / gear.test.speed
         motion = _motion(plan, forces, drive, _before(gear, way, -run_in))
         step = _explicit_step(motion)
-        if (steps := ceil((way.length / gear.test.speed + run_in) / step)) <= MOST_EXPLICIT:
+        if (steps := ceil((duration + run_in) / step)) <= MOST_EXPLICIT:
             shifted = replace(motion, drive=replace(drive, start=float(drive.place(-run_in))))
-            time, places, rates = explicit(shifted, step, steps)
-            record = shifted.recorded(time, places, rates)
-            kept = time >= run_in - step / 2
-            return drive.place(time[kept] - run_in), record.drive[kept], "Runge-Kutta"
-    along, path = _followed(gear, forces, way, 1)
-    if motion is not None:
-        _check_steady(motion, path, way.length / gear.test.speed)
-    if _rolls(gear, path, along.size):
-        along, path = _followed(gear, forces, way, FINER)
-    force = -drive.sign * path.forces[-along.size :, drive.coordinate]
-    return drive.place(along), force, "equilibria"
+
+            def moved(parts: int) -> tuple[float, float]:
+                led = _equilibria(gear, forces, drive, _before(gear, way, -run_in, parts))
+                begun = replace(shifted, place=led.coordinates[-1], rate=led.rates[-1])
+                time, places, rates = explicit(begun, step, steps, parts)
+                kept = time >= run_in - step / 2
+                record = shifted.recorded(time[kept], places[kept], rates[kept])
+                return _figures(plan, drive.place(time[kept] - run_in), record.drive)
+
+            return Expected(*confirmed(moved), method="Runge-Kutta")
+        _check_steady(motion, _followed(gear, forces, way, 1)[1], duration)
+
+    def rested(parts: int) -> tuple[float, float]:
+        along, path = _followed(gear, forces, way, parts)
+        force = -drive.sign * path.forces[-along.size :, drive.coordinate]
+        return _figures(plan, drive.place(along), force)
+
+    return Expected(*confirmed(rested), method="equilibria")
+
+
+def _figures(plan: ScenePlan, place: np.ndarray, force: np.ndarray) -> tuple[float, float]:
+    """Mean and spread of a force over a way; the mean of a load test is that over whole tooth pitches from
+    where it begins, if there is one."""
+    along, pitch = np.abs(place - place[0]), 2 * np.pi / plan.gear.pinion.teeth
+    end = along[-1]
+    if plan.scene == "load-test" and (pitches := floor(end / pitch + 1e-9)):
+        end = min(pitches * pitch, end)
+    kept = np.append(along[along < end], end)
+    return float(np.trapezoid(np.interp(kept, along, force), kept) / end), float(np.ptp(force))
 
 
 def _followed(
@@ -183,13 +195,6 @@ def _followed(
     steps = ceil(finer * pitches * max(LEAST_STEPS, min(STEPS, MOST_STEPS / pitches))) + 8
     along = np.linspace(0, way.length / gear.test.speed, steps + 1)
     return along, _equilibria(gear, forces, way.drive(gear), np.concatenate([before[:-1], along]))
-
-
-def _rolls(gear: SteeringGear, path: EquilibriumPath, instants: int) -> bool:
-    """Tell whether the rack rolls so much over the last instants that equilibria must be close together."""
-    rack = path.coordinates[-instants:, COORDINATE_BLOCKS["rack"]]
-    rolled = np.abs(np.diff(rack[:, 3])).sum() * gear.rack.bar_diameter / 2
-    return bool(rolled > ROLLING * np.abs(np.diff(rack[:, 0])).sum())
 
 
 def _room(gear: SteeringGear, way: Way) -> float:
@@ -306,18 +311,22 @@ def _check_steady(motion: FreeMotion, path: EquilibriumPath, duration: float) ->
         raise NotFoundError(f"friction feeds a vibration, which grows by e^{grown:.2g}: nothing is slow")
 
 
-def explicit(motion: FreeMotion, step: float, steps: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return times, places and rates in steps [s], or in parts of them where a mode is faster on the way.
+def explicit(
+    motion: FreeMotion, step: float, steps: int, parts: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return times, places and rates after each of some steps [s], each made in parts.
 
     Raises:
-        NotFoundError: the motion does not stay finite.
+        NotFoundError: these are too many.
+        NotFiniteError: the motion does not stay finite.
     """
-    for parts in PARTS:
-        with np.errstate(all="ignore"):
-            found = runge_kutta(motion, motion.rate, step / parts, steps * parts, parts)
-        if np.isfinite(found[1]).all():
-            return found
-    raise NotFoundError("the motion does not stay finite by Runge-Kutta")
+    if steps * parts > MOST_REFINED:
+        raise NotFoundError(f"{steps * parts} steps of Runge-Kutta")
+    with np.errstate(all="ignore"):
+        found = runge_kutta(motion, motion.rate, step / parts, steps * parts, parts)
+    if not np.isfinite(found[1]).all():
+        raise NotFiniteError("the motion does not stay finite by Runge-Kutta")
+    return found
 
 
 def _swing(plan: ScenePlan) -> Swing:
@@ -328,36 +337,44 @@ def _swing(plan: ScenePlan) -> Swing:
 def _swung(plan: ScenePlan) -> Expected:
     """The work of a cycle like the one before it."""
     drive, forces = _swing(plan), reference_forces(plan)
-    before, work = _settled_cycles(plan, forces, drive)
+    before, _ = _settled_cycles(plan, forces, drive, PER_CYCLE)
     motion = _motion(plan, forces, drive, before)
     step = _explicit_step(motion)
-    if (steps := ceil(2 * drive.period / step)) <= MOST_EXPLICIT:
-        times, places, rates = explicit(motion, step, steps)
+    steps = ceil(2 * drive.period / step)
+
+    def moved(parts: int) -> tuple[float, float]:
+        times, places, rates = explicit(motion, step, steps, parts)
         record, kept = motion.recorded(times, places, rates), times >= drive.period
-        return Expected(
-            float(np.trapezoid(record.drive[kept], drive.place(times[kept]))), method="Runge-Kutta"
-        )
-    return Expected(work, method="equilibria")
+        return float(np.trapezoid(record.drive[kept], drive.place(times[kept]))), nan
+
+    def rested(parts: int) -> tuple[float, float]:
+        return _settled_cycles(plan, forces, drive, PER_CYCLE * parts)[1], nan
+
+    if steps <= MOST_EXPLICIT:
+        return Expected(*confirmed(moved), method="Runge-Kutta")
+    return Expected(*confirmed(rested), method="equilibria")
 
 
-def _settled_cycles(plan: ScenePlan, forces: GearForces, drive: Swing) -> tuple[np.ndarray, float]:
-    """Instants of equilibria to time 0, from so many cycles before that all are alike then; the work of the
-    one after it [J].
+def _settled_cycles(
+    plan: ScenePlan, forces: GearForces, drive: Swing, per_cycle: int
+) -> tuple[np.ndarray, float]:
+    """Instants of equilibria to time 0, so many per cycle, from so many cycles before that all are alike
+    then; the work of the one after it [J].
 
     Raises:
         NotFoundError: the cycles go on changing, or there is no equilibrium.
     """
-    cycle = np.linspace(0, drive.period, PER_CYCLE + 1)
+    cycle = np.linspace(0, drive.period, per_cycle + 1)
     for cycles in CYCLES:
-        time = drive.period * (np.arange(cycles * PER_CYCLE + 1) / PER_CYCLE - (cycles - 1))
+        time = drive.period * (np.arange(cycles * per_cycle + 1) / per_cycle - (cycles - 1))
         path = _equilibria(plan.gear, forces, drive, time)
         overcome = -drive.sign * path.forces[:, drive.coordinate]
         earlier, work = (
-            float(np.trapezoid(overcome[k * PER_CYCLE : (k + 1) * PER_CYCLE + 1], drive.place(cycle)))
+            float(np.trapezoid(overcome[k * per_cycle : (k + 1) * per_cycle + 1], drive.place(cycle)))
             for k in (cycles - 2, cycles - 1)
         )
         if abs(work - earlier) <= ALIKE * abs(work):
-            return time[: (cycles - 1) * PER_CYCLE + 1], work
+            return time[: (cycles - 1) * per_cycle + 1], work
     raise NotFoundError(f"cycles still differ by {abs(work / earlier - 1):.1%} after {cycles}")
 
 
@@ -370,8 +387,11 @@ def _shaken(plan: ScenePlan) -> Expected:
     steps = ceil(maneuver.steps * maneuver.time_step / step)
     if steps > MOST_EXPLICIT:
         raise NotFoundError(f"{steps} steps of Runge-Kutta")
-    _, places, _ = explicit(motion, step, steps)
-    nut = forces.nut
+    nut, plunger = forces.nut, COORDINATE_BLOCKS["plunger"].start
     assert nut is not None
-    depth = places[:, COORDINATE_BLOCKS["plunger"].start] - plan.gear.yoke.clearance
-    return Expected(float(plan.gear.yoke.nut_stiffness * max(depth.max(), 0.0)), method="Runge-Kutta")
+
+    def moved(parts: int) -> tuple[float, float]:
+        depth = explicit(motion, step, steps, parts)[1][:, plunger] - plan.gear.yoke.clearance
+        return float(plan.gear.yoke.nut_stiffness * max(depth.max(), 0.0)), nan
+
+    return Expected(*confirmed(moved), method="Runge-Kutta")

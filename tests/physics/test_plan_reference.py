@@ -9,7 +9,8 @@ import pytest
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.verification.plan_reference import NotFoundError, expected, explicit
+from rps_exudyn.verification.plan_reference import expected, explicit
+from rps_exudyn.verification.refined_steps import NotFiniteError, NotFoundError, confirmed
 from rps_exudyn.verification.runge_kutta import FreeMotion
 from rps_exudyn.verification.runs import run_scene
 from rps_exudyn.verification.seat_cells import cell_seat
@@ -67,16 +68,37 @@ class Oscillator:
         return -1e4 * q
 
 
-@pytest.mark.parametrize(("step", "stays"), [(0.05, True), (0.15, False)])
-def test_explicit_motion_that_grows_beyond_bounds_comes_in_shorter_steps(step: float, stays: bool) -> None:
-    """Runge-Kutta is stable to 2.8 over the frequency, 100 rad/s: 2.5 in halves of the step,
-    3.75 in quarters."""
+def test_explicit_motion_says_where_its_steps_are_too_long() -> None:
+    """Runge-Kutta is stable to 2.8 over the frequency, 100 rad/s: 5 is not, 2.5 in halves of the step is."""
     motion = cast(FreeMotion, Oscillator(np.array([1.0]), np.array([0.0])))
-    if not stays:
-        with pytest.raises(NotFoundError, match="finite"):
-            explicit(motion, step, 2000)
-        return
-    times, places, _ = explicit(motion, step, 2000)
-    assert times[-1] == pytest.approx(2000 * step)
+    with pytest.raises(NotFiniteError):
+        explicit(motion, 0.05, 2000, 1)
+    times, places, _ = explicit(motion, 0.05, 2000, 2)
+    assert times[-1] == pytest.approx(2000 * 0.05)
     assert len(times) == 2001
     assert np.abs(places).max() <= 1.0
+
+
+def test_figures_stand_once_half_the_steps_say_the_same() -> None:
+    """An error in proportion to the step moves by less than half a percent from quarters to eighths; what
+    depends on the steps at random never does; steps too long for a motion are left behind."""
+
+    def in_proportion(parts: int) -> tuple[float, float]:
+        if parts == 1:
+            raise NotFiniteError("too long")
+        return 1 + 0.03 / parts, float("nan")
+
+    assert confirmed(in_proportion)[0] == pytest.approx(1.00375)
+    with pytest.raises(NotFoundError, match=r"still moves by 1\.98%"):
+        confirmed(lambda parts: (1 + 0.01 * (-1) ** parts.bit_length(), 0.0))
+    with pytest.raises(NotFoundError, match="ripple by 10"):
+        confirmed(lambda parts: (1.0, 0.1 * parts.bit_length()))
+
+
+def test_load_test_reference_takes_whole_pitches() -> None:
+    """The mean of 1.7 pitches is that of the first one, as in the standard's evaluation: 1e-3."""
+    gear = GEAR.replace({"test.turns": 1.7 / GEAR.pinion.teeth, "pinion.runout": 3e-5, "test.direction": -1})
+    fidelity = Fidelity.preset("quasi-static")
+    right = expected(ScenePlan("load-test", gear, fidelity))
+    run = run_scene("load-test", gear, fidelity)
+    assert run.summary["torque_forward"] == pytest.approx(right.figure, rel=1e-3)
