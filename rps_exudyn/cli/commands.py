@@ -9,7 +9,6 @@ import sys
 from collections.abc import Iterable, Sequence
 from contextlib import redirect_stdout
 from dataclasses import replace
-from io import TextIOWrapper
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated
@@ -23,6 +22,7 @@ from rps_exudyn.cli.app import DONE, FAILED, INTERRUPTED, PAPER_GEAR, PAPER_SETU
 from rps_exudyn.cli.kept import keep, naming, say
 from rps_exudyn.cli.measured_options import Columns
 from rps_exudyn.cli.options import GearOptions, SetupOptions
+from rps_exudyn.cli.process import prepare_process
 from rps_exudyn.cli.progress import shown_progress
 from rps_exudyn.scenes import SCENE_NAMES
 
@@ -42,11 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status."""
     global began
     began = monotonic()
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors="replace")  # of a terminal that knows no Greek letters
-    os.environ["MPLBACKEND"] = "agg"  # pictures are files; a user's own choice may not exist here
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # to look for some opens every package
+    prepare_process()
     try:
         _check_folder()
         status = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")

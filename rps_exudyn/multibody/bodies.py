@@ -12,7 +12,10 @@ from rps_exudyn.solvers.balance import SIZE
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rps_exudyn.gears.polyhedron import Solid
+    from rps_exudyn.parameters.gear import SteeringGear
 
 COLOURS = {  # by their names in CSS, as red, green and blue
     "steelblue": (70 / 255, 130 / 255, 180 / 255),
@@ -25,19 +28,20 @@ ALONG_Y = np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0]])  # ObjectMass1D moves al
 
 def add_bodies(model: SteeringModel) -> None:
     """Add all bodies but the bush; pinion, rack and plunger start where the model starts."""
-    gear, axis = model.gear, [0.0, GearPair.of(model.gear).bar_axis_height, 0.0]
-    _add_pinion(model, solids.pinion_solid(gear))
-    _add_rack(model, solids.rack_solid(gear), axis)
-    _add_plunger(model, solids.plunger_solid(gear), axis)
-    _add_yokenut(model, solids.yokenut_solid(gear), axis)
+    axis = [0.0, GearPair.of(model.gear).bar_axis_height, 0.0]
+    _add_pinion(model)
+    _add_rack(model, axis)
+    _add_plunger(model, axis)
+    _add_yokenut(model, axis)
     if model.modes:
         _add_modes(model)
 
 
-def _add_pinion(model: SteeringModel, solid: "Solid") -> None:
+def _add_pinion(model: SteeringModel) -> None:
     from exudyn.itemInterface import ObjectRotationalMass1D, VObjectRotationalMass1D
 
     pair = GearPair.of(model.gear)
+    drawing = shapes_of(model, solids.pinion_solid, "steelblue")
     model.nodes["pinion"] = _node_1d(model, "pinion")
     model.bodies["pinion"] = model.mbs.AddObject(
         ObjectRotationalMass1D(
@@ -45,12 +49,12 @@ def _add_pinion(model: SteeringModel, solid: "Solid") -> None:
             nodeNumber=model.nodes["pinion"],
             referencePosition=pair.pinion_origin,
             referenceRotation=pair.pinion_frame,
-            visualization=VObjectRotationalMass1D(graphicsData=_graphics(solid, "steelblue")),
+            visualization=VObjectRotationalMass1D(graphicsData=drawing),
         )
     )
 
 
-def _add_rack(model: SteeringModel, solid: "Solid", axis: list[float]) -> None:
+def _add_rack(model: SteeringModel, axis: list[float]) -> None:
     from exudyn.itemInterface import NodeRigidBodyRxyz, ObjectRigidBody, VObjectRigidBody
 
     place, rate = _start(model, "rack")
@@ -59,7 +63,7 @@ def _add_rack(model: SteeringModel, solid: "Solid", axis: list[float]) -> None:
             referenceCoordinates=[*axis, 0, 0, 0], initialCoordinates=place, initialVelocities=rate
         )
     )
-    bar = solid.mass_properties
+    bar = solids.rack_solid(model.gear).mass_properties
     com = bar.centre_of_mass
     about_reference = bar.inertia + bar.mass * ((com @ com) * np.eye(3) - np.outer(com, com))
     model.bodies["rack"] = model.mbs.AddObject(
@@ -68,22 +72,23 @@ def _add_rack(model: SteeringModel, solid: "Solid", axis: list[float]) -> None:
             centerOfMass=com,
             inertia=six_moments(about_reference),
             nodeNumber=model.nodes["rack"],
-            visualization=VObjectRigidBody(graphicsData=_graphics(solid, "grey")),
+            visualization=VObjectRigidBody(graphicsData=shapes_of(model, solids.rack_solid, "grey")),
         )
     )
 
 
-def _add_plunger(model: SteeringModel, solid: "Solid", axis: list[float]) -> None:
+def _add_plunger(model: SteeringModel, axis: list[float]) -> None:
     from exudyn.itemInterface import ObjectMass1D, VObjectMass1D
 
+    drawing = shapes_of(model, solids.plunger_solid, "orange", ALONG_Y.T)
     model.nodes["plunger"] = _node_1d(model, "plunger")
     model.bodies["plunger"] = model.mbs.AddObject(
         ObjectMass1D(
-            mass=solid.mass_properties.mass,
+            mass=model.gear.yoke.plunger_mass,
             nodeNumber=model.nodes["plunger"],
             referencePosition=axis,
             referenceRotation=ALONG_Y,
-            visualization=VObjectMass1D(graphicsData=_graphics(solid, "orange", ALONG_Y.T)),
+            visualization=VObjectMass1D(graphicsData=drawing),
         )
     )
 
@@ -103,10 +108,10 @@ def _add_modes(model: SteeringModel) -> None:
     )
 
 
-def _add_yokenut(model: SteeringModel, solid: "Solid", axis: list[float]) -> None:
+def _add_yokenut(model: SteeringModel, axis: list[float]) -> None:
     from exudyn.itemInterface import ObjectGround, VObjectGround
 
-    drawing = VObjectGround(graphicsData=_graphics(solid, "darkgrey"))
+    drawing = VObjectGround(graphicsData=shapes_of(model, solids.yokenut_solid, "darkgrey"))
     model.bodies["yokenut"] = model.mbs.AddObject(ObjectGround(referencePosition=axis, visualization=drawing))
 
 
@@ -125,9 +130,18 @@ def _start(model: SteeringModel, body: str) -> tuple[np.ndarray, np.ndarray]:
     return model.start.coordinates[0, block], model.start.rates[0, block]
 
 
-def _graphics(solid: "Solid", color: str, rotation: np.ndarray | None = None) -> list[Any]:
-    """Graphics data of a body, its solid turned by `rotation` (3, 3)."""
+def shapes_of(
+    model: SteeringModel,
+    solid_of: "Callable[[SteeringGear], Solid]",
+    color: str,
+    rotation: np.ndarray | None = None,
+) -> list[Any]:
+    """Return graphics data of a body, its solid turned by `rotation` (3, 3); none of a model without
+    pictures."""
+    if not model.pictured:
+        return []
     from exudyn import graphics
 
+    solid = solid_of(model.gear)
     points = solid.vertices if rotation is None else solid.vertices @ rotation.T
     return [graphics.FromPointsAndTrigs(points, solid.faces, color=[*COLOURS[color], 1.0])]

@@ -55,6 +55,7 @@ def build_model(
     rack_load: float = 0.0,
     pulse: TimedForce | None = None,
     approach: Approach | None = None,
+    pictured: bool = True,
 ) -> SteeringModel:
     """Build the gear in a rig, by default turned at its test's speed from the test's start angle.
 
@@ -64,6 +65,7 @@ def build_model(
         rack_load: pulls the rack's end towards -X [N].
         pulse: force that acts on the rack besides.
         approach: the steady motion before the start, see `settled_path`.
+        pictured: bodies get the shapes that Exudyn's viewer shows, which take longer to make than the rest.
     """
     import exudyn as exu
 
@@ -77,9 +79,8 @@ def build_model(
     else:
         start = settled_behind(statics, pair, drive, column, approach)
     SC = exu.SystemContainer()
-    model = SteeringModel(
-        gear, fidelity, forces, drive, SC, SC.AddSystem(), start, pulse=pulse, column=column
-    )
+    model = SteeringModel(gear, fidelity, forces, drive, SC, SC.AddSystem(), start)
+    model.pulse, model.column, model.pictured = pulse, column, pictured
     if not start.converged:
         return model
     add_bodies(model)

@@ -47,6 +47,7 @@ class SteeringModel:
     pulse: TimedForce | None = None
     constraint: Any = None
     column: SteeringColumn | None = None  # where the rig turns the wheel; its node is "wheel"
+    pictured: bool = True  # bodies have the shapes that Exudyn's viewer shows
 
     def coordinates(self, name: str) -> slice:
         """Return where a body's coordinates stand in the system's vector; the system must be assembled."""

@@ -6,7 +6,7 @@ import platform
 import subprocess
 from datetime import UTC, datetime
 from functools import cache
-from importlib.metadata import version
+from importlib.metadata import distribution, version
 from pathlib import Path
 
 FIELDS = ("package_version", "library_versions", "git_hash", "date", "machine")
@@ -33,7 +33,14 @@ def package_version() -> str:
 @cache
 def library_versions() -> str:
     """Return JSON text: name -> version of the libraries that compute."""
-    return json.dumps({name: version(name) for name in LIBRARIES})
+    return json.dumps({name: _version(name) for name in LIBRARIES})
+
+
+def _version(name: str) -> str:
+    """The version of an installed library, without reading all else that its maintainers say of it."""
+    lines = (distribution(name).read_text("METADATA") or "").splitlines()
+    found = next((line for line in lines if line.startswith("Version:")), None)
+    return found.removeprefix("Version:").strip() if found else version(name)
 
 
 @cache

@@ -107,7 +107,13 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
 
     load, approach = maneuver.rack_load, maneuver.approach
     model = build_model(
-        gear, fidelity, maneuver.drive, rack_load=load, pulse=maneuver.pulse, approach=approach
+        gear,
+        fidelity,
+        maneuver.drive,
+        rack_load=load,
+        pulse=maneuver.pulse,
+        approach=approach,
+        pictured=False,
     )
     if not model.start.converged:
         return SceneRun(_lost(maneuver, model.start, Outcome(Status.OK)))
