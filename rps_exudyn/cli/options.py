@@ -1,6 +1,5 @@
 """The options of the command line that choose the gear and how it is modelled."""
 
-import tomllib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -136,6 +135,8 @@ def parse_settings(texts: Iterable[str]) -> tuple[dict[str, Any], list[str]]:
 
 def _value(text: str) -> Any:
     """The TOML value (6, -1, true) that the text reads as, else the text itself ("400 N")."""
+    import tomllib
+
     try:
         tables = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):  # no TOML, or a number with more digits than Python reads

@@ -5,7 +5,6 @@ takes to begin.
 """
 
 import os
-import shutil
 import sys
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
@@ -81,4 +80,6 @@ def _styled(line: str, style: str) -> str:
 
 
 def _width() -> int:
+    import shutil  # for terminals alone
+
     return shutil.get_terminal_size().columns

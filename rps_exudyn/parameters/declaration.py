@@ -5,7 +5,6 @@ values and what an HDF5 result stores. Values are SI; text with a unit is conver
 """
 
 import math
-import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -307,6 +306,8 @@ def read_toml(path: str | Path) -> dict[str, Any]:
     Raises:
         InputError: the file cannot be read or is no TOML.
     """
+    import tomllib
+
     try:
         return tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))  # spreadsheets begin with a mark
     except OSError as error:

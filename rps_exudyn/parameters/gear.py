@@ -5,7 +5,6 @@ Sources: "paper" (Kamble & Saha state it), "inferred" (follows from what the pap
 """
 
 from collections.abc import Iterator, Mapping
-from html import escape
 from typing import Any, Literal, Self
 
 from pydantic import model_validator
@@ -309,6 +308,8 @@ class SteeringGear(Table):
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
+        from html import escape
+
         rows = "".join(f"<li>{escape(change)}</li>" for change in self.changes_shown())
         return f"<b>SteeringGear</b>, {'by default but for' if rows else 'all as by default'}<ul>{rows}</ul>"
 

@@ -1,6 +1,5 @@
 """What validation finds wrong with the values of parameters, as sentences that say what is allowed."""
 
-import difflib
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -96,6 +95,8 @@ def _value_in(given: Mapping[str, Any], loc: tuple[int | str, ...]) -> Any:
 def nearest(table: type["Table"], path: str, left_out: tuple[str, ...] = ()) -> str:
     """Return what may have been meant, if not one of the tables left out."""
     offered = [item.path for item in table.declared() if item.path.partition(".")[0] not in left_out]
+    import difflib
+
     close = difflib.get_close_matches(path, offered, n=3, cutoff=0.6)
     if close:
         return f"the nearest {'one is' if len(close) == 1 else 'ones are'} {', '.join(close)}"
