@@ -83,8 +83,7 @@ def timed(name: str, process: list[str], place: Path, environment: dict[str, str
     Raises:
         subprocess.CalledProcessError: it failed.
     """
-    settings = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
-    settings.pop("PYTHONDONTWRITEBYTECODE", None)  # an installed package is compiled to bytecode
+    settings = surroundings() | environment
     if "XDG_CACHE_HOME" in environment:
         settings.pop("NUMBA_CACHE_DIR", None)
     before, began = children(), perf_counter()
@@ -93,6 +92,13 @@ def timed(name: str, process: list[str], place: Path, environment: dict[str, str
     if done.returncode not in allowed:
         raise subprocess.CalledProcessError(done.returncode, process, done.stdout, done.stderr)
     return {"command": name, "cpu": children() - before, "wall": perf_counter() - began}
+
+
+def surroundings() -> dict[str, str]:
+    """Environment of a command of this checkout, whose bytecode is kept as that of an installed package."""
+    settings = {**os.environ, "PYTHONPATH": str(ROOT)}
+    settings.pop("PYTHONDONTWRITEBYTECODE", None)
+    return settings
 
 
 def children() -> float:
