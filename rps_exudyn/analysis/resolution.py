@@ -8,6 +8,7 @@ none hides as a slow one.
 
 import numpy as np
 
+LEAST_FOR_PEAKS = 12  # points in a tooth pitch: 8 went past a dip over a seventh of it, 5 % of the mean
 UNRESOLVED = 0.03  # of the mean; below that the ripples of random gears are right to 4 % of it
 
 

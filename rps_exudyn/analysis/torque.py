@@ -6,6 +6,7 @@ A record in both directions is first divided into `passes`.
 import numpy as np
 
 from rps_exudyn.analysis.harmonics import LEAST_PER_PERIOD, order_amplitude
+from rps_exudyn.analysis.resolution import LEAST_FOR_PEAKS
 from rps_exudyn.analysis.many import number_of, spread
 
 
@@ -22,8 +23,10 @@ def describe_torque(angle: np.ndarray, torque: np.ndarray, teeth: int) -> dict[s
     Ripple and orders are left out where the record is too short or too coarse for them.
     """
     figures: dict[str, float | None] = {"torque_mean": mean(angle, torque)}
-    if np.abs(np.diff(angle)).max() <= 2 * np.pi / teeth / LEAST_PER_PERIOD * (1 + 1e-9):
+    per_pitch = 2 * np.pi / teeth / np.abs(np.diff(angle)).max() * (1 + 1e-9)
+    if per_pitch >= LEAST_FOR_PEAKS:
         figures["torque_peak_to_peak"] = spread(torque)
+    if per_pitch >= LEAST_PER_PERIOD:
         figures["torque_tooth_order"] = order_amplitude(angle, torque, teeth)
     figures["torque_first_order"] = order_amplitude(angle, torque, 1)
     return {name: value for name, value in figures.items() if value is not None}

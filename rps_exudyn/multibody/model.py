@@ -42,7 +42,7 @@ from rps_exudyn.solvers.column_path import settled_behind
 from rps_exudyn.solvers.drive import Drive, Steady
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, stacked
-from rps_exudyn.solvers.settled_start import Approach, settled_path
+from rps_exudyn.solvers.settled_start import Approach, start_of_motion
 from rps_exudyn.solvers.steering_column import SteeringColumn
 from rps_exudyn.solvers.wheel_torque import WheelTorque
 
@@ -75,7 +75,7 @@ def build_model(
     column = SteeringColumn.of(gear) if drive.body == "wheel" else None
     pair, statics = GearPair.of(gear), forces.statics
     if column is None:
-        start = settled_path(statics, pair, drive, approach, np.zeros(1)).last
+        start = start_of_motion(statics, pair, drive, approach)
     else:
         start = settled_behind(statics, pair, drive, column, approach)
     SC = exu.SystemContainer()

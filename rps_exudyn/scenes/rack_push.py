@@ -5,9 +5,9 @@ The rack moves as fast as the pinion would move it at the test's speed, over the
 
 import numpy as np
 
-from rps_exudyn.analysis.harmonics import LEAST_PER_PERIOD
 from rps_exudyn.analysis.many import largest, number_of, spread
 from rps_exudyn.analysis.passes import passes
+from rps_exudyn.analysis.resolution import LEAST_FOR_PEAKS
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import figures_of_motion, without
@@ -28,7 +28,7 @@ def rack_push(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     maneuvers = maneuvers_of_test(gear, "rack", fidelity.step_angle, options.least_steps)
     run = run_maneuvers(gear, fidelity, maneuvers, options)
     unseen = unresolved_peaks(fidelity, run, "rack_force", "rack_displacement")
-    coarse = fidelity.step_angle > 2 * np.pi / gear.pinion.teeth / LEAST_PER_PERIOD
+    coarse = fidelity.step_angle > 2 * np.pi / gear.pinion.teeth / LEAST_FOR_PEAKS
     left_out = ("push_force_peak_to_peak",) if unseen or coarse else ()
     return run.noting(*remarks(gear, run.signals), unseen).described(
         lambda signals: without({**push_figures(signals), **figures_of_motion(signals, gear)}, left_out)

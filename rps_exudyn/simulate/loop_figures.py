@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.analysis.efficiency import LoadTest, describe_load_test, free_torque_of, measured_load_test
-from rps_exudyn.analysis.harmonics import LEAST_PER_PERIOD
+from rps_exudyn.analysis.resolution import LEAST_FOR_PEAKS
 from rps_exudyn.mesh_contact.steel import BEARABLE_PRESSURE
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import figures_of_rack, figures_of_torque, without
@@ -37,7 +37,7 @@ def figures_of(
         test = _load_test(gear, numbers[:, LOAD], gain, signals, records[-1])
         own, told = describe_load_test(test), [list(each.remarks()) for each in _each(test)]
     elif scene == RACK_PUSH:
-        coarse = records[0].design.fidelity.step_angle > 2 * np.pi / gear.pinion.teeth / LEAST_PER_PERIOD
+        coarse = records[0].design.fidelity.step_angle > 2 * np.pi / gear.pinion.teeth / LEAST_FOR_PEAKS
         own = without(push_figures(signals), ("push_force_peak_to_peak",) if coarse else ())
     else:
         own = figures_of_torque(signals, gear)

@@ -26,6 +26,7 @@ ALIKE_FINE = 2e-3  # ... and two of which one is twice as far back: what is left
 ROLLING = 0.02  # of the rack's travel: a rack that rolls more needs fine steps
 MOST_LOST = 4  # beginnings from which no equilibria lead to the start, until no more are tried
 HALF_CYCLES = (1, 2, 4, 8, 16)  # before the start of a swing at which equilibria begin
+EXACT = 1e-3 * np.arange(-4, 1)  # pitches: short last steps before motion with inertia, for the rates there
 ODD_PARTS = (0.0, 0.3, 0.6)  # of a pitch further back, where no rest is found at the phase of the start
 
 
@@ -99,13 +100,26 @@ class SwingApproach(Approach):
 def settled_path(
     balance: Balance, pair: GearPair, drive: Drive, approach: Approach | None, time: np.ndarray
 ) -> EquilibriumPath:
-    """Follow the equilibria at times [s], the first of which is 0, from a settled start.
+    """Follow the equilibria at times [s], the first of which is 0 or a little before it, from a settled start.
 
     `start` of the path says what is left of its beginning, and whether the rack has teeth enough before the
     start to settle. If no equilibria lead to the start, the gear starts where it rests without them, which
     may be far from where it will slide. Without an approach the start itself is such a place of rest.
     """
     return path_from(settled_start(balance, pair, drive, approach, time[:1]), balance, pair, drive, time)
+
+
+def start_of_motion(
+    balance: Balance, pair: GearPair, drive: Drive, approach: Approach | None
+) -> EquilibriumPath:
+    """Return the settled start at time 0 of a motion with inertia, the last instant of a path.
+
+    Short steps lead steady motion there: rates by backward differences over longer ones are those of half a
+    step earlier, and what they lack at a corner of the path the gear would vibrate with.
+    """
+    steady = isinstance(approach, SteadyApproach)
+    time = approach.unit * EXACT if steady and approach is not None else np.zeros(1)
+    return settled_path(balance, pair, drive, approach, time).last
 
 
 def settled_start(

@@ -11,6 +11,7 @@ from rps_exudyn.analysis.impacts import describe_impacts, find_impacts
 from rps_exudyn.analysis.on_centre import describe_on_centre
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.rack_motion import describe_rack
+from rps_exudyn.analysis.torque import describe_torque
 from rps_exudyn.analysis.work_balance import describe_losses, energy_residual, loss_torques
 from rps_exudyn.results.quantities import SUMMARY
 
@@ -51,6 +52,16 @@ def test_tooth_order_needs_one_pitch_and_the_spectrum_one_turn() -> None:
     assert order_amplitude(angle, 0.02 * np.cos(6 * angle), 6) == pytest.approx(0.02, rel=1e-3)
     assert order_amplitude(angle, angle, 1) is None
     assert order_spectrum(angle, angle, 3) is None
+
+
+def test_a_peak_to_peak_needs_twelve_points_in_a_pitch() -> None:
+    """A dip over a seventh of a pitch, which may lie between points of which there are fewer."""
+    figures = [
+        describe_torque(angle, known_curve(angle), 6)
+        for angle in (np.linspace(0, TURN / 3, 2 * points + 1) for points in (5, 11, 12))
+    ]
+    assert ["torque_peak_to_peak" in each for each in figures] == [False, False, True]
+    assert ["torque_tooth_order" in each for each in figures] == [False, True, True]
 
 
 def test_spectrum_ends_with_the_highest_resolved_order() -> None:
