@@ -100,7 +100,7 @@ class SwingApproach(Approach):
 def settled_path(
     balance: Balance, pair: GearPair, drive: Drive, approach: Approach | None, time: np.ndarray
 ) -> EquilibriumPath:
-    """Follow the equilibria at times [s], the first of which is 0 or a little before it, from a settled start.
+    """Follow the equilibria at times [s], the first of which is 0 or just before, from a settled start.
 
     `start` of the path says what is left of its beginning, and whether the rack has teeth enough before the
     start to settle. If no equilibria lead to the start, the gear starts where it rests without them, which
