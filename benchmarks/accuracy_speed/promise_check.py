@@ -73,21 +73,19 @@ def checked(scene: str, gear: SteeringGear, measured: Measured) -> dict[str, Any
     """What the promises were on one gear."""
     allowed, began = measured.allowed(scene), process_time()
     everything = dict.fromkeys(allowed, np.inf)
+    found: dict[str, Any]
     try:
         with cpu_limit(LONGEST):
-            truth: Truth | str = truth_of(scene, gear, measured.methods, tuple(allowed), everything)
-    except ArithmeticError as error:
-        truth = str(error)
-    verdicts = [verdict_on(scene, gear, truth, wanted) for wanted in WANTED]
-    return {
-        "speed": gear.test.speed,
-        "reference": truth if isinstance(truth, str) else truth.uncertainty,
-        "by": verdicts,
-        "seconds": process_time() - began,
-    }
+            truth = truth_of(scene, gear, measured.methods, tuple(allowed), everything)
+    except ArithmeticError as error:  # without a reference no run is judged, and none is made
+        found = {"reference": str(error), "by": [{"verdict": "no reference"} for _ in WANTED]}
+    else:
+        verdicts = [verdict_on(scene, gear, truth, wanted) for wanted in WANTED]
+        found = {"reference": truth.uncertainty, "by": verdicts}
+    return {"speed": gear.test.speed, **found, "seconds": process_time() - began}
 
 
-def verdict_on(scene: str, gear: SteeringGear, truth: Truth | str, wanted: float) -> dict[str, Any]:
+def verdict_on(scene: str, gear: SteeringGear, truth: Truth, wanted: float) -> dict[str, Any]:
     """Run a gear by an accuracy [%], and judge what came out."""
     try:
         quantity = choose(scene, gear, wanted).quantity
@@ -101,8 +99,6 @@ def verdict_on(scene: str, gear: SteeringGear, truth: Truth | str, wanted: float
     answer = {"quantity": quantity, "said": said, "model": result.fidelity["name"]}
     if result.status is not Status.OK:
         return {**answer, "verdict": str(result.status), "said": result.message}
-    if isinstance(truth, str):
-        return {**answer, "verdict": "no reference" if not _outside(said) else "outside"}
     error = truth.errors_of(result, Fidelity.model_validate(result.fidelity))[quantity]
     answer |= {"error": error, "doubt": truth.uncertainty[quantity]}
     return {**answer, "verdict": "outside" if _outside(said) else judged_by(**answer, wanted=wanted)}

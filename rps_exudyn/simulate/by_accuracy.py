@@ -37,9 +37,8 @@ SAME_MOTION = {"yoke-setting": "free-pinion-torque"}
 """Scene -> the scene whose table it takes: the pinion is turned in the same way, the yoke set anew."""
 
 NO_TABLE = {
-    "rattle": "motions with impacts that go on are chaotic: figures differ from start to start",
-    "steering-feel": "it has not been measured",
-    "yoke-impact": "it has not been measured",
+    "rattle": "motion that goes on from impact to impact is chaotic, and its figures have a scatter",
+    "steering-feel": "too few gears have been measured",
     "steering-torque": "it has a fixed number of steps per cycle, which no setting changes",
     "stick-slip": "it has steps of its own, which no setting changes",
 }

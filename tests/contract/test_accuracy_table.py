@@ -34,6 +34,7 @@ def test_forty_gears_stand_behind_a_steady_scene_and_a_tenth_of_a_percent_is_pro
     ("scene", "quantity"),
     [
         ("reversal", "hysteresis_area"),
+        ("yoke-impact", "impact_force_rms"),
         ("rack-lift", "rack_lift"),
         ("radial-play", "radial_play_y"),
     ],

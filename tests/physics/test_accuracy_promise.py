@@ -13,7 +13,7 @@ from rps_exudyn.simulate.by_accuracy import beyond_in_run, beyond_promise, choos
 from rps_exudyn.simulate.promised_quantity import error_between
 from rps_exudyn.verification.references import STRIPS
 from rps_exudyn.verification.runs import run_scene
-from rps_exudyn.verification.scene_truth import by_model, truth_of
+from rps_exudyn.verification.scene_truth import by_model, impact_in_parts, truth_of
 from rps_exudyn.verification.wide_tests import gears_under_tests
 
 SCENE = "free-pinion-torque"
@@ -22,6 +22,7 @@ SEED = 7  # fixed before the table was made
 GEARS, ALLOWED_MISSES = 20, 1
 REFERENCE = Fidelity.preset("quasi-static").replace({"step_angle": "0.1 deg", **STRIPS})
 SWING_WANTED = 0.2
+IMPACT_WANTED, SHORT_PERIOD = 1.0, 13e-3  # [%], [s]
 SWINGS = {
     "equilibria": by_model(Fidelity.preset("quasi-static").replace({"step_angle": "0.1 deg"})),
     "dynamics": by_model(Fidelity.preset("flank").replace({"step_angle": "0.05 deg"})),
@@ -75,3 +76,21 @@ def test_a_reversals_promise_holds_as_well() -> None:
         errors.append(truth.errors_of(run, choice.fidelity)[choice.quantity] if run.ok else np.inf)
     assert len(errors) == 3
     assert max(errors) <= SWING_WANTED, np.round(errors, 3)
+
+
+def test_an_impacts_promise_holds_as_well() -> None:
+    """Of the peak on the yokenut, without the confirmation on the gear; the reference has 40 steps per swing of
+    the plunger, finer strips and a hundredth of the tolerance."""
+    errors = []
+    for gear in gears_under_tests(SEED, "yoke-impact", 30):
+        if gear.test.pulses > 1 or gear.test.pulse_period > SHORT_PERIOD or len(errors) == 2:
+            continue
+        true, model = impact_in_parts(2)("yoke-impact", gear)
+        if not true.summary.get("impact_peak_force"):
+            continue
+        choice = choose("yoke-impact", gear, IMPACT_WANTED)
+        run = run_scene("yoke-impact", gear, choice.fidelity)
+        both = (run, choice.fidelity), (true, model)
+        errors.append(error_between(choice.quantity, "yoke-impact", gear, *both) if run.ok else np.inf)
+    assert len(errors) == 2
+    assert max(errors) <= IMPACT_WANTED, np.round(errors, 3)
