@@ -79,8 +79,8 @@ def test_a_reversals_promise_holds_as_well() -> None:
 
 
 def test_an_impacts_promise_holds_as_well() -> None:
-    """Of the peak on the yokenut, without the confirmation on the gear; the reference has 40 steps per swing of
-    the plunger, finer strips and a hundredth of the tolerance."""
+    """Of the peak on the yokenut, without the confirmation on the gear; the reference has 40 steps per swing
+    of the plunger, finer strips and a hundredth of the tolerance."""
     errors = []
     for gear in gears_under_tests(SEED, "yoke-impact", 30):
         if gear.test.pulses > 1 or gear.test.pulse_period > SHORT_PERIOD or len(errors) == 2:
