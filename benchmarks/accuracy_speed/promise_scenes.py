@@ -139,6 +139,6 @@ SCENES: dict[str, Measured] = {
     "rack-lift": Measured(STILL, RESTED, ("rack_lift",), signal=False, gears=52),
     "radial-play": Measured(STILL, RESTED, ("radial_play_y",), signal=False, gears=44),
     "yoke-impact": Measured(
-        STRUCK, HIT, ("impact_peak_force", "impact_force_rms"), signal=False, gears=80, uncertain=(0.1, 0.05)
+        STRUCK, HIT, ("impact_peak_force", "impact_force_rms"), signal=False, gears=125, uncertain=(0.1, 0.05)
     ),
 }
