@@ -11,6 +11,7 @@ from rps_exudyn.base.progress import reached
 from rps_exudyn.forces.bush import stored_in_chain
 from rps_exudyn.forces.external_load import axis_velocity
 from rps_exudyn.forces.memory import TIME
+from rps_exudyn.multibody.solve import StepsUsedUpError
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.solvers.balance import SIZE
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, Kernel
@@ -18,6 +19,7 @@ from rps_exudyn.solvers.record import Record
 from rps_exudyn.solvers.wheel_torque import WheelTorque
 
 NOTHING = np.zeros(0)
+MOST_STEPS, SPARE = 50, 500  # of the planned ones
 SAME_TIME = (
     1e-12  # of the time: by so little Exudyn's last step ends beyond the one before, if steps were reduced
 )
@@ -40,6 +42,7 @@ class Recorder:
 
     model: SteeringModel
     end: float = np.inf  # of the run, of which progress is told [s]
+    planned: int | None = None  # steps, of which a run may need `MOST_STEPS` times as many and `SPARE` more
     steps: list[Step] = field(default_factory=list)
 
     def attach(self) -> "Recorder":
@@ -59,6 +62,11 @@ class Recorder:
             mesh = self.model.contacts.force()[self.model.columns(["pinion", "rack"])]
         self.steps.append(Step(t, coordinates, rates, drive, mesh, self._remembered(t, coordinates, rates)))
         reached(t / self.end, lambda: self.model.drive.shown(t))
+        if self.planned is not None and len(self.steps) > MOST_STEPS * self.planned + SPARE:
+            raise StepsUsedUpError(
+                f"{len(self.steps)} steps instead of {self.planned} led to {t:.4g} s of {self.end:.4g} s, "
+                "for longer ones do not converge: choose shorter steps or a finer contact"
+            )
         return True
 
     def _multiplier(self, system: Any) -> float:

@@ -22,6 +22,10 @@ if TYPE_CHECKING:
 LARGEST_STATE = 1e6  # in SI: far beyond every coordinate and rate of a steering gear
 
 
+class StepsUsedUpError(ArithmeticError):
+    """Raised after a step where a run goes on in ever shorter ones, and would hardly end."""
+
+
 @dataclass(frozen=True)
 class SolverPlan:
     """Everything that decides how Exudyn integrates."""
@@ -100,7 +104,8 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
             f"a coordinate or rate is {np.abs(state).max():.3g} at {reached:.6g} s",
         )
     elif cause is not None:
-        status, message = Status.NO_CONVERGENCE, f"{type(cause).__name__} at {reached:.6g} s: {cause}"
+        named = "" if isinstance(cause, StepsUsedUpError) else f"{type(cause).__name__} at {reached:.6g} s: "
+        status, message = Status.NO_CONVERGENCE, f"{named}{cause}"
     elif not finished:
         status = Status.NO_CONVERGENCE
         message = f"no step down to {plan.minimum_step:g} s converged at {reached:.6g} s"

@@ -134,7 +134,8 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
         )
         for piece in maneuver.pieces()
     ]
-    recorder, interrupted = Recorder(model, end=plans[-1].end_time).attach(), False
+    planned, interrupted = sum(plan.steps for plan in plans), False
+    recorder = Recorder(model, plans[-1].end_time, planned).attach()
     try:
         outcome = solve_one_after_another(model.mbs, plans)
     except KeyboardInterrupt:

@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import Force, MarkerNodePosition, NodePoint, ObjectMassPoint
 
+import rps_exudyn as rps
+from rps_exudyn.multibody import recorder
 from rps_exudyn.multibody.solve import SolverPlan, solve
 from rps_exudyn.results.outcome import Status
 
@@ -72,3 +74,14 @@ def test_settings_are_complete() -> None:
     assert settings["name"] == "generalized-alpha"
     assert {"steps", "end_time", "spectral_radius", "relative_tolerance"} <= set(settings)
     assert all(np.isscalar(value) for value in settings.values())
+
+
+def test_a_run_that_would_hardly_end_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Far more steps than planned are an outcome with its cause, and the part until then is kept."""
+    monkeypatch.setattr(recorder, "MOST_STEPS", 0)
+    monkeypatch.setattr(recorder, "SPARE", 5)
+    result = rps.run("free-pinion-torque", fidelity="flank")
+    assert result.status is Status.NO_CONVERGENCE
+    assert "6 steps instead of" in result.message
+    assert "choose shorter steps" in result.message
+    assert result["pinion_angle"].size
