@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatter
 
 from benchmarks.accuracy_speed.measurement import FAMILIES, PRESET_FAMILIES, Measurement, Point
 from rps_exudyn.charts import style
@@ -32,8 +33,11 @@ STYLES = {
     "quasi-static, teeth": ("#93c47d", ">"),
     "flank, bending rack": ("#a64d79", "o"),
     "quasi-static, bending rack": ("#741b47", "^"),
+    "flank, Stribeck": ("#cc4125", "o"),
+    "quasi-static, Stribeck": ("#85200c", "^"),
     "flank, bristles": ("#f1c232", "o"),
     "quasi-static, bristles": ("#bf9000", "^"),
+    "loop over gears, line": ("#134f5c", "*"),
     "generators": ("#6aa84f", "v"),
     "spheres at rest": ("#e69138", "P"),
     "shaped pinion": ("#c27ba0", "h"),
@@ -80,11 +84,20 @@ def unfinished(measurement: Measurement) -> str:
     return f"unfinished: {total} of {len(measurement.planned)} points are missing ({parts})"
 
 
+class PlainNumbers(LogFormatter):
+    """Numbers without exponents, at the ticks that a logarithmic axis labels."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """Return the label of a tick."""
+        return f"{x:g}" if super().__call__(x, pos) else ""
+
+
 def in_decades(axes: Axes) -> None:
     """Scale both axes by decades, with plain numbers."""
     axes.set(xscale="log", yscale="log")
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(lambda value, _: f"{value:g}")
+        axis.set_major_formatter(PlainNumbers())
+        axis.set_minor_formatter(PlainNumbers(minor_thresholds=(1, 0.4)))
 
 
 def _legend_beside(axes: Axes) -> None:

@@ -14,6 +14,7 @@ from types import MappingProxyType
 
 from benchmarks.accuracy_speed.chart import work_precision_figure
 from benchmarks.accuracy_speed.convergence import fitted_orders
+from benchmarks.accuracy_speed.loop_points import loop_points
 from benchmarks.accuracy_speed.measurement import (
     Measurement,
     PlannedPoint,
@@ -45,14 +46,26 @@ PLANS = Path(__file__).parent / "plans"
 OF_TORQUE = (
     "closed_form ratio quasi_static quasi_static_turn generators spheres_at_rest flank newton bush "
     "general_contact general_contact_step explicit faceted quasi_static_line flank_line quasi_static_teeth "
-    "flank_teeth quasi_static_bending flank_bending quasi_static_bristles flank_bristles"
+    "flank_teeth quasi_static_bending flank_bending quasi_static_stribeck flank_stribeck "
+    "quasi_static_bristles flank_bristles loop"
 )
+OF_TURNING = (
+    "closed_form quasi_static flank quasi_static_line flank_line quasi_static_teeth flank_teeth "
+    "quasi_static_bending flank_bending quasi_static_stribeck flank_stribeck quasi_static_bristles "
+    "flank_bristles loop"
+)
+BY_DEFAULT_LAW = "quasi_static_line flank_line"
+LOADED = "at_rest at_rest_line at_rest_teeth"
 FILES = {
     "free-pinion-torque": OF_TORQUE.split(),
-    "load-test": ["closed_form", "quasi_static", "flank"],
-    "rack-push": ["closed_form", "quasi_static", "flank"],
-    "reversal": ["quasi_static", "flank"],
+    "load-test": OF_TURNING.split(),
+    "rack-push": OF_TURNING.split(),
+    "reversal": f"quasi_static flank {BY_DEFAULT_LAW} quasi_static_bristles flank_bristles".split(),
+    "steering-feel": f"{BY_DEFAULT_LAW} quasi_static_bristles flank_bristles".split(),
     "yoke-impact": ["newton"],
+    "yoke-setting": BY_DEFAULT_LAW.split(),
+    "rack-lift": LOADED.split(),
+    "radial-play": LOADED.split(),
 }
 REPEATS = {"free-pinion-torque": 15, "yoke-impact": 1}
 EXPLICIT = {
@@ -82,12 +95,15 @@ def run(
 ) -> None:
     """Measure the points of these plans, scene by scene, and write their files and charts.
 
+    Where all points of a scene are of variants, its reference is that of the default contact law.
+
     `thinned` takes points out of a plan; `methods` of the reference are by default those of the scene;
     `repeats` of a point are 3 for other scenes.
     """
     for scene, plans in scenes.items():
         planned = list(points_of(scene, plans, thinned))
-        reference = reference_of(scene, GEAR, methods)
+        own = any(not of_family(plan.family) for plan in planned)
+        reference = reference_of(scene, GEAR, methods) if own else reference_of_variant(scene, "line")
         measure_scene(planned, reference, folder, repeats.get(scene, 3))
 
 
@@ -124,10 +140,10 @@ def stored(file: Path) -> list[Point]:
 
 
 def points_of(scene: str, plans: Sequence[str], thinned: Callable[[Study], Study]) -> Iterator[PlannedPoint]:
-    """Points of study files; "explicit" and "faceted" are those that no file can hold."""
+    """Points of study files; those of `BUILT` no file can hold."""
     for name in plans:
         if name in BUILT:
-            yield from BUILT[name]()
+            yield from BUILT[name](scene)
             continue
         study = thinned(replace(read_study(PLANS / f"{name}.toml"), scene=scene))
         for case in describe(study, {}).cases:
@@ -136,7 +152,7 @@ def points_of(scene: str, plans: Sequence[str], thinned: Callable[[Study], Study
             yield PlannedPoint.of_scene(name, label, scene, setup.steering_gear, setup.fidelity)
 
 
-def explicit_points() -> Iterator[PlannedPoint]:
+def explicit_points(scene: str) -> Iterator[PlannedPoint]:
     """Exudyn's explicit solvers over a tooth pitch."""
     fidelity = Fidelity.preset("flank")
     for solver, steps in EXPLICIT.items():
@@ -147,7 +163,7 @@ def explicit_points() -> Iterator[PlannedPoint]:
             )
 
 
-def faceted_points() -> Iterator[PlannedPoint]:
+def faceted_points(scene: str) -> Iterator[PlannedPoint]:
     """Pinions as they are cut and as they are meshed, over a tooth pitch."""
     for cuts in CUTS:
         left = 1e6 * largest_deviation(PITCH, shaped(cuts))
@@ -197,7 +213,7 @@ def warm_up(scene: str, plan: PlannedPoint) -> None:
         WARM.add(kind)
 
 
-BUILT = {"explicit": explicit_points, "faceted": faceted_points}
+BUILT = {"explicit": explicit_points, "faceted": faceted_points, "loop": loop_points}
 
 COARSE = {"generators": as_run(by_generators(40, "3 deg")), "strips": as_run(by_strips("3 deg"))}
 

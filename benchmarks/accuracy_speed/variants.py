@@ -1,8 +1,8 @@
 """Models of other physics than the chart's first reference: each is compared with its own, much finer.
 
 That reference integrates the law `area` in three independent ways. Other contact laws, racks that bend and
-friction that remembers have another torque; their reference is that of their own equilibria and dynamics in
-fine steps, so that their points show the numerical error alone.
+friction that remembers or falls with speed have another torque; their reference is that of their own
+equilibria and dynamics in fine steps, so that their points show the numerical error alone.
 """
 
 from collections.abc import Mapping
@@ -10,11 +10,19 @@ from dataclasses import dataclass, field
 from functools import cache
 
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.verification.references import Method, as_run, by_strips, moving, reference_of
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.headline import SWINGS
+from rps_exudyn.verification.references import (
+    Method,
+    as_run,
+    by_strips,
+    moving,
+    reference_of,
+    slowly,
+)
 from rps_exudyn.verification.runs import SceneReference
-
-PARTS = ("mesh", "yoke", "bush", "bearing")
 
 
 @dataclass(frozen=True)
@@ -24,8 +32,16 @@ class Variant:
     gear: Mapping[str, object]
     fidelity: Mapping[str, object] = field(default_factory=dict)
 
-    def methods(self) -> dict[str, Method]:
-        """Return the methods of its reference, of which the last works in another way than the others."""
+    def methods(self, scene: str) -> dict[str, Method]:
+        """Return the methods of its reference, of which the last works in another way than the first."""
+        if scene_named(scene).at_rest:
+            return {
+                f"{stations} x {points} points": as_run(self._finely(stations, points))
+                for stations, points in ((12, 6), (10, 5))
+            }
+        return self._swung(scene) if scene in SWINGS else self._turned()
+
+    def _turned(self) -> dict[str, Method]:
         return {
             "equilibria, 12 stations, 0.1 deg": as_run(by_strips("0.1 deg").replace(self.fidelity)),
             "equilibria, 10 stations, 0.2 deg": as_run(
@@ -34,13 +50,31 @@ class Variant:
             "Exudyn, 12 stations, 0.5 deg": as_run(moving("0.5 deg", 1e-5).replace(self.fidelity)),
         }
 
+    def _swung(self, scene: str) -> dict[str, Method]:
+        """Equilibria behind a column are those of the scene, which finds none in the shortest steps."""
+        still, step = (slowly, "0.01 deg") if scene == "reversal" else (as_run, "0.02 deg")
+        return {
+            "Exudyn, 12 stations, 0.01 deg": as_run(moving("0.01 deg", 1e-5).replace(self.fidelity)),
+            "Exudyn, 12 stations, 0.02 deg": as_run(moving("0.02 deg", 1e-5).replace(self.fidelity)),
+            f"equilibria, 12 stations, {step}": still(by_strips(step).replace(self.fidelity)),
+        }
+
+    def _finely(self, stations: int, points: int) -> Fidelity:
+        strips = {"strip_stations": stations, "strip_points": points}
+        return Fidelity.preset("quasi-static").replace({**strips, **self.fidelity})
+
 
 LINE = {"mesh.law": "line"}
 VARIANTS = {
     "line": Variant(LINE),
     "teeth": Variant({"mesh.law": "teeth"}),
     "bending rack": Variant(LINE | {"rack.modes": 12}, {"rack": "flexible"}),
-    "bristles": Variant(LINE | {f"{part}.friction_law": "bristle" for part in PARTS}),
+    "Stribeck": Variant(
+        LINE
+        | {f"{part}.friction_law": "stribeck" for part in RUBBING_PARTS}
+        | {f"{part}.static_ratio": 1.3 for part in RUBBING_PARTS}
+    ),
+    "bristles": Variant(LINE | {f"{part}.friction_law": "bristle" for part in RUBBING_PARTS}),
 }
 
 
@@ -50,8 +84,8 @@ def variant_of(gear: SteeringGear, fidelity: Fidelity) -> str:
         return ""
     if fidelity.rack == "flexible":
         return "bending rack"
-    if gear.mesh.friction_law == "bristle":
-        return "bristles"
+    if gear.mesh.friction_law != "coulomb":
+        return {"stribeck": "Stribeck", "bristle": "bristles"}[gear.mesh.friction_law]
     return "" if gear.mesh.law == "area" else gear.mesh.law
 
 
@@ -65,4 +99,4 @@ def of_family(family: str) -> str:
 def reference_of_variant(scene: str, name: str) -> SceneReference:
     """Return the reference of a variant's default gear."""
     variant = VARIANTS[name]
-    return reference_of(scene, SteeringGear().replace(dict(variant.gear)), variant.methods())
+    return reference_of(scene, SteeringGear().replace(dict(variant.gear)), variant.methods(scene))

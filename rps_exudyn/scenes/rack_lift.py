@@ -67,5 +67,6 @@ SCENE = Scene(
     signal="rack_y",
     figure="rack_lift",
     chart="lift",
+    at_rest=True,
     revolutions=None,
 )

@@ -70,5 +70,6 @@ SCENE = Scene(
     signal="rack_end_y",
     figure="radial_play_y",
     chart="play",
+    at_rest=True,
     revolutions=None,
 )

@@ -29,6 +29,7 @@ class Scene:
         chart: module of `charts` that draws it by a function `figure(result, measured)`.
         steady: whether everything slides at a constant speed.
         needs_inertia: whether equilibria cannot show it.
+        at_rest: whether nothing moves: its instants are loads one after the other.
         revolutions: how often the pinion turns in a run one way; None where it does not turn.
     """
 
@@ -40,6 +41,7 @@ class Scene:
     chart: str
     steady: bool = False
     needs_inertia: bool = False
+    at_rest: bool = False
     revolutions: Callable[[SteeringGear], float] | None = turns_of_test
 
     @property

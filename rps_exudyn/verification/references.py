@@ -12,6 +12,7 @@ from dataclasses import replace
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes import SCENE_NAMES, scene_named
 from rps_exudyn.scenes.headline import curve_of
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -107,12 +108,21 @@ STEADY: dict[str, Method] = {
 }
 
 TURNING_BACK: dict[str, Method] = {
-    "equilibria and inertia, 160 generators, 0.02 deg": slowly(by_generators(160, "0.02 deg")),
-    "equilibria and inertia, strips of 12 x 6, 0.02 deg": slowly(by_strips("0.02 deg")),
-    "Exudyn, strips of 12 x 6, 0.02 deg": as_run(moving("0.02 deg", 1e-4)),
-    "Exudyn, strips of 12 x 6, 0.03 deg": as_run(moving("0.03 deg", 1e-4)),
+    "Exudyn, strips of 12 x 6, 0.005 deg": as_run(moving("0.005 deg", 1e-5)),
+    "Exudyn, strips of 12 x 6, 0.01 deg": as_run(moving("0.01 deg", 1e-5)),
+    "equilibria and inertia, 160 generators, 0.01 deg": slowly(by_generators(160, "0.01 deg")),
+    "equilibria and inertia, strips of 12 x 6, 0.01 deg": slowly(by_strips("0.01 deg")),
 }
-"""The torque jumps within 0.06 degrees of the turning points."""
+"""The torque jumps within 0.06 degrees of the turning points: what is left of its RMS is where in a step."""
+
+UNDER_LOADS: dict[str, Method] = {
+    f"equilibria, {name}": as_run(model)
+    for name, model in {
+        "640 generators": by_generators(640, "1 deg"),
+        "320 generators": by_generators(320, "1 deg"),
+        "strips of 12 x 6": by_strips("1 deg"),
+    }.items()
+}
 
 IMPACTS: dict[str, Method] = {
     "Runge-Kutta, 2 us": explicitly(2e-6),
@@ -121,6 +131,7 @@ IMPACTS: dict[str, Method] = {
 }
 
 METHODS = {"reversal": TURNING_BACK, "yoke-impact": IMPACTS}
+METHODS |= {name: UNDER_LOADS for name in SCENE_NAMES if scene_named(name).at_rest}
 
 
 def reference_of(
