@@ -33,7 +33,7 @@ def run(folder: Path, names: Sequence[str] = ()) -> None:
 def row_of(plan: ScenePlan) -> tuple[str, str, str, str, str]:
     """Outcome and error without and with checks, and the message."""
     bare, result = unchecked(plan), rps.run(plan.scene, plan.gear, fidelity=plan.fidelity)
-    true = reference(plan, plan.figure(bare))
+    true = reference(plan)
     error = error_of(plan.figure(result), true) if result.status is Status.OK else float("nan")
     without = error_of(plan.figure(bare), true)
     return bare.status.value, f"{without:.3g}", result.status.value, f"{error:.3g}", result.message

@@ -118,7 +118,7 @@ def run(folder: Path, sweeps: Sequence[Sweep] = SWEEPS) -> None:
 def _coarse_step(line: str, at: str, plan: ScenePlan) -> CoarseStep:
     finest = plan.with_step(FINEST)
     still = unchecked(ScenePlan(plan.scene, plan.gear, plan.fidelity.replace(STILL | STRIP)))
-    true = reference(finest, finest.figure(unchecked(finest)))
+    true = reference(finest)
     seen: dict[float, Trial] = {}
 
     def trial(step: float) -> Trial:

@@ -121,7 +121,7 @@ def cell_and_flag(plan: ScenePlan, methods: Sequence[Choices]) -> tuple[Cell, bo
         return Cell.FAILED, False
     try:
         with cpu_time_limit(TIME_LIMIT):
-            true = reference(plan, plan.figure(result), methods)
+            true = reference(plan, methods)
     except TimeoutError:
         true = float("nan")
     return cell_of(plan, result, true), flagged

@@ -137,24 +137,38 @@ def cpu_time_limit(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGVTALRM, before)
 
 
-def reference(plan: ScenePlan, value: float, methods: Sequence[Choices] = REFERENCES) -> float:
-    """The figure of the same maneuver from equilibria or dynamics in small steps; nan if none is ok.
+def reference(plan: ScenePlan, methods: Sequence[Choices] = REFERENCES) -> float:
+    """The figure of the same maneuver in small steps: that of the first method with which a later one agrees
+    to `INACCURATE`, or of the first that is ok where none do; nan if none is.
 
-    Both are right where inertia matters: of several the one nearest to `value` is returned.
+    One of the plan's own kind is asked first, dynamics or equilibria, which differ where inertia matters.
+    What the plan gives is not looked at.
     """
     found: list[float] = []
-    for changes in methods:
+    for changes in _in_order(plan, methods):
         if changes.get("mesh") == "flank-generators" and plan.gear.mesh.law != "area":
             continue  # which they do not know
-        if found and (abs(error_of(value, found[-1])) <= INACCURATE or value != value):
-            break
         try:
             result = run_unchecked(plan.scene, plan.gear, plan.fidelity.replace(changes))
         except InputError:
             break
-        if result.status is Status.OK:
-            found.append(plan.figure(result))
-    return min(found, key=lambda true: abs(error_of(value, true)), default=float("nan"))
+        if result.status is not Status.OK:
+            continue
+        figure = plan.figure(result)
+        for before in found:
+            if abs(error_of(figure, before)) <= INACCURATE:
+                return before
+        found.append(figure)
+    return found[0] if found else float("nan")
+
+
+def _in_order(plan: ScenePlan, methods: Sequence[Choices]) -> list[Choices]:
+    """Return one of the plan's own kind, then equilibria, which are cheap, then dynamics."""
+    own = plan.fidelity.solver
+    solvers = [changes.get("solver", own) for changes in methods]
+    first = solvers.index(own) if own in solvers else 0
+    ranks = [(i != first, solver != "equilibrium") for i, solver in enumerate(solvers)]
+    return [methods[i] for i in sorted(range(len(methods)), key=ranks.__getitem__)]
 
 
 def error_of(value: float, true: float) -> float:

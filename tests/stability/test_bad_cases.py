@@ -18,5 +18,4 @@ def test_bad_case_is_right_or_refused_by_the_check_that_it_names(case: BadCase) 
     assert result.status is case.status, result.message
     assert case.message in result.message
     if result.status is Status.OK:
-        value = plan.figure(result)
-        assert abs(error_of(value, reference(plan, value))) < LARGEST_ERROR
+        assert abs(error_of(plan.figure(result), reference(plan))) < LARGEST_ERROR
