@@ -37,7 +37,7 @@ SAME_MOTION = {"yoke-setting": "free-pinion-torque"}
 """Scene -> the scene whose table it takes: the pinion is turned in the same way, the yoke set anew."""
 
 NO_TABLE = {
-    "rattle": "motion that goes on from impact to impact is chaotic, and its figures have a scatter",
+    "rattle": "too few gears have been measured",
     "steering-feel": "too few gears have been measured",
     "steering-torque": "it has a fixed number of steps per cycle, which no setting changes",
     "stick-slip": "it has steps of its own, which no setting changes",
