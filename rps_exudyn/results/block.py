@@ -10,7 +10,6 @@ docs/hdf5-format.md describes the file. A case in it is the same result as in a 
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import repeat
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -207,17 +206,25 @@ def summaries(path: Path) -> list[Summary]:
         InputError: as `Block.read`.
     """
     with opened(path, FILETYPE, "block of cases", VERSION) as file:
-        hashes = [name.decode() for name in file["hash"][()].tolist()]
-        about = {name: file["attributes"][name][()].tolist() for name in ("status", "message", *TIMES)}
-        columns = {name: data[()].tolist() for name, data in file["summary"].items()}
+        hashes = [name.decode() for name in _column(file, "hash")]
+        about = {name: _column(file["attributes"], name) for name in ("status", "message", *TIMES)}
+        columns = {name: _column(file["summary"], name) for name in file["summary"]}
     statuses = [Status(text[:-1].decode()) for text in about["status"]]
     messages = [text[:-1].decode() for text in about["message"]]
-    numbers: list[dict[str, float]] = [{} for _ in hashes]
-    for name in GROUPS["summary"]:
-        if name in columns:
-            known = columns.get(f"{name} known", repeat(True))
-            for row, value, there in zip(numbers, columns[name], known, strict=False):
-                if there:
-                    row[name] = value
+    names = [name for name in GROUPS["summary"] if name in columns]
+    values = zip(*(columns[name] for name in names), strict=True) if names else [()] * len(hashes)
+    numbers = [dict(zip(names, row, strict=True)) for row in values]
+    for name in names:
+        for row, known in zip(numbers, columns.get(f"{name} known", ()), strict=False):
+            if not known:
+                del row[name]
     rows = zip(hashes, statuses, messages, about["cpu_s"], about["wall_s"], numbers, strict=True)
     return [Summary(*row) for row in rows]
+
+
+def _column(group: h5py.Group, name: str) -> list[Any]:
+    """Return a dataset's values by the library's lower interface, which costs a fifth of a short column."""
+    dataset = h5py.h5d.open(group.id, name.encode())
+    values = np.empty(dataset.shape, dataset.dtype)
+    dataset.read(h5py.h5s.ALL, h5py.h5s.ALL, values)
+    return list(values.tolist())
