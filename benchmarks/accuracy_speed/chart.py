@@ -69,7 +69,8 @@ def work_precision_figure(measurement: Measurement) -> Figure:
     per = scene_named(measurement.scene).unit_of_cost
     axes.set_ylabel(f"CPU time of the solver [s per {per}]")
     _legend_beside(axes)
-    headline = f"{scene_named(measurement.scene).title}: cost of a model against its error"
+    name, _, _ = scene_named(measurement.scene).title.partition(":")
+    headline = f"{name}: cost of a model against its error"
     style.title(figure, headline, unfinished(measurement))
     return figure
 
