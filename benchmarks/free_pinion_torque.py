@@ -112,7 +112,7 @@ def fidelities_table(folder: Path) -> str:
             each["fidelity"],
             f"{each['mean']:.4f} N m",
             f"{100 * each['peak_to_peak']:.2g} %",
-            f"{each['losses']['mesh']:.1%}".replace("%", " %"),
+            _share(each["losses"]["mesh"]),
             f"{100 * each['distance']:.2g} %" if each["distance"] else "-",
             f"{each['cpu_s'] / turns:.2g} s",
         )
@@ -127,13 +127,18 @@ def losses_table(folder: Path) -> str:
     rows = [
         (
             each["fidelity"],
-            *(f"{each['losses'][loss]:.1%}".replace("%", " %") for loss in LOSSES),
+            *(_share(each["losses"][loss]) for loss in LOSSES),
             *("" if count is None else f"{count:g}" for count in each["counters"].values()),
             "" if each["energy_residual"] is None else f"{100 * each['energy_residual']:.2g} %",
         )
         for each in rows_of(folder)
     ]
     return markdown(head, rows)
+
+
+def _share(value: float) -> str:
+    """A share in percent; rounding has no sign."""
+    return f"{100 * round(value, 3) + 0.0:.1f} %"
 
 
 TOPIC = Topic(

@@ -105,12 +105,12 @@ def _mark(axes: Axes, uncertain: Mapping[str, float]) -> None:
         axes.axvline(percent, **style.REFERENCE_LINE)
         axes.annotate(
             f"{name}: {digits(percent)} %",
-            (percent, 0.5),
+            (percent, 0.45),
             xycoords=("data", "axes fraction"),
-            xytext=(-3, 0),
+            xytext=(3, 0),
             textcoords="offset points",
             rotation=90,
-            ha="right",
+            ha="left",
             va="center",
             fontsize=9,
             color="#444444",
