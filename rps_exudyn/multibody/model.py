@@ -75,7 +75,7 @@ def build_model(
     column = SteeringColumn.of(gear) if drive.body == "wheel" else None
     pair, statics = GearPair.of(gear), forces.statics
     if column is None:
-        start = start_of_motion(statics, pair, drive, approach)
+        start = start_of_motion(statics, pair, drive, approach, fidelity.step_angle)
     else:
         start = settled_behind(statics, pair, drive, column, approach)
     SC = exu.SystemContainer()

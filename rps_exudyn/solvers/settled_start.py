@@ -26,7 +26,8 @@ ALIKE_FINE = 2e-3  # ... and two of which one is twice as far back: what is left
 ROLLING = 0.02  # of the rack's travel: a rack that rolls more needs fine steps
 MOST_LOST = 4  # beginnings from which no equilibria lead to the start, until no more are tried
 HALF_CYCLES = (1, 2, 4, 8, 16)  # before the start of a swing at which equilibria begin
-EXACT = 1e-3 * np.arange(-4, 1)  # pitches: short last steps before motion with inertia, for the rates there
+SHORT = 1e-3  # of a pitch: last steps before motion with inertia, for the rates there ...
+SHARE = 1 / 16  # ... and of its own steps: over shorter ones what an equilibrium is off by would be a rate
 ODD_PARTS = (0.0, 0.3, 0.6)  # of a pitch further back, where no rest is found at the phase of the start
 
 
@@ -110,15 +111,18 @@ def settled_path(
 
 
 def start_of_motion(
-    balance: Balance, pair: GearPair, drive: Drive, approach: Approach | None
+    balance: Balance, pair: GearPair, drive: Drive, approach: Approach | None, step: float
 ) -> EquilibriumPath:
     """Return the settled start at time 0 of a motion with inertia, the last instant of a path.
+
+    `step` is the angle by which the pinion will turn in a time step at most [rad].
 
     Short steps lead steady motion there: rates by backward differences over longer ones are those of half a
     step earlier, and what they lack at a corner of the path the gear would vibrate with.
     """
     steady = isinstance(approach, SteadyApproach)
-    time = approach.unit * EXACT if steady and approach is not None else np.zeros(1)
+    last = max(SHORT, SHARE * step * pair.teeth / (2 * np.pi)) * np.arange(-4, 1)
+    time = approach.unit * last if steady and approach is not None else np.zeros(1)
     return settled_path(balance, pair, drive, approach, time).last
 
 
