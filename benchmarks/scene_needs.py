@@ -13,16 +13,16 @@ from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result
 
 DATA = "needs.json"
-PARTS = ("mesh", "yoke", "bush", "bearing")
-BRISTLES: dict[str, object] = {f"{part}.friction_law": "bristle" for part in PARTS}
-FALLING: dict[str, object] = {f"{part}.friction_law": "stribeck" for part in PARTS} | {
-    f"{part}.static_ratio": 1.2 for part in PARTS
+BRISTLES: dict[str, object] = {f"{part}.friction_law": "bristle" for part in RUBBING_PARTS}
+FALLING: dict[str, object] = {f"{part}.friction_law": "stribeck" for part in RUBBING_PARTS} | {
+    f"{part}.static_ratio": 1.2 for part in RUBBING_PARTS
 }
 LEAD_ERROR = 0.2e-3 * SteeringGear().pinion.face_width  # over the face [m]
 

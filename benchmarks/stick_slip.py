@@ -14,6 +14,7 @@ from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.analysis.stick_slip import Oscillator, sticking_speed, sticks
 from rps_exudyn.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
@@ -22,7 +23,6 @@ from rps_exudyn.verification.sliding_limit import measured_damping
 from rps_exudyn.verification.stick_slip import event_based, on_bristles, regularised
 
 DATA = "stick_slip.json"
-PARTS = ("mesh", "yoke", "bush", "bearing")
 STIFFNESS = 100.0  # of the column [N m/rad]
 RATIOS = (1.1, 1.2, 1.5)  # static over kinetic friction of teeth and plunger
 TRAVELS = (0.0, 2e-6, 10e-6)  # of the bristles [m]; 0: friction that knows the speed alone
@@ -39,9 +39,9 @@ STEADY = 0.9  # ... and above it slides
 def gear_with(ratio: float, travel: float, **test: object) -> SteeringGear:
     """Return the default gear on a column, its teeth and plunger with a static ratio, on bristles or not."""
     law: dict[str, object] = {"column.stiffness": STIFFNESS}
-    law |= {f"{part}.friction_law": "bristle" if travel else "stribeck" for part in PARTS}
-    law |= {f"{part}.static_ratio": ratio for part in PARTS[:2]}
-    law |= {f"{part}.bristle_travel": travel for part in PARTS if travel}
+    law |= {f"{part}.friction_law": "bristle" if travel else "stribeck" for part in RUBBING_PARTS}
+    law |= {f"{part}.static_ratio": ratio for part in RUBBING_PARTS[:2]}
+    law |= {f"{part}.bristle_travel": travel for part in RUBBING_PARTS if travel}
     return SteeringGear().replace(law | {f"test.{name}": value for name, value in test.items()})
 
 
@@ -166,7 +166,7 @@ def bisected(travel: float, speed: float) -> dict[str, Any]:
 
 def breakaway(travel: float) -> dict[str, Any]:
     """Peak over running torque from rest at 15 rpm, 120 N m/rad, all parts with a static ratio of 1.2."""
-    settings = {f"{part}.static_ratio": 1.2 for part in PARTS} | {"column.stiffness": 120.0}
+    settings = {f"{part}.static_ratio": 1.2 for part in RUBBING_PARTS} | {"column.stiffness": 120.0}
     result = rps.run("stick-slip", gear_with(1.2, travel).replace(settings))
     return {"travel": travel, "ratio": result.summary.get("breakaway_ratio")}
 

@@ -50,7 +50,7 @@ MODELS = {
     "quasi_static_stribeck": ("step_angle 1 °", "step_angle 5 °"),
     "flank_bristles": ("step_angle 1 °", "step_angle 3 °"),
     "quasi_static_bristles": ("step_angle 1 °", "step_angle 5 °"),
-    "loop": ("step_angle 2 °", "step_angle 5 °", "step_angle 15 °"),
+    "loop": ("step_angle 2 °", "step_angle 5 °", "step_angle 7.5 °"),
     "closed_form": ("",),
     "ratio": ("",),
 }

@@ -33,7 +33,6 @@ from rps_exudyn.verification.stated_ranges import GEAR
 SEED = 17
 PLANS = 200
 SCENES = ("steering-feel", "stick-slip")
-PARTS = ("mesh", "yoke", "bush", "bearing")
 ZONES = 1e-3, 1e-2
 TIME_LIMIT = 10.0  # [s] of CPU time of a plan, and of each of its references
 FINER = (1, 2, 4)  # times that a reference's steps are shorter

@@ -20,9 +20,7 @@ from rps_exudyn.solvers.wheel_torque import WheelTorque
 
 NOTHING = np.zeros(0)
 MOST_STEPS, SPARE = 50, 500  # of the planned ones
-SAME_TIME = (
-    1e-12  # of the time: by so little Exudyn's last step ends beyond the one before, if steps were reduced
-)
+SAME_TIME = 1e-12  # of the time, by which Exudyn's last step may end beyond one that was reduced
 
 
 class Step(NamedTuple):

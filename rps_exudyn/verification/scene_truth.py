@@ -15,12 +15,11 @@ from rps_exudyn.analysis.impacts import describe_impacts
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.scenes.yoke_impact import end_deflection, shaken
 from rps_exudyn.simulate.promised_quantity import Recorded, error_between, is_signal
-from rps_exudyn.verification.references import SHAKEN, explicitly
+from rps_exudyn.verification.references import SHAKEN
 from rps_exudyn.verification.runs import run_scene
 
 Made = tuple[SceneRun, Fidelity]
@@ -114,22 +113,6 @@ def impact_in_parts(parts: int) -> Make:
         maneuver = shaken(gear)
         cut = replace(maneuver, time_step=maneuver.time_step / parts, steps=maneuver.steps * parts)
         return run_maneuver(gear, SHAKEN, cut).described(_of_impact), SHAKEN
-
-    return make
-
-
-def impact_explicitly(step: float) -> Make:
-    """Method: an impact by classical Runge-Kutta in steps of `step` [s], of pulses along Y.
-
-    Under other pulses teeth hardly slide, and friction in its narrow zone asks for far shorter steps: of one
-    gear the force was 3 % off in steps of 4 us and 1 % in steps of 2 us.
-    """
-
-    def make(scene: str, gear: SteeringGear) -> Made:
-        if gear.test.pulse_axis != "y":
-            raise ArithmeticError("Runge-Kutta is for pulses along y")
-        signals, fidelity = explicitly(step)(scene, gear)
-        return SceneRun(Outcome(Status.OK), signals).described(_of_impact), fidelity
 
     return make
 
