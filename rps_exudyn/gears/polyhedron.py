@@ -67,15 +67,11 @@ def defect(vertices: np.ndarray, faces: np.ndarray, least_height: float = 1e-12)
     """
     if not np.isfinite(vertices).all():
         return f"{np.count_nonzero(~np.isfinite(vertices).all(axis=1))} vertices are not finite"
-    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).astype(np.int64)
+    start, end = faces[:, [0, 1, 2]].astype(np.int64).ravel(), faces[:, [1, 2, 0]].astype(np.int64).ravel()
     n = len(vertices)
-    forward, counts = np.unique(edges[:, 0] * n + edges[:, 1], return_counts=True)
-    backward = np.unique(edges[:, 1] * n + edges[:, 0])
-    if (counts > 1).any():
-        return f"{np.count_nonzero(counts > 1)} edges are used twice in the same sense (inverted normals)"
-    lonely = np.setdiff1d(forward, backward, assume_unique=True).size
-    if lonely:
-        return f"{lonely} edges are open"
+    forward, backward = np.sort(start * n + end), np.sort(end * n + start)
+    if not np.array_equal(forward, backward) or (np.diff(forward) == 0).any():
+        return _defect_of_edges(forward, backward)
     a, b, c = np.moveaxis(vertices[faces], 1, 0)
     double_area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     longest = np.linalg.norm([b - a, c - b, a - c], axis=2).max(axis=0)
@@ -85,6 +81,14 @@ def defect(vertices: np.ndarray, faces: np.ndarray, least_height: float = 1e-12)
     if np.einsum("ij,ij->i", a, np.cross(b, c)).sum() <= 0:
         return "its faces look inwards"
     return None
+
+
+def _defect_of_edges(forward: np.ndarray, backward: np.ndarray) -> str:
+    """Say what is wrong with edges, each a number for its sense, sorted, beside those of the other sense."""
+    doubled = np.unique(forward[1:][np.diff(forward) == 0]).size
+    if doubled:
+        return f"{doubled} edges are used twice in the same sense (inverted normals)"
+    return f"{np.setdiff1d(forward, backward).size} edges are open"
 
 
 def to_manifold(vertices: np.ndarray, faces: np.ndarray) -> manifold3d.Manifold:

@@ -21,7 +21,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
-from rps_exudyn.gears.pinion_mesh import pinion_mesh
+from rps_exudyn.gears.pinion_mesh import flank_patch
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
@@ -104,12 +104,12 @@ def stiffness_per_area(gear: SteeringGear, depth: float, rho: np.ndarray) -> np.
 @lru_cache(maxsize=2)  # they may be many
 def _spheres(pair: GearPair, form: FlankForm, profile: int, axial: int, approach: float) -> Spheres:
     """The spheres of a rack pressed in by `approach` [m]."""
-    mesh = pinion_mesh(pair, CHORD_ERROR)
 
     def samples_of(tooth: int, side: int) -> FlankSamples:
+        patch = flank_patch(Flank(pair, tooth % pair.teeth, side), CHORD_ERROR)
         perfect = sample_flank(Flank(pair, tooth, side), profile, axial, approach)
         formed = sample_flank(Flank(pair, tooth, side, form), profile, axial, approach)
-        on_mesh = onto_mesh(perfect, mesh.vertices[mesh.flanks[tooth % pair.teeth, side].faces])
+        on_mesh = onto_mesh(perfect, patch.points[patch.faces])
         return formed._replace(points=on_mesh.points + formed.points - perfect.points)
 
     samples = [[samples_of(*flank) for flank in borders(space)] for space in range(pair.teeth)]
