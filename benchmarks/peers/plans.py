@@ -7,12 +7,22 @@ from benchmarks.peers.by_mujoco import MuJoCo
 from benchmarks.peers.by_package import Package
 from benchmarks.peers.scene import Method
 
-FULL = (10, 8, 6), (12, 8, 5), (14, 10, 4), (19, 13, 4), (27, 18, 3), (36, 24, 3), (27, 18, 1)
+FULL = (
+    (8, 8, 8),
+    (10, 8, 8),
+    (10, 8, 6),
+    (12, 8, 5),
+    (14, 10, 4),
+    (19, 13, 4),
+    (27, 18, 3),
+    (36, 24, 3),
+    (27, 18, 1),
+)
 """Spheres along the profile and the face, steps in degrees."""
 
 OF_PACKAGE: list[Method] = [
     *(Package("quasi-static", {"step_angle": f"{step:g} deg"}) for step in (10, 5, 2.5, 1)),
-    *(Package("flank", {"step_angle": f"{step:g} deg"}) for step in (5, 3, 1)),
+    *(Package("flank", {"step_angle": f"{step:g} deg"}) for step in (10, 5, 3, 1)),
     *(
         Package("full", {"profile_samples": n, "axial_samples": m, "step_angle": f"{step:g} deg"})
         for n, m, step in FULL

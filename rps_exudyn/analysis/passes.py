@@ -45,6 +45,8 @@ def passes(signals: Signals) -> list[Pass]:
     A record joined from several, each of which begins at the time at which the one before ended, is divided
     there too.
     """
+    if direction := _only_direction(signals):
+        return [Pass(direction, dict(signals))]
     return [each for maneuver in _maneuvers(signals) for each in _passes_of_one(maneuver)]
 
 
@@ -80,6 +82,15 @@ def turning_points(angle: np.ndarray) -> list[int]:
         elif direction < 0:
             high = i
     return [*points, high if direction > 0 else low]
+
+
+def _only_direction(signals: Signals) -> int:
+    """The direction in which the angle never stops to turn in a record of its own; else 0."""
+    angle = signals["pinion_angle"]
+    if angle.shape[-1] < 2 or not (np.diff(signals.get("time", np.arange(angle.shape[-1]))) > 0).all():
+        return 0
+    steps = np.diff(angle)
+    return 1 if (steps > 0).all() else -1 if (steps < 0).all() else 0
 
 
 def _maneuvers(signals: Signals) -> list[Signals]:

@@ -50,10 +50,16 @@ def sample_flank(flank: Flank, profile: int, axial: int, approach: float) -> Fla
 
 
 def onto_mesh(samples: FlankSamples, triangles: np.ndarray) -> FlankSamples:
-    """Samples moved along their normals onto a triangulated flank.
+    """Samples moved along their normals onto a triangulated flank, of `mesh_distance`."""
+    moves = mesh_distance(samples, triangles)[:, None] * samples.normals
+    return samples._replace(points=samples.points + moves)
+
+
+def mesh_distance(samples: FlankSamples, triangles: np.ndarray) -> np.ndarray:
+    """Distances of samples from a triangulated flank along their normals, shape (n,) [m].
 
     `triangles` (m, 3, 3) [m] are those of the flank, and may be more; of several crossings the nearest
-    counts. A sample keeps its place where no triangle lies under it.
+    counts. It is 0 where no triangle lies under the sample.
     """
     a, edge1, edge2 = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
     normal = np.cross(edge1, edge2)
@@ -68,4 +74,4 @@ def onto_mesh(samples: FlankSamples, triangles: np.ndarray) -> FlankSamples:
         inside = (u >= -EDGE) & (v >= -EDGE) & (u + v <= 1 + EDGE)
     t = np.where(inside, t, np.inf)
     nearest = np.take_along_axis(t, np.argmin(np.abs(t), axis=1)[:, None], axis=1)
-    return samples._replace(points=p + np.where(np.isfinite(nearest), nearest, 0.0) * d)
+    return np.where(np.isfinite(nearest), nearest, 0.0)[:, 0]

@@ -26,7 +26,7 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
 from rps_exudyn.mesh_contact.sampled_contact import SampledContactData
-from rps_exudyn.mesh_contact.samples import FlankSamples, onto_mesh, sample_flank
+from rps_exudyn.mesh_contact.samples import FlankSamples, mesh_distance, sample_flank
 from rps_exudyn.parameters.gear import SteeringGear
 
 CHORD_ERROR = 0.1e-6  # of the pinion's mesh [m]
@@ -105,12 +105,18 @@ def stiffness_per_area(gear: SteeringGear, depth: float, rho: np.ndarray) -> np.
 def _spheres(pair: GearPair, form: FlankForm, profile: int, axial: int, approach: float) -> Spheres:
     """The spheres of a rack pressed in by `approach` [m]."""
 
+    def off_mesh(side: int) -> np.ndarray:
+        """How far the triangles lie off the perfect flank; the same on each tooth."""
+        flank = Flank(pair, 0, side)
+        patch = flank_patch(flank, CHORD_ERROR)
+        return mesh_distance(sample_flank(flank, profile, axial, approach), patch.points[patch.faces])
+
+    off = {side: off_mesh(side) for side in SIDES}
+
     def samples_of(tooth: int, side: int) -> FlankSamples:
-        patch = flank_patch(Flank(pair, tooth % pair.teeth, side), CHORD_ERROR)
         perfect = sample_flank(Flank(pair, tooth, side), profile, axial, approach)
         formed = sample_flank(Flank(pair, tooth, side, form), profile, axial, approach)
-        on_mesh = onto_mesh(perfect, patch.points[patch.faces])
-        return formed._replace(points=on_mesh.points + formed.points - perfect.points)
+        return formed._replace(points=formed.points + off[side][:, None] * perfect.normals)
 
     samples = [[samples_of(*flank) for flank in borders(space)] for space in range(pair.teeth)]
     radius = sphere_radius(pair)
