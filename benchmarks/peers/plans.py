@@ -22,6 +22,7 @@ FULL = (
 
 OF_PACKAGE: list[Method] = [
     *(Package("quasi-static", {"step_angle": f"{step:g} deg"}) for step in (10, 5, 2.5, 1)),
+    Package("flank", {"step_angle": "10 deg", "strip_stations": 2}),
     *(Package("flank", {"step_angle": f"{step:g} deg"}) for step in (10, 5, 3, 1)),
     *(
         Package("full", {"profile_samples": n, "axial_samples": m, "step_angle": f"{step:g} deg"})
