@@ -7,6 +7,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -49,6 +50,9 @@ LETTERS = 12.5  # of a headline in an inch
 LETTER, LEGEND_MARK = 0.075, 0.6  # width of a letter, and of a line with its gaps, in legends [in]
 
 NOT_ZERO = "axis does not begin at 0"
+
+DPI = 150  # pixels to an inch in pictures of pixels
+COMPRESSION = 1  # of pixels, of 9: a third of the default's time for a tenth more bytes
 
 BAND: Any = {"color": COLOURS["reference"], "alpha": 0.15, "linewidth": 0, "zorder": 0}
 
@@ -207,4 +211,18 @@ def save(figure: Figure, path: str | Path) -> None:
         InputError: the file cannot be written.
     """
     with replacing(path) as partial:
-        figure.savefig(partial, dpi=150)
+        if partial.suffix == ".png":
+            _save_pixels(figure, partial)
+        else:
+            figure.savefig(partial, dpi=DPI)
+
+
+def _save_pixels(figure: Figure, path: Path) -> None:
+    """Draw once: matplotlib's own `savefig` draws a figure with a layout twice, for the same pixels."""
+    before = figure.dpi, figure.canvas
+    figure.set_dpi(DPI)
+    try:
+        FigureCanvasAgg(figure).print_png(path, pil_kwargs={"compress_level": COMPRESSION})
+    finally:
+        figure.set_dpi(before[0])
+        figure.set_canvas(before[1])

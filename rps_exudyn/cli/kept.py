@@ -49,13 +49,19 @@ def keep(
 
 def _draw(result: "Result", plot: Path, measured: "MeasuredTorque | None") -> None:
     """Draw the picture; the result is safe by then."""
-    import matplotlib.artist
-
-    # matplotlib documents each class when it is loaded, for half of that time; a command shows none of it
-    setattr(matplotlib.artist.Artist, "_update_set_signature_and_docstring", lambda: None)  # noqa: B010
+    _load_undocumented()
     from rps_exudyn.charts.scene import draw
 
     draw(result, plot, measured)
+
+
+def _load_undocumented() -> None:
+    """Load matplotlib without the documentation that it writes then, which no command shows."""
+    from matplotlib import _docstring, artist
+
+    setattr(artist.Artist, "_update_set_signature_and_docstring", lambda: None)  # noqa: B010
+    for decorator in (_docstring.Substitution, type(_docstring.interpd)):
+        setattr(decorator, "__call__", lambda _, documented: documented)  # noqa: B010
 
 
 def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Path], bool]:
