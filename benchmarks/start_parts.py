@@ -28,16 +28,14 @@ PARTS = {
         "from rps_exudyn.simulate.run import simulate; import rps_exudyn.scenes.run_maneuver;"
         "import rps_exudyn.multibody.model, rps_exudyn.multibody.solve, rps_exudyn.multibody.recorder"
     ),
-    "solids of pinion and rack, for their masses": (
-        "from rps_exudyn.gears import solids;"
-        "solids.rack_solid(gear).mass_properties; solids.pinion_inertia(gear)"
+    "masses of pinion and rack": (
+        "from rps_exudyn.gears import masses; masses.rack_masses(gear); masses.pinion_inertia(gear)"
     ),
     "compiled kernels loaded, and the simulation": "result = simulate('free-pinion-torque', gear)",
     "the same simulation once more": "simulate('free-pinion-torque', gear)",
     "the HDF5 file": "result.save('result.h5')",
     "matplotlib": (
-        "import matplotlib.artist;"
-        "matplotlib.artist.Artist._update_set_signature_and_docstring = classmethod(lambda cls: None);"
+        "from rps_exudyn.cli.kept import load_undocumented; load_undocumented();"
         "import matplotlib.figure, rps_exudyn.charts.scene"
     ),
     "the picture": "rps_exudyn.charts.scene.draw(result, 'result.png')",

@@ -49,13 +49,13 @@ def keep(
 
 def _draw(result: "Result", plot: Path, measured: "MeasuredTorque | None") -> None:
     """Draw the picture; the result is safe by then."""
-    _load_undocumented()
+    load_undocumented()
     from rps_exudyn.charts.scene import draw
 
     draw(result, plot, measured)
 
 
-def _load_undocumented() -> None:
+def load_undocumented() -> None:
     """Load matplotlib without the documentation that it writes then, which no command shows."""
     from matplotlib import _docstring, artist
 

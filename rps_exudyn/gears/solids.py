@@ -1,4 +1,4 @@
-"""The gear's parts as solids of one material each: what the model weighs and what a picture shows.
+"""The gear's parts as solids of one material each: for pictures, files, booleans and the masses of a report.
 
 Frames: pinion in the pinion frame, its axis of rotation on z; rack in the rack frame; plunger and yokenut
 in a frame with axes parallel to the housing's and its origin on the bar's axis at the pitch point, at rest;
@@ -45,13 +45,6 @@ def pinion_solid(gear: SteeringGear, chord_error: float = CHORD_ERROR) -> Solid:
     pinion = gear.pinion
     shaft = pinion.shaft_diameter, pinion.shaft_length
     return _pinion(GearPair.of(gear), FlankForm.of(gear), *shaft, pinion.density, chord_error)
-
-
-def pinion_inertia(gear: SteeringGear) -> float:
-    """Return the pinion's moment of inertia about its axis of rotation [kg m^2]."""
-    pinion = pinion_solid(gear).mass_properties
-    from_axis = pinion.centre_of_mass[:2]
-    return float(pinion.inertia[2, 2] + pinion.mass * (from_axis @ from_axis))
 
 
 @_kept

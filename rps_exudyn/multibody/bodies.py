@@ -1,10 +1,10 @@
-"""Pinion, rack, plunger and yokenut as Exudyn bodies, with mass properties and pictures from their solids."""
+"""Pinion, rack, plunger and yokenut as Exudyn bodies, with their masses, and pictures from their solids."""
 
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rps_exudyn.gears import solids
+from rps_exudyn.gears import masses, solids
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.inertia import six_moments
 from rps_exudyn.multibody.steering_model import SteeringModel
@@ -45,7 +45,7 @@ def _add_pinion(model: SteeringModel) -> None:
     model.nodes["pinion"] = _node_1d(model, "pinion")
     model.bodies["pinion"] = model.mbs.AddObject(
         ObjectRotationalMass1D(
-            inertia=solids.pinion_inertia(model.gear),
+            inertia=masses.pinion_inertia(model.gear),
             nodeNumber=model.nodes["pinion"],
             referencePosition=pair.pinion_origin,
             referenceRotation=pair.pinion_frame,
@@ -63,7 +63,7 @@ def _add_rack(model: SteeringModel, axis: list[float]) -> None:
             referenceCoordinates=[*axis, 0, 0, 0], initialCoordinates=place, initialVelocities=rate
         )
     )
-    bar = solids.rack_solid(model.gear).mass_properties
+    bar = masses.rack_masses(model.gear)
     com = bar.centre_of_mass
     about_reference = bar.inertia + bar.mass * ((com @ com) * np.eye(3) - np.outer(com, com))
     model.bodies["rack"] = model.mbs.AddObject(

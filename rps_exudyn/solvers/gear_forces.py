@@ -14,8 +14,8 @@ from rps_exudyn.forces.friction import PLAIN
 from rps_exudyn.forces.memory import Memory
 from rps_exudyn.forces.yoke_without_plunger import yoke_as_force
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.masses import pinion_inertia, rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.gears.solids import pinion_inertia, rack_solid
 from rps_exudyn.mesh_contact.flank_data import FlankData
 from rps_exudyn.mesh_contact.flank_element import flank_element, flank_force_and_tangent, generator_element
 from rps_exudyn.mesh_contact.ratio import ratio_element
@@ -214,7 +214,7 @@ def check_friction_laws(gear: SteeringGear, fidelity: Fidelity) -> None:
 
 def following_inertia(gear: SteeringGear) -> tuple[float, float]:
     """Return what follows the drive: the pinion's moment of inertia [kg m^2] and the rack's mass [kg]."""
-    return pinion_inertia(gear), rack_solid(gear).mass_properties.mass
+    return pinion_inertia(gear), rack_masses(gear).mass
 
 
 def load_at_end(gear: SteeringGear, rack_load: float) -> ForceElement:
@@ -226,7 +226,7 @@ def load_at_end(gear: SteeringGear, rack_load: float) -> ForceElement:
 
 def rack_weight(gear: SteeringGear) -> ForceElement:
     """Return the rack's weight, which acts at its mass centre."""
-    bar = rack_solid(gear).mass_properties
+    bar = rack_masses(gear)
     return external_load.weight(bar.mass, gear.installation.gravity, float(bar.centre_of_mass[0]))
 
 

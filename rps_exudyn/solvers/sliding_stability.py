@@ -13,8 +13,8 @@ from scipy.optimize import brentq
 
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.masses import rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.gears.solids import rack_solid
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
@@ -119,7 +119,7 @@ class Vibration:
 def masses(gear: SteeringGear, forces: GearForces, place: np.ndarray) -> np.ndarray:
     """Return the mass matrix of pinion, rack, plunger and modes at a place (n,), shape (n, n)."""
     mass = np.eye(place.size)
-    mass[0, 0], bar = following_inertia(gear)[0], rack_solid(gear).mass_properties
+    mass[0, 0], bar = following_inertia(gear)[0], rack_masses(gear)
     angles = place[COORDINATE_BLOCKS["rack"]][3:]
     turn, spin = rotation_matrix(angles), spin_map(angles)
     x, y, z = turn @ bar.centre_of_mass

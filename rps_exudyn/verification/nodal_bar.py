@@ -15,9 +15,9 @@ from scipy.linalg import block_diag, eigh
 
 from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.masses import rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam
-from rps_exudyn.gears.solids import rack_solid
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.yoke_impact import shaken
@@ -55,7 +55,7 @@ class NodalBar:
     def of(cls, gear: SteeringGear, forces: GearForces, x: float) -> "NodalBar":
         """The gear with its rack displaced by x."""
         beams = [RackBeam.of(gear).elements(plane, ELEMENTS) for plane in (0, 1)]
-        solid = rack_solid(gear).mass_properties
+        solid = rack_masses(gear)
         lumped = np.diag([solid.mass, solid.inertia[0, 0], gear.yoke.plunger_mass])
         nothing = np.zeros((3, 3))
         stiffness, mass, damping = (

@@ -12,8 +12,8 @@ import numpy as np
 from rps_exudyn.forces.external_load import DeadForceData, TimedForce, dead_force
 from rps_exudyn.forces.force_element import ForceElement
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
+from rps_exudyn.gears.masses import rack_masses
 from rps_exudyn.gears.polyhedron import MassProperties
-from rps_exudyn.gears.solids import rack_solid
 from rps_exudyn.multibody.model import build_model
 from rps_exudyn.multibody.solve import SolverPlan, solve
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -66,7 +66,7 @@ class FreeMotion:
         moving = np.array([i for i in range(q.size) if i not in (drive.coordinate, *model.forces.locked)])
         elements, bent = model.forces.elements, model.forces.bar
         model.release()
-        bar = rack_solid(gear).mass_properties
+        bar = rack_masses(gear)
         return cls(elements, drive, q, v, moving, mass, force, data, bar, pulse, bent)
 
     def inverse_mass(self, q: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.solids import pinion_inertia, rack_solid
+from rps_exudyn.gears.masses import pinion_inertia, rack_masses
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
@@ -53,7 +53,7 @@ def test_the_racks_inertia_loads_the_teeth() -> None:
     dense = {"rack.density": 7.85e5 / 20}
     light, heavy = reversal("quasi-static", 60, 20), reversal("quasi-static", 60, 20, dense)
     gears = [SteeringGear().replace({"mesh.law": "area", **settings}) for settings in ({}, dense)]
-    added = np.subtract(*(rack_solid(gear).mass_properties.mass for gear in reversed(gears)))
+    added = np.subtract(*(rack_masses(gear).mass for gear in reversed(gears)))
     pair = GearPair.of(gears[0])
     middle = gears[0].test.start_angle
     turning = -((2 * np.pi / np.deg2rad(20)) ** 2) * (light["pinion_angle"] - middle)

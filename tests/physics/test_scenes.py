@@ -8,7 +8,7 @@ from rps_exudyn.analysis.efficiency import measured_load_test
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.bush import bush_chain, housing_station
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.solids import rack_solid
+from rps_exudyn.gears.masses import rack_masses
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
@@ -211,7 +211,7 @@ def test_weight_of_the_rack_rests_on_teeth_and_bush() -> None:
     """A beam on two supports: the teeth take m g (1 - x_m / x_fit) more, the seat as much as before; 3 %."""
     gravity = 9.81
     loaded, free = (ran("free-pinion-torque", {"installation.gravity": g}) for g in (gravity, 0.0))
-    bar = rack_solid(GEAR).mass_properties
+    bar = rack_masses(GEAR)
     to_fit = housing_station(GEAR, bush_chain(GEAR).end_station)
     on_teeth = bar.mass * gravity * (1 - bar.centre_of_mass[0] / to_fit)
     added = (loaded["mesh_normal_force"] - free["mesh_normal_force"]).mean() * np.sin(PRESSURE_ANGLE)
