@@ -19,6 +19,7 @@ LIFTED, STOPPED = "carry nothing", "is used up"
 GROWN = 0.7  # power of e by which a vibration may grow over a way unseen
 DIED = 1.0  # power of e by which what began before a way, or with it, should die over it ...
 UNRESOLVED_UNDAMPED = 0.015  # ... or else steps may miss no more of the mean than that
+UNSETTLED = 0.05  # of the largest force over the first pitch, which may depend on where the motion began
 JUMP = 0.05  # of the mean between equilibria whose steps were halved as often as makes sense
 
 
@@ -69,6 +70,11 @@ def unresolved_peaks(fidelity: Fidelity, run: SceneRun, signal: str, place: str)
     """Return a remark on a run whose steps do not show how large its signal becomes over a place; or ""."""
     if fidelity.solver == "closed-form" or signal not in run.signals:
         return ""
+    if (depends := run.outcome.findings.get("start_unsettled", 0.0)) > UNSETTLED:
+        return (
+            f"up to {depends:.1%} of the force over the first tooth pitch depends on where the motion began, "
+            "for want of teeth before the start, so that its peak to peak is left out"
+        )
     ways = [each.signals for each in passes(run.signals)]
     share = max((unresolved(way[place], way[signal]) for way in ways), default=0.0)
     seen = f"{signal} leaves the curve through its neighbours by up to {share:.1%} of its mean: "

@@ -309,6 +309,8 @@ def _finished(
     signals = signals_of(record)
     if outcome.status is Status.OK:
         outcome = options.check(outcome, gear, record, signals, zone if maneuver.is_steady else None)
+    if (depends := start.start.unsettled_behind) > 0:
+        outcome = replace(outcome, findings={**outcome.findings, "start_unsettled": depends})
     return SceneRun(outcome, signals)
 
 

@@ -54,7 +54,7 @@ def joined(runs: Sequence[SceneRun]) -> SceneRun:
         time_reached=sum(each.time_reached for each in outcomes),
         cpu_s=sum(each.cpu_s for each in outcomes),
         counters=dict(sum((Counter(each.counters) for each in outcomes), Counter())),
-        findings={**outcome.findings, **_worst_vibration(outcomes)},
+        findings={**outcome.findings, **_worst_findings(outcomes)},
     )
     recorded = [run.signals for run in runs if run.signals]
     signals: Signals = dict(recorded[0]) if recorded else {}
@@ -73,9 +73,9 @@ def _continued(name: str, before: np.ndarray, after: np.ndarray) -> np.ndarray:
     return np.concatenate([before, stood + after])
 
 
-def _worst_vibration(outcomes: Sequence[Outcome]) -> dict[str, float]:
-    """What the outcomes found about vibration, of each the worst."""
-    worst = {"vibration_grows": max, "vibration_dies": min}
+def _worst_findings(outcomes: Sequence[Outcome]) -> dict[str, float]:
+    """What the outcomes found about vibration and about their starts, of each the worst."""
+    worst = {"vibration_grows": max, "vibration_dies": min, "start_unsettled": max}
     known = {name: [each.findings[name] for each in outcomes if name in each.findings] for name in worst}
     return {name: worst[name](values) for name, values in known.items() if values}
 

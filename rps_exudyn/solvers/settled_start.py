@@ -195,10 +195,19 @@ class _Search:
         if needed <= toothed * (1 + 1e-9):
             return path
         real = self.begun(toothed / self.approach.unit)
-        unsettled = 0.0
+        unsettled = behind = 0.0
         if real is not None and real.converged:
             unsettled = _difference(path, real, self.drive)
-        return replace(path, start=Start(unsettled, needed, toothed))
+            on, real_on = (self.gone_on(each) for each in (path, real))
+            if on.converged and real_on.converged:
+                behind = _largest_difference(on, real_on, self.drive)
+        return replace(path, start=Start(unsettled, needed, toothed, behind))
+
+    def gone_on(self, path: EquilibriumPath) -> EquilibriumPath:
+        """Return a path to the start for a unit of time more: the force may be the same at the start and not
+        behind it, where the rack still lies otherwise."""
+        time = self.start[0] + self.approach.unit * np.linspace(0, 1, FINE + 1)
+        return path_from(path, self.balance, self.pair, self.drive, time)
 
     def alike(self, a: EquilibriumPath, b: EquilibriumPath, distance: float) -> bool:
         """Tell whether two paths, b from so far back, end at the same place under the same force."""
@@ -213,6 +222,13 @@ def _difference(a: EquilibriumPath, b: EquilibriumPath, drive: Drive) -> float:
     forces = [path.forces[:, drive.coordinate] for path in (a, b)]
     largest = max(float(np.abs(force).max()) for force in forces)
     return abs(float(forces[0][-1] - forces[1][-1])) / largest if largest else 0.0
+
+
+def _largest_difference(a: EquilibriumPath, b: EquilibriumPath, drive: Drive) -> float:
+    """Largest difference of the drive's force over the last unit of two paths, over its largest there."""
+    forces = [path.forces[-FINE:, drive.coordinate] for path in (a, b)]
+    largest = max(float(np.abs(force).max()) for force in forces)
+    return float(np.abs(forces[0] - forces[1]).max()) / largest if largest else 0.0
 
 
 def _rolling(path: EquilibriumPath) -> float:

@@ -5,11 +5,10 @@
     right.cause                    why there are none
     curve(plan)                    the scene's signal over time, of slow motion
 
-The gear moves from many pitches before the record, as far as its teeth allow, through all of it: no settled
-start of `solvers.equilibrium`, no period that stands for others. The seat is a sum over cells; the teeth's
-contact an integral over generators, or over many stations where its law knows no generators; steps are fine
-whatever the plan's are, and halved until halves of them say the same. Where a plan has inertia and its motion
-is fast, classical Runge-Kutta goes on from there; slow motion is that without inertia.
+Equilibria come from far before the record (`led_ways`). The seat is a sum over cells; the teeth's contact an
+integral over generators, or over many stations where its law knows no generators; steps are fine whatever the
+plan's are, and halved until halves of them say the same. Where a plan has inertia and its motion is fast,
+classical Runge-Kutta goes on from there; slow motion is that without inertia.
 """
 
 from dataclasses import dataclass, replace
@@ -19,25 +18,26 @@ import numpy as np
 
 from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.forces.external_load import TimedForce
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.maneuver import largest_angle
 from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.solvers.closed_form import GRAVITY
-from rps_exudyn.solvers.drive import Drive, DrivenBody, Steady, Swing, travel_per_radian
-from rps_exudyn.solvers.equilibrium import EquilibriumPath, equilibrium_path
+from rps_exudyn.solvers.drive import Drive, Steady, Swing
+from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
 from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, tangent
+from rps_exudyn.verification.led_ways import (
+    Way,
+    equilibria_at,
+    followed,
+    instants_before,
+    pitches_before,
+    room_before,
+    ways_of,
+)
 from rps_exudyn.verification.refined_steps import NotFiniteError, NotFoundError, confirmed
 from rps_exudyn.verification.runge_kutta import FreeMotion, runge_kutta
 from rps_exudyn.verification.seat_cells import cell_seat
 from rps_exudyn.verification.stability import ScenePlan
 
-PITCHES_BEFORE = 8
-STEPS_BEFORE = 12  # per pitch, on the way to the record ...
-STEPS = 60  # ... and of the record ...
-LEAST_STEPS, MOST_STEPS = 24, 400  # ... fewer of a long one, but no fewer than that; and of all of it
-LAST_STEPS, LAST_STEP = 4, 1e-3  # of a pitch, before inertia sets in: for exact rates
 RUN_IN = 0.5  # pitches by Runge-Kutta before the record
 PER_CYCLE = 600  # equilibria of a swing
 CYCLES, ALIKE = (2, 5, 15, 45), 1e-3  # after which its last two cycles may take works that are the same
@@ -96,47 +96,11 @@ def reference_forces(plan: ScenePlan, load: float = 0.0) -> GearForces:
 
 
 # --- steady scenes ---------------------------------------------------------------------------------
-@dataclass(frozen=True)
-class Way:
-    """One way of a steady test: the body that the rig moves, and pinion angles [rad]."""
-
-    body: DrivenBody
-    first: float
-    last: float
-
-    @property
-    def sense(self) -> int:
-        """+1 where the rack moves along +X."""
-        return 1 if self.last > self.first else -1
-
-    @property
-    def length(self) -> float:
-        """Pinion angle turned [rad]."""
-        return abs(self.last - self.first)
-
-    def drive(self, gear: SteeringGear) -> Steady:
-        """The rig's motion, which passes the way's beginning at time 0."""
-        scale = travel_per_radian(self.body, float(GearPair.of(gear).gain))
-        return Steady(self.body, scale * self.first, scale * self.sense * gear.test.speed)
-
-
-def _ways(plan: ScenePlan) -> list[Way]:
-    """The ways of a test, one after the other."""
-    test, gear = plan.gear.test, plan.gear
-    body: DrivenBody = "rack" if plan.scene == "rack-push" else "pinion"
-    first, last = test.start_angle, test.start_angle + test.direction * 2 * np.pi * test.turns
-    if test.path == "lock-to-lock":
-        lock = float(gear.rack.travel / 2 / GearPair.of(gear).gain)
-        first, last = -test.direction * lock, test.direction * lock
-    there_and_back = test.path != "one-way"
-    return [Way(body, first, last), *([Way(body, last, first)] if there_and_back else [])]
-
-
 def _turned(plan: ScenePlan) -> Expected:
     test = plan.gear.test
     load = test.direction * GRAVITY * test.load_mass if plan.scene == "load-test" else 0.0
     forces = reference_forces(plan, load)
-    ways = _ways(plan)[: None if plan.scene == "rack-push" else 1]  # whose mean is the figure
+    ways = ways_of(plan)[: None if plan.scene == "rack-push" else 1]  # whose mean is the figure
     found = [_along(plan, forces, way) for way in ways]
     senses = [way.sense if plan.scene == "rack-push" else 1 for way in ways]
     figure = float(np.mean([each.figure * sense for each, sense in zip(found, senses, strict=True)]))
@@ -147,17 +111,17 @@ def _turned(plan: ScenePlan) -> Expected:
 
 def _along(plan: ScenePlan, forces: GearForces, way: Way) -> Expected:
     """Mean and spread of what the drive overcomes over one way."""
-    gear, drive = plan.gear, way.drive(plan.gear)
+    gear, drive, pitches = plan.gear, way.drive(plan.gear), pitches_before(plan.gear, forces, way)
     if plan.fidelity.solver == "generalized-alpha":
         duration = way.length / gear.test.speed
-        run_in = min(RUN_IN * 2 * np.pi / gear.pinion.teeth, _room(gear, way)) / gear.test.speed
-        motion = _motion(plan, forces, drive, _before(gear, way, -run_in))
+        run_in = min(RUN_IN * 2 * np.pi / gear.pinion.teeth, room_before(gear, way)) / gear.test.speed
+        motion = _motion(plan, forces, drive, instants_before(gear, way, pitches, -run_in))
         step = _explicit_step(motion)
         if (steps := ceil((duration + run_in) / step)) <= MOST_EXPLICIT:
             shifted = replace(motion, drive=replace(drive, start=float(drive.place(-run_in))))
 
             def moved(parts: int) -> tuple[float, float]:
-                led = _equilibria(gear, forces, drive, _before(gear, way, -run_in, parts))
+                led = equilibria_at(gear, forces, drive, instants_before(gear, way, pitches, -run_in, parts))
                 begun = replace(shifted, place=led.coordinates[-1], rate=led.rates[-1])
                 time, places, rates = explicit(begun, step, steps, parts)
                 kept = time >= run_in - step / 2
@@ -165,10 +129,10 @@ def _along(plan: ScenePlan, forces: GearForces, way: Way) -> Expected:
                 return _figures(plan, drive.place(time[kept] - run_in), record.drive)
 
             return Expected(*confirmed(moved), method="Runge-Kutta")
-        _check_steady(motion, _followed(gear, forces, way, 1)[1], duration)
+        _check_steady(motion, followed(gear, forces, way, pitches, 1)[1], duration)
 
     def rested(parts: int) -> tuple[float, float]:
-        along, path = _followed(gear, forces, way, parts)
+        along, path = followed(gear, forces, way, pitches, parts)
         force = -drive.sign * path.forces[-along.size :, drive.coordinate]
         return _figures(plan, drive.place(along), force)
 
@@ -186,51 +150,6 @@ def _figures(plan: ScenePlan, place: np.ndarray, force: np.ndarray) -> tuple[flo
     return float(np.trapezoid(np.interp(kept, along, force), kept) / end), float(np.ptp(force))
 
 
-def _followed(
-    gear: SteeringGear, forces: GearForces, way: Way, finer: int
-) -> tuple[np.ndarray, EquilibriumPath]:
-    """Instants of a way, and equilibria from far before it to its end in steps of which `finer` make one."""
-    before = _before(gear, way, 0.0, finer)
-    pitches = way.length * gear.pinion.teeth / (2 * np.pi)
-    steps = ceil(finer * pitches * max(LEAST_STEPS, min(STEPS, MOST_STEPS / pitches))) + 8
-    along = np.linspace(0, way.length / gear.test.speed, steps + 1)
-    return along, _equilibria(gear, forces, way.drive(gear), np.concatenate([before[:-1], along]))
-
-
-def _room(gear: SteeringGear, way: Way) -> float:
-    """Pinion angle before a way over which the rack has teeth [rad]."""
-    return max(0.0, largest_angle(gear) + way.sense * way.first)
-
-
-def _before(gear: SteeringGear, way: Way, end: float, finer: int = 1) -> np.ndarray:
-    """Instants of equilibria from far before a way to the instant `end` [s], both below or at 0."""
-    pitch = 2 * np.pi / gear.pinion.teeth / gear.test.speed
-    begin = -min(PITCHES_BEFORE * pitch, _room(gear, way) / gear.test.speed)
-    if begin >= end:
-        return np.array([end])
-    led = np.linspace(begin, end, max(2, ceil((end - begin) / pitch * STEPS_BEFORE * finer)), endpoint=False)
-    last = end - LAST_STEP * pitch * np.arange(LAST_STEPS, -1, -1)
-    return np.concatenate([led[led < last[0] - LAST_STEP * pitch], last[last >= begin]])
-
-
-def _equilibria(
-    gear: SteeringGear,
-    forces: GearForces,
-    drive: Drive,
-    time: np.ndarray,
-    inertia: tuple[float, float] = (0.0, 0.0),
-) -> EquilibriumPath:
-    """Follow the equilibria at these instants [s], with the inertia of what follows the drive.
-
-    Raises:
-        NotFoundError: there is none at one of them.
-    """
-    path = equilibrium_path(forces.statics._replace(inertia=inertia), GearPair.of(gear), drive, time)
-    if not path.converged:
-        raise NotFoundError(f"no equilibrium at {path.lost_at:.4g} s, {path.residual:.3g} N remain")
-    return path
-
-
 def curve(plan: ScenePlan) -> Curve:
     """Return the scene's signal over the time of the rig's motion, in the limit of slow motion.
 
@@ -241,17 +160,17 @@ def curve(plan: ScenePlan) -> Curve:
     if plan.scene == "reversal":
         swing = _swing(plan)
         time = np.linspace(-swing.period, swing.period, 2 * CURVE_PER_CYCLE + 1)
-        path = _equilibria(plan.gear, reference_forces(plan), swing, time, following_inertia(plan.gear))
+        path = equilibria_at(plan.gear, reference_forces(plan), swing, time, following_inertia(plan.gear))
         kept = time >= 0
         return Curve(time[kept], -swing.sign * path.forces[kept, swing.coordinate])
     test = plan.gear.test
-    ways = _ways(plan)
+    ways = ways_of(plan)
     if plan.scene == "load-test" and len(ways) == 1:
         ways.append(Way(ways[0].body, ways[0].last, ways[0].first))
     load = test.direction * GRAVITY * test.load_mass if plan.scene == "load-test" else 0.0
     forces, begin, times, values = reference_forces(plan, load), 0.0, [], []
     for way in ways:
-        along, path = _followed(plan.gear, forces, way, CURVE_FINER)
+        along, path = followed(plan.gear, forces, way, pitches_before(plan.gear, forces, way), CURVE_FINER)
         drive = way.drive(plan.gear)
         times.append(begin + along)
         values.append(-drive.sign * path.forces[-along.size :, drive.coordinate])
@@ -264,7 +183,7 @@ def _motion(
     plan: ScenePlan, forces: GearForces, drive: Drive, before: np.ndarray, pulse: TimedForce | None = None
 ) -> FreeMotion:
     """The gear where equilibria from far before have led it, with the reference's forces."""
-    path = _equilibria(plan.gear, forces, drive, before)
+    path = equilibria_at(plan.gear, forces, drive, before)
     condensed = plan.fidelity.replace({"bush": "condensed"} if "segment" in forces.fit.bodies else {})
     motion = FreeMotion.of(plan.gear, condensed, Steady("pinion", 0.0, 0.0), pulse)
     kernel, data = forces.statics.force, forces.statics.data
@@ -367,7 +286,7 @@ def _settled_cycles(
     cycle = np.linspace(0, drive.period, per_cycle + 1)
     for cycles in CYCLES:
         time = drive.period * (np.arange(cycles * per_cycle + 1) / per_cycle - (cycles - 1))
-        path = _equilibria(plan.gear, forces, drive, time)
+        path = equilibria_at(plan.gear, forces, drive, time)
         overcome = -drive.sign * path.forces[:, drive.coordinate]
         earlier, work = (
             float(np.trapezoid(overcome[k * per_cycle : (k + 1) * per_cycle + 1], drive.place(cycle)))
