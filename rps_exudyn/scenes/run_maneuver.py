@@ -127,8 +127,9 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
             end_time=(piece.before + piece.steps) * maneuver.time_step,
             steps=piece.steps * piece.parts,
             absolute_tolerance=tolerance,
-            # what the equilibrium's tolerance leaves would throw spheres out of contact in a long first step
-            initial_accelerations=model.contacts is None,
+            # steadily none: what an equilibrium is off by, over the mass, would throw the rack out of the
+            # contact in a long first step
+            initial_accelerations=model.contacts is None and not maneuver.is_steady,
             contractivity=SHAKEN if maneuver.pulse is not None and model.modes else SolverPlan.contractivity,
             minimum_step=SHORTEST_AT_TURNS if isinstance(maneuver.drive, UNEVEN) else SHORTEST_STEP,
         )

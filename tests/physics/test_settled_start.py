@@ -171,19 +171,24 @@ def test_what_the_start_remembers_is_refused_where_it_moves_the_mean(
         assert "does not settle" in message
 
 
-def test_long_slow_steps_begin_near_their_equilibria() -> None:
-    """Coulomb's friction knows no speed: the mean at 0.5 rpm in steps of 12 degrees is that in steps of a
-    degree to 0.2 %. Rates over far shorter steps than these threw the rack out of the contact."""
+@pytest.mark.parametrize(
+    ("stiffness", "zone", "step"),
+    [(5e12, 0.001, "12 deg"), (5e12, 0.001, "20 deg"), (1e14, 0.001, "20 deg"), (2e13, 1.0, "8 deg")],
+)
+def test_long_slow_steps_begin_near_their_equilibria(stiffness: float, zone: float, step: str) -> None:
+    """Coulomb's friction knows no speed: the mean at 0.5 rpm in long steps is that in steps of a degree to
+    0.5 %. Rates over far shorter steps than these threw the rack out of the contact, and so did the
+    accelerations that the equilibrium's tolerance leaves over the mass."""
     gear = SteeringGear().replace(
-        {"mesh.law": "area", "mesh.stiffness": 5e12, "test.turns": 1.0, "test.speed": "0.5 rpm"}
+        {"mesh.law": "area", "mesh.stiffness": stiffness, "test.turns": 1.0, "test.speed": "0.5 rpm"}
     )
     means = []
-    for step in ("12 deg", "1 deg"):
-        model = Fidelity.preset("flank").replace({"step_angle": step})
+    for each in (step, "1 deg"):
+        model = Fidelity.preset("flank").replace({"step_angle": each, "zone_ratio": zone})
         run = unchecked(ScenePlan("free-pinion-torque", gear, model))
         assert run.status is Status.OK, run.message
         means.append(run.summary["torque_mean"])
-    assert means[0] == pytest.approx(means[1], rel=2e-3)
+    assert means[0] == pytest.approx(means[1], rel=5e-3)
 
 
 def test_too_few_teeth_before_the_start_leave_the_peak_to_peak_out() -> None:
