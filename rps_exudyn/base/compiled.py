@@ -11,9 +11,10 @@ from numba.core.registry import CPUDispatcher
 from numba.experimental import structref
 from numba.extending import intrinsic
 
+from rps_exudyn.base.absorbed import Absorbing
 from rps_exudyn.base.kernel_cache import KernelCache
 
-_NOT_FROM_PYTHON = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_NOT_FROM_PYTHON = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": Absorbing}
 
 
 def _compiled(function: Callable[..., Any], **options: Any) -> Any:

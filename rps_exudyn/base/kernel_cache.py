@@ -26,11 +26,15 @@ from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.environment import Environment, _rebuild_env, lookup_environment
 from numba.core.runtime.nrt import rtsys
 
+from rps_exudyn.base.absorbed import tell_constants
+
 # What compiled code is made of: the kernels, and the constants and NamedTuples that they read
 KERNEL_SOURCES = (
+    "base/absorbed.py",
     "base/compiled.py",
     "base/kernel_cache.py",
     "base/linear.py",
+    "base/quick_compiling.py",
     "solvers/gear_kernel.py",
     "solvers/flexible_kernel.py",
     "solvers/path_follower.py",
@@ -162,10 +166,17 @@ class KernelCache(FunctionCache):
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        super().__init__(function)
+        self._function = function
+        self._key = function.__module__, function.__qualname__
+
+    def __getattr__(self, name: str) -> Any:
+        """Look for the kernel's files when they are first asked for: most kernels of a run never are."""
+        if name.startswith("__") or "_impl" in vars(self):
+            raise AttributeError(name)
+        super().__init__(self._function)
         stamp = self._impl.locator.get_source_stamp()
         self._cache_file = _CheckedFile(self._cache_path, self._impl.filename_base, stamp)
-        self._key = function.__module__, function.__qualname__
+        return getattr(self, name)
 
     def stand_apart(self, dispatcher: Any) -> None:
         """Compile the kernel once, not again into each of its callers."""
@@ -181,6 +192,9 @@ class KernelCache(FunctionCache):
         with self._guard_against_spurious_io_errors():
             if (compiled := self._load_overload(sig, target_context)) is not None:
                 return compiled
+        from rps_exudyn.base.quick_compiling import quicken
+
+        quicken()
         for call in before_compiling:
             call(self._key[1])
         return None
@@ -197,6 +211,7 @@ class KernelCache(FunctionCache):
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep what was compiled for a signature, and hide it from its callers if it stands apart."""
+        tell_constants(data)
         module = data.library._final_module
         everything = [*module.functions, *module.global_variables]
         needs = tuple(
