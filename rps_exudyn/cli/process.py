@@ -6,7 +6,7 @@ import os
 import sys
 from io import TextIOWrapper
 
-SELDOM = (200_000, 100, 1000)
+SELDOM = (500_000, 100, 1000)
 """Thresholds of the search for unused objects: as often as Python's own it is a fourteenth of a short run."""
 
 
