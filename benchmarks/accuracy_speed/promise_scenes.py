@@ -5,18 +5,20 @@ Swings: dynamics in two steps and strips of two kinds, and equilibria where they
 mostly do not, and `wheel_plans` compares that motion with an integration of its own. Impacts: Exudyn in parts
 of the scene's steps. The package's own Runge-Kutta method needs steps below 2 us there: of two random gears
 the peak was 0.3 to 0.6 % off in steps of 4 us and 0.1 % in steps of 2 us; so it is left to the chart's
-reference, on one gear. At rest: strips of two kinds.
+reference, on one gear. A rattling gear is run in two steps as well, where it is hit: a coarse run shows that
+beforehand. At rest: strips of two kinds.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from benchmarks.accuracy_speed.limited import cpu_limit
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.verification.references import STRIPS, by_strips
+from rps_exudyn.verification.references import SHAKEN, STRIPS, by_strips
+from rps_exudyn.verification.runs import run_scene
 from rps_exudyn.verification.scene_truth import Made, Make, by_model, impact_in_parts
 
 Setting = tuple[str, int | None, dict[str, float]]
@@ -32,27 +34,30 @@ class Measured:
     Attributes:
         settings: what is tried.
         methods: name -> how the truth is found; the first that succeeds is the reference.
-        figures: numbers of the summary that are promised besides the signal, or instead of it.
+        figures: numbers of the summary that are promised besides the signal, or instead of it, each with the
+            largest uncertainty of its reference [%].
         signal: whether the scene's signal is promised.
         gears: how many are drawn.
-        uncertain: largest uncertainty of a reference, of the signal and of figures [%].
+        uncertain: the same of the signal [%].
         all_methods: whether a gear on which a method fails is left out: there it may have several equilibria.
         most_failures: share of gears on which an offered setting may find nothing.
+        costed: gears whose costs are measured.
     """
 
     settings: Sequence[Setting]
     methods: Mapping[str, Make]
-    figures: tuple[str, ...] = ()
+    figures: Mapping[str, float] = field(default_factory=dict)
     signal: bool = True
     gears: int = 90
-    uncertain: tuple[float, float] = (0.03, 0.03)
+    uncertain: float = 0.03
     all_methods: bool = False
     most_failures: float = 0.1
+    costed: int = 16
 
     def allowed(self, scene: str) -> dict[str, float]:
         """Return the quantities, the signal first, each with the largest uncertainty of its reference [%]."""
-        signal = {scene_named(scene).signal: self.uncertain[0]} if self.signal else {}
-        return signal | dict.fromkeys(self.figures, self.uncertain[1])
+        signal = {scene_named(scene).signal: self.uncertain} if self.signal else {}
+        return signal | dict(self.figures)
 
 
 def moving(step: str, **changes: Any) -> Make:
@@ -78,6 +83,21 @@ def of_short_tests(make: Make, seconds: float) -> Make:
         if (gear.test.pulses + 1) * gear.test.pulse_period > seconds:
             raise ArithmeticError(f"the test is longer than {seconds:g} s")
         return make(scene, gear)
+
+    return limited
+
+
+def rattling(swing_steps: int) -> Make:
+    """Method: a road's force in so many steps per swing of the plunger; it must hit, the test be short."""
+    fine = by_model(SHAKEN.replace({"swing_steps": swing_steps}))
+
+    def limited(scene: str, gear: SteeringGear) -> Made:
+        test = gear.test
+        if (test.road_cycles + 1) * test.road_phases / test.road_frequency > LONGEST_RATTLE:
+            raise ArithmeticError(f"the test is longer than {LONGEST_RATTLE:g} s")
+        if not run_scene(scene, gear, COARSE).summary.get("rattle_impacts_per_cycle"):
+            raise ArithmeticError("nothing hits: the plunger does not reach the yokenut, or never leaves it")
+        return fine(scene, gear)
 
     return limited
 
@@ -121,6 +141,10 @@ HIT: dict[str, Make] = {
     "half the step": of_short_tests(impact_in_parts(2), LONGEST_TEST),
 }
 
+LONGEST_RATTLE = 90e-3  # of all cycles and phases of a road's force that is measured [s]
+COARSE = Fidelity.preset("flank").replace({"swing_steps": 8})
+RATTLED: dict[str, Make] = {"63 steps per swing": rattling(63), "44 steps per swing": rattling(44)}
+
 # --- at rest -----------------------------------------------------------------------------------------
 STILL: list[Setting] = [
     ("quasi-static", None, {"strip_stations": stations, "strip_points": points})
@@ -133,12 +157,25 @@ SCENES: dict[str, Measured] = {
     "load-test": replace(TURNING, gears=104),
     "rack-push": TURNING,
     "reversal": Measured(
-        TO_AND_FRO, SWUNG, ("hysteresis_area",), gears=50, uncertain=(0.5, 0.03), most_failures=0.5
+        TO_AND_FRO, SWUNG, {"hysteresis_area": 0.03}, gears=50, uncertain=0.5, most_failures=0.5
     ),
-    "steering-feel": Measured(FELT, IN_MOTION, ("feel_area",), gears=56, uncertain=(0.5, 0.05)),
-    "rack-lift": Measured(STILL, RESTED, ("rack_lift",), signal=False, gears=52),
-    "radial-play": Measured(STILL, RESTED, ("radial_play_y",), signal=False, gears=44),
+    "steering-feel": Measured(FELT, IN_MOTION, {"feel_area": 0.05}, gears=56, uncertain=0.5),
+    "rack-lift": Measured(STILL, RESTED, {"rack_lift": 0.03}, signal=False, gears=52),
+    "radial-play": Measured(STILL, RESTED, {"radial_play_y": 0.03}, signal=False, gears=44),
     "yoke-impact": Measured(
-        STRUCK, HIT, ("impact_peak_force", "impact_force_rms"), signal=False, gears=125, uncertain=(0.1, 0.05)
+        STRUCK, HIT, {"impact_peak_force": 0.05, "impact_force_rms": 0.05}, signal=False, gears=125
+    ),
+    "rattle": Measured(
+        STRUCK,
+        RATTLED,
+        {
+            "rattle_force_rms": 0.03,
+            "rattle_impulse_per_cycle": 0.03,
+            "rattle_acceleration_rms": 0.05,
+            "rattle_energy_per_cycle": 0.3,
+        },
+        signal=False,
+        gears=408,
+        costed=4,
     ),
 }

@@ -35,7 +35,6 @@ SEED = 2024  # other gears than those the promise is tested on
 MARGIN = 1.5
 WIDE_MARGIN, FEW = 2.0, 12  # where fewer gears had a reference
 LONGEST = 60.0  # CPU time for a gear, with compiling [s]
-COSTED = 16  # gears whose costs are measured
 RAW = "promise_errors.json"  # of a run that was stopped
 LAW_SCENE, LAW_GEARS = "free-pinion-torque", 24
 FACTORS = (1.0, 1.5, 2.0, 4.0)
@@ -62,7 +61,7 @@ def run(
             for gear in drawn[len(rows) :]:
                 rows.append(within_limit(scene, gear.replace({"mesh.law": law}), measured))
                 costed = sum("cost" in row for row in rows)
-                if law == "line" and "errors" in rows[-1] and costed < COSTED:
+                if law == "line" and "errors" in rows[-1] and costed < measured.costed:
                     rows[-1]["cost"] = costs_on(scene, gear, measured)
                 print(law, scene, len(rows), rows[-1].get("refused", "measured"), flush=True)
                 with replacing(keep) as partial:
@@ -197,7 +196,7 @@ def setting_row(
 def factor_of(rows: list[dict[str, Any]], table: dict[str, Any]) -> float:
     """Return how many times the angles of the table a contact law needs, so that each of its gears keeps what
     the setting with so many fewer angles promises of equilibria."""
-    quantity, limit = table["quantity"], SCENES[LAW_SCENE].uncertain[0]
+    quantity, limit = table["quantity"], SCENES[LAW_SCENE].uncertain
     worst: dict[tuple[int, str], float] = {}
     for at, (preset, angles, changes) in enumerate(STEADY):
         errors = [

@@ -30,6 +30,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.maneuver import whole_periods
+from rps_exudyn.scenes.rattle import GROWING
 
 LEAST_SLIDING = 0.2  # of the mean, somewhere in mesh: below it references of random gears do not agree
 
@@ -37,7 +38,6 @@ SAME_MOTION = {"yoke-setting": "free-pinion-torque"}
 """Scene -> the scene whose table it takes: the pinion is turned in the same way, the yoke set anew."""
 
 NO_TABLE = {
-    "rattle": "too few gears have been measured",
     "steering-feel": "too few gears have been measured",
     "steering-torque": "it has a fixed number of steps per cycle, which no setting changes",
     "stick-slip": "it has steps of its own, which no setting changes",
@@ -118,9 +118,15 @@ def choose(
     `without` names presets that were tried and did not run.
 
     Raises:
-        InputError: the accuracy is below the floor, no setting promises it, or nothing is known of the scene.
+        InputError: the accuracy is below the floor, no setting promises it, or nothing is known of the scene
+            or its test.
     """
     tables = scene_tables(scene)
+    if scene == "rattle" and gear.test.road_shape == GROWING:
+        raise InputError(
+            f"test.road_shape is {GROWING}, which finds a threshold; --accuracy knows rattle under sine and "
+            "half-sine."
+        )
     if preset is not None and preset not in PRESETS:
         raise InputError(unknown_preset(preset))
     presets = {preset} if preset else PRESETS.keys() - set(without)

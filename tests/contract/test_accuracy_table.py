@@ -35,6 +35,8 @@ def test_forty_gears_stand_behind_a_steady_scene_and_a_tenth_of_a_percent_is_pro
     [
         ("reversal", "hysteresis_area"),
         ("yoke-impact", "impact_force_rms"),
+        ("rattle", "rattle_force_rms"),
+        ("rattle", "rattle_impulse_per_cycle"),
         ("rack-lift", "rack_lift"),
         ("radial-play", "radial_play_y"),
     ],

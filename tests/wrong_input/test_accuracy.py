@@ -43,6 +43,11 @@ def test_scene_or_preset_that_was_not_measured(command: Command) -> None:
     )
 
 
+def test_a_growing_force_which_finds_another_quantity(command: Command) -> None:
+    said = refused(command, "rattle", "--set", "test.road_shape=growing-sine", "--accuracy", "1%")
+    assert "--accuracy knows rattle under sine and half-sine" in said
+
+
 def test_every_scene_has_a_table_or_a_reason_why_it_has_none() -> None:
     assert {*known_scenes(), *NO_TABLE} == set(SCENE_NAMES)
     assert not set(known_scenes()) & set(NO_TABLE)
