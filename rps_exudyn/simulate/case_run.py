@@ -1,13 +1,10 @@
 """One case, or a group, from its parameters to the bytes of its file; whatever happens is an outcome."""
 
-import os
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from time import monotonic, process_time
 from typing import Any
-
-import numba
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.kernel_cache import before_compiling
@@ -20,11 +17,6 @@ from rps_exudyn.results.result import Result, failed
 from rps_exudyn.simulate.case_group import CaseGroup
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.simulate.time_limit import alarm, place_of, sentence
-
-
-def compiled_kernels() -> int:
-    """Count the files in the cache of compiled kernels."""
-    return sum(len(files) for _, _, files in os.walk(numba.config.CACHE_DIR))
 
 
 class CaseRunner:

@@ -22,6 +22,7 @@ from pathlib import Path
 from time import monotonic
 from typing import IO, Any
 
+from rps_exudyn.base.compiled_before import compiled_before
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.simulate.time_limit import GRACE
 
@@ -134,6 +135,7 @@ class Processes:
             StartError: processes end before they are ready.
         """
         waiting = _Waiting(tasks, self._again)
+        self._compiled = self._compiled or compiled_before()
         while waiting or any(worker.tasks for worker in self._workers):
             self._hand_out(waiting)
             yield from self._next_event()
@@ -203,8 +205,6 @@ class Processes:
             return
         if answer is None:
             yield from self._ended(worker)
-        elif "compiled" in answer:
-            self._compiled |= answer["compiled"]
         elif "ready" in answer:
             worker.ready = self._compiled = True
             self._failed_starts = 0

@@ -37,9 +37,8 @@ def main() -> None:
     threading.Thread(target=read_lines, args=(lines,), daemon=True).start()
     first = json.loads(lines.get())
     from rps_exudyn.base.errors import InputError
-    from rps_exudyn.simulate.case_run import CaseRunner, compiled_kernels
+    from rps_exudyn.simulate.case_run import CaseRunner
 
-    answer({"compiled": compiled_kernels() > 0})
     runner = CaseRunner()
     runner.warm_up(first, WARM_UP_TURNS)
     if runner.has_compiled:

@@ -5,7 +5,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ import pytest
 
 from edited import edited
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.simulate.processes import Done, Processes, Task
 from rps_exudyn.study.store import CaseRow, Store
 from shell import Command
 from study_files import write_grid, write_stand_in
@@ -211,6 +212,23 @@ def wait_for(condition: Callable[[], object], seconds: float = 60) -> None:
     while not condition():
         assert time.monotonic() < end, "it did not happen"
         time.sleep(0.05)
+
+
+@pytest.mark.parametrize(("compiled", "at_once"), [(True, 3), (False, 1)])
+def test_workers_start_together_unless_the_first_has_to_compile(
+    monkeypatch: pytest.MonkeyPatch, compiled: bool, at_once: int
+) -> None:
+    started: list[Task] = []
+
+    def first_event(processes: Processes) -> Iterator[Done]:
+        raise InterruptedError
+
+    monkeypatch.setattr("rps_exudyn.simulate.processes.compiled_before", lambda: compiled)
+    monkeypatch.setattr(Processes, "_start", lambda _, warm_up: started.append(warm_up))
+    monkeypatch.setattr(Processes, "_next_event", first_event)
+    with pytest.raises(InterruptedError):
+        list(Processes(3, 1.0).run(iter([{"hash": "a case"}])))
+    assert len(started) == at_once
 
 
 def test_workers_killed_in_quick_succession_are_replaced_and_the_study_goes_on(
