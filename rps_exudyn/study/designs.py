@@ -6,7 +6,7 @@ that the same seed gives the same points everywhere.
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from importlib import import_module
 from typing import Any
 
@@ -30,7 +30,7 @@ def points(axes: tuple[Axis, ...], design: str, samples: int, seed: int) -> Iter
         rows: Iterable[Iterable[Value]] = itertools.product(*(axis.values or () for axis in axes))
     else:
         unit = _unit_points(design, len(axes), samples, seed)
-        rows = ([drawn(axis, float(u)) for axis, u in zip(axes, row, strict=True)] for row in unit)
+        rows = zip(*(drawn(axis, column) for axis, column in zip(axes, unit.T, strict=True)), strict=True)
     names = [axis.name for axis in axes]
     return (dict(zip(names, row, strict=True)) for row in rows)
 
@@ -40,11 +40,12 @@ def points_per_sample(design: str, axes: int) -> int:
     return {"morris": axes + 1, "saltelli": axes + 2}.get(design, 1)
 
 
-def drawn(axis: Axis, u: float) -> Value:
-    """The quantile `u` (0 to 1) of a sampled axis' distribution."""
+def drawn(axis: Axis, fractions: np.ndarray) -> Sequence[Value]:
+    """The quantiles (0 to 1) of a sampled axis' distribution, one for each fraction."""
     if axis.values is not None:
-        return axis.values[min(int(u * len(axis.values)), len(axis.values) - 1)]
-    return float(_distribution(axis).quantile(u))
+        last = len(axis.values) - 1
+        return [axis.values[min(int(u * (last + 1)), last)] for u in fractions.tolist()]
+    return _distribution(axis).quantiles(fractions)
 
 
 def ends(axis: Axis) -> tuple[float, float]:

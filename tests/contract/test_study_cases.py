@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from made_up_study import description
+from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.case_file import FileForms, Keep, kept
 from rps_exudyn.results.outcome import Status
@@ -158,6 +159,14 @@ def test_drawn_values_have_their_distribution() -> None:
     assert np.allclose(np.median(drawn, axis=0), [2, 10, 5], rtol=0.01)
     assert np.isclose(drawn[:, 2].std(), 2 * 0.9866, rtol=0.01)  # cut off at three deviations
     assert np.abs(drawn[:, 2] - 5).max() <= 6
+
+
+@pytest.mark.parametrize("kind", ["uniform", "loguniform", "normal", "lognormal"])
+def test_column_of_drawn_values_is_what_each_is_alone(kind: str) -> None:
+    """To the bit, without any tolerance: the values name the cases, by which a study is taken up again."""
+    fractions = np.concatenate([[0.0, 0.5, 1.0], np.random.default_rng(1).random(5000)])
+    distribution = Distribution(kind, 1.3e-4, 2.7)
+    assert distribution.quantiles(fractions) == [float(distribution.quantile(u)) for u in fractions.tolist()]
 
 
 def test_description_is_read_as_it_was_written(tmp_path: Path) -> None:
