@@ -193,7 +193,7 @@ class Summary(NamedTuple):
 
     hash: str
     status: Status
-    message: str
+    message: str  # on one line
     cpu_s: float
     wall_s: float
     summary: dict[str, float]
@@ -207,19 +207,22 @@ def summaries(path: Path) -> list[Summary]:
     """
     with opened(path, FILETYPE, "block of cases", VERSION) as file:
         hashes = [name.decode() for name in _column(file, "hash")]
-        about = {name: _column(file["attributes"], name) for name in ("status", "message", *TIMES)}
-        columns = {name: _column(file["summary"], name) for name in file["summary"]}
-    statuses = [Status(text[:-1].decode()) for text in about["status"]]
-    messages = [text[:-1].decode() for text in about["message"]]
+        attributes, summary = file["attributes"], file["summary"]
+        about = {name: _column(attributes, name) for name in ("status", "message", *TIMES)}
+        columns = {name: _column(summary, name) for name in summary}
+    known_as = {text: Status(text[:-1].decode()) for text in set(about["status"])}
+    said = {text: " ".join(text[:-1].decode().split()) for text in set(about["message"])}
+    statuses = [known_as[text] for text in about["status"]]
+    messages = [said[text] for text in about["message"]]
     names = [name for name in GROUPS["summary"] if name in columns]
     values = zip(*(columns[name] for name in names), strict=True) if names else [()] * len(hashes)
     numbers = [dict(zip(names, row, strict=True)) for row in values]
     for name in names:
-        for row, known in zip(numbers, columns.get(f"{name} known", ()), strict=False):
-            if not known:
-                del row[name]
+        known = columns.get(f"{name} known", ())
+        for row in (row for row, has in zip(numbers, known, strict=False) if not has):
+            del row[name]
     rows = zip(hashes, statuses, messages, about["cpu_s"], about["wall_s"], numbers, strict=True)
-    return [Summary(*row) for row in rows]
+    return list(map(Summary._make, rows))
 
 
 def _column(group: h5py.Group, name: str) -> list[Any]:

@@ -196,9 +196,7 @@ class Store:
         found: dict[str, CaseRow] = {}
         for path in self.blocks.paths:
             try:
-                for case in summaries(path):
-                    case = case._replace(message=" ".join(case.message.split()))
-                    found[case.hash] = CaseRow(*case)
+                found |= {case.hash: CaseRow(*case) for case in summaries(path)}
             except InputError as error:
                 self.skipped.append((path, " ".join(error.problems)))
         return found
