@@ -1,13 +1,17 @@
 """Kernels that only other kernels call: made ready to be absorbed by these, and no machine code of their own.
 
 Numba optimises every function, compiles it to machine code and keeps that, also if each of its callers has a
-copy of its own: a fourth of the time of a first run.
+copy of its own: a fourth of the time of a first run. It is told otherwise from within, which only versions
+allow that this has been tried with; others compile everything.
 """
 
 from typing import Any
 
+import numba
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
+
+TRIED = numba.version_info.short <= (0, 68)  # from the lowest version that the package allows
 
 
 class AbsorbedLibrary(JITCodeLibrary):

@@ -11,10 +11,11 @@ from numba.core.registry import CPUDispatcher
 from numba.experimental import structref
 from numba.extending import intrinsic
 
-from rps_exudyn.base.absorbed import Absorbing
+from rps_exudyn.base.absorbed import TRIED, Absorbing
 from rps_exudyn.base.kernel_cache import KernelCache
 
-_NOT_FROM_PYTHON = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": Absorbing}
+_NOT_FROM_PYTHON = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_ABSORBED = _NOT_FROM_PYTHON | ({"pipeline_class": Absorbing} if TRIED else {})
 
 
 def _compiled(function: Callable[..., Any], **options: Any) -> Any:
@@ -50,7 +51,7 @@ def nested(function: Callable[..., Any]) -> Callable[..., Any]:
 
     Called from Python it runs uncompiled.
     """
-    dispatcher = _compiled(function, **_NOT_FROM_PYTHON)
+    dispatcher = _compiled(function, **_ABSORBED)
     dispatcher.__class__ = _WithinKernels
     return dispatcher
 
@@ -62,7 +63,7 @@ def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     compiles would round otherwise than those that load its kernels. Called from Python it runs uncompiled:
     what unpacks its arguments would take longer to compile than the function.
     """
-    dispatcher = _compiled(function, forceinline=True, **_NOT_FROM_PYTHON)
+    dispatcher = _compiled(function, forceinline=True, **_ABSORBED)
     dispatcher.__class__ = _WithinKernels
     return dispatcher
 
@@ -74,7 +75,7 @@ def borrowing(function: Callable[..., Any]) -> Callable[..., Any]:
     half of the time of the flanks' contact. It must neither make arrays, which does not compile, nor return
     any, which is refused, nor call what returns some, which would never be freed.
     """
-    dispatcher = _compiled(function, forceinline=True, _nrt=False, **_NOT_FROM_PYTHON)
+    dispatcher = _compiled(function, forceinline=True, _nrt=False, **_ABSORBED)
     dispatcher.__class__ = _Borrowing
     return dispatcher
 

@@ -26,7 +26,7 @@ from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.environment import Environment, _rebuild_env, lookup_environment
 from numba.core.runtime.nrt import rtsys
 
-from rps_exudyn.base.absorbed import tell_constants
+from rps_exudyn.base.absorbed import TRIED, tell_constants
 
 # What compiled code is made of: the kernels, and the constants and NamedTuples that they read
 KERNEL_SOURCES = (
@@ -211,7 +211,8 @@ class KernelCache(FunctionCache):
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep what was compiled for a signature, and hide it from its callers if it stands apart."""
-        tell_constants(data)
+        if TRIED:
+            tell_constants(data)
         module = data.library._final_module
         everything = [*module.functions, *module.global_variables]
         needs = tuple(

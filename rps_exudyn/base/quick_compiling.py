@@ -16,10 +16,14 @@ from llvmlite.binding import ffi
 from numba.core import codegen, errors
 from numba.np import numpy_support
 
+from rps_exudyn.base.absorbed import TRIED
+
 
 @lru_cache(maxsize=1)
 def quicken() -> None:
-    """Leave all that out from now on."""
+    """Leave all that out from now on, with versions of numba that this has been tried with."""
+    if not TRIED:
+        return
     from numba.core.typing import npydecl
 
     if scheme := getattr(errors, "HighlightColorScheme", None):  # where colours are known at all
