@@ -9,6 +9,7 @@ from pathlib import Path
 import rps_exudyn as rps
 from benchmarks.topic import ROOT, Topic, markdown
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.result import Result
 from rps_exudyn.verification.stability import ScenePlan, cpu_time_limit, error_of, reference, unchecked
 
 COLUMNS = ("case", "without_checks", "error_without", "outcome", "error", "message")
@@ -33,11 +34,21 @@ def run(folder: Path, names: Sequence[str] = ()) -> None:
 
 def row_of(plan: ScenePlan) -> tuple[str, str, str, str, str]:
     """Outcome and error without and with checks, and the message."""
-    bare, result = unchecked(plan), rps.run(plan.scene, plan.gear, fidelity=plan.fidelity)
-    true = _reference(plan) if Status.OK in (bare.status, result.status) else float("nan")
+    bare, result = _without_checks(plan), rps.run(plan.scene, plan.gear, fidelity=plan.fidelity)
+    bare_status = bare.status.value if bare else "crashed"
+    true = _reference(plan) if Status.OK in (bare_status, result.status) else float("nan")
     error = error_of(plan.figure(result), true) if result.status is Status.OK else float("nan")
-    without = error_of(plan.figure(bare), true)
-    return bare.status.value, f"{without:.3g}", result.status.value, f"{error:.3g}", result.message
+    without = error_of(plan.figure(bare), true) if bare else float("nan")
+    return bare_status, f"{without:.3g}", result.status.value, f"{error:.3g}", result.message
+
+
+def _without_checks(plan: ScenePlan) -> Result | None:
+    """The run; None where what a check would refuse ends in an error of the program."""
+    try:
+        return unchecked(plan)
+    except Exception as error:
+        print(f"{type(error).__name__}: {error}", flush=True)
+        return None
 
 
 def _reference(plan: ScenePlan) -> float:

@@ -149,7 +149,7 @@ def reference(plan: ScenePlan, methods: Sequence[Choices] = REFERENCES) -> float
         if changes.get("mesh") == "flank-generators" and plan.gear.mesh.law != "area":
             continue  # which they do not know
         try:
-            result = run_unchecked(plan.scene, plan.gear, plan.fidelity.replace(changes))
+            result = run_unchecked(plan.scene, plan.gear, _of_the_same_bush(plan.fidelity, changes))
         except InputError:
             break
         if result.status is not Status.OK:
@@ -160,6 +160,12 @@ def reference(plan: ScenePlan, methods: Sequence[Choices] = REFERENCES) -> float
                 return before
         found.append(figure)
     return found[0] if found else float("nan")
+
+
+def _of_the_same_bush(fidelity: Fidelity, changes: Choices) -> Fidelity:
+    """A reference's model; a chain of segments is condensed to what it is at rest, any other bush stays."""
+    kept = fidelity.bush if "chain" not in fidelity.bush else changes.get("bush", fidelity.bush)
+    return fidelity.replace({**changes, "bush": kept})
 
 
 def _in_order(plan: ScenePlan, methods: Sequence[Choices]) -> list[Choices]:

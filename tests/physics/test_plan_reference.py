@@ -6,9 +6,12 @@ from typing import cast
 import numpy as np
 import pytest
 
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.result import Result
 from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.verification import stability
 from rps_exudyn.verification.led_ways import pitches_before, room_before, ways_of
 from rps_exudyn.verification.plan_reference import expected, explicit, reference_forces
 from rps_exudyn.verification.refined_steps import NotFiniteError, NotFoundError, confirmed
@@ -123,3 +126,18 @@ def test_a_reference_comes_from_where_its_beginning_is_forgotten() -> None:
     assert slow == room > 8
     few, room = led_from({"test.start_angle": "-20 deg", "rack.travel": "20 mm"})
     assert few == room < 4
+
+
+def test_a_reference_keeps_a_rigid_bush_and_condenses_a_chain(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A chain at rest is its condensed stiffness; a rigid bush is another gear, 2.7 % off in one reversal."""
+    bushes: list[str] = []
+
+    def asked(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
+        bushes.append(fidelity.bush)
+        raise InputError("no run is needed")
+
+    monkeypatch.setattr(stability, "run_unchecked", asked)
+    for bush, expected_bush in (("rigid", "rigid"), ("condensed", "condensed"), ("chain", "condensed")):
+        plan = ScenePlan("reversal", GEAR, Fidelity.preset("flank").replace({"bush": bush}))
+        assert np.isnan(stability.reference(plan))
+        assert bushes.pop() == expected_bush
