@@ -45,8 +45,6 @@ def passes(signals: Signals) -> list[Pass]:
     A record joined from several, each of which begins at the time at which the one before ended, is divided
     there too.
     """
-    if direction := _only_direction(signals):
-        return [Pass(direction, dict(signals))]
     return [each for maneuver in _maneuvers(signals) for each in _passes_of_one(maneuver)]
 
 
@@ -84,15 +82,6 @@ def turning_points(angle: np.ndarray) -> list[int]:
     return [*points, high if direction > 0 else low]
 
 
-def _only_direction(signals: Signals) -> int:
-    """The direction in which the angle never stops to turn in a record of its own; else 0."""
-    angle = signals["pinion_angle"]
-    if angle.shape[-1] < 2 or not (np.diff(signals.get("time", np.arange(angle.shape[-1]))) > 0).all():
-        return 0
-    steps = np.diff(angle)
-    return 1 if (steps > 0).all() else -1 if (steps < 0).all() else 0
-
-
 def _maneuvers(signals: Signals) -> list[Signals]:
     """The records from which this one was joined."""
     angle = signals["pinion_angle"]
@@ -110,7 +99,7 @@ def _jumps_back(angle: np.ndarray) -> list[int]:
     So do passes in one direction that follow each other in a measured file, without the way between them.
     """
     steps = np.diff(angle)
-    if steps.size < 3:
+    if steps.size < 3 or (steps > 0).all() or (steps < 0).all():
         return []
     before, jump, after = np.sign(steps[:-2]), steps[1:-1], np.sign(steps[2:])
     far = np.abs(jump) > LEAST_JUMP * float(np.ptp(angle))

@@ -67,7 +67,7 @@ def defect(vertices: np.ndarray, faces: np.ndarray, least_height: float = 1e-12)
     """
     if not np.isfinite(vertices).all():
         return f"{np.count_nonzero(~np.isfinite(vertices).all(axis=1))} vertices are not finite"
-    start, end = faces[:, [0, 1, 2]].astype(np.int64).ravel(), faces[:, [1, 2, 0]].astype(np.int64).ravel()
+    start, end = (corners.astype(np.int64).ravel() for corners in (faces, np.roll(faces, -1, axis=1)))
     n = len(vertices)
     forward, backward = np.sort(start * n + end), np.sort(end * n + start)
     if not np.array_equal(forward, backward) or (np.diff(forward) == 0).any():

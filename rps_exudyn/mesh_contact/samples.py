@@ -49,12 +49,6 @@ def sample_flank(flank: Flank, profile: int, axial: int, approach: float) -> Fla
     )
 
 
-def onto_mesh(samples: FlankSamples, triangles: np.ndarray) -> FlankSamples:
-    """Samples moved along their normals onto a triangulated flank, of `mesh_distance`."""
-    moves = mesh_distance(samples, triangles)[:, None] * samples.normals
-    return samples._replace(points=samples.points + moves)
-
-
 def mesh_distance(samples: FlankSamples, triangles: np.ndarray) -> np.ndarray:
     """Distances of samples from a triangulated flank along their normals, shape (n,) [m].
 

@@ -200,7 +200,7 @@ class _Search:
             unsettled = _difference(path, real, self.drive)
             on, real_on = (self.gone_on(each) for each in (path, real))
             if on.converged and real_on.converged:
-                behind = _largest_difference(on, real_on, self.drive)
+                behind = _apart(on.forces[-FINE:], real_on.forces[-FINE:], self.drive, FINE)
         return replace(path, start=Start(unsettled, needed, toothed, behind))
 
     def gone_on(self, path: EquilibriumPath) -> EquilibriumPath:
@@ -219,16 +219,14 @@ class _Search:
 
 def _difference(a: EquilibriumPath, b: EquilibriumPath, drive: Drive) -> float:
     """Difference of the drive's force at the ends of two paths, over its largest along them."""
-    forces = [path.forces[:, drive.coordinate] for path in (a, b)]
-    largest = max(float(np.abs(force).max()) for force in forces)
-    return abs(float(forces[0][-1] - forces[1][-1])) / largest if largest else 0.0
+    return _apart(a.forces, b.forces, drive, 1)
 
 
-def _largest_difference(a: EquilibriumPath, b: EquilibriumPath, drive: Drive) -> float:
-    """Largest difference of the drive's force over the last unit of two paths, over its largest there."""
-    forces = [path.forces[-FINE:, drive.coordinate] for path in (a, b)]
-    largest = max(float(np.abs(force).max()) for force in forces)
-    return float(np.abs(forces[0] - forces[1]).max()) / largest if largest else 0.0
+def _apart(a: np.ndarray, b: np.ndarray, drive: Drive, last: int) -> float:
+    """Largest difference between the last instants of two rows of forces (n, .), over the drive's largest."""
+    first, second = (forces[:, drive.coordinate] for forces in (a, b))
+    largest = max(np.abs(first).max(), np.abs(second).max())
+    return float(np.abs(first[-last:] - second[-last:]).max() / largest) if largest else 0.0
 
 
 def _rolling(path: EquilibriumPath) -> float:

@@ -20,7 +20,7 @@ from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pinion_mesh import pinion_mesh
 from rps_exudyn.gears.shaping import shaped_pinion
 from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
-from rps_exudyn.mesh_contact.samples import FlankSamples, onto_mesh, sample_flank
+from rps_exudyn.mesh_contact.samples import FlankSamples, mesh_distance, sample_flank
 from rps_exudyn.mesh_contact.spheres import borders, contact_data, sphere_radius
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -105,7 +105,8 @@ def _on_facets(flank: Flank, samples: FlankSamples, surface: Surface | None) -> 
     triangles = triangles[(np.abs(flank.distance(triangles)) < NEAR).all(axis=1)]
     starts = range(0, len(samples.points), CHUNK)
     pieces = [FlankSamples(*(each[at : at + CHUNK] for each in samples)) for at in starts]
-    return np.concatenate([onto_mesh(piece, triangles).points for piece in pieces])
+    distances = np.concatenate([mesh_distance(piece, triangles) for piece in pieces])
+    return samples.points + distances[:, None] * samples.normals
 
 
 def largest_deviation(gear: SteeringGear, surface: Surface) -> float:

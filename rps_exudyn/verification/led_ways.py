@@ -67,7 +67,7 @@ def followed(
 ) -> tuple[np.ndarray, EquilibriumPath]:
     """Instants of a way, and equilibria from so many pitches before it to its end in steps of which `finer`
     make one."""
-    before = instants_before(gear, way, pitches, 0.0, finer)
+    before = instants_before(gear, pitches, 0.0, finer)
     long = way.length * gear.pinion.teeth / (2 * np.pi)
     steps = ceil(finer * long * max(LEAST_STEPS, min(STEPS, MOST_STEPS / long))) + 8
     along = np.linspace(0, way.length / gear.test.speed, steps + 1)
@@ -91,7 +91,7 @@ def pitches_before(gear: SteeringGear, forces: GearForces, way: Way) -> float:
     for pitches in PITCHES_BEFORE:
         if pitches >= room:
             return room
-        force = _led_force(gear, forces, drive, instants_before(gear, way, pitches, 0.0))
+        force = _led_force(gear, forces, drive, instants_before(gear, pitches, 0.0))
         if abs(force[-1] - left) <= FORGOTTEN * np.abs(force).max():
             return pitches
         left = force[-1]
@@ -103,11 +103,11 @@ def _led_force(gear: SteeringGear, forces: GearForces, drive: Drive, time: np.nd
     return np.asarray(equilibria_at(gear, forces, drive, time).forces[:, drive.coordinate])
 
 
-def instants_before(gear: SteeringGear, way: Way, pitches: float, end: float, finer: int = 1) -> np.ndarray:
-    """Instants of equilibria from so many pitches before a way, as far as there are teeth, to the instant
-    `end` [s], both below or at 0."""
+def instants_before(gear: SteeringGear, pitches: float, end: float, finer: int = 1) -> np.ndarray:
+    """Instants of equilibria from so many pitches before a way to the instant `end` [s], both below or at
+    0."""
     pitch = 2 * np.pi / gear.pinion.teeth / gear.test.speed
-    begin = -min(pitches * pitch, room_before(gear, way) / gear.test.speed)
+    begin = -pitches * pitch
     if begin >= end:
         return np.array([end])
     led = np.linspace(begin, end, max(2, ceil((end - begin) / pitch * STEPS_BEFORE * finer)), endpoint=False)

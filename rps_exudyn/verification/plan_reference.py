@@ -115,13 +115,13 @@ def _along(plan: ScenePlan, forces: GearForces, way: Way) -> Expected:
     if plan.fidelity.solver == "generalized-alpha":
         duration = way.length / gear.test.speed
         run_in = min(RUN_IN * 2 * np.pi / gear.pinion.teeth, room_before(gear, way)) / gear.test.speed
-        motion = _motion(plan, forces, drive, instants_before(gear, way, pitches, -run_in))
+        motion = _motion(plan, forces, drive, instants_before(gear, pitches, -run_in))
         step = _explicit_step(motion)
         if (steps := ceil((duration + run_in) / step)) <= MOST_EXPLICIT:
             shifted = replace(motion, drive=replace(drive, start=float(drive.place(-run_in))))
 
             def moved(parts: int) -> tuple[float, float]:
-                led = equilibria_at(gear, forces, drive, instants_before(gear, way, pitches, -run_in, parts))
+                led = equilibria_at(gear, forces, drive, instants_before(gear, pitches, -run_in, parts))
                 begun = replace(shifted, place=led.coordinates[-1], rate=led.rates[-1])
                 time, places, rates = explicit(begun, step, steps, parts)
                 kept = time >= run_in - step / 2
