@@ -35,7 +35,6 @@ SEED = 31
 WANTED = (1.0, 0.1)
 CHECKED = {name: SCENES[name] for name in SCENES if name in known_scenes()}
 JUDGED, MOST = 20, 400  # promises kept or missed, and gears drawn, most of which rattle refuses at once
-LONGEST = 60.0  # CPU time of a reference, and of a run with what confirms it [s]
 DATA = "promise_check.json"
 PARTIAL = "promise_check.partial.json"
 SAID = ("NOT promised", "NOT reached", "not confirmed")
@@ -75,7 +74,7 @@ def checked(scene: str, gear: SteeringGear, measured: Measured) -> dict[str, Any
     everything = dict.fromkeys(allowed, np.inf)
     found: dict[str, Any]
     try:
-        with cpu_limit(LONGEST):
+        with cpu_limit(measured.longest):
             truth = truth_of(scene, gear, measured.methods, tuple(allowed), everything)
     except ArithmeticError as error:  # without a reference no run is judged, and none is made
         found = {"reference": str(error), "by": [{"verdict": "no reference"} for _ in WANTED]}
@@ -89,7 +88,7 @@ def verdict_on(scene: str, gear: SteeringGear, truth: Truth, wanted: float) -> d
     """Run a gear by an accuracy [%], and judge what came out."""
     try:
         quantity = choose(scene, gear, wanted).quantity
-        with cpu_limit(LONGEST):
+        with cpu_limit(measured.longest):
             result = simulate(scene, gear, accuracy=f"{wanted:g}%")
     except InputError as refusal:
         return {"verdict": "refused", "said": str(refusal)}

@@ -34,7 +34,6 @@ from rps_exudyn.verification.wide_tests import gears_under_tests
 SEED = 2024  # other gears than those the promise is tested on
 MARGIN = 1.5
 WIDE_MARGIN, FEW = 2.0, 12  # where fewer gears had a reference
-LONGEST = 60.0  # CPU time for a gear, with compiling [s]
 RAW = "promise_errors.json"  # of a run that was stopped
 LAW_SCENE, LAW_GEARS = "free-pinion-torque", 24
 FACTORS = (1.0, 1.5, 2.0, 4.0)
@@ -73,7 +72,7 @@ def run(
 def within_limit(scene: str, gear: SteeringGear, measured: Measured) -> dict[str, Any]:
     """Errors and costs of all settings on one gear, or why it has none: it may take too long."""
     try:
-        with cpu_limit(LONGEST):
+        with cpu_limit(measured.longest):
             return errors_on(scene, gear, measured)
     except ArithmeticError as error:
         return {"refused": str(error)}
