@@ -79,16 +79,16 @@ def checked(scene: str, gear: SteeringGear, measured: Measured) -> dict[str, Any
     except ArithmeticError as error:  # without a reference no run is judged, and none is made
         found = {"reference": str(error), "by": [{"verdict": "no reference"} for _ in WANTED]}
     else:
-        verdicts = [verdict_on(scene, gear, truth, wanted) for wanted in WANTED]
+        verdicts = [verdict_on(scene, gear, truth, wanted, measured.longest) for wanted in WANTED]
         found = {"reference": truth.uncertainty, "by": verdicts}
     return {"speed": gear.test.speed, **found, "seconds": process_time() - began}
 
 
-def verdict_on(scene: str, gear: SteeringGear, truth: Truth, wanted: float) -> dict[str, Any]:
+def verdict_on(scene: str, gear: SteeringGear, truth: Truth, wanted: float, longest: float) -> dict[str, Any]:
     """Run a gear by an accuracy [%], and judge what came out."""
     try:
         quantity = choose(scene, gear, wanted).quantity
-        with cpu_limit(measured.longest):
+        with cpu_limit(longest):
             result = simulate(scene, gear, accuracy=f"{wanted:g}%")
     except InputError as refusal:
         return {"verdict": "refused", "said": str(refusal)}
