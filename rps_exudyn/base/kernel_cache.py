@@ -27,6 +27,7 @@ from numba.core.environment import Environment, _rebuild_env, lookup_environment
 from numba.core.runtime.nrt import rtsys
 
 from rps_exudyn.base.absorbed import TRIED, tell_constants
+from rps_exudyn.base.interrupts import raise_wrapped
 
 # What compiled code is made of: the kernels, and the constants and NamedTuples that they read
 KERNEL_SOURCES = (
@@ -111,7 +112,8 @@ class _CheckedFile(IndexDataCacheFile):
     def _load_index(self) -> Any:
         try:
             return super()._load_index()
-        except Exception:  # whatever pickle makes of damaged bytes
+        except Exception as error:  # whatever pickle makes of damaged bytes
+            raise_wrapped(error)
             _report_damage()
             return {}
 

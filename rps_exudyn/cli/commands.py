@@ -18,6 +18,7 @@ from cyclopts import CycloptsError, Parameter, UnusedCliTokensError
 import rps_exudyn.cli.tools  # noqa: F401 (registers its commands)
 from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.interrupts import unwrapped_interrupts
 from rps_exudyn.cli.app import DONE, FAILED, INTERRUPTED, PAPER_GEAR, PAPER_SETUP, WRONG_INPUT, Flag, app
 from rps_exudyn.cli.kept import keep, naming, say
 from rps_exudyn.cli.measured_options import Columns
@@ -45,7 +46,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     prepare_process()
     try:
         _check_folder()
-        status = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
+        with unwrapped_interrupts():
+            status = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
         sys.stdout.flush()
         return status or DONE
     except BrokenPipeError:  # whoever reads the output has seen enough

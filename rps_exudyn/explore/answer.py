@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.interrupts import raise_wrapped
 from rps_exudyn.base.units import words
 from rps_exudyn.explore.sliders import settings_of
 from rps_exudyn.gears.report import geometry_report
@@ -55,6 +56,7 @@ def answer(gear: SteeringGear, state: Any) -> Answer:
     except InputError as error:
         return {"problems": list(error.problems)}
     except Exception as error:  # whatever a state nobody has tried does to a solver: the page goes on
+        raise_wrapped(error)
         return {"problems": [f"This state cannot be computed: {type(error).__name__}: {error}."]}
     shown = {
         "gear": repr(chosen).strip("<>"),

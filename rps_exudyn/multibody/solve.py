@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rps_exudyn.base.interrupts import raise_wrapped
 from rps_exudyn.results.outcome import Outcome, Status
 
 if TYPE_CHECKING:
@@ -89,7 +90,8 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
     except exu.ExudynError as error:
         finished, cause = False, error.__cause__  # what a force in Python raised, or None
         said = str(error).strip().partition("\n")[0]
-        if isinstance(cause, KeyboardInterrupt | SystemExit):
+        raise_wrapped(cause)
+        if isinstance(cause, SystemExit):
             raise cause from None
     cpu = process_time() - start
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from rps_exudyn.analysis.passes import longest_pass
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.interrupts import raise_wrapped
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
@@ -206,5 +207,6 @@ def _row(scene: str, gear: SteeringGear, settings: Mapping[str, Any], fidelity: 
     except InputError as error:  # a value that is not allowed, a gear that cannot be built
         status, message = Status.INVALID, " ".join(error.problems)
     except Exception as error:
+        raise_wrapped(error)
         status, message = Status.CRASHED, f"{type(error).__name__}: {error}"
     return failed(scene, gear, fidelity, status, message)

@@ -131,6 +131,30 @@ def test_time_of_a_group_that_is_over_gives_no_answers(tmp_path: Path) -> None:
     assert CaseRunner().run_group(group | {"time_limit": 1e-3}) is None
 
 
+@pytest.mark.parametrize("wrapped", [False, True])
+def test_interrupt_within_a_case_is_no_crash(
+    wrapped: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Compiled code that calls Python turns an interrupt into a SystemError."""
+
+    def interrupted(*_: object, **__: object) -> None:
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as interrupt:
+            if not wrapped:
+                raise
+            raise SystemError("returned a result with an exception set") from interrupt
+
+    group = dict(next(tasks_of(tmp_path, FEWEST)))
+    monkeypatch.setattr("rps_exudyn.simulate.batch.simulate", interrupted)
+    monkeypatch.setattr("rps_exudyn.simulate.case_run.simulate", interrupted)
+    group["ranges"] = None
+    group["members"] = group["members"][:2]
+    assert CaseRunner().run_group(group) is None
+    single = {name: group[name] for name in ("scene", "gear", "fidelity", "keep")}
+    assert CaseRunner().run(single)[0]["status"] == "timeout"
+
+
 def test_bad_cases_of_a_group_harm_no_other(
     command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
