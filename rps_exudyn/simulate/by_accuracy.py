@@ -38,7 +38,6 @@ SAME_MOTION = {"yoke-setting": "free-pinion-torque"}
 """Scene -> the scene whose table it takes: the pinion is turned in the same way, the yoke set anew."""
 
 NO_TABLE = {
-    "steering-feel": "too few gears have been measured",
     "steering-torque": "it has a fixed number of steps per cycle, which no setting changes",
     "stick-slip": "it has steps of its own, which no setting changes",
 }
