@@ -5,7 +5,7 @@
 Within a pass the pinion angle rises or falls strictly, so that signals can be drawn and averaged over it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -45,7 +45,17 @@ def passes(signals: Signals) -> list[Pass]:
     A record joined from several, each of which begins at the time at which the one before ended, is divided
     there too.
     """
+    if direction := _only_direction(signals):
+        return [Pass(direction, dict(signals))]
     return [each for maneuver in _maneuvers(signals) for each in _passes_of_one(maneuver)]
+
+
+def _only_direction(signals: Signals) -> int:
+    """Direction of a whole record that is one pass, as most are; 0 of any other."""
+    steps = np.diff(signals["pinion_angle"])
+    if not steps.size or ("time" in signals and not (np.diff(signals["time"]) > 0).all()):
+        return 0
+    return 1 if (steps > 0).all() else -int((steps < 0).all())
 
 
 def interpolated(signals: Signals, name: str, angle: np.ndarray, direction: int) -> np.ndarray:
@@ -120,19 +130,25 @@ def _left(angle: np.ndarray, turn: int) -> int:
 
 def longest_pass(signals: Signals, direction: int) -> Pass | None:
     """The pass towards +X (`direction` +1) or -X that covers most angles; None if there is none."""
-    if "pinion_angle" not in signals:
-        return None
-    turned = [each for each in passes(signals) if each.direction == direction]
-    return max(turned, key=lambda each: float(np.ptp(each.angle)), default=None)
+    return _longest(passes(signals), direction) if "pinion_angle" in signals else None
 
 
 def both_directions(signals: Signals) -> tuple[Pass, Pass, np.ndarray] | None:
     """The longest passes towards +X and -X, and their common angles [rad]; None if there are none."""
-    forward, backward = longest_pass(signals, +1), longest_pass(signals, -1)
+    turned = passes(signals) if "pinion_angle" in signals else []
+    forward, backward = _longest(turned, +1), _longest(turned, -1)
     if not (forward and backward):
         return None
     angle = common_angles(forward.angle, backward.angle)
     return (forward, backward, angle) if angle.size else None
+
+
+def _longest(turned: Sequence[Pass], direction: int) -> Pass | None:
+    return max(
+        (each for each in turned if each.direction == direction),
+        key=lambda each: float(np.ptp(each.angle)),
+        default=None,
+    )
 
 
 def common_angles(first: np.ndarray, second: np.ndarray) -> np.ndarray:
