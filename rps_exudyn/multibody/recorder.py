@@ -132,6 +132,7 @@ class Recorder:
             wheel=self._wheel(coordinates, rates),
             column=model.column,
             tyre=tyre,
+            known=model.forces.outputs(places, speeds),
         )
 
     def _overcome(

@@ -39,6 +39,7 @@ from rps_exudyn.solvers.gear_kernel import (
 from rps_exudyn.solvers.linear_spheres import standing_out
 from rps_exudyn.solvers.newton_follower import newton_follower
 from rps_exudyn.solvers.newton_path import NewtonLaw
+from rps_exudyn.solvers.newton_tangent import outputs_along
 from rps_exudyn.solvers.settling import static_approach
 from rps_exudyn.solvers.sphere_groups import by_touching_angle
 
@@ -104,6 +105,14 @@ class GearForces:
         if not known or self.bar is not None or self.memory.needed:
             return None
         return NewtonLaw(newton_follower(self.mesh.tangent, self.seat.kernel), self.approach)
+
+    def outputs(self, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray | None:
+        """Return all elements' outputs (n, 73) at states of `dynamics` (n, 8) each, see
+        `newton_tangent.OUTPUTS`; None of gears that Newton's method does not know, and of a chain."""
+        if self._newton is None or "segment" in self.fit.bodies:
+            return None
+        each = outputs_along(self.mesh.tangent, self.seat.kernel)
+        return np.asarray(each(coordinates, rates, self._data(self.fit)))
 
     @property
     def dynamics(self) -> tuple[Kernel, Handle]:

@@ -152,6 +152,29 @@ def newton_forces(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
     return kernel_over(forces_and_tangent, mesh_tangent, seat_force)
 
 
+@cache
+def outputs_along(mesh_tangent: Kernel, seat_force: Kernel) -> Kernel:
+    """Compile each(coordinates, rates, handle) -> (n, 73), the elements' outputs at states (n, 8) each.
+
+    One loop over all elements, where a loop over each would have to be compiled.
+    """
+    evaluate = newton_forces(mesh_tangent, seat_force)
+
+    def each_element(coordinates, rates, handle):  # type: ignore[no-untyped-def]
+        n = coordinates.shape[0]
+        out, total, tangent, of_loads = (
+            np.empty((n, ALL_OUTPUTS)),
+            np.empty(8),
+            np.empty((8, 8)),
+            np.empty((2, 8)),
+        )
+        for i in range(n):
+            evaluate(coordinates[i], rates[i], handle, 0.0, out[i], total, tangent, of_loads)
+        return out
+
+    return kernel_over(each_element, evaluate)
+
+
 @borrowing
 def _put(out, first, values, total, begin, count):  # type: ignore[no-untyped-def]
     """Keep an element's output, and add its forces."""

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rps_exudyn.forces.memory import NO_MEMORY
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -12,6 +13,7 @@ from rps_exudyn.scenes.maneuver import Maneuver, steady_maneuver
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, equilibrium_path
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
+from rps_exudyn.solvers.gear_kernel import along, stacked
 from rps_exudyn.solvers.newton_tangent import OUTPUTS, add_fit_tangent, add_seat_tangent
 from rps_exudyn.solvers.path_follower import TOLERANCE
 from rps_exudyn.solvers.record import record_of_path
@@ -78,6 +80,32 @@ def test_kept_outputs_are_those_of_the_force_elements() -> None:
         assert np.abs(found - expected).max(axis=0) == pytest.approx(
             0, abs=2e-4 * np.abs(expected).max(axis=0).max()
         )
+
+
+@pytest.mark.parametrize("gear", [*GEARS.values(), ASKEW | {"mesh.law": "teeth"}], ids=[*GEARS, "teeth"])
+def test_outputs_together_are_those_of_each_element(gear: dict[str, object]) -> None:
+    """To the last digits, also while the gear vibrates, and in loads and weight."""
+    loaded = SteeringGear().replace({"installation.gravity": -9.81, **gear})
+    forces, rng = gear_forces(loaded, FIDELITY, rack_load=500.0), np.random.default_rng(1)
+    places = rng.normal(size=(20, 8)) * [0.02, 1e-4, 5e-6, 5e-6, 1e-4, 1e-4, 1e-4, 2e-4]
+    rates = rng.normal(size=(20, 8)) * [1.0, 6e-3, 1e-4, 1e-4, 1e-2, 1e-3, 1e-3, 1e-4]
+    together = forces.outputs(places, rates)
+    assert together is not None
+    assert {element.name for element in forces.elements} == set(OUTPUTS)
+    for element in forces.elements:
+        first, count = OUTPUTS[element.name]
+        columns = stacked(element.bodies)
+        each = along(element.kernel)(
+            np.ascontiguousarray(places[:, columns]),
+            np.ascontiguousarray(rates[:, columns]),
+            element.data,
+            np.zeros(20),
+            np.zeros((20, 0)),
+            NO_MEMORY,
+        )
+        largest = np.abs(each).max(axis=0)
+        assert np.all(np.abs(together[:, first : first + count] - each) <= 1e-12 * largest)
+        assert largest.any()
 
 
 def test_what_newton_does_not_find_the_follower_does() -> None:
