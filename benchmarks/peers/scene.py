@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.solids import rack_solid
+from rps_exudyn.gears.masses import rack_masses
 from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -32,7 +32,7 @@ GUIDED = {"rack": "guided", "yoke": "force", "bush": "condensed"}
 
 PRELOAD, FRICTION, STIFFNESS = GEAR.yoke.preload, GEAR.mesh.friction, GEAR.mesh.stiffness
 SPEED = GEAR.test.speed  # of the pinion [rad/s]
-RACK_MASS = rack_solid(GEAR).mass_properties.mass
+RACK_MASS = rack_masses(GEAR).mass
 APPROACH = rack_approach(PAIR, mean_depth(GEAR))
 """How far the preload presses the rack in [m], at which a motion starts."""
 

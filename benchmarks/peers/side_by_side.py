@@ -30,7 +30,7 @@ def run(
     searched: Sequence[Method] = tuple(plans.SEARCHED),
     finest: Mapping[str, Method] = plans.FINEST,
     methods: Mapping[str, ReferenceMethod] | None = None,
-    rounds: int = 5,
+    rounds: int = 9,
     enough_s: float = 12.0,
     turned: float = TURN,
 ) -> None:
@@ -54,7 +54,7 @@ def run_again(
     own: Sequence[Method] = tuple(plans.OF_PACKAGE),
     searched: Sequence[Method] = tuple(plans.SEARCHED),
     methods: Mapping[str, ReferenceMethod] | None = None,
-    rounds: int = 3,
+    rounds: int = 9,
     enough_s: float = 12.0,
     turned: float = TURN,
 ) -> None:
