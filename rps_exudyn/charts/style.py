@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
+from PIL import Image
 
 from rps_exudyn.base.atomic import replacing
 from rps_exudyn.results.quantities import SIGNALS, Quantity
@@ -218,11 +219,15 @@ def save(figure: Figure, path: str | Path) -> None:
 
 
 def _save_pixels(figure: Figure, path: Path) -> None:
-    """Draw once: matplotlib's own `savefig` draws a figure with a layout twice, for the same pixels."""
+    """Draw once, and keep no transparency: matplotlib's own `savefig` draws a figure with a layout twice, for
+    the same pixels."""
     before = figure.dpi, figure.canvas
     figure.set_dpi(DPI)
     try:
-        FigureCanvasAgg(figure).print_png(path, pil_kwargs={"compress_level": COMPRESSION})
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        pixels = Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3])
+        pixels.save(path, "PNG", compress_level=COMPRESSION, dpi=(DPI, DPI))
     finally:
         figure.set_dpi(before[0])
         figure.set_canvas(before[1])
