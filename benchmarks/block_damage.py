@@ -13,12 +13,12 @@ from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.study.store import Store
 
 DATA = "block_damage.json"
-PAUSE = (1.0, 8.0)  # [s] between kills: time enough for the processes to start and do some cases
+PAUSE = (1.0, 4.0)  # [s] between kills: time enough for the processes to start and do some cases
 SETTINGS = '[set]\npinion.runout = "10 um"\nfidelity.step_angle = "0.25 deg"'
 
 
 def run(
-    folder: Path, sides: tuple[int, int, int] = (8, 8, 5), kills: int = 25, flips: int = 50, mends: int = 3
+    folder: Path, sides: tuple[int, int, int] = (16, 12, 10), kills: int = 25, flips: int = 50, mends: int = 3
 ) -> None:
     """Disturb a study of so many cases.
 
