@@ -22,6 +22,8 @@ FULL = (
 
 OF_PACKAGE: list[Method] = [
     *(Package("quasi-static", {"step_angle": f"{step:g} deg"}) for step in (10, 5, 2.5, 1)),
+    Package("flank", {"step_angle": "10 deg", "strip_stations": 1}),  # as coarse as the coarsest peers
+    Package("flank", {"step_angle": "10 deg", "strip_stations": 2, "strip_points": 1}),
     Package("flank", {"step_angle": "10 deg", "strip_stations": 2}),
     *(Package("flank", {"step_angle": f"{step:g} deg"}) for step in (10, 5, 3, 1)),
     *(
