@@ -28,7 +28,7 @@ FIRST = {"run": 15.0}
 
 
 def run(
-    folder: Path, commands: Sequence[str] = COMMANDS, repeats: int = 2, first: Sequence[str] = tuple(FIRST)
+    folder: Path, commands: Sequence[str] = COMMANDS, repeats: int = 10, first: Sequence[str] = tuple(FIRST)
 ) -> None:
     """Measure every command some times in turn, and the first run with an empty cache of kernels."""
     least: dict[str, dict[str, float]] = {}
