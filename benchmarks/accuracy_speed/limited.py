@@ -6,6 +6,8 @@ from contextlib import contextmanager
 from time import process_time
 from types import FrameType
 
+from rps_exudyn.base.interrupts import unwrapped_interrupts
+
 LEAST = 1e-3  # of what is left of an outer limit, which a timer of zero would switch off [s]
 
 
@@ -25,7 +27,8 @@ def cpu_limit(seconds: float) -> Iterator[None]:
     allowed = min(seconds, outer) if outer else seconds
     signal.setitimer(signal.ITIMER_PROF, allowed)
     try:
-        yield
+        with unwrapped_interrupts():
+            yield
     except KeyboardInterrupt:
         if signal.getitimer(signal.ITIMER_PROF)[0] > 0:  # it came from outside
             raise

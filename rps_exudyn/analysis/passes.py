@@ -109,7 +109,7 @@ def _jumps_back(angle: np.ndarray) -> list[int]:
     So do passes in one direction that follow each other in a measured file, without the way between them.
     """
     steps = np.diff(angle)
-    if steps.size < 3 or (steps > 0).all() or (steps < 0).all():
+    if steps.size < 3:
         return []
     before, jump, after = np.sign(steps[:-2]), steps[1:-1], np.sign(steps[2:])
     far = np.abs(jump) > LEAST_JUMP * float(np.ptp(angle))

@@ -7,7 +7,6 @@ from time import monotonic, process_time
 from typing import Any
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.interrupts import unwrapped_interrupts
 from rps_exudyn.base.kernel_cache import before_compiling
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -96,7 +95,7 @@ def _outcomes(task: dict[str, Any]) -> Sequence[Result]:
     gear, fidelity = SteeringGear.from_tables(task["gear"]), Fidelity.from_tables(task["fidelity"])
     settings = [member["settings"] for member in task["members"]]
     group = CaseGroup(task["scene"], gear, fidelity, settings, task.get("ranges"))
-    with unwrapped_interrupts(), alarm(task.get("time_limit", float("inf"))):
+    with alarm(task.get("time_limit", float("inf"))):
         return group.results(task["keep"]["signals"])
 
 
@@ -106,7 +105,7 @@ def _outcome(task: dict[str, Any]) -> Result:
     begun, cpu = task.get("begun", monotonic()), process_time()
     recorded = None
     try:
-        with unwrapped_interrupts(), alarm(begun + limit - monotonic()):
+        with alarm(begun + limit - monotonic()):
             return simulate(task["scene"], gear, fidelity, robust=task.get("robust", False))
     except InputError as error:  # a gear that cannot be built, a test that leaves the rack
         status, message = Status.INVALID, " ".join(error.problems)

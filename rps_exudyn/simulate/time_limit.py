@@ -16,6 +16,7 @@ from types import TracebackType
 
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.interrupts import unwrapped_interrupts
 
 LATER = 0.01  # [s] after which an alarm rings again that was not heard
 GRACE = 1.0  # [s] for a run to end by itself, before its process is ended
@@ -61,13 +62,17 @@ class TimeLimit:
 
 @contextmanager
 def alarm(seconds: float) -> Iterator[None]:
-    """Raise KeyboardInterrupt in the block after this time; where there is no such alarm, nothing."""
+    """Raise KeyboardInterrupt in the block after this time; where there is no such alarm, nothing.
+
+    An interrupt leaves the block as one, also where compiled code has wrapped it.
+    """
     can = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
     if not can or seconds == float("inf"):
-        yield
+        with unwrapped_interrupts():
+            yield
         return
     before = signal.signal(signal.SIGALRM, signal.default_int_handler)
-    with _dropped_interrupt_rings_again():
+    with unwrapped_interrupts(), _dropped_interrupt_rings_again():
         signal.setitimer(signal.ITIMER_REAL, max(seconds, 1e-6))
         try:
             yield

@@ -73,7 +73,7 @@ class Record:
     wheel: np.ndarray | None = None  # (n, 2) angle and rate of the wheel, where the rig turns it [rad, rad/s]
     column: SteeringColumn | None = None  # behind it
     tyre: TyreSpring | None = None  # at the rack, where a torque turns the wheel
-    known: np.ndarray | None = None  # (n, 73) the elements' outputs, where the solver kept them
+    known: np.ndarray | None = None  # (n, 73) the elements' outputs, where found together
 
     def since(self, time: float) -> "Record":
         """Return what comes after a time [s]: the part that begins with the last step until then.
