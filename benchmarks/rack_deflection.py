@@ -23,7 +23,7 @@ from rps_exudyn.solvers.balance import SIZE
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 
 FORCE = 98.0  # [N]
 MODEL = Fidelity.preset("quasi-static").replace({"rack": "flexible"})

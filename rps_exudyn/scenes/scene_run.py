@@ -9,7 +9,7 @@ import numpy as np
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.results.quantities import is_work
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
-from rps_exudyn.solvers.path_follower import TOLERANCE
+from rps_exudyn.solvers.settling import TOLERANCE
 
 Signals = dict[str, np.ndarray]
 

@@ -22,7 +22,6 @@ from pathlib import Path
 from time import monotonic
 from typing import IO, Any
 
-from rps_exudyn.base.compiled_before import compiled_before
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.simulate.time_limit import GRACE
 
@@ -135,7 +134,6 @@ class Processes:
             StartError: processes end before they are ready.
         """
         waiting = _Waiting(tasks, self._again)
-        self._compiled = self._compiled or compiled_before()
         while waiting or any(worker.tasks for worker in self._workers):
             self._hand_out(waiting)
             yield from self._next_event()
@@ -208,8 +206,7 @@ class Processes:
         elif "ready" in answer:
             worker.ready = self._compiled = True
             self._failed_starts = 0
-        elif "again" in answer:  # it has compiled kernels, which the next one loads
-            self._compiled = True
+        elif "again" in answer:  # nothing of an interrupted case shall be left in it
             self._remove(worker)
             self._again.extendleft(reversed(worker.tasks))
         elif "error" in answer:

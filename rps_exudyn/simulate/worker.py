@@ -41,8 +41,6 @@ def main() -> None:
 
     runner = CaseRunner()
     runner.warm_up(first, WARM_UP_TURNS)
-    if runner.has_compiled:
-        _begin_again(answer)
     answer({"ready": os.getpid()})
     while True:
         task = json.loads(lines.get())
@@ -61,16 +59,12 @@ def main() -> None:
 def _case(runner: "CaseRunner", task: dict[str, Any], answer: Answer) -> dict[str, Any]:
     """Return the answer to a single case."""
     row, content = runner.run(task)
-    if runner.has_compiled:
-        _begin_again(answer)
     return row | _store(task["path"], content)
 
 
 def _group(runner: "CaseRunner", task: dict[str, Any], answer: Answer) -> dict[str, Any]:
     """Return the answers to the members of a group."""
     found = runner.run_group(task)
-    if runner.has_compiled:
-        _begin_again(answer)
     if found is None:
         return {"cases": None}
     paths = [member["path"] for member in task["members"]]
@@ -79,7 +73,7 @@ def _group(runner: "CaseRunner", task: dict[str, Any], answer: Answer) -> dict[s
 
 
 def _begin_again(answer: Answer) -> NoReturn:
-    """Let another process, which loads what this one has compiled, do the case."""
+    """End, and leave what is still to be done to another process."""
     answer({"again": os.getpid()})
     os._exit(0)
 

@@ -1,28 +1,50 @@
 """Forces of a gear that are to be balanced, over coordinates of pinion, rack, plunger and bending modes."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
-from rps_exudyn.forces.memory import NO_MEMORY
-from rps_exudyn.solvers.newton_path import NewtonLaw
+from rps_exudyn.base.compiled import ready
+from rps_exudyn.forces.memory import MEMORY_SIZE, reset
+from rps_exudyn.solvers.gear_model import WORK
 
 SIZE = 8  # coordinates of pinion, rack and plunger; modes of a flexible rack follow
 CHARACTERISTIC_LENGTHS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0])  # coordinates to lengths [m]
 
 
-class Balance(NamedTuple):
-    """Forces to be balanced."""
+def new_work() -> np.ndarray:
+    """Return work space for a law of `gear_model`, shape (1,)."""
+    works = np.zeros(1, WORK)
+    reset(works[0]["contact"]["memory"])
+    return works
 
-    force: Callable[..., Any]  # (q, v, data) -> (n,), a kernel of `gear_kernel` or `flexible_kernel`
-    data: Any
-    locked: tuple[int, ...] = ()  # coordinates that are held at zero
-    inertia: tuple[float, float] = (0.0, 0.0)  # of what follows the drive: pinion [kg m^2] and rack [kg]
-    memory: np.ndarray = NO_MEMORY  # of friction that remembers, see `forces.memory`
-    outside: Callable[[np.ndarray], np.ndarray] | None = None  # times (t,) -> generalised forces (t, 8)
-    modes: int = 0  # of the rack's bending
-    newton: NewtonLaw | None = None  # the same forces with their tangent
+
+@dataclass(frozen=True, eq=False)
+class Balance:
+    """Forces to be balanced.
+
+    Attributes:
+        law: of `gear_model`.
+        gears: record of the gear, in an array (1,).
+        pool: numbers that the record points to.
+        locked: coordinates that are held at zero.
+        approach: of the rack under the preload at rest [m].
+        inertia: of what follows the drive: pinion [kg m^2] and rack [kg].
+        outside: times (t,) -> generalised forces (t, n) that act besides.
+        modes: of the rack's bending.
+    """
+
+    law: Any
+    gears: np.ndarray
+    pool: np.ndarray
+    locked: tuple[int, ...] = ()
+    approach: float = 0.0
+    inertia: tuple[float, float] = (0.0, 0.0)
+    outside: Callable[[np.ndarray], np.ndarray] | None = None
+    modes: int = 0
+    works: np.ndarray = field(default_factory=new_work)
 
     @property
     def size(self) -> int:
@@ -38,3 +60,35 @@ class Balance(NamedTuple):
         """Return what turns the coordinates into lengths, shape (n,) [m]; a mode moves a bar of one kilogram
         by about its coordinate."""
         return np.append(CHARACTERISTIC_LENGTHS, np.ones(self.modes))
+
+    @property
+    def has_bristles(self) -> bool:
+        """Tell whether friction has a state."""
+        return bool(self.gears[0]["has_bristles"])
+
+    @property
+    def memory(self) -> np.ndarray:
+        """Return the state of the bristle friction over the present step, shape (2, MEMORY_SIZE)."""
+        return np.asarray(self.works[0]["contact"]["memory"])
+
+    @property
+    def kept(self) -> int:
+        """Return the number of columns of that state that a path keeps: none without bristles."""
+        return MEMORY_SIZE if self.has_bristles else 0
+
+    def force(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Return the generalised forces (n,) at coordinates and rates (n,)."""
+        return self.force_and_tangent(q, v, 0.0, 0.0)[0]
+
+    def force_and_tangent(
+        self, q: np.ndarray, v: np.ndarray, factor_q: float, factor_v: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the forces, and factor_q dF/dq + factor_v dF/dv (n, n) unless both factors are 0."""
+        total, tangent = np.empty(q.size), np.zeros((q.size, q.size))
+        law = ready(self.law)
+        law(q, v, self.gears, 0, self.pool, self.works, factor_q, factor_v, total, tangent)
+        return total, tangent
+
+    def with_(self, **changes: Any) -> "Balance":
+        """Return the same with other inertia or forces from outside."""
+        return replace(self, **changes)

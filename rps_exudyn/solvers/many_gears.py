@@ -16,7 +16,7 @@ from rps_exudyn.mesh_contact.flank_element import flank_force_and_tangent
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.drive import DrivenBody
 from rps_exudyn.solvers.gear_forces import GearForces
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 from rps_exudyn.solvers.gear_loop import FOUND, KEPT, Grid, Motion, gear_loop
 from rps_exudyn.solvers.gear_numbers import AXIS_OFFSET, COLUMN, LOAD, PRELOAD, REST_GAP
 from rps_exudyn.solvers.newton_approach import newton_approach

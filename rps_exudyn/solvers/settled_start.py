@@ -16,7 +16,8 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS, Balance
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, Start, equilibrium_path
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
+from rps_exudyn.solvers.steering_column import SteeringColumn, pinion_at_start
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 
 DISTANCES = (1, 2, 4, 8, 16, 32)  # tooth pitches before the start at which equilibria begin
 COARSE, FINE = 12, 48  # equilibria in a tooth pitch
@@ -28,6 +29,7 @@ MOST_LOST = 4  # beginnings from which no equilibria lead to the start, until no
 HALF_CYCLES = (1, 2, 4, 8, 16)  # before the start of a swing at which equilibria begin
 SHORT = 1e-3  # of a pitch: last steps before motion with inertia, for the rates there ...
 SHARE = 1 / 16  # ... and of its own steps: over shorter ones what an equilibrium is off by would be a rate
+TWISTS = 3  # times that the start is found behind a column: the torque hardly changes with its twist
 ODD_PARTS = (0.0, 0.3, 0.6)  # of a pitch further back, where no rest is found at the phase of the start
 
 
@@ -141,6 +143,24 @@ def path_from(
         return equilibrium_path(balance, pair, drive, time)
     path = equilibrium_path(balance, pair, drive, np.concatenate([led.time, time[1:]]), led)
     return replace(path, start=led.start)
+
+
+def settled_behind(
+    balance: Balance, pair: GearPair, wheel: Drive, column: SteeringColumn, approach: Approach | None
+) -> EquilibriumPath:
+    """Return the equilibrium at the start of a motion of the wheel, the column twisted by its torque.
+
+    Raises:
+        LinAlgError: the gear yields without resistance.
+    """
+    twist = 0.0
+    for _ in range(TWISTS):
+        followed = pinion_at_start(wheel, column, twist)
+        start = settled_path(balance, pair, followed, approach, np.zeros(1)).last
+        if not start.converged:
+            break
+        twist = -followed.sign * float(start.forces[-1, followed.coordinate]) / column.stiffness
+    return start
 
 
 @dataclass(frozen=True, eq=False)

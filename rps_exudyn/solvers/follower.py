@@ -1,0 +1,432 @@
+"""The follower: equilibria of gears from instant to instant while the rig moves them.
+
+Each gear's motion is sought as a deviation d from a motion that is known beforehand: what rigid bodies do, or
+what a reference gear does. Only d is differenced for its rates and extrapolated, so that instants may lie
+several degrees apart. Places are those at the mesh, which repeat with the tooth pitch: the reference point of a
+tilted bar shifts across as it travels.
+
+Newton's method with the analytic tangent of all forces; a tangent serves until it converges slowly. The step
+from a residual below `accept` is not evaluated: the forces there are those of the tangent.
+
+Behind the coordinates of the gear stands the wheel's, where there is a steering column: with the wheel at theta,
+the joint's output at u(theta) and the pinion at phi, the column's torque k (u - phi) + c (u' - phi') turns the
+pinion, and times u' the wheel.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rps_exudyn.base.compiled import (
+    CUBE,
+    HYPERCUBE,
+    MATRIX,
+    NUMBER,
+    NUMBERS,
+    VECTOR,
+    WHOLE,
+    inline,
+    kernel_of,
+)
+from rps_exudyn.base.linear import put
+from rps_exudyn.forces.memory import begin_step
+from rps_exudyn.solvers.gear_model import GEAR_TYPE, LAW_POINTER, OUTPUTS, SEAT_LOADS, WORK_TYPE
+from rps_exudyn.solvers.settling import TOLERANCE
+
+MAX_STEPS = 40
+SMALLEST_FRACTION = 1 / 32
+FARTHEST_MOVE = 1e-4  # of one iteration [m]: the contact stays the same contact
+SLOW = 0.1  # a step that leaves more of the residual than this asks for a new tangent
+ACCEPT = 0.05  # residual [N] of which a step by the tangent leaves less than the tolerance
+
+X, Y, Z, YAW, PITCH = 1, 2, 3, 5, 6  # coordinates of the rack
+RIGID = 8  # coordinates whose motion is known beforehand
+
+
+class Column(NamedTuple):
+    """A steering column and the tyres at the rack, for the follower."""
+
+    exists: bool
+    stiffness: float  # [N m/rad]
+    damping: float  # [N m s/rad]
+    bend: float  # of the joint [rad]
+    phase: float  # of its wheel-side yoke at wheel angle 0 [rad]
+    tyre: float  # stiffness of the tyres [N/m]
+    relaxed: float  # place of the rack at which they carry nothing [m]
+
+
+NO_COLUMN = np.zeros(7)
+
+
+@inline
+def at_mesh(q, u):  # type: ignore[no-untyped-def]
+    """Fill the places at the mesh."""
+    for i in range(q.size):
+        u[i] = q[i]
+    u[Y], u[Z] = q[Y] - q[X] * q[PITCH], q[Z] + q[X] * q[YAW]
+
+
+@inline
+def differenced(k, time, found, base):  # type: ignore[no-untyped-def]
+    """Fill `base` and return the factor of the backward difference d'(t_k) = factor (d_k - base), by the
+    parabola through three instants; 0 at the first instant."""
+    if k == 0:
+        return 0.0
+    h = time[k] - time[k - 1]
+    if k == 1:
+        put(found[0], base)
+        return 1 / h
+    g = time[k - 1] - time[k - 2]
+    factor = (2 * h + g) / (h * (h + g))
+    for i in range(base.size):
+        base[i] = ((h + g) / (h * g) * found[k - 1, i] - h / (g * (h + g)) * found[k - 2, i]) / factor
+    return factor
+
+
+@inline
+def extrapolated(k, per_pitch, time, found, d):  # type: ignore[no-untyped-def]
+    """Fill the deviation at instant k: it changes as a tooth pitch before, by second differences over the
+    pitch; in the first pitch as before."""
+    p = per_pitch
+    if k == 0:
+        for i in range(d.size):
+            d[i] = 0.0
+    elif k == 1:
+        put(found[0], d)
+    elif 0 < p and p + 1 < k:
+        for i in range(d.size):
+            before, earlier = found[k - 1, i] - found[k - 1 - p, i], found[k - 2, i] - found[k - 2 - p, i]
+            d[i] = found[k - p, i] + 2 * before - earlier
+    else:
+        stretch = (time[k] - time[k - 1]) / (time[k - 1] - time[k - 2])
+        for i in range(d.size):
+            d[i] = found[k - 1, i] + stretch * (found[k - 1, i] - found[k - 2, i])
+
+
+@inline
+def largest_residual(forces, free, lengths):  # type: ignore[no-untyped-def]
+    """Return the largest unbalanced force [N]; moments count over their length."""
+    largest = 0.0
+    for i in free:
+        size = abs(forces[i]) / lengths[i]
+        if not size <= largest:  # also a nan
+            largest = size
+    return largest
+
+
+@inline
+def factorized(tangent, free, lengths, system, pivots):  # type: ignore[no-untyped-def]
+    """Factorize the tangent by the free coordinates, scaled to lengths, with pivots; false if it is
+    singular."""
+    n = free.size
+    for i in range(n):
+        for j in range(n):
+            system[i, j] = tangent[free[i], free[j]] / (lengths[free[i]] * lengths[free[j]])
+    for k in range(n):
+        pivot = k
+        for i in range(k + 1, n):
+            if abs(system[i, k]) > abs(system[pivot, k]):
+                pivot = i
+        pivots[k] = pivot
+        if not abs(system[pivot, k]) > 0:
+            return False
+        if pivot != k:
+            for j in range(n):
+                system[k, j], system[pivot, j] = system[pivot, j], system[k, j]
+        per_pivot = 1 / system[k, k]
+        for i in range(k + 1, n):
+            factor = system[i, k] * per_pivot
+            system[i, k] = factor
+            if factor != 0:
+                for j in range(k + 1, n):
+                    system[i, j] -= factor * system[k, j]
+    return True
+
+
+@inline
+def newton_move(system, pivots, forces, free, lengths, move):  # type: ignore[no-untyped-def]
+    """Fill Newton's step of the free coordinates, shortened to `FARTHEST_MOVE`; false if it is not finite."""
+    n, largest = free.size, 0.0
+    for i in range(n):
+        move[i] = -forces[free[i]] / lengths[free[i]]
+    for k in range(n):
+        pivot = pivots[k]
+        if pivot != k:
+            move[k], move[pivot] = move[pivot], move[k]
+    for i in range(n):
+        for j in range(i):
+            move[i] -= system[i, j] * move[j]
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            move[i] -= system[i, j] * move[j]
+        move[i] /= system[i, i]
+        if not abs(move[i]) <= largest:
+            largest = abs(move[i])
+    if not np.isfinite(largest):
+        return False
+    shorten = FARTHEST_MOVE / largest if largest > FARTHEST_MOVE else 1.0
+    for i in range(n):
+        move[i] *= shorten / lengths[free[i]]
+    return True
+
+
+# --- steering column -------------------------------------------------------------------------------
+@inline
+def joint(angle, column):  # type: ignore[no-untyped-def]
+    """Return output u(theta) of a universal joint, its ratio u' and u'', see `steering_column`."""
+    bend, phase = column[3], column[4]
+    ratio, slope = 1.0, 0.0
+    output = angle
+    if bend != 0:
+        bent, cosine = np.sin(bend) ** 2, np.cos(bend)
+        yoke = angle + phase
+        part = 1 - bent * np.cos(yoke) ** 2
+        ratio, slope = cosine / part, -cosine * bent * np.sin(2 * yoke) / (part * part)
+        output += _lead(yoke, cosine) - _lead(phase, cosine)
+    return output, ratio, slope
+
+
+@inline
+def _lead(yoke, cosine):  # type: ignore[no-untyped-def]
+    """Angle by which the joint's output leads its input."""
+    sine, along = np.sin(yoke), np.cos(yoke)
+    return np.arctan(sine * along * (1 - cosine) / (cosine * along**2 + sine**2))
+
+
+@inline
+def add_column(q, v, column, hand, per_time, wanted, total, tangent):  # type: ignore[no-untyped-def]
+    """Add the column's torque to pinion and wheel, and the tyres' force to the rack; `hand` turns the wheel.
+
+    Coordinates count against the angles.
+    """
+    w = q.size - 1
+    output, ratio, slope = joint(-q[w], column)
+    stiff = column[1] + column[2] * per_time
+    torque = column[1] * (output + q[0]) + column[2] * (v[0] - ratio * v[w])
+    total[0] -= torque
+    total[w] = ratio * torque - hand
+    total[X] -= column[5] * (q[X] - column[6])
+    if wanted:
+        tangent[0, 0] -= stiff
+        tangent[0, w] += ratio * stiff
+        tangent[w, 0] += ratio * stiff
+        tangent[w, w] -= ratio * ratio * stiff + slope * torque
+        tangent[X, X] -= column[5]
+
+
+@kernel_of(VECTOR, VECTOR, VECTOR, NUMBER, NUMBER, VECTOR, MATRIX)
+def add_column_to(q, v, column, hand, per_time, total, tangent):  # type: ignore[no-untyped-def]
+    """Add the same to forces (n,) and their tangent (n, n); for Python."""
+    add_column(q, v, column, hand, per_time, True, total, tangent)
+
+
+# --- the follower ----------------------------------------------------------------------------------
+@inline
+def fill_rates(q, known, known_rates, base, per_time, free, u, w, v):  # type: ignore[no-untyped-def]
+    """Fill the rates that the path has at q; `per_time` 0 leaves those that are given."""
+    if per_time == 0:
+        return
+    at_mesh(q, u)
+    put(v, w)
+    for i in free:
+        if i < RIGID:
+            w[i] = known_rates[i] + (u[i] - known[i] - base[i]) * per_time
+        else:
+            w[i] = (u[i] - base[i]) * per_time
+    for i in free:
+        v[i] = w[i]
+        if i == Y:
+            v[Y] = w[Y] + w[X] * u[PITCH] + u[X] * w[PITCH]
+        elif i == Z:
+            v[Z] = w[Z] - w[X] * u[YAW] - u[X] * w[YAW]
+
+
+@inline
+def place_at(d, known, free, u, q):  # type: ignore[no-untyped-def]
+    """Fill the free coordinates from a deviation at the mesh; the others are given in q."""
+    put(q, u)
+    for i in free:
+        u[i] = d[i] + (known[i] if i < RIGID else 0.0)
+    for i in free:
+        q[i] = u[i]
+        if i == Y:
+            q[Y] = u[Y] + u[X] * u[PITCH]
+        elif i == Z:
+            q[Z] = u[Z] - u[X] * u[YAW]
+
+
+@kernel_of(
+    LAW_POINTER,
+    WHOLE,
+    VECTOR,
+    WHOLE,
+    CUBE,
+    CUBE,
+    NUMBERS,
+    VECTOR,
+    MATRIX,
+    VECTOR,
+    VECTOR,
+    NUMBER,
+    CUBE,
+    CUBE,
+    CUBE,
+    CUBE,
+    HYPERCUBE,
+    GEAR_TYPE[::1],
+    VECTOR,
+    WORK_TYPE[::1],
+    NUMBERS,
+    MATRIX,
+)
+def follow(  # type: ignore[no-untyped-def]
+    law,
+    first,
+    time,
+    per_pitch,
+    known,
+    known_rates,
+    free,
+    lengths,
+    applied,
+    column,
+    hand,
+    accept,
+    coordinates,
+    rates,
+    forces,
+    outputs,
+    kept,
+    gears,
+    pool,
+    works,
+    ended,
+    counts,
+):
+    """Follow the equilibria of gears from the instant `first` on: from those before it, or from the guess in
+    row 0, whose rates are given. Coordinates that are not free are given everywhere, with their rates.
+
+    Args:
+        law: of `gear_model`.
+        first: number of the first instant to find.
+        time: instants (t,) [s].
+        per_pitch: even instants in a tooth pitch, 0 if no whole number.
+        known: motion known beforehand, places at the mesh (g, t, 8).
+        known_rates: its rates (g, t, 8).
+        free: numbers of the unknown coordinates.
+        lengths: turn all coordinates into lengths [m], (n,).
+        applied: what acts besides and counts among the forces, (t, n).
+        column: fields of `Column`; all 0 without one.
+        hand: torque on the wheel (t,) [N m].
+        accept: residual [N] from which a step by the tangent is not evaluated.
+        coordinates: (g, t, n), to be filled.
+        rates: the same.
+        forces: generalised forces (g, t, n), without those of column and tyres, to be filled.
+        outputs: of all parts (g, t, OUTPUTS), to be filled.
+        kept: state of the bristles at start and end of each step (g, t, 2, .), to be filled.
+        gears: records of the gears (g,).
+        pool: numbers that they point to.
+        works: work space (1,).
+        ended: numbers of instants found (g,), to be filled.
+        counts: evaluations, iterations, tangents, largest residual left [N], residual where it ended [N];
+            (g, 5), to be filled.
+    """
+    work, n, has_column = works[0], lengths.size, column[0] != 0
+    own = n - 1 if has_column else n  # coordinates of the gear
+    m, memory, has_bristles = free.size, work.contact.memory, kept.shape[3] > 0
+    found, system, pivots = np.zeros((time.size, n)), np.empty((m, m)), np.empty(m, np.int64)
+    move, own_total, own_tangent = np.zeros(m), np.zeros(own), np.zeros((own, own))
+    total, tangent = np.zeros(n), np.zeros((n, n))
+    d, base, u, w = np.zeros(n), np.zeros(n), np.empty(n), np.empty(n)
+    q, v, here = np.empty(n), np.empty(n), np.empty(n)
+    for g in range(gears.shape[0]):
+        for k in range(first):
+            at_mesh(coordinates[g, k], found[k])
+            for i in range(RIGID):
+                found[k, i] -= known[g, k, i]
+        evaluations, iterations, tangents, left, norm = 0, 0, 0, 0.0, 0.0
+        ended[g] = time.size
+        for k in range(first, time.size):
+            put(coordinates[g, k], q)
+            put(rates[g, k], v)
+            per_time = differenced(k, time, found, base)
+            if k > 0:
+                extrapolated(k, per_pitch, time, found, d)
+                place_at(d, known[g, k], free, u, q)
+                if has_bristles:
+                    begin_step(memory, kept[g, k - 1, 1], time[k])
+            put(q, here)
+            norm, fraction, is_found, serves = np.inf, 1.0, False, False
+            for _ in range(MAX_STEPS):
+                fill_rates(q, known[g, k], known_rates[g, k], base, per_time, free, u, w, v)
+                wanted = not serves
+                factor_q, factor_v = (1.0, per_time) if wanted else (0.0, 0.0)
+                law(q[:own], v[:own], gears, g, pool, works, factor_q, factor_v, own_total, own_tangent)
+                evaluations += 1
+                if wanted:
+                    tangents += 1
+                    for i in range(own):
+                        for j in range(own):
+                            tangent[i, j] = own_tangent[i, j]
+                for i in range(own):
+                    total[i] = own_total[i] + applied[k, i]
+                if has_column:
+                    for i in range(n):
+                        tangent[i, own] = tangent[own, i] = 0.0
+                    add_column(q, v, column, hand[k], per_time, wanted, total, tangent)
+                residual = largest_residual(total, free, lengths)
+                if not residual < norm:  # too far along the last step
+                    if not wanted:  # by a tangent of another place
+                        put(here, q)
+                        norm, serves = np.inf, False
+                        continue
+                    fraction *= 0.5
+                    if fraction < SMALLEST_FRACTION:
+                        break
+                    for i in range(m):
+                        q[free[i]] = here[free[i]] + fraction * move[i]
+                    continue
+                serves = wanted or residual < SLOW * norm
+                norm, fraction = residual, 1.0
+                put(q, here)
+                if norm <= TOLERANCE:
+                    is_found = True
+                    break
+                if wanted and not factorized(tangent, free, lengths, system, pivots):
+                    break
+                if not newton_move(system, pivots, total, free, lengths, move):
+                    break
+                iterations += 1
+                for i in range(m):
+                    q[free[i]] += move[i]
+                if norm <= accept:
+                    for j in range(m):
+                        if free[j] < own:
+                            for i in range(own):
+                                own_total[i] += own_tangent[i, free[j]] * move[j]
+                        if 0 < free[j] < 8:
+                            for i in range(2):
+                                work.out[SEAT_LOADS + i] += work.of_loads[i, free[j] - 1] * move[j]
+                    is_found = True
+                    break
+            if not is_found:
+                ended[g] = k
+                break
+            left = max(left, min(norm, TOLERANCE))
+            fill_rates(q, known[g, k], known_rates[g, k], base, per_time, free, u, w, v)
+            if has_bristles:  # what was evaluated last may have been a trial
+                law(q[:own], v[:own], gears, g, pool, works, 0.0, 0.0, own_total, own_tangent)
+                evaluations += 1
+                for i in range(2):
+                    put(memory[i], kept[g, k, i])
+            at_mesh(q, found[k])
+            for i in range(RIGID):
+                found[k, i] -= known[g, k, i]
+            put(q, coordinates[g, k])
+            put(v, rates[g, k])
+            for i in range(own):
+                forces[g, k, i] = own_total[i] + applied[k, i]
+            for i in range(OUTPUTS):
+                outputs[g, k, i] = work.out[i]
+        counts[g, 0], counts[g, 1], counts[g, 2] = evaluations, iterations, tangents
+        counts[g, 3], counts[g, 4] = left, norm
