@@ -21,9 +21,9 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
 from rps_exudyn.solvers.drive import Drive, Steady, travel_per_radian
-from rps_exudyn.solvers.follower import ACCEPT, NO_COLUMN, RIGID, add_column_to, follow
+from rps_exudyn.solvers.follower import ACCEPT, JUMP, NO_COLUMN, RIGID, add_column_to, follow
 from rps_exudyn.solvers.gear_model import OUTPUTS
-from rps_exudyn.solvers.rescue import JUMP, Settling, beginning, search
+from rps_exudyn.solvers.rescue import Settling, beginning, search
 from rps_exudyn.solvers.settling import SETTLING_STEPS, TYPICAL_APPROACH
 from rps_exudyn.solvers.steering_column import BehindColumn, SteeringColumn
 from rps_exudyn.solvers.wheel_torque import WheelTorque

@@ -5,8 +5,10 @@ what a reference gear does. Only d is differenced for its rates and extrapolated
 several degrees apart. Places are those at the mesh, which repeat with the tooth pitch: the reference point of a
 tilted bar shifts across as it travels.
 
-Newton's method with the analytic tangent of all forces; a tangent serves until it converges slowly. The step
-from a residual below `accept` is not evaluated: the forces there are those of the tangent.
+Newton's method with the analytic tangent of all forces; a tangent serves until it converges slowly. A step is
+taken as far as it shortens the next one by the same tangent (the natural monotonicity test: P. Deuflhard, Newton
+Methods for Nonlinear Problems, 2011, section 3.3): stiff teeth let the residual grow on the way. The step from
+a residual below `accept` is not evaluated: the forces there are those of the tangent.
 
 Behind the coordinates of the gear stands the wheel's, where there is a steering column: with the wheel at theta,
 the joint's output at u(theta) and the pinion at phi, the column's torque k (u - phi) + c (u' - phi') turns the
@@ -37,6 +39,11 @@ MAX_STEPS = 40
 SMALLEST_FRACTION = 1 / 32
 FARTHEST_MOVE = 1e-4  # of one iteration [m]: the contact stays the same contact
 SLOW = 0.1  # a step that leaves more of the residual than this asks for a new tangent
+FIRST_STRETCH = 1e-9  # of a creeping gear's first step [m/N]
+CREEP_MOVE = 20e-6  # of one step of a creeping gear [m]
+MAX_CREEPS = 100  # steps, of which most gears need 30 to 80
+JUMP = 0.5  # of the contact's forces where its quadrature changes [N]
+PATIENCE, PROGRESS = 15, 0.9  # steps of a creeping gear in which the residual must fall to that share
 ACCEPT = 0.05  # residual [N] of which a step by the tangent leaves less than the tolerance
 
 X, Y, Z, YAW, PITCH = 1, 2, 3, 5, 6  # coordinates of the rack
@@ -115,13 +122,14 @@ def largest_residual(forces, free, lengths):  # type: ignore[no-untyped-def]
 
 
 @inline
-def factorized(tangent, free, lengths, system, pivots):  # type: ignore[no-untyped-def]
-    """Factorize the tangent by the free coordinates, scaled to lengths, with pivots; false if it is
-    singular."""
+def factorized(tangent, damping, free, lengths, system, pivots):  # type: ignore[no-untyped-def]
+    """Factorize the tangent by the free coordinates, scaled to lengths, less a damping [N/m], with pivots;
+    false if it is singular."""
     n = free.size
     for i in range(n):
         for j in range(n):
             system[i, j] = tangent[free[i], free[j]] / (lengths[free[i]] * lengths[free[j]])
+        system[i, i] -= damping
     for k in range(n):
         pivot = k
         for i in range(k + 1, n):
@@ -145,7 +153,7 @@ def factorized(tangent, free, lengths, system, pivots):  # type: ignore[no-untyp
 
 @inline
 def newton_move(system, pivots, forces, free, lengths, move):  # type: ignore[no-untyped-def]
-    """Fill Newton's step of the free coordinates, shortened to `FARTHEST_MOVE`; false if it is not finite."""
+    """Fill Newton's step of the free coordinates by a factorized tangent; return its size [m]."""
     n, largest = free.size, 0.0
     for i in range(n):
         move[i] = -forces[free[i]] / lengths[free[i]]
@@ -160,14 +168,11 @@ def newton_move(system, pivots, forces, free, lengths, move):  # type: ignore[no
         for j in range(i + 1, n):
             move[i] -= system[i, j] * move[j]
         move[i] /= system[i, i]
-        if not abs(move[i]) <= largest:
+        if not abs(move[i]) <= largest:  # also a nan
             largest = abs(move[i])
-    if not np.isfinite(largest):
-        return False
-    shorten = FARTHEST_MOVE / largest if largest > FARTHEST_MOVE else 1.0
     for i in range(n):
-        move[i] *= shorten / lengths[free[i]]
-    return True
+        move[i] /= lengths[free[i]]
+    return largest
 
 
 # --- steering column -------------------------------------------------------------------------------
@@ -255,6 +260,24 @@ def place_at(d, known, free, u, q):  # type: ignore[no-untyped-def]
             q[Z] = u[Z] - u[X] * u[YAW]
 
 
+@inline
+def evaluate(  # type: ignore[no-untyped-def]
+    law, q, v, gears, g, pool, works, wanted, per_time, applied, column, hand, own_total, own_tangent, total, tangent
+):
+    """Fill the gear's own forces, those with all that acts besides, and both tangents if they are wanted."""
+    own, n = own_total.size, total.size
+    factor_q, factor_v = (1.0, per_time) if wanted else (0.0, 0.0)
+    law(q[:own], v[:own], gears, g, pool, works, factor_q, factor_v, own_total, own_tangent)
+    if wanted:
+        for i in range(n):
+            for j in range(n):
+                tangent[i, j] = own_tangent[i, j] if i < own and j < own else 0.0
+    for i in range(n):
+        total[i] = (own_total[i] if i < own else 0.0) + applied[i]
+    if n > own:
+        add_column(q, v, column, hand, per_time, wanted, total, tangent)
+
+
 @kernel_of(
     LAW_POINTER,
     WHOLE,
@@ -335,7 +358,8 @@ def follow(  # type: ignore[no-untyped-def]
     own = n - 1 if has_column else n  # coordinates of the gear
     m, memory, has_bristles = free.size, work.contact.memory, kept.shape[3] > 0
     found, system, pivots = np.zeros((time.size, n)), np.empty((m, m)), np.empty(m, np.int64)
-    move, own_total, own_tangent = np.zeros(m), np.zeros(own), np.zeros((own, own))
+    move, correction, is_old = np.zeros(m), np.zeros(m), False
+    own_total, own_tangent = np.zeros(own), np.zeros((own, own))
     total, tangent = np.zeros(n), np.zeros((n, n))
     d, base, u, w = np.zeros(n), np.zeros(n), np.empty(n), np.empty(n)
     q, v, here = np.empty(n), np.empty(n), np.empty(n)
@@ -356,50 +380,65 @@ def follow(  # type: ignore[no-untyped-def]
                 if has_bristles:
                     begin_step(memory, kept[g, k - 1, 1], time[k])
             put(q, here)
-            norm, fraction, is_found, serves = np.inf, 1.0, False, False
+            norm, size, fraction, is_found, wanted = np.inf, np.inf, 1.0, False, True
             for _ in range(MAX_STEPS):
                 fill_rates(q, known[g, k], known_rates[g, k], base, per_time, free, u, w, v)
-                wanted = not serves
-                factor_q, factor_v = (1.0, per_time) if wanted else (0.0, 0.0)
-                law(q[:own], v[:own], gears, g, pool, works, factor_q, factor_v, own_total, own_tangent)
+                evaluate(
+                    law,
+                    q,
+                    v,
+                    gears,
+                    g,
+                    pool,
+                    works,
+                    wanted,
+                    per_time,
+                    applied[k],
+                    column,
+                    hand[k],
+                    own_total,
+                    own_tangent,
+                    total,
+                    tangent,
+                )
                 evaluations += 1
-                if wanted:
-                    tangents += 1
-                    for i in range(own):
-                        for j in range(own):
-                            tangent[i, j] = own_tangent[i, j]
-                for i in range(own):
-                    total[i] = own_total[i] + applied[k, i]
-                if has_column:
-                    for i in range(n):
-                        tangent[i, own] = tangent[own, i] = 0.0
-                    add_column(q, v, column, hand[k], per_time, wanted, total, tangent)
+                tangents += wanted
                 residual = largest_residual(total, free, lengths)
-                if not residual < norm:  # too far along the last step
-                    if not wanted:  # by a tangent of another place
-                        put(here, q)
-                        norm, serves = np.inf, False
+                if residual <= TOLERANCE:
+                    norm, is_found = residual, True
+                    break
+                if size < np.inf:
+                    after = newton_move(system, pivots, total, free, lengths, correction)
+                    if not after <= (1 - fraction / 4) * size:  # too far along the last step
+                        if is_old:  # by a tangent of another place
+                            put(here, q)
+                            size, wanted = np.inf, True
+                            continue
+                        fraction *= 0.5
+                        if fraction < SMALLEST_FRACTION:
+                            break
+                        for i in range(m):
+                            q[free[i]] = here[free[i]] + fraction * move[i]
                         continue
-                    fraction *= 0.5
-                    if fraction < SMALLEST_FRACTION:
-                        break
-                    for i in range(m):
-                        q[free[i]] = here[free[i]] + fraction * move[i]
-                    continue
-                serves = wanted or residual < SLOW * norm
-                norm, fraction = residual, 1.0
+                    slow = after > SLOW * size
+                else:
+                    after, slow = np.inf, False
+                norm, is_old = residual, not wanted
                 put(q, here)
-                if norm <= TOLERANCE:
-                    is_found = True
-                    break
-                if wanted and not factorized(tangent, free, lengths, system, pivots):
-                    break
-                if not newton_move(system, pivots, total, free, lengths, move):
+                if wanted:
+                    if not factorized(tangent, 0.0, free, lengths, system, pivots):
+                        break
+                    size = newton_move(system, pivots, total, free, lengths, move)
+                else:
+                    size = after
+                    put(correction, move)
+                if not np.isfinite(size):
                     break
                 iterations += 1
+                wanted, fraction = slow, min(1.0, FARTHEST_MOVE / size)
                 for i in range(m):
-                    q[free[i]] += move[i]
-                if norm <= accept:
+                    q[free[i]] = here[free[i]] + fraction * move[i]
+                if norm <= accept and fraction == 1.0:
                     for j in range(m):
                         if free[j] < own:
                             for i in range(own):
@@ -409,10 +448,60 @@ def follow(  # type: ignore[no-untyped-def]
                                 work.out[SEAT_LOADS + i] += work.of_loads[i, free[j] - 1] * move[j]
                     is_found = True
                     break
+            if not is_found and k > 0:  # the gear creeps there, see `settling.settled`
+                place_at(d, known[g, k], free, u, q)
+                stretch, norm, accepted = FIRST_STRETCH, np.inf, True
+                least, since = np.inf, 0
+                for _ in range(MAX_CREEPS):
+                    fill_rates(q, known[g, k], known_rates[g, k], base, per_time, free, u, w, v)
+                    evaluate(
+                        law,
+                        q,
+                        v,
+                        gears,
+                        g,
+                        pool,
+                        works,
+                        True,
+                        per_time,
+                        applied[k],
+                        column,
+                        hand[k],
+                        own_total,
+                        own_tangent,
+                        total,
+                        tangent,
+                    )
+                    evaluations, tangents = evaluations + 1, tangents + 1
+                    residual = largest_residual(total, free, lengths)
+                    if accepted and norm < np.inf:  # else it went back there
+                        growth = norm / residual if residual < np.inf else 0.0
+                        stretch *= min(max(growth, 1.3), 10.0) if growth > 0.9 else 0.2
+                        if not growth > 0.2:
+                            put(here, q)
+                            accepted = False
+                            continue
+                    accepted, norm = True, residual
+                    put(q, here)
+                    if norm < PROGRESS * least:
+                        least, since = norm, 0
+                    since += 1
+                    # an equilibrium may lie where the contact's quadrature changes
+                    if norm <= TOLERANCE or (since > PATIENCE and norm <= least <= JUMP):
+                        is_found = True
+                        break
+                    if not factorized(tangent, 1 / stretch, free, lengths, system, pivots):
+                        break
+                    size = newton_move(system, pivots, total, free, lengths, move)
+                    if not np.isfinite(size):
+                        break
+                    iterations += 1
+                    for i in range(m):
+                        q[free[i]] += min(1.0, CREEP_MOVE / size) * move[i]
             if not is_found:
                 ended[g] = k
                 break
-            left = max(left, min(norm, TOLERANCE))
+            left = max(left, norm if norm <= JUMP and norm > accept else min(norm, TOLERANCE))
             fill_rates(q, known[g, k], known_rates[g, k], base, per_time, free, u, w, v)
             if has_bristles:  # what was evaluated last may have been a trial
                 law(q[:own], v[:own], gears, g, pool, works, 0.0, 0.0, own_total, own_tangent)

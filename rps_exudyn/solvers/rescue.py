@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rps_exudyn.solvers.follower import JUMP
 from rps_exudyn.solvers.settling import TOLERANCE, Tangent, differences, settled
 
 Evaluate = Callable[[np.ndarray, np.ndarray, float], tuple[np.ndarray, np.ndarray]]
@@ -12,7 +13,6 @@ Evaluate = Callable[[np.ndarray, np.ndarray, float], tuple[np.ndarray, np.ndarra
 
 RESCUING_STEPS = 100  # most rescues take 30 to 80
 CREEP_PARTS, CREEP_STEPS = 12, 3  # of a tooth pitch, of which a gear that finds no rest makes steps
-JUMP = 0.5  # of the contact's forces where its quadrature changes [N]: an equilibrium may lie on one
 
 
 @dataclass(frozen=True, eq=False)
