@@ -7,7 +7,6 @@ cost no counting of references, and many gears are an array of records.
 from collections.abc import Callable
 from typing import Any
 
-import numba
 import numpy as np
 from numba import types
 
@@ -26,7 +25,7 @@ _signatures: dict[Any, Any] = {}
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Compile a function of numbers, arrays and records; division by zero gives inf or nan, as in NumPy."""
-    return kernel_cache.checked(numba.njit(function, cache=True, error_model="numpy"))
+    return kernel_cache.compiled(function, error_model="numpy")
 
 
 def inline(function: Callable[..., Any]) -> Any:
@@ -34,8 +33,7 @@ def inline(function: Callable[..., Any]) -> Any:
 
     Python calls `function.py_func`.
     """
-    options: dict[str, Any] = {"cache": True, "error_model": "numpy", "forceinline": True}
-    return kernel_cache.checked(numba.njit(function, **options, **_NOT_FROM_PYTHON))
+    return kernel_cache.compiled(function, error_model="numpy", forceinline=True, **_NOT_FROM_PYTHON)
 
 
 def kernel_of(*arguments: Any, result: Any = types.none) -> Callable[[Callable[..., Any]], Any]:
@@ -61,7 +59,9 @@ def pointer(*arguments: Any, result: Any = types.none) -> Any:
 def ready(made: Any) -> Any:
     """Return a kernel of `kernel_of`, compiled or loaded for its types."""
     if not made.signatures:
-        kernel_cache.load(made, _signatures[made])
+        made.compile(_signatures[made])
+        made.disable_compile()  # other types of arguments are an error, not another compilation
+        kernel_cache.stamp()
     return made
 
 

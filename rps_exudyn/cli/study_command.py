@@ -151,7 +151,7 @@ def list_cases(request: Request, json: bool) -> int:
         f"with {jobs} {'process' if jobs == 1 else 'processes'} ({time.source})"
     )
     if ways.ranges is not None:
-        print("  most of them by the loop over many gears, several times as fast")
+        print("  most of them followed together, several times as fast")
     elif ways.alone:
         print(_NONE_IN_LOOP.format(ways.alone))
     return 0
@@ -180,7 +180,7 @@ def _print_tally(work: StudyWork, tally: Tally, json: bool) -> None:
         print(json_text.dumps(content, indent=2))
         return
     outcomes = ", ".join(f"{number} {status}" for status, number in sorted(tally.statuses.items()))
-    loop = f", {tally.in_loop} by the loop over many gears" if tally.in_loop else ""
+    loop = f", {tally.in_loop} followed together" if tally.in_loop else ""
     how = f" ({tally.through_batch} in groups{loop})" if tally.through_batch else ""
     print(
         f"{work.study.title}: {count} cases in {folder} ({outcomes}), {tally.done_now} of them done now{how}"

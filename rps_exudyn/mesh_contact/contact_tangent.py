@@ -5,11 +5,10 @@ unit load. A small motion of the rack, u and a turn omega, deepens the flanks th
 
     w = (N, r x N)          and changes its wrench by        -(N + h, r x (N + h)) stiffness w . (u, omega).
 
-Friction changes with the slip across the direction of sliding by drag over speed, along it by the slope of the
-friction's law.
-The loads turn with the flank, and their points move against the reference point. Left out: the ends of the
-lines, which move with the motion under the loads that stand there, and the change of the sliding with the
-place: together below a hundredth of the largest entry.
+Friction changes with the slip across the direction of sliding by drag over speed, along it by the slope of
+the friction's law. The loads turn with the flank, and their points move against the reference point. Left
+out: the ends of the lines, which move with the motion under the loads that stand there, and the change of
+the sliding with the place: together below a hundredth of the largest entry.
 
 The pinion's turn by phi is a turn of the rack by -phi about the pinion's axis, seen from a housing that turns
 along. So one matrix C of the motions per coordinate serves: with the stiffness K of the wrench, that of the
@@ -215,9 +214,9 @@ def pinion_axis(angle, position, data):  # type: ignore[no-untyped-def]
 
 @inline
 def add_on_coordinates(out, q, turn, axis, to_axis, stiffness, factor_q, tangent):  # type: ignore[no-untyped-def]
-    """Add C^T K C to the tangent of the forces on pinion (1) and rack (6), and what C itself changes by under
-    the contact's wrench `out`; `turn` is the rack's, `to_axis` the way from its reference point to the pinion's
-    `axis`."""
+    """Add C^T K C to the tangent of the forces on pinion (1) and rack (6), and what C itself changes by
+    under the contact's wrench `out`; `turn` is the rack's, `to_axis` the way from its reference point to the
+    pinion's `axis`."""
     carried = cross(axis, to_axis)
     for j in range(7):
         motion, turning = _motion(j, carried, axis, turn)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rps_exudyn.forces.memory import TIME
-from rps_exudyn.solvers.balance import Balance
 
 if TYPE_CHECKING:
     import exudyn
@@ -18,31 +17,32 @@ if TYPE_CHECKING:
 def add_forces(
     mbs: "exudyn.MainSystem",
     nodes: Sequence[Any],
-    balance: Balance,
     size: int,
+    force_of: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    tangent_of: Callable[[np.ndarray, np.ndarray, float, float], np.ndarray],
     *,
-    jacobian_of: Balance | None = None,
+    memory: np.ndarray | None = None,
     mass: np.ndarray | None = None,
     applied: Callable[[float], np.ndarray] | None = None,
 ) -> Any:
-    """Add an object with the forces of a gear, and their Jacobian, over the coordinates of some nodes.
+    """Add an object with a law of forces, and its Jacobian, over the coordinates of some nodes.
 
     Args:
         mbs: the system.
-        nodes: whose coordinates are those of the gear's stack.
-        balance: the forces.
+        nodes: whose coordinates the law takes, one after the other.
         size: number of coordinates.
-        jacobian_of: other forces, of which the Jacobian is.
+        force_of: (q, v) -> forces (size,).
+        tangent_of: (q, v, factor_q, factor_v) -> factor_q dF/dq + factor_v dF/dv, shape (size, size).
+        memory: state of the bristle friction, where the time at which a step ends is set.
         mass: of these coordinates besides that of their bodies, shape (size, size); none by default.
         applied: forces (size,) at a time [s] that act besides.
     """
     from exudyn.itemInterface import ObjectGenericODE2, VObjectGenericODE2
 
-    memory = balance.memory
-
     def force(mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]) -> np.ndarray:
-        memory[1, TIME] = t
-        return balance.force(np.asarray(q), np.asarray(v))
+        if memory is not None:
+            memory[1, TIME] = t
+        return force_of(np.asarray(q), np.asarray(v))
 
     def force_with_applied(
         mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]
@@ -50,14 +50,12 @@ def add_forces(
         assert applied is not None
         return np.asarray(force(mbs, t, item, q, v) + applied(t))
 
-    of_tangent = jacobian_of or balance
-
     def jacobian(
         mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float], fq: float, fv: float
     ) -> np.ndarray:
-        memory[1, TIME] = t
-        tangent = of_tangent.force_and_tangent(np.asarray(q), np.asarray(v), fq, fv)[1]
-        return -tangent  # of the left-hand side
+        if memory is not None:
+            memory[1, TIME] = t
+        return -tangent_of(np.asarray(q), np.asarray(v), fq, fv)  # of the left-hand side
 
     return mbs.AddObject(
         ObjectGenericODE2(

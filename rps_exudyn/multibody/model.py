@@ -38,9 +38,9 @@ from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.bent_bar import BentBar
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, stacked
 from rps_exudyn.solvers.drive import Drive, Steady
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, stacked
 from rps_exudyn.solvers.gear_model import COLUMNS
 from rps_exudyn.solvers.settled_start import Approach, settled_behind, start_of_motion
 from rps_exudyn.solvers.steering_column import SteeringColumn
@@ -158,7 +158,7 @@ def _add_forces_beside_spheres(model: SteeringModel) -> None:
     stack = [nodes[body] for body in model.stack]
     # GeneralContact itself contributes no Jacobian: without contact between spheres its own derivative is
     # exactly zero (tests/upstream pins this), so that of the compiled spheres is added
-    add_forces(mbs, stack, forces.without_mesh, len(stacked(model.stack)), jacobian_of=forces.dynamics)
+    add_forces(mbs, stack, len(stacked(model.stack)), forces.without_mesh.force, forces.dynamics.tangent)
     model.contacts = add_general_contacts(
         mbs,
         model.gear,
@@ -193,13 +193,16 @@ def _add_forces_together(model: SteeringModel) -> None:
     applied: Callable[[float], np.ndarray] | None = None
     if model.pulse is not None and bar is not None and modes:
         applied = _pulse_on_modes(model.pulse, bar, of_bodies)
-    if forces.dynamics.has_bristles:
-        forces.dynamics.memory[:] = model.start.kept[-1][1]
+    dynamics = forces.dynamics
+    if dynamics.has_bristles:
+        dynamics.memory[:] = model.start.kept[-1][1]
     add_forces(
         model.mbs,
         [model.nodes[body] for body in model.stack],
-        forces.dynamics,
         of_bodies + modes,
+        dynamics.force,
+        dynamics.tangent,
+        memory=dynamics.memory if dynamics.has_bristles else None,
         mass=np.diag(np.repeat([0.0, 1.0], [of_bodies, modes])),
         applied=applied,
     )

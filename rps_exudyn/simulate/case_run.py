@@ -61,7 +61,7 @@ class CaseRunner:
             "cpu_s": result.cpu_s,
             "wall_s": result.wall_s,
             "summary": dict(result.summary),
-            "in_loop": "loop" in result.findings,
+            "in_loop": "together" in result.findings,
         }
         if task.get("form") == "record":
             return row, CaseRecord.of(case["hash"], result).to_bytes()

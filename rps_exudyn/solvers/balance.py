@@ -80,6 +80,10 @@ class Balance:
         """Return the generalised forces (n,) at coordinates and rates (n,)."""
         return self.force_and_tangent(q, v, 0.0, 0.0)[0]
 
+    def tangent(self, q: np.ndarray, v: np.ndarray, factor_q: float, factor_v: float) -> np.ndarray:
+        """Return factor_q dF/dq + factor_v dF/dv, shape (n, n)."""
+        return self.force_and_tangent(q, v, factor_q, factor_v)[1]
+
     def force_and_tangent(
         self, q: np.ndarray, v: np.ndarray, factor_q: float, factor_v: float
     ) -> tuple[np.ndarray, np.ndarray]:

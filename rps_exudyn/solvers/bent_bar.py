@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rps_exudyn.base.compiled import record
 from rps_exudyn.gears.bar_bow import BarBow
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam, RackModes
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.base.compiled import record
 from rps_exudyn.solvers.bent_rack import BAR, bar_sections, local_poses
 
 ALONG_BAR, ON_BAR = -1.0, 0.0  # what stands in the housing, along which the bar slides; what travels with it

@@ -35,7 +35,10 @@ BAR = record_type(
         ("nodes", "i8"),
         ("first", "f8"),  # station of the first node [m]
         ("spacing", "f8"),  # of the nodes [m]
-        ("fields", "i8"),  # place in the pool: (nodes, 4, modes + 2), rows SHAPE .. CURVATURE of the modes, ...
+        (
+            "fields",
+            "i8",
+        ),  # place in the pool: (nodes, 4, modes + 2), rows SHAPE .. CURVATURE of the modes, ...
         ("stiffness", "i8"),  # ... of the bow in y and in z; (modes,) angular frequency squared [1/s^2]
         ("damping", "i8"),  # (modes,) twice the damping ratio times the angular frequency [1/s]
     ]

@@ -1,19 +1,18 @@
 """The follower: equilibria of gears from instant to instant while the rig moves them.
 
-Each gear's motion is sought as a deviation d from a motion that is known beforehand: what rigid bodies do, or
-what a reference gear does. Only d is differenced for its rates and extrapolated, so that instants may lie
-several degrees apart. Places are those at the mesh, which repeat with the tooth pitch: the reference point of a
-tilted bar shifts across as it travels.
+Each gear's motion is sought as a deviation d from a motion that is known beforehand: what rigid bodies do,
+or what a reference gear does. Only d is differenced for its rates and extrapolated, so that instants may lie
+several degrees apart. Places are those at the mesh, which repeat with the tooth pitch: the reference point
+of a tilted bar shifts across as it travels.
 
-Newton's method with the analytic tangent of all forces; a tangent serves until it converges slowly. A step is
-taken as far as it shortens the next one by the same tangent (the natural monotonicity test: P. Deuflhard, Newton
-Methods for Nonlinear Problems, 2011, section 3.3): stiff teeth let the residual grow on the way. The step from
-a residual below `accept` is not evaluated: the forces there are those of the tangent.
+Newton's method with the analytic tangent of all forces; a tangent serves until it converges slowly. A step
+is taken as far as it shortens the next one by the same tangent (the natural monotonicity test: P. Deuflhard,
+Newton Methods for Nonlinear Problems, 2011, section 3.3): stiff teeth let the residual grow on the way. The
+step from a residual below `accept` is not evaluated: the forces there are those of the tangent.
 
-Behind the coordinates of the gear stands the wheel's, where there is a steering column: with the wheel at theta,
-the joint's output at u(theta) and the pinion at phi, the column's torque k (u - phi) + c (u' - phi') turns the
-pinion, and times u' the wheel.
-"""
+Behind the coordinates of the gear stands the wheel's, where there is a steering column: with the wheel at
+theta, the joint's output at u(theta) and the pinion at phi, the column's torque k (u - phi) + c (u' - phi')
+turns the pinion, and times u' the wheel. """
 
 from typing import NamedTuple
 
@@ -100,7 +99,7 @@ def extrapolated(k, per_pitch, time, found, d):  # type: ignore[no-untyped-def]
             d[i] = 0.0
     elif k == 1:
         put(found[0], d)
-    elif 0 < p and p + 1 < k:
+    elif p > 0 and p + 1 < k:
         for i in range(d.size):
             before, earlier = found[k - 1, i] - found[k - 1 - p, i], found[k - 2, i] - found[k - 2 - p, i]
             d[i] = found[k - p, i] + 2 * before - earlier
@@ -262,7 +261,22 @@ def place_at(d, known, free, u, q):  # type: ignore[no-untyped-def]
 
 @inline
 def evaluate(  # type: ignore[no-untyped-def]
-    law, q, v, gears, g, pool, works, wanted, per_time, applied, column, hand, own_total, own_tangent, total, tangent
+    law,
+    q,
+    v,
+    gears,
+    g,
+    pool,
+    works,
+    wanted,
+    per_time,
+    applied,
+    column,
+    hand,
+    own_total,
+    own_tangent,
+    total,
+    tangent,
 ):
     """Fill the gear's own forces, those with all that acts besides, and both tangents if they are wanted."""
     own, n = own_total.size, total.size

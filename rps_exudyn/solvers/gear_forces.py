@@ -97,7 +97,13 @@ class GearForces:
     def statics(self) -> Balance:
         """Return the forces on pinion, rack and plunger, with the bush condensed."""
         return Balance(
-            self.law, self._condensed, self.pool, self.locked, self.approach, modes=self.modes, works=self.works
+            self.law,
+            self._condensed,
+            self.pool,
+            self.locked,
+            self.approach,
+            modes=self.modes,
+            works=self.works,
         )
 
     @property
@@ -177,10 +183,17 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
     if mesh.spheres is not None:
         first = len(pool)
         gears["mesh"]["spheres"], numbers = pooled(mesh.spheres, first)
-        ideal["mesh"]["spheres"], of_ideal = pooled(_ideal_spheres(gear, fidelity, zone), first + numbers.size)
+        ideal["mesh"]["spheres"], of_ideal = pooled(
+            _ideal_spheres(gear, fidelity, zone), first + numbers.size
+        )
         pool = np.concatenate([pool, numbers, of_ideal])
-    law = LAWS[mesh.law]
-    approach = static_approach(gear.yoke.preload, law, ideal, pool, pair.axis_offset)
+    if (mesh.law, bar is not None) not in LAWS:
+        raise InputError(
+            f"fidelity.mesh is {fidelity.mesh}, which has no place for a rack that bends or is not straight: "
+            "choose flank."
+        )
+    law = LAWS[mesh.law, bar is not None]
+    approach = static_approach(gear.yoke.preload, LAWS[mesh.law, False], ideal, pool, pair.axis_offset)
     if fidelity.yoke == "body":
         rest_gap = approach + gear.yoke.preload / gear.yoke.seat_stiffness
         gears["seat"] = yoke.seat_record(gear, friction_zone=zone, rest_gap=rest_gap, patches=patches)

@@ -1,16 +1,16 @@
 """All forces of a gear with their tangent: one function for each law of the teeth's contact.
 
-Coordinates are stacked [pinion (about k), rack (6), plunger]. Behind them stand the modes of a rack that bends
-(`bent_rack`), or the last segment (6) of a bush that is a chain. The constants of a gear are a record `GEAR`,
-one of an array, so that many gears differ by their place in it; `pool` holds what has no fixed size, and
-`work` is a record `WORK` that no evaluation needs to allocate.
+Coordinates are stacked [pinion (about k), rack (6), plunger]. Behind them stand the modes of a rack that
+bends (`bent_rack`), or the last segment (6) of a bush that is a chain. The constants of a gear are a record
+`GEAR`, one of an array, so that many gears differ by their place in it; `pool` holds what has no fixed size,
+and `work` is a record `WORK` that no evaluation needs to allocate.
 
     law(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
 
 fills the generalised forces `total` (n,) on the coordinates q with rates v, and the outputs of all parts
 `works[0].out`, see `COLUMNS`. Unless both factors are 0 it fills `tangent` (n, n) with factor_q dF/dq +
-factor_v dF/dv, to a few per cent of its largest entry or better: what turns with the bar's small angles is left
-out.
+factor_v dF/dv, to a few per cent of its largest entry or better: what turns with the bar's small angles is
+left out.
 
 Friction with a state takes the slip from what the coordinates moved over a step (`forces.memory`): a step of
 a coordinate is then one of its rate too.
@@ -56,7 +56,6 @@ from rps_exudyn.mesh_contact.ratio import ratio_law
 from rps_exudyn.mesh_contact.scratch import SCRATCH
 from rps_exudyn.solvers.bent_rack import (
     BAR,
-    MODES,
     POSE,
     RATE,
     add_elasticity,
@@ -133,7 +132,7 @@ LAW_POINTER = pointer(*LAW)
 
 # --- assembly --------------------------------------------------------------------------------------
 @inline
-def begin(q, v, gear, pool, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+def begin(q, v, gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """Fill where the laws find the bodies and how these slip; return the factor of the rates' derivative."""
     memory, h = work.contact.memory, 0.0
     if gear.has_bristles:
@@ -146,18 +145,24 @@ def begin(q, v, gear, pool, work, factor_q, factor_v):  # type: ignore[no-untype
         work.place[i], work.rate[i] = q[i], work.slip[i]
         for j in range(8):
             work.near[i, j] = 0.0
-    if gear.bar.is_bent:
-        pose, sections = np.empty((3, 6)), np.empty((4, gear.bar.modes + 2))
-        bar_sections(-q[1], gear.bar, pool, sections)  # mesh and yoke stand at X = 0
-        fill_pose(q, work.slip, sections, -1.0, gear.bar, pose)
-        for i in range(6):
-            work.place[1 + i], work.rate[1 + i] = pose[POSE, i], pose[RATE, i]
     return factor_q / h if h > 0 else factor_v
 
 
 @inline
-def finish(q, gear, pool, work, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """Add the forces of all other parts to those of the teeth."""
+def begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    """The same with the pose of a straight rack that touches the bar where mesh and yoke stand, at X = 0."""
+    factor_v = begin(q, v, gear, work, factor_q, factor_v)
+    pose, sections = np.empty((3, 6)), np.empty((4, gear.bar.modes + 2))
+    bar_sections(-q[1], gear.bar, pool, sections)
+    fill_pose(q, work.slip, sections, -1.0, gear.bar, pose)
+    for i in range(6):
+        work.place[1 + i], work.rate[1 + i] = pose[POSE, i], pose[RATE, i]
+    return factor_v
+
+
+@inline
+def _add_others(gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    """Fill the outputs of yoke and bearing, and their tangents if they are wanted."""
     place, rate, out, near, memory = work.place, work.rate, work.out, work.near, work.contact.memory
     wanted = factor_q != 0 or factor_v != 0
     for i in range(2):
@@ -174,10 +179,6 @@ def finish(q, gear, pool, work, factor_q, factor_v, total, tangent):  # type: ig
     bearing_force(rate[0], gear.bearing, memory, out[_BEARING : _BEARING + 5])
     if wanted:
         _add_yoke_and_bearing(gear, work, factor_q, factor_v)
-    if gear.bar.is_bent:
-        _on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
-    else:
-        _on_straight_rack(q, gear, work, factor_q, factor_v, total, tangent)
 
 
 @inline
@@ -220,8 +221,9 @@ def _add_loads(q, gear, out):  # type: ignore[no-untyped-def]
 
 
 @inline
-def _on_straight_rack(q, gear, work, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """Fill forces and tangent of a rack that is straight and rigid."""
+def finish(q, gear, work, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """Add the forces of all other parts to those of the teeth; of a rack that is straight and rigid."""
+    _add_others(gear, work, factor_q, factor_v)
     rack, rate, out, memory = q[1:7], work.rate[1:7], work.out, work.contact.memory
     bush = out[_BUSH : _BUSH + 11]
     for i in range(8):
@@ -277,8 +279,9 @@ def _carried_tangent(q, gear, work, factor_q, factor_v, tangent):  # type: ignor
 
 
 @inline
-def _on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """Fill forces and tangent of a rack that bends or is not straight, see `bent_rack`."""
+def finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The same of a rack that bends or is not straight, see `bent_rack`."""
+    _add_others(gear, work, factor_q, factor_v)
     bar, out, memory, n = gear.bar, work.out, work.contact.memory, q.size
     wanted = factor_q != 0 or factor_v != 0
     pose, sections, forces = np.empty((3, 6)), np.empty((4, bar.modes + 2)), np.empty(6)
@@ -334,65 +337,104 @@ def _on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent):  # t
 def line_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with the contact law "line"."""
     gear, work = gears[g], works[0]
-    factor_v = begin(q, v, gear, pool, work, factor_q, factor_v)
-    line_law(
-        work.place, work.rate, gear.mesh, pool, work.contact, factor_q, factor_v, work.out, work.near
-    )
-    finish(q, gear, pool, work, factor_q, factor_v, total, tangent)
+    factor_v = begin(q, v, gear, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    line_law(*at, factor_q, factor_v, work.out, work.near)
+    finish(q, gear, work, factor_q, factor_v, total, tangent)
+
+
+@kernel_of(*LAW)
+def line_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The same whose rack bends or is not straight."""
+    gear, work = gears[g], works[0]
+    factor_v = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    line_law(*at, factor_q, factor_v, work.out, work.near)
+    finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
 
 
 @kernel_of(*LAW)
 def teeth_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with the contact law "teeth"."""
     gear, work = gears[g], works[0]
-    factor_v = begin(q, v, gear, pool, work, factor_q, factor_v)
-    teeth_law(
-        work.place, work.rate, gear.mesh, pool, work.contact, factor_q, factor_v, work.out, work.near
-    )
-    finish(q, gear, pool, work, factor_q, factor_v, total, tangent)
+    factor_v = begin(q, v, gear, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    teeth_law(*at, factor_q, factor_v, work.out, work.near)
+    finish(q, gear, work, factor_q, factor_v, total, tangent)
+
+
+@kernel_of(*LAW)
+def teeth_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The same whose rack bends or is not straight."""
+    gear, work = gears[g], works[0]
+    factor_v = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    teeth_law(*at, factor_q, factor_v, work.out, work.near)
+    finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
 
 
 @kernel_of(*LAW)
 def area_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with the contact law "area"."""
     gear, work = gears[g], works[0]
-    factor_v = begin(q, v, gear, pool, work, factor_q, factor_v)
-    area_law(
-        work.place, work.rate, gear.mesh, pool, work.contact, factor_q, factor_v, work.out, work.near
-    )
-    finish(q, gear, pool, work, factor_q, factor_v, total, tangent)
+    factor_v = begin(q, v, gear, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    area_law(*at, factor_q, factor_v, work.out, work.near)
+    finish(q, gear, work, factor_q, factor_v, total, tangent)
+
+
+@kernel_of(*LAW)
+def area_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The same whose rack bends or is not straight."""
+    gear, work = gears[g], works[0]
+    factor_v = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    area_law(*at, factor_q, factor_v, work.out, work.near)
+    finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
 
 
 @kernel_of(*LAW)
 def sphere_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """A gear whose teeth touch by spheres, as in general contact."""
+    """A gear with teeth that touch by spheres, as in general contact."""
     gear, work = gears[g], works[0]
-    factor_v = begin(q, v, gear, pool, work, factor_q, factor_v)
-    sphere_law(
-        work.place, work.rate, gear.mesh, pool, work.contact, factor_q, factor_v, work.out, work.near
-    )
-    finish(q, gear, pool, work, factor_q, factor_v, total, tangent)
+    factor_v = begin(q, v, gear, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    sphere_law(*at, factor_q, factor_v, work.out, work.near)
+    finish(q, gear, work, factor_q, factor_v, total, tangent)
+
+
+@kernel_of(*LAW)
+def sphere_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The same whose rack bends or is not straight."""
+    gear, work = gears[g], works[0]
+    factor_v = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    sphere_law(*at, factor_q, factor_v, work.out, work.near)
+    finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
 
 
 @kernel_of(*LAW)
 def ratio_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """A gear whose mesh is a ratio."""
+    """A gear with a ratio in place of its mesh."""
     gear, work = gears[g], works[0]
-    factor_v = begin(q, v, gear, pool, work, factor_q, factor_v)
-    ratio_law(
-        work.place, work.rate, gear.mesh, pool, work.contact, factor_q, factor_v, work.out, work.near
-    )
-    finish(q, gear, pool, work, factor_q, factor_v, total, tangent)
+    factor_v = begin(q, v, gear, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    ratio_law(*at, factor_q, factor_v, work.out, work.near)
+    finish(q, gear, work, factor_q, factor_v, total, tangent)
 
 
 LAWS = {
-    "line": line_gear,
-    "teeth": teeth_gear,
-    "area": area_gear,
-    "spheres": sphere_gear,
-    "ratio": ratio_gear,
+    ("line", False): line_gear,
+    ("line", True): line_gear_on_bent_rack,
+    ("teeth", False): teeth_gear,
+    ("teeth", True): teeth_gear_on_bent_rack,
+    ("area", False): area_gear,
+    ("area", True): area_gear_on_bent_rack,
+    ("spheres", False): sphere_gear,
+    ("spheres", True): sphere_gear_on_bent_rack,
+    ("ratio", False): ratio_gear,
 }
-"""Law of the teeth's contact -> the forces of a gear with it."""
+"""Law of the teeth's contact, whether the rack bends or is not straight -> the forces of such a gear."""
 
 
 # --- along a motion --------------------------------------------------------------------------------
@@ -413,7 +455,12 @@ def fill_outputs(law, coordinates, rates, time, begun, gears, pool, works, outpu
 
 def parts_of(gear: np.record) -> list[Part]:
     """Return the parts of a gear, in the order of their outputs."""
-    having = {"load": "has_load", "weight": "has_weight", "yoke_spring": "has_plunger", "yokenut": "has_plunger"}
+    having = {
+        "load": "has_load",
+        "weight": "has_weight",
+        "yoke_spring": "has_plunger",
+        "yokenut": "has_plunger",
+    }
     parts = [yoke.SEAT_PART if each.name == "seat" and gear["has_plunger"] else each for each in PARTS]
     return [each for each in parts if each.name not in having or gear[having[each.name]]]
 

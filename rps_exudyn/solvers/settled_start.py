@@ -14,10 +14,10 @@ import numpy as np
 
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS, Balance
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, Start, equilibrium_path
 from rps_exudyn.solvers.steering_column import SteeringColumn, pinion_at_start
-from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 
 DISTANCES = (1, 2, 4, 8, 16, 32)  # tooth pitches before the start at which equilibria begin
 COARSE, FINE = 12, 48  # equilibria in a tooth pitch

@@ -1,0 +1,320 @@
+"""Gears of one table over one maneuver: what they have in common, and the records of some of them.
+
+A family is followed over the first period of the maneuver, at angles of its own (`many_gears`). Only gears
+that pass all checks of a finished run well within their bounds are the family's; all others are run singly.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from rps_exudyn.analysis.many import spread
+from rps_exudyn.analysis.resolution import every_second, lag, missed
+from rps_exudyn.analysis.torque import mean
+from rps_exudyn.analysis.work_balance import losses
+from rps_exudyn.checks.after_run import LAG_BOUND, MISSED_TORQUE, ROUNDING, edge_bound
+from rps_exudyn.checks.needs_finer import MEAN, PEAK, ROLLING
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.maneuver import Maneuver, largest_angle, steady_maneuver
+from rps_exudyn.scenes.scene_run import Signals
+from rps_exudyn.solvers.drive import travel_per_radian
+from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.many_gears import (
+    COARSE,
+    FINE,
+    RUNOUT,
+    RUNOUT_ANGLE,
+    Between,
+    Found,
+    GearSeries,
+    Known,
+    Table,
+    packed,
+    rising,
+    stacked_signals,
+)
+from rps_exudyn.solvers.record import integrated, repeated
+from rps_exudyn.solvers.settled_start import settled_path
+
+SPACING = np.deg2rad(2.0)  # of the family's angles, at most
+LEAD = 2  # of its instants before the record
+PER_INSTANT, PER_SPACING = 3, 4  # instants of known gears, and of the reference gear, in one of the family's
+SINGLE_OUT = (RUNOUT, "pinion.pitch_error")  # a tooth or a direction: the curve repeats with the turn
+STEADY = 2e-3  # of torque and travel: what drifts more over a period is left to a single run
+SAFE = 0.8  # of a bound, from which on a single run judges
+
+Ends = tuple[tuple[str, tuple[float, float]], ...]
+"""Paths, each with the values of the gear above the reference and of that below."""
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """What all gears of a table have in common over one maneuver."""
+
+    gear: SteeringGear  # the reference
+    fidelity: Fidelity
+    series: GearSeries
+    maneuver: Maneuver  # over one period
+    periods: int
+    nodes: np.ndarray  # angles of the family [rad]
+    per_pitch: int  # of them in a tooth pitch, 0 if no whole number
+    known: Known
+    between: Between
+    features: np.ndarray  # (n, f)
+
+    @classmethod
+    def of(
+        cls,
+        maneuver: Maneuver,
+        gear: SteeringGear,
+        fidelity: Fidelity,
+        table: Table,
+        ranges: Table | None = None,
+    ) -> "Family | None":
+        """Follow the reference gear, and those from which the others' motion is learned.
+
+        What only the ranges say is learned once for all parts of a table.
+
+        Args:
+            maneuver: of the reference gear, over as many periods as its pitches are alike.
+            gear: the reference.
+            fidelity: how all are modelled.
+            table: path -> values (n,) of the gears, SI.
+            ranges: path -> values over which the parameter varies; those of the table without it.
+        """
+        whole = table if ranges is None else ranges
+        steps, features = _features(gear, table, whole)
+        family = cls._learned(maneuver, gear, fidelity, tuple(steps))
+        return None if family is None else replace(family, features=features)
+
+    @classmethod
+    @lru_cache(maxsize=12)
+    def _learned(
+        cls,
+        whole: Maneuver,
+        gear: SteeringGear,
+        fidelity: Fidelity,
+        steps: tuple[tuple[Ends, float], ...],
+    ) -> "Family | None":
+        """Learn from gears `steps` above and below the reference."""
+        pair, maneuver, drive = GearPair.of(gear), whole.one_period(), whole.drive
+        record = _angles(maneuver, pair)
+        nodes, per_pitch = _nodes(gear, record)
+        if np.abs(nodes).max() > largest_angle(gear) - 2 * np.pi / gear.pinion.teeth:
+            return None
+        weighted = bool(maneuver.rack_load)
+        records = packed([gear, *_perturbed(gear, steps)], fidelity, weighted)
+        forces = gear_forces(gear, fidelity, maneuver.rack_load)
+        series = GearSeries(forces, pair, drive.pinion_speed(float(pair.gain), 0.0), drive.body)
+        spacing = (nodes[1] - nodes[0]) / PER_INSTANT
+        before = per_pitch or LEAD
+        fine = nodes[0] + spacing * np.arange(-before * PER_INSTANT, (len(nodes) - 1) * PER_INSTANT + 1)
+        first = _followed(gear, series, records[:1], fine)
+        if first is None:
+            return None
+        none = np.zeros((len(records), 0))
+        found = series.follow(records, fine, per_pitch * PER_INSTANT, first, none, FINE)
+        if not found.found.all():
+            return None
+        sizes = np.array([each for _, each in steps])
+
+        def slope(values: np.ndarray) -> np.ndarray:
+            difference = (values[1::2] - values[2::2]) / (2 * sizes.reshape(-1, *(1,) * (values.ndim - 1)))
+            return np.moveaxis(difference, 0, 1)
+
+        motion = series.beside_rigid(found, records, fine)
+        known = Known(rising(fine, motion[0]), rising(fine, slope(motion)))
+        names, signals = stacked_signals(found.record)
+        of_gears = np.moveaxis(signals, 0, -1)  # (gears, k, signals)
+        between = Between.of(names, rising(fine, of_gears[0]), rising(fine, slope(of_gears)), nodes, record)
+        given = gear, fidelity, series, maneuver, whole.periods, nodes, per_pitch, known, between
+        return cls(*given, np.zeros((0, len(steps))))
+
+    @property
+    def angles(self) -> np.ndarray:
+        """Pinion angles of the record's first period, of a gear without errors [rad]."""
+        return _angles(self.maneuver, self.series.pair)
+
+    @property
+    def time(self) -> np.ndarray:
+        """Instants of the record's first period from its start [s]."""
+        time = self.maneuver.time[self.maneuver.lead :]
+        return np.asarray(time - time[0])
+
+
+def is_alike(gear: SteeringGear, table: Table) -> bool:
+    """Tell whether all tooth pitches of all gears are alike."""
+    return not any(np.any(table.get(path, gear.value_at(path))) for path in SINGLE_OUT)
+
+
+def _angles(maneuver: Maneuver, pair: GearPair) -> np.ndarray:
+    """Pinion angles of the record, of a gear without errors [rad]."""
+    places = np.asarray(maneuver.drive.place(maneuver.time[maneuver.lead :]))
+    return places / travel_per_radian(maneuver.drive.body, float(pair.gain))
+
+
+def _nodes(gear: SteeringGear, record: np.ndarray) -> tuple[np.ndarray, int]:
+    """Even angles of the family [rad], from before the record to its end or beyond, and their number in a
+    pitch."""
+    pitch, sense = 2 * np.pi / gear.pinion.teeth, np.sign(record[-1] - record[0])
+    spacing = max(SPACING, abs(record[1] - record[0]))
+    per_pitch = int(np.ceil(pitch / spacing * (1 - 1e-9)))
+    spacing = pitch / per_pitch
+    steps = int(np.ceil(abs(record[-1] - record[0]) / spacing * (1 - 1e-9)))
+    return record[0] + sense * spacing * np.arange(-LEAD, steps + 1), per_pitch
+
+
+def _features(gear: SteeringGear, table: Table, ranges: Table) -> tuple[list[tuple[Ends, float]], np.ndarray]:
+    """What the motion responds to: for each feature the parameters above and below the reference and half
+    their distance, and its values (n, f)."""
+    steps: list[tuple[Ends, float]] = []
+    columns: list[np.ndarray] = []
+    for path, values in ranges.items():
+        if path in (RUNOUT, RUNOUT_ANGLE) or not np.ptp(values):
+            continue
+        here = float(gear.value_at(path))
+        size = _rounded(float(np.std(values)))
+        above, below = min(here + size, float(values.max())), max(here - size, float(values.min()))
+        steps.append((((path, (above, below)),), (above - below) / 2))
+        columns.append(table[path] - here)
+    if RUNOUT in table or RUNOUT_ANGLE in table:
+        count = len(next(iter(table.values())))
+        e = np.asarray(table.get(RUNOUT, np.full(count, gear.pinion.runout)), dtype=float)
+        angle = np.asarray(table.get(RUNOUT_ANGLE, np.full(count, gear.pinion.runout_angle)), dtype=float)
+        usual = np.asarray(ranges.get(RUNOUT, gear.pinion.runout), dtype=float)
+        if size := _rounded(float(np.sqrt(np.mean(usual**2) / 2))):
+            for turn, share in ((0.0, np.cos(angle)), (np.pi / 2, np.sin(angle))):
+                steps.append((((RUNOUT, (size, size)), (RUNOUT_ANGLE, (turn, turn + np.pi))), size))
+                columns.append(e * share)
+    return steps, np.column_stack(columns) if columns else np.zeros((len(next(iter(table.values()))), 0))
+
+
+def _rounded(size: float) -> float:
+    """A size to one digit, so that parts of a study learn from the same gears."""
+    return float(f"{size:.0e}")
+
+
+def _perturbed(gear: SteeringGear, steps: Sequence[tuple[Ends, float]]) -> list[SteeringGear]:
+    """The gears above and below the reference, feature by feature."""
+    return [
+        gear.replace({path: ends[which] for path, ends in settings})
+        for settings, _ in steps
+        for which in (0, 1)
+    ]
+
+
+def _followed(gear: SteeringGear, series: GearSeries, records: np.ndarray, fine: np.ndarray) -> Known | None:
+    """The reference gear's motion from a settled start, by the path of single runs."""
+    step = abs(fine[1] - fine[0]) * PER_INSTANT / PER_SPACING
+    beyond = 2 * (fine[1] - fine[0])
+    maneuver = steady_maneuver(gear, series.body, fine[0] - beyond, fine[-1] + beyond, step)
+    statics = series.forces.statics
+    path = settled_path(statics, series.pair, maneuver.drive, maneuver.approach, maneuver.time)
+    if not path.converged:
+        return None
+    travel = travel_per_radian(series.body, float(series.pair.gain))
+    inside = path.time >= 0
+    angles = np.asarray(maneuver.drive.place(path.time))[inside] / travel
+    places = path.coordinates[inside].copy()
+    x = places[:, 1].copy()
+    places[:, 2] -= x * places[:, 6]
+    places[:, 3] += x * places[:, 5]
+    return Known(rising(angles, places - series.rigid(records, angles)[0][0]))
+
+
+# --- records of some gears -------------------------------------------------------------------------
+@dataclass(frozen=True, eq=False)
+class FamilyRecord:
+    """Some gears of a family over its maneuver; arrays have one row for each gear."""
+
+    family: Family
+    records: np.ndarray
+    found: Found
+    features: np.ndarray  # (n, f)
+
+    @classmethod
+    def of(cls, family: Family, records: np.ndarray, chosen: np.ndarray) -> "FamilyRecord":
+        """Follow the chosen gears of a table's records."""
+        some, features = records[chosen], family.features[chosen]
+        found = family.series.follow(some, family.nodes, family.per_pitch, family.known, features, COARSE)
+        return cls(family, some, found, features)
+
+    @property
+    def force(self) -> str:
+        """Signal of the drive's torque or force."""
+        return self.family.maneuver.drive.signal
+
+    @cached_property
+    def period(self) -> Signals:
+        """Signals over the record's first period, (n, m) each, time (m,)."""
+        family = self.family
+        instants = family.between.over_record(self.found.record, self.features)
+        if self.force == "pinion_torque":
+            instants["pinion_angle"] = family.angles
+        return integrated(instants, family.time)
+
+    def whole(self) -> Signals:
+        """Signals over all periods."""
+        return repeated(self.period, self.family.periods) if self.family.periods > 1 else self.period
+
+    def seen(self) -> Signals:
+        """Signals at the family's own angles, (n, k), which remarks on a gear quote."""
+        _, signals = stacked_signals(self.found.record)
+        return dict(zip(self.family.between.names, signals[..., LEAD:], strict=True))
+
+    @cached_property
+    def _path(self) -> np.ndarray:
+        """Places of the driven body over the first period, (m,) [rad] or (n, m) [m]."""
+        gain = self.records["mesh"]["flank"]["gain"][:, None]
+        return self.family.angles * (gain if self.force == "rack_force" else 1.0)
+
+    def surely_ok(self) -> np.ndarray:
+        """Which gears were found and pass all checks of a finished run well within their bounds, (n,)."""
+        family, signals = self.family, self.period
+        gear, angle, force = family.gear, family.angles, signals[self.force]
+        bound = next(iter(family.series.forces.valid_to.values()))
+        in_mesh = gear.basic_rack.addendum * gear.pinion.normal_module / 2
+        lifted = np.abs(signals["rack_y"] - self.records["mesh"]["flank"]["axis_offset"][:, None])
+        late = lag(angle, signals["rack_roll"]) * gear.rack.bar_diameter / 2
+        late = late / spread(signals["rack_displacement"])
+        drift = np.abs(force[:, -1] - force[:, 0]) / np.abs(force).max(axis=-1)
+        seen = self.seen()
+        checks = (
+            self.found.found,
+            np.isfinite(force).all(axis=-1),
+            (lifted < SAFE * in_mesh).all(axis=-1),
+            (seen["mesh_normal_force"] > 0).all(axis=-1),
+            seen["mesh_penetration"].max(axis=-1) < SAFE * bound,
+            late < SAFE * min(ROLLING, LAG_BOUND),
+            missed(angle, force).max(axis=-1) < SAFE * PEAK * self._size(),
+            (drift < STEADY) | (not family.maneuver.closes),
+            self._works_ok(),
+            self._turns_on(),
+        )
+        return np.asarray(np.logical_and.reduce(checks))
+
+    def _size(self) -> np.ndarray:
+        """Size of the drive's force [N m or N], (n,): its mean, or that of friction, of which a weight may
+        leave little to the drive."""
+        lost = sum(losses(self.period).values()) / np.ptp(self._path, axis=-1)
+        return np.maximum(np.abs(mean(self.family.angles, self.period[self.force])), lost)
+
+    def _works_ok(self) -> np.ndarray:
+        """Whether the mean is resolved, and little work goes over the rack's edges, (n,)."""
+        family, signals = self.family, self.period
+        work, hidden = every_second(family.angles, signals[self.force])
+        scale = np.ptp(self._path, axis=-1) / np.ptp(family.angles)
+        least = MISSED_TORQUE * np.ptp(family.angles) + ROUNDING
+        done = [np.abs(signals[name][:, -1]) for name in ("work_drive", "work_load") if name in signals]
+        edges = SAFE * edge_bound(family.gear) * np.max(done, axis=0)
+        resolved = scale * hidden < np.maximum(SAFE * MEAN * np.abs(scale * work), least)
+        return np.asarray(resolved & (np.abs(signals["work_mesh_edges"][:, -1]) < np.maximum(edges, least)))
+
+    def _turns_on(self) -> np.ndarray:
+        """Whether the pinion never turns back, (n,)."""
+        steps = np.diff(self.period["pinion_angle"]) * np.sign(self.family.series.speed)
+        return np.broadcast_to((steps > 0).all(axis=-1), len(self.records))
