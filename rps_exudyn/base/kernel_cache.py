@@ -4,7 +4,8 @@ numba stores a kernel beside its source file, or in the user's cache folder wher
 It does not notice a change in another file that the kernel calls, and takes damaged or foreign bytes as they
 are. So each of its files has a stamp beside it: the sha256 of its bytes and of the sources of all kernels.
 What has no stamp, or not this one, is removed before it is read, and compiled again. A folder that others
-can write to holds no cache. """
+can write to holds no cache.
+"""
 
 import atexit
 import hashlib

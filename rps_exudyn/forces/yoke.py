@@ -185,29 +185,66 @@ def seat_force(q, v, data, memory, points, out):  # type: ignore[no-untyped-def]
     """Penalty contact of the seat with the back of the bar; q = rack (6), plunger (1), fills out (12,).
 
     It is integrated over the part that touches, which a tilted or shifted bar leaves; `points` is work space.
-    """ for i in range(12): out[i] = 0.0 turn, omega, slope_y, slope_z, tilt, count = seat_stance(q, v, q[6],
-    data, points) axis_x, axis_y, axis_z = turn.axis moment_x = moment_y = moment_z = 0.0 law, friction =
-    data.law, data.friction if law.load_exponent != 1.0: friction *= by_load(_whole_load(points, count, q,
-    turn.axis, tilt, data), law) if law.kind == BRISTLE: clear(law.place, memory) for i in range(count): ny,
-    nz = points[i, 0], points[i, 1] # the point of the bar's axis that stands at this station of the housing
-    along = (points[i, 2] - q[0]) / axis_x ay, az = along * axis_y, along * axis_z depth = (q[1] + ay -
-    points[i, 2] * tilt - q[6] + data.rest_gap) * ny + (q[2] + az) * nz if depth <= 0: continue load =
-    points[i, 3] * depth # across the tilted bar, so that sliding along it does no work against the load nx =
-    -(slope_y * ny + slope_z * nz) lx, ly, lz = along * axis_x, ay + data.bar_radius * ny, az +
-    data.bar_radius * nz # slip of the bar's surface over the seat: its velocity less the part along the
-    normal vx = v[0] + omega[1] * lz - omega[2] * ly vy = v[1] - v[6] + omega[2] * lx - omega[0] * lz vz =
-    v[2] + omega[0] * ly - omega[1] * lx parting = (vx * nx + vy * ny + vz * nz) / (1 + nx * nx) vx, vy, vz =
-    vx - parting * nx, vy - parting * ny, vz - parting * nz speed = np.sqrt(vx * vx + vy * vy + vz * vz) if
-    law.kind == BRISTLE: # along the bar's surface and around it size = np.sqrt(1 + nx * nx) drag, turning,
-    lost = bristle( load, (vx - nx * (vy * ny + vz * nz)) / size, vz * ny - vy * nz, law.place, friction,
-    law, memory ) fx, fy, fz = ( -drag / size, drag * nx * ny / size + turning * nz, drag * nx * nz / size -
-    turning * ny, ) else: drag = coulomb(load, friction, speed, data.zone) * stribeck(speed, law) fx, fy, fz
-    = -drag * vx, -drag * vy, -drag * vz lost = drag * speed**2 px, py, pz = -load * nx, -load * ny, -load *
-    nz out[0] += fx + px out[1] += fy + py out[2] += fz + pz # friction acts on the surface, the load passes
-    through the axis moment_x += ly * fz - lz * fy + ay * pz - az * py moment_y += lz * fx - lx * fz + az *
-    px - lx * pz moment_z += lx * fy - ly * fx + lx * py - ay * px out[7] += 0.5 * load * depth out[8] +=
-    lost out[10] += load out[11] += load * ny if law.kind == BRISTLE: out[7] += stored(law.place, friction,
-    law, memory) out[3], out[4], out[5] = on_angles(turn, (moment_x, moment_y, moment_z)) out[6] = -out[1]
+    """
+    for i in range(12):
+        out[i] = 0.0
+    turn, omega, slope_y, slope_z, tilt, count = seat_stance(q, v, q[6], data, points)
+    axis_x, axis_y, axis_z = turn.axis
+    moment_x = moment_y = moment_z = 0.0
+    law, friction = data.law, data.friction
+    if law.load_exponent != 1.0:
+        friction *= by_load(_whole_load(points, count, q, turn.axis, tilt, data), law)
+    if law.kind == BRISTLE:
+        clear(law.place, memory)
+    for i in range(count):
+        ny, nz = points[i, 0], points[i, 1]
+        # the point of the bar's axis that stands at this station of the housing
+        along = (points[i, 2] - q[0]) / axis_x
+        ay, az = along * axis_y, along * axis_z
+        depth = (q[1] + ay - points[i, 2] * tilt - q[6] + data.rest_gap) * ny + (q[2] + az) * nz
+        if depth <= 0:
+            continue
+        load = points[i, 3] * depth
+        # across the tilted bar, so that sliding along it does no work against the load
+        nx = -(slope_y * ny + slope_z * nz)
+        lx, ly, lz = along * axis_x, ay + data.bar_radius * ny, az + data.bar_radius * nz
+        # slip of the bar's surface over the seat: its velocity less the part along the normal
+        vx = v[0] + omega[1] * lz - omega[2] * ly
+        vy = v[1] - v[6] + omega[2] * lx - omega[0] * lz
+        vz = v[2] + omega[0] * ly - omega[1] * lx
+        parting = (vx * nx + vy * ny + vz * nz) / (1 + nx * nx)
+        vx, vy, vz = vx - parting * nx, vy - parting * ny, vz - parting * nz
+        speed = np.sqrt(vx * vx + vy * vy + vz * vz)
+        if law.kind == BRISTLE:
+            # along the bar's surface and around it
+            size = np.sqrt(1 + nx * nx)
+            along_bar, around = (vx - nx * (vy * ny + vz * nz)) / size, vz * ny - vy * nz
+            drag, turning, lost = bristle(load, along_bar, around, law.place, friction, law, memory)
+            fx, fy, fz = (
+                -drag / size,
+                drag * nx * ny / size + turning * nz,
+                drag * nx * nz / size - turning * ny,
+            )
+        else:
+            drag = coulomb(load, friction, speed, data.zone) * stribeck(speed, law)
+            fx, fy, fz = -drag * vx, -drag * vy, -drag * vz
+            lost = drag * speed**2
+        px, py, pz = -load * nx, -load * ny, -load * nz
+        out[0] += fx + px
+        out[1] += fy + py
+        out[2] += fz + pz
+        # friction acts on the surface, the load passes through the axis
+        moment_x += ly * fz - lz * fy + ay * pz - az * py
+        moment_y += lz * fx - lx * fz + az * px - lx * pz
+        moment_z += lx * fy - ly * fx + lx * py - ay * px
+        out[7] += 0.5 * load * depth
+        out[8] += lost
+        out[10] += load
+        out[11] += load * ny
+    if law.kind == BRISTLE:
+        out[7] += stored(law.place, friction, law, memory)
+    out[3], out[4], out[5] = on_angles(turn, (moment_x, moment_y, moment_z))
+    out[6] = -out[1]
 
 
 @inline
@@ -246,9 +283,7 @@ def add_seat_tangent(q, v, data, memory, points, factor_q, factor_v, tangent, of
         # along the bar and around it
         ahead_of, around = (1.0, -normal[0] * ny, -normal[0] * nz), (0.0, -nz, ny)
         along, across = dot(slip, ahead_of), dot(slip, around)
-        f_a, f_b, ahead, aside, d_a, d_b = rubbing(
-            along, across, law.place, friction, data.zone, law, memory
-        )
+        f_a, f_b, ahead, aside, d_a, d_b = rubbing(along, across, law.place, friction, data.zone, law, memory)
         rub = plus(scaled(f_a, ahead_of), scaled(f_b, around))
         moment = cross(arm, normal)
         deeper = (normal[0], normal[1], normal[2], moment[0], moment[1], moment[2], -ny)

@@ -22,7 +22,6 @@ Friction is Coulomb's with the local sliding velocity, linear in it below the zo
 GeneralContact). Loads act normal to the rack's plane, at points of the pinion's flank.
 """
 
-
 from rps_exudyn.base.compiled import inline, kernel
 from rps_exudyn.mesh_contact.contact_tangent import add_turn_of_loads, slopes_of
 from rps_exudyn.mesh_contact.flank_generator import press_area

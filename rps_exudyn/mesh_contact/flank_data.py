@@ -136,9 +136,7 @@ def pack(
         friction=mesh.friction,
         zone=sliding_zone(gear) if zone is None else zone,
         # half the preload on each side of the teeth
-        law=law_of(
-            mesh, patches or Patches(), count=2, usual_load=gear.yoke.preload / abs(2 * normal[1])
-        ),
+        law=law_of(mesh, patches or Patches(), count=2, usual_load=gear.yoke.preload / abs(2 * normal[1])),
         line_stiffness=line_stiffness(gear) if mesh.law == "line" else 0.0,
         stations=along,
         points=across,

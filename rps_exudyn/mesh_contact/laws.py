@@ -44,9 +44,7 @@ def _on_flanks(q, turn, flank, work, factor_q, factor_v, out, tangent):  # type:
 def line_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
     """Load per length of line in proportion to the flanks' depth: law "line"."""
     turn, pose = _pose(q, v, mesh.flank.rack_reference, work.pose), work.pose
-    line_contact(
-        q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], mesh.flank, work, factor_q, factor_v
-    )
+    line_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], mesh.flank, work, factor_q, factor_v)
     _on_flanks(q, turn, mesh.flank, work, factor_q, factor_v, out, tangent)
 
 
@@ -54,9 +52,7 @@ def line_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # type:
 def area_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
     """Pressure in proportion to the flanks' depth: law "area"."""
     turn, pose = _pose(q, v, mesh.flank.rack_reference, work.pose), work.pose
-    area_contact(
-        q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], mesh.flank, work, factor_q, factor_v
-    )
+    area_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], mesh.flank, work, factor_q, factor_v)
     _on_flanks(q, turn, mesh.flank, work, factor_q, factor_v, out, tangent)
 
 
@@ -73,9 +69,7 @@ def sphere_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # typ
     """Spheres on the pinion's flanks against the rack's planes, as in general contact."""
     spheres = mesh.spheres
     turn, pose = _pose(q, v, spheres.rack_reference, work.pose), work.pose
-    sphere_contact(
-        q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], spheres, pool, work, factor_q, factor_v
-    )
+    sphere_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], spheres, pool, work, factor_q, factor_v)
     if factor_q != 0 or factor_v != 0:
         axis = spheres.pinion_frame[0, 2], spheres.pinion_frame[1, 2], spheres.pinion_frame[2, 2]
         to_axis = minus(vector(spheres.pinion_origin), vector(pose[3]))

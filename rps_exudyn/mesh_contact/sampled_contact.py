@@ -92,32 +92,66 @@ def sphere_contact(  # type: ignore[no-untyped-def]
     0; `data` is a record `SPHERES`, `work` a `SCRATCH`.
 
     A sphere's force acts at its touching point; left out of the stiffness is that the points move.
-    """ out, wanted = work.wrench, factor_q != 0 or factor_v != 0 frame, count, spaces = data.pinion_frame,
-    data.count, data.spaces axis = (frame[0, 2], frame[1, 2], frame[2, 2]) to_axis =
-    minus(vector(data.pinion_origin), vector(position)) moving, turning = vector(velocity), vector(spin) c, s
-    = np.cos(angle), np.sin(angle) stiffnesses = data.first + 6 * spaces * count for i in range(WRENCH_SIZE):
-    out[i] = 0.0 for i in range(6): for j in range(6): work.stiffness[i, j] = 0.0 for side in range(2):
-    normal = _times(rotation, (data.normals[side, 0], data.normals[side, 1], data.normals[side, 2])) for
-    space in range(spaces): if abs(angle_from_mesh(angle, space, spaces)) > data.gate: continue for i in
-    range(count): number = (space * 2 + side) * count + i place = data.first + 3 * number x, y, z =
-    pool[place], pool[place + 1], pool[place + 2] lever = _times(frame, (c * x - s * y, s * x + c * y, z))  #
-    from the axis of rotation point = plus(to_axis, lever) height = dot(normal, point) - data.offset[side]
-    height -= data.base_pitch * np.rint(height / data.base_pitch) depth = data.radius - height if depth <= 0
-    or height < -data.radius: continue if rotation[0, 1] * point[0] + rotation[1, 1] * point[1] + rotation[2,
-    1] * point[2] < data.lowest: continue # touching point on the plane: below the sphere's centre point,
-    lever = minus(point, scaled(height, normal)), minus(lever, scaled(height, normal)) slip =
-    minus(minus(scaled(rate, cross(axis, lever)), moving), cross(turning, point)) approach = -dot(slip,
-    normal) # with much damping a receding sphere pulls, as GeneralContact's do stiffness = pool[stiffnesses
-    + number] load = stiffness * (depth + data.damping * approach) slip = plus(slip, scaled(approach,
-    normal)) speed = np.sqrt(dot(slip, slip)) drag = coulomb(load, data.friction, speed, data.zone) force =
-    minus(scaled(drag, slip), scaled(load, normal))  # on the rack moment = cross(point, force) for k in
-    range(3): out[1 + k] += force[k] out[4 + k] += moment[k] out[0] -= dot(axis, cross(lever, force)) out[7 +
-    side] += load out[9] += 0.5 * stiffness * depth**2 out[10] += drag * speed**2 out[11] += (load -
-    stiffness * depth) * approach out[12] = max(out[12], depth) out[13] += 1 if wanted: per_load = drag /
-    load if load != 0 else 0.0 pressed = plus(normal, scaled(-per_load, slip)) factor = -stiffness *
-    (factor_q + data.damping * factor_v) at_normal = cross(point, normal) add_outer(work.stiffness, factor,
-    pressed, cross(point, pressed), normal, at_normal) _add_drag(work.stiffness, -factor_v * drag, speed >
-    data.zone, point, normal, slip)
+    """
+    out, wanted = work.wrench, factor_q != 0 or factor_v != 0
+    frame, count, spaces = data.pinion_frame, data.count, data.spaces
+    axis = (frame[0, 2], frame[1, 2], frame[2, 2])
+    to_axis = minus(vector(data.pinion_origin), vector(position))
+    moving, turning = vector(velocity), vector(spin)
+    c, s = np.cos(angle), np.sin(angle)
+    stiffnesses = data.first + 6 * spaces * count
+    for i in range(WRENCH_SIZE):
+        out[i] = 0.0
+    for i in range(6):
+        for j in range(6):
+            work.stiffness[i, j] = 0.0
+    for side in range(2):
+        normal = _times(rotation, (data.normals[side, 0], data.normals[side, 1], data.normals[side, 2]))
+        for space in range(spaces):
+            if abs(angle_from_mesh(angle, space, spaces)) > data.gate:
+                continue
+            for i in range(count):
+                number = (space * 2 + side) * count + i
+                place = data.first + 3 * number
+                x, y, z = pool[place], pool[place + 1], pool[place + 2]
+                lever = _times(frame, (c * x - s * y, s * x + c * y, z))  # from the axis of rotation
+                point = plus(to_axis, lever)
+                height = dot(normal, point) - data.offset[side]
+                height -= data.base_pitch * np.rint(height / data.base_pitch)
+                depth = data.radius - height
+                if depth <= 0 or height < -data.radius:
+                    continue
+                if dot((rotation[0, 1], rotation[1, 1], rotation[2, 1]), point) < data.lowest:
+                    continue
+                # touching point on the plane: below the sphere's centre
+                point, lever = minus(point, scaled(height, normal)), minus(lever, scaled(height, normal))
+                slip = minus(minus(scaled(rate, cross(axis, lever)), moving), cross(turning, point))
+                approach = -dot(slip, normal)
+                # with much damping a receding sphere pulls, as GeneralContact's do
+                stiffness = pool[stiffnesses + number]
+                load = stiffness * (depth + data.damping * approach)
+                slip = plus(slip, scaled(approach, normal))
+                speed = np.sqrt(dot(slip, slip))
+                drag = coulomb(load, data.friction, speed, data.zone)
+                force = minus(scaled(drag, slip), scaled(load, normal))  # on the rack
+                moment = cross(point, force)
+                for k in range(3):
+                    out[1 + k] += force[k]
+                    out[4 + k] += moment[k]
+                out[0] -= dot(axis, cross(lever, force))
+                out[7 + side] += load
+                out[9] += 0.5 * stiffness * depth**2
+                out[10] += drag * speed**2
+                out[11] += (load - stiffness * depth) * approach
+                out[12] = max(out[12], depth)
+                out[13] += 1
+                if wanted:
+                    per_load = drag / load if load != 0 else 0.0
+                    pressed = plus(normal, scaled(-per_load, slip))
+                    factor = -stiffness * (factor_q + data.damping * factor_v)
+                    at_normal = cross(point, normal)
+                    add_outer(work.stiffness, factor, pressed, cross(point, pressed), normal, at_normal)
+                    _add_drag(work.stiffness, -factor_v * drag, speed > data.zone, point, normal, slip)
 
 
 @inline

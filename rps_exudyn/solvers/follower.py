@@ -12,7 +12,8 @@ step from a residual below `accept` is not evaluated: the forces there are those
 
 Behind the coordinates of the gear stands the wheel's, where there is a steering column: with the wheel at
 theta, the joint's output at u(theta) and the pinion at phi, the column's torque k (u - phi) + c (u' - phi')
-turns the pinion, and times u' the wheel. """
+turns the pinion, and times u' the wheel.
+"""
 
 from typing import NamedTuple
 

@@ -263,7 +263,7 @@ def _carried_tangent(q, gear, work, factor_q, factor_v, tangent):  # type: ignor
     for i in range(14):
         for j in range(14):
             tangent[i, j] = work.near[i, j] if i < 8 and j < 8 else 0.0
-    # the segment's motion seen as one of the rack: its reference point is as far as both levers from the rack's
+    # the segment's motion seen as one of the rack: between the reference points lie both levers
     carry, along = np.zeros((6, 6)), gear.fit.station - q[1] - gear.fit.lever
     for i in range(6):
         carry[i, i] = 1.0

@@ -31,7 +31,7 @@ from rps_exudyn.solvers.settling import CLOSE, TYPICAL_APPROACH, find_approach
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
-# Residual [N] from which a last step is not evaluated: of all gears, and of those that others are learned from
+# Residual [N] from which a last step is not evaluated: of all gears, and of those that others learn from
 COARSE, FINE = 0.5, 0.05
 RUNOUT, RUNOUT_ANGLE = "pinion.runout", "pinion.runout_angle"
 DEGREE = 4  # of the polynomials

@@ -2,7 +2,8 @@
 
 From coordinates and rates the parts' force laws (`gear_model`) give normal forces, stored energy and what
 each contact dissipates, independently of the sums that the solver used: a balance that closes is therefore
-evidence. """
+evidence.
+"""
 
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
