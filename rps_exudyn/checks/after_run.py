@@ -153,13 +153,15 @@ def missed_mean(signals: dict[str, np.ndarray]) -> float:
     """
     force, path = driven_along(signals)
     work, missed = map(float, every_second(path, force))
-    # between few of them anything may hide that is as large as their differences
-    hidden = float(np.ptp(force) * np.ptp(path)) * next(
-        (share for n, share in HIDDEN if len(force) <= n), 0.0
-    )
-    missed = max(missed, hidden)
+    missed = max(missed, float(np.ptp(force) * np.ptp(path)) * hidden_share(len(force)))
     beyond = max(missed - least_work(signals), 0.0)
     return beyond / abs(work) if work else np.inf if beyond else 0.0
+
+
+def hidden_share(instants: int) -> float:
+    """Return what may hide between few instants, over the range of their values: anything as large as their
+    differences."""
+    return next((share for n, share in HIDDEN if instants <= n), 0.0)
 
 
 def driven_along(signals: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:

@@ -34,6 +34,17 @@ def dead_force(q, data, out):  # type: ignore[no-untyped-def]
     out[9] = -force[0]
 
 
+@inline
+def add_dead_tangent(q, data, factor_q, tangent):  # type: ignore[no-untyped-def]
+    """Add factor_q dF/dq to a tangent (6, 6) of the rack: the lever turns with the bar, p a x F with the axis
+    a = (1, c, -b) of small angles."""
+    lever, (x, y, z) = factor_q * data.place, vector(data.force)
+    tangent[4, 4] -= lever * x
+    tangent[5, 5] -= lever * x
+    tangent[3, 4] += lever * y
+    tangent[3, 5] += lever * z
+
+
 def end_load(load: float, across: tuple[float, float], place: float) -> np.record:
     """A load [N] that pulls the bar's end at `place` [m] towards -X, and a force (along Y, Z) [N] across."""
     return record(DEAD_FORCE, force=(-load, *across), place=place)

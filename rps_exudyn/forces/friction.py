@@ -26,6 +26,8 @@ KINDS = {"coulomb": COULOMB, "stribeck": STRIBECK, "bristle": BRISTLE}
 ALONG, ACROSS, LOAD = 0, 1, 2
 PATCH = 3
 
+ROUNDED = 0.04  # of the friction zone, over which a tangent rounds the corner at its edge
+
 
 LAW = record_type(
     [
@@ -183,7 +185,9 @@ def rubbing(along, across, patch, friction, zone, law, memory):  # type: ignore[
     g, rise = stribeck(slip, law), stribeck_slope(slip, law)
     if law.kind != BRISTLE:
         drag = friction * g / max(slip, zone)
-        ahead = friction * rise if slip > zone else friction * (g + slip * rise) / zone
+        # over the corner at the zone's edge the slope fades: Newton's method would jump to and fro there
+        within = min(max((1 + ROUNDED / 2 - slip / zone) / ROUNDED, 0.0), 1.0)
+        ahead = friction * (within * (g + slip * rise) / zone + (1 - within) * rise)
         return drag * along, drag * across, ahead, drag, d_a, d_b
     h, before = step_of(memory), memory[0, patch + LOAD]
     z_a, z_b = 0.0, 0.0

@@ -1,12 +1,12 @@
 """Gears of one table over one maneuver: what they have in common, and the records of some of them.
 
-A family is followed over the first period of the maneuver, at angles of its own (`many_gears`). Only gears
-that pass all checks of a finished run well within their bounds are the family's; all others are run singly.
+A family is followed over the first period of the maneuver, at the instants of single runs. Only gears that pass
+all checks of a finished run well within their bounds are the family's; all others are run singly.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
@@ -14,35 +14,44 @@ from rps_exudyn.analysis.many import spread
 from rps_exudyn.analysis.resolution import every_second, lag, missed
 from rps_exudyn.analysis.torque import mean
 from rps_exudyn.analysis.work_balance import losses
-from rps_exudyn.checks.after_run import LAG_BOUND, MISSED_TORQUE, ROUNDING, edge_bound
+from rps_exudyn.checks.after_run import (
+    LAG_BOUND,
+    MISSED_TORQUE,
+    ROUNDING,
+    UNSETTLED_BOUND,
+    edge_bound,
+    hidden_share,
+)
 from rps_exudyn.checks.needs_finer import MEAN, PEAK, ROLLING
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.maneuver import Maneuver, largest_angle, steady_maneuver
+from rps_exudyn.scenes.maneuver import Maneuver, largest_angle
 from rps_exudyn.scenes.scene_run import Signals
-from rps_exudyn.solvers.drive import travel_per_radian
+from rps_exudyn.solvers.drive import Steady, travel_per_radian
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.many_gears import (
     COARSE,
     FINE,
     RUNOUT,
     RUNOUT_ANGLE,
-    Between,
-    Found,
+    PITCH,
+    RACK,
+    YAW,
     GearSeries,
     Known,
     Table,
+    Y,
+    Z,
     packed,
     rising,
-    stacked_signals,
 )
-from rps_exudyn.solvers.record import integrated, repeated
-from rps_exudyn.solvers.settled_start import settled_path
+from rps_exudyn.solvers.record import instant_signals, integrated, repeated
+from rps_exudyn.solvers.settled_start import SteadyApproach, settled_path
 
-SPACING = np.deg2rad(2.0)  # of the family's angles, at most
-LEAD = 2  # of its instants before the record
-PER_INSTANT, PER_SPACING = 3, 4  # instants of known gears, and of the reference gear, in one of the family's
+LEAD = 2  # instants before the record
+PER_INSTANT, PER_SPACING = 3, 4  # instants of known gears, and of the reference gear, in a step of the record
+NEAR_LOCK = 0.99  # of the angle at the lock: teeth for that all gears have
 SINGLE_OUT = (RUNOUT, "pinion.pitch_error")  # a tooth or a direction: the curve repeats with the turn
 STEADY = 2e-3  # of torque and travel: what drifts more over a period is left to a single run
 SAFE = 0.8  # of a bound, from which on a single run judges
@@ -60,10 +69,9 @@ class Family:
     series: GearSeries
     maneuver: Maneuver  # over one period
     periods: int
-    nodes: np.ndarray  # angles of the family [rad]
+    nodes: np.ndarray  # pinion angles, the first `LEAD` of them before the record [rad]
     per_pitch: int  # of them in a tooth pitch, 0 if no whole number
     known: Known
-    between: Between
     features: np.ndarray  # (n, f)
 
     @classmethod
@@ -103,17 +111,21 @@ class Family:
         """Learn from gears `steps` above and below the reference."""
         pair, maneuver, drive = GearPair.of(gear), whole.one_period(), whole.drive
         record = _angles(maneuver, pair)
-        nodes, per_pitch = _nodes(gear, record)
-        if np.abs(nodes).max() > largest_angle(gear) - 2 * np.pi / gear.pinion.teeth:
+        pitch = 2 * np.pi / gear.pinion.teeth
+        lock = gear.rack.travel / 2 / pair.gain * (1 if gear.test.path == "lock-to-lock" else NEAR_LOCK)
+        if np.abs(record).max() > max(lock * (1 + 1e-9), largest_angle(gear) - pitch):
             return None
+        step = record[1] - record[0]
+        nodes = np.concatenate([record[0] + step * np.arange(-LEAD, 0), record])
+        in_pitch = pitch / abs(step)
+        per_pitch = round(in_pitch) if abs(in_pitch - round(in_pitch)) < 1e-9 * in_pitch else 0
         weighted = bool(maneuver.rack_load)
         records = packed([gear, *_perturbed(gear, steps)], fidelity, weighted)
         forces = gear_forces(gear, fidelity, maneuver.rack_load)
         series = GearSeries(forces, pair, drive.pinion_speed(float(pair.gain), 0.0), drive.body)
-        spacing = (nodes[1] - nodes[0]) / PER_INSTANT
-        before = per_pitch or LEAD
+        before, spacing = int(np.ceil(in_pitch)), step / PER_INSTANT
         fine = nodes[0] + spacing * np.arange(-before * PER_INSTANT, (len(nodes) - 1) * PER_INSTANT + 1)
-        first = _followed(gear, series, records[:1], fine)
+        first = _followed(maneuver, series, records[:1], fine)
         if first is None:
             return None
         none = np.zeros((len(records), 0))
@@ -128,16 +140,13 @@ class Family:
 
         motion = series.beside_rigid(found, records, fine)
         known = Known(rising(fine, motion[0]), rising(fine, slope(motion)))
-        names, signals = stacked_signals(found.record)
-        of_gears = np.moveaxis(signals, 0, -1)  # (gears, k, signals)
-        between = Between.of(names, rising(fine, of_gears[0]), rising(fine, slope(of_gears)), nodes, record)
-        given = gear, fidelity, series, maneuver, whole.periods, nodes, per_pitch, known, between
+        given = gear, fidelity, series, maneuver, whole.periods, nodes, per_pitch, known
         return cls(*given, np.zeros((0, len(steps))))
 
     @property
     def angles(self) -> np.ndarray:
         """Pinion angles of the record's first period, of a gear without errors [rad]."""
-        return _angles(self.maneuver, self.series.pair)
+        return self.nodes[LEAD:]
 
     @property
     def time(self) -> np.ndarray:
@@ -155,17 +164,6 @@ def _angles(maneuver: Maneuver, pair: GearPair) -> np.ndarray:
     """Pinion angles of the record, of a gear without errors [rad]."""
     places = np.asarray(maneuver.drive.place(maneuver.time[maneuver.lead :]))
     return places / travel_per_radian(maneuver.drive.body, float(pair.gain))
-
-
-def _nodes(gear: SteeringGear, record: np.ndarray) -> tuple[np.ndarray, int]:
-    """Even angles of the family [rad], from before the record to its end or beyond, and their number in a
-    pitch."""
-    pitch, sense = 2 * np.pi / gear.pinion.teeth, np.sign(record[-1] - record[0])
-    spacing = max(SPACING, abs(record[1] - record[0]))
-    per_pitch = int(np.ceil(pitch / spacing * (1 - 1e-9)))
-    spacing = pitch / per_pitch
-    steps = int(np.ceil(abs(record[-1] - record[0]) / spacing * (1 - 1e-9)))
-    return record[0] + sense * spacing * np.arange(-LEAD, steps + 1), per_pitch
 
 
 def _features(gear: SteeringGear, table: Table, ranges: Table) -> tuple[list[tuple[Ends, float]], np.ndarray]:
@@ -207,66 +205,75 @@ def _perturbed(gear: SteeringGear, steps: Sequence[tuple[Ends, float]]) -> list[
     ]
 
 
-def _followed(gear: SteeringGear, series: GearSeries, records: np.ndarray, fine: np.ndarray) -> Known | None:
-    """The reference gear's motion from a settled start, by the path of single runs."""
-    step = abs(fine[1] - fine[0]) * PER_INSTANT / PER_SPACING
-    beyond = 2 * (fine[1] - fine[0])
-    maneuver = steady_maneuver(gear, series.body, fine[0] - beyond, fine[-1] + beyond, step)
-    statics = series.forces.statics
-    path = settled_path(statics, series.pair, maneuver.drive, maneuver.approach, maneuver.time)
-    if not path.converged:
+def _followed(
+    maneuver: Maneuver, series: GearSeries, records: np.ndarray, fine: np.ndarray
+) -> Known | None:
+    """The reference gear's motion from a settled start, by the path of single runs; None where it does not
+    settle."""
+    travel, drawn = travel_per_radian(series.body, float(series.pair.gain)), fine[1] - fine[0]
+    drive = Steady(series.body, travel * (fine[0] - 2 * drawn), travel * series.speed)
+    step = abs(drawn / series.speed) * PER_INSTANT / PER_SPACING
+    time = step * np.arange(int(np.ceil((len(fine) + 3) * PER_SPACING / PER_INSTANT)) + 1)
+    path = settled_path(series.forces.statics, series.pair, drive, maneuver.approach, time)
+    if not path.converged or max(path.start.unsettled, path.start.unsettled_behind) > SAFE * UNSETTLED_BOUND:
         return None
-    travel = travel_per_radian(series.body, float(series.pair.gain))
     inside = path.time >= 0
-    angles = np.asarray(maneuver.drive.place(path.time))[inside] / travel
+    angles = np.asarray(drive.place(path.time))[inside] / travel
     places = path.coordinates[inside].copy()
-    x = places[:, 1].copy()
-    places[:, 2] -= x * places[:, 6]
-    places[:, 3] += x * places[:, 5]
+    x = places[:, RACK].copy()
+    places[:, Y] -= x * places[:, PITCH]
+    places[:, Z] += x * places[:, YAW]
     return Known(rising(angles, places - series.rigid(records, angles)[0][0]))
 
 
 # --- records of some gears -------------------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
 class FamilyRecord:
-    """Some gears of a family over its maneuver; arrays have one row for each gear."""
+    """Some gears of a family over its maneuver; arrays have one row for each gear.
+
+    Attributes:
+        family: they are of.
+        records: their constants.
+        found: whether there is an equilibrium at all instants, (n,).
+        period: signals over the record's first period, (n, m), time (m,).
+        counts: what it took to follow them, name -> (n,), by the names of `quantities`.
+    """
 
     family: Family
     records: np.ndarray
-    found: Found
-    features: np.ndarray  # (n, f)
+    found: np.ndarray
+    period: Signals
+    counts: dict[str, np.ndarray]
 
     @classmethod
     def of(cls, family: Family, records: np.ndarray, chosen: np.ndarray) -> "FamilyRecord":
         """Follow the chosen gears of a table's records."""
         some, features = records[chosen], family.features[chosen]
+        if not family.maneuver.rack_load:  # in a table's records the weight may pull
+            some["load"] = family.series.forces.gears["load"]
+            some["has_load"] = family.series.forces.gears["has_load"]
         found = family.series.follow(some, family.nodes, family.per_pitch, family.known, features, COARSE)
-        return cls(family, some, found, features)
+        instants = {name: values[..., LEAD:] for name, values in instant_signals(found.record).items()}
+        if family.maneuver.drive.body == "pinion":
+            instants["pinion_angle"] = family.angles
+        return cls(family, some, found.found, integrated(instants, family.time), found.counts)
+
+    def some(self, kept: np.ndarray) -> "FamilyRecord":
+        """Return the record of those gears that a mask (n,) keeps."""
+        period = {name: each[kept] if each.ndim > 1 else each for name, each in self.period.items()}
+        counts = {name: each[kept] for name, each in self.counts.items()}
+        return FamilyRecord(self.family, self.records[kept], self.found[kept], period, counts)
 
     @property
     def force(self) -> str:
         """Signal of the drive's torque or force."""
         return self.family.maneuver.drive.signal
 
-    @cached_property
-    def period(self) -> Signals:
-        """Signals over the record's first period, (n, m) each, time (m,)."""
-        family = self.family
-        instants = family.between.over_record(self.found.record, self.features)
-        if self.force == "pinion_torque":
-            instants["pinion_angle"] = family.angles
-        return integrated(instants, family.time)
-
     def whole(self) -> Signals:
         """Signals over all periods."""
         return repeated(self.period, self.family.periods) if self.family.periods > 1 else self.period
 
-    def seen(self) -> Signals:
-        """Signals at the family's own angles, (n, k), which remarks on a gear quote."""
-        _, signals = stacked_signals(self.found.record)
-        return dict(zip(self.family.between.names, signals[..., LEAD:], strict=True))
-
-    @cached_property
+    @property
     def _path(self) -> np.ndarray:
         """Places of the driven body over the first period, (m,) [rad] or (n, m) [m]."""
         gain = self.records["mesh"]["flank"]["gain"][:, None]
@@ -276,24 +283,24 @@ class FamilyRecord:
         """Which gears were found and pass all checks of a finished run well within their bounds, (n,)."""
         family, signals = self.family, self.period
         gear, angle, force = family.gear, family.angles, signals[self.force]
-        bound = next(iter(family.series.forces.valid_to.values()))
         in_mesh = gear.basic_rack.addendum * gear.pinion.normal_module / 2
         lifted = np.abs(signals["rack_y"] - self.records["mesh"]["flank"]["axis_offset"][:, None])
         late = lag(angle, signals["rack_roll"]) * gear.rack.bar_diameter / 2
         late = late / spread(signals["rack_displacement"])
         drift = np.abs(force[:, -1] - force[:, 0]) / np.abs(force).max(axis=-1)
-        seen = self.seen()
         checks = (
-            self.found.found,
+            self.found,
             np.isfinite(force).all(axis=-1),
             (lifted < SAFE * in_mesh).all(axis=-1),
-            (seen["mesh_normal_force"] > 0).all(axis=-1),
-            seen["mesh_penetration"].max(axis=-1) < SAFE * bound,
+            (signals["mesh_normal_force"] > 0).all(axis=-1),
+            *(signals[name].max(axis=-1) < SAFE * bound for name, bound in family.series.forces.valid_to.items()),
             late < SAFE * min(ROLLING, LAG_BOUND),
             missed(angle, force).max(axis=-1) < SAFE * PEAK * self._size(),
             (drift < STEADY) | (not family.maneuver.closes),
             self._works_ok(),
             self._turns_on(),
+            # else finer strips must confirm it
+            (signals["yokenut_force"].max(axis=-1) <= 0) | (gear.mesh.law != "teeth"),
         )
         return np.asarray(np.logical_and.reduce(checks))
 
@@ -306,9 +313,11 @@ class FamilyRecord:
     def _works_ok(self) -> np.ndarray:
         """Whether the mean is resolved, and little work goes over the rack's edges, (n,)."""
         family, signals = self.family, self.period
-        work, hidden = every_second(family.angles, signals[self.force])
-        scale = np.ptp(self._path, axis=-1) / np.ptp(family.angles)
-        least = MISSED_TORQUE * np.ptp(family.angles) + ROUNDING
+        turned, force = np.ptp(family.angles), signals[self.force]
+        work, hidden = every_second(family.angles, force)
+        hidden = np.maximum(hidden, hidden_share(force.shape[-1]) * np.ptp(force, axis=-1) * turned)
+        scale = np.ptp(self._path, axis=-1) / turned
+        least = MISSED_TORQUE * turned + ROUNDING
         done = [np.abs(signals[name][:, -1]) for name in ("work_drive", "work_load") if name in signals]
         edges = SAFE * edge_bound(family.gear) * np.max(done, axis=0)
         resolved = scale * hidden < np.maximum(SAFE * MEAN * np.abs(scale * work), least)

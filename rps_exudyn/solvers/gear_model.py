@@ -34,7 +34,7 @@ from rps_exudyn.base.compiled import (
 )
 from rps_exudyn.forces import bearing, external_load, sliding_fit, yoke, yoke_without_plunger
 from rps_exudyn.forces.bearing import BEARING, bearing_force, bearing_slope
-from rps_exudyn.forces.external_load import DEAD_FORCE, dead_force
+from rps_exudyn.forces.external_load import DEAD_FORCE, add_dead_tangent, dead_force
 from rps_exudyn.forces.force_element import Part
 from rps_exudyn.forces.memory import MOST_COORDINATES, PLACES, TIME, begin_step, duration
 from rps_exudyn.forces.sliding_fit import FIT, add_fit_tangent, carried_fit_force, held_fit_force
@@ -244,6 +244,10 @@ def finish(q, gear, work, factor_q, factor_v, total, tangent):  # type: ignore[n
             total[1 + i] += out[_WEIGHT + i]
     if factor_q == 0 and factor_v == 0:
         return
+    if gear.has_load:
+        add_dead_tangent(rack, gear.load, factor_q, work.near[1:7, 1:7])
+    if gear.has_weight:
+        add_dead_tangent(rack, gear.weight, factor_q, work.near[1:7, 1:7])
     if gear.is_carried:
         _carried_tangent(q, gear, work, factor_q, factor_v, tangent)
     else:

@@ -7,30 +7,13 @@ import numpy as np
 
 from rps_exudyn.solvers.balance import Balance
 
-STEPS_PER_SECOND = 100.0  # of a rate's difference over that of its coordinate, at most ...
-PART_OF_ZONE = 0.04  # ... and that difference over the friction zone
-
 
 def slopes(balance: Balance, places: np.ndarray, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the forces' slopes by places and by rates, (k, n, n) each, at k places and rates (k, n).
-
-    By forward differences: the tangent of the laws leaves out what turns with the bar's small angles. Steps
-    are far below penetrations (micrometres) and within the friction zone; rotations act at centimetres.
-    """
-    n = places.shape[1]
-    step = np.where(balance.lengths[:n] < 1, 1e-8, 1e-9)
-    step[8:] = 1e-9
-    in_zone = PART_OF_ZONE * float(balance.gears[0]["fit"]["zone"]) / 1e-9
-    rate_step = min(STEPS_PER_SECOND, in_zone) * step
-    by_place, by_rate = np.empty((len(places), n, n)), np.empty((len(places), n, n))
-    for k, (q, v) in enumerate(zip(places, rates, strict=True)):
-        here = balance.force(q, v)
-        for j in range(n):
-            moved, turned = q.copy(), v.copy()
-            moved[j] += step[j]
-            turned[j] += rate_step[j]
-            by_place[k, :, j] = (balance.force(moved, v) - here) / (moved[j] - q[j])
-            by_rate[k, :, j] = (balance.force(q, turned) - here) / (turned[j] - v[j])
+    """Return the forces' slopes by places and by rates, (k, n, n) each, at k places and rates (k, n)."""
+    by_place, by_rate = (
+        np.array([balance.difference_tangent(q, v, *factors) for q, v in zip(places, rates, strict=True)])
+        for factors in ((1.0, 0.0), (0.0, 1.0))
+    )
     return by_place, by_rate
 
 

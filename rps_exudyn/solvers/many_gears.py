@@ -1,8 +1,8 @@
 """Many gears along the same pinion angles: their records, what is known of their motion, and the follower.
 
 A few gears are followed at close angles: a reference, and two for each parameter that varies. What they do is
-known of all others to first order; the follower finds the rest of their motion at angles further apart. That
-rest is smooth, so that a spline carries it to the angles between.
+known of all others to first order; the follower finds the rest of their motion at the instants of single runs,
+mostly by one evaluation of the forces each.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,7 +25,7 @@ from rps_exudyn.solvers.drive import DrivenBody
 from rps_exudyn.solvers.follower import NO_COLUMN, RIGID, follow
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.gear_model import GEAR, OUTPUTS
-from rps_exudyn.solvers.record import Record, instant_signals
+from rps_exudyn.solvers.record import Record
 from rps_exudyn.solvers.settling import CLOSE, TYPICAL_APPROACH, find_approach
 
 if TYPE_CHECKING:
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 # Residual [N] from which a last step is not evaluated: of all gears, and of those that others learn from
 COARSE, FINE = 0.5, 0.05
 RUNOUT, RUNOUT_ANGLE = "pinion.runout", "pinion.runout_angle"
+COUNTERS = "force_evaluations", "newton_iterations", "jacobians"
 DEGREE = 4  # of the polynomials
 EXACT, ZONES = 1e-10, 1e-4  # allowed error of a record's numbers over their size; of friction zones
 CHECKED = 5  # gears packed to confirm
@@ -188,6 +189,14 @@ def _polynomials(places: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.n
 
 
 # --- motion ----------------------------------------------------------------------------------------
+def rising(angles: np.ndarray, values: np.ndarray) -> "CubicSpline":
+    """Return the spline of values (k, ...) over angles (k,) that rise or fall."""
+    from scipy.interpolate import CubicSpline  # half a second, for many gears alone
+
+    order = slice(None) if angles[-1] > angles[0] else slice(None, None, -1)
+    return CubicSpline(angles[order], values[order])
+
+
 @dataclass(frozen=True, eq=False)
 class Known:
     """A reference gear's places at the mesh beside what rigid bodies do, over the pinion angle."""
@@ -211,7 +220,7 @@ class Found:
     record: Record  # of all of them
     found: np.ndarray  # (n,) whether there is an equilibrium at all angles
     resting: np.ndarray  # (n,) place of the rack under the preload along Y [m]
-    evaluations: np.ndarray  # (n,) of the forces
+    counts: dict[str, np.ndarray]  # what it took, by the names of `quantities`, (n,) each
 
 
 @dataclass(frozen=True, eq=False)
@@ -333,7 +342,8 @@ class GearSeries:
             np.zeros((n, k)),
             known=outputs,
         )
-        return Found(record, carried & (ended == k), resting, counts[:, 0])
+        taken = {"steps": ended} | dict(zip(COUNTERS, counts.T, strict=False))
+        return Found(record, carried & (ended == k), resting, taken)
 
     def beside_rigid(self, found: Found, records: np.ndarray, angles: np.ndarray) -> np.ndarray:
         """Return the places (n, k, 8) at the mesh of gears that were found, beside gain, runout and where the
@@ -345,61 +355,3 @@ class GearSeries:
         at -= rigid
         at[..., Y] -= (found.resting + self.forces.approach)[:, None]
         return at
-
-
-# --- signals between the angles --------------------------------------------------------------------
-def rising(angles: np.ndarray, values: np.ndarray) -> "CubicSpline":
-    """Return the spline of values (k, ...) over angles (k,) that rise or fall."""
-    from scipy.interpolate import CubicSpline  # half a second, for many gears alone
-
-    order = slice(None) if angles[-1] > angles[0] else slice(None, None, -1)
-    return CubicSpline(angles[order], values[order])
-
-
-def stacked_signals(record: Record) -> tuple[tuple[str, ...], np.ndarray]:
-    """Return the names of the signals of each instant, and their values (signals, n, k)."""
-    signals = instant_signals(record)
-    shape = np.broadcast_shapes(*(each.shape for each in signals.values()))
-    return tuple(signals), np.stack([np.broadcast_to(each, shape) for each in signals.values()])
-
-
-@dataclass(frozen=True, eq=False)
-class Between:
-    """Signals of gears over a record, from those at the angles at which they were followed.
-
-    Each is a known part, that of the reference and its response, and the spline of the rest.
-    """
-
-    names: tuple[str, ...]
-    weights: np.ndarray  # (k, m) of the spline from the nodes to the record
-    beside: np.ndarray  # (signals, 1 + f, m) what a spline of the known part misses: at 1, and per feature
-
-    @classmethod
-    def of(
-        cls,
-        names: tuple[str, ...],
-        columns: "CubicSpline",
-        response: "CubicSpline",
-        nodes: np.ndarray,
-        record: np.ndarray,
-    ) -> "Between":
-        """From signals of the reference gear and their response over the angle; nodes (k,), record (m,)."""
-        order = np.argsort(nodes)
-        weights = np.empty((len(nodes), len(record)))
-        weights[order] = rising(nodes[order], np.eye(len(nodes)))(record).T
-
-        def known(angles: np.ndarray) -> np.ndarray:
-            return np.concatenate([columns(angles)[:, None], response(angles)], axis=1).T.copy()
-
-        return cls(names, weights, known(record) - known(nodes) @ weights)
-
-    def over_record(self, record: Record, features: np.ndarray) -> dict[str, np.ndarray]:
-        """Return the signals of each instant over the record, shape (n, m) each."""
-        known = np.column_stack([np.ones(len(features)), features])
-        signals = instant_signals(record)
-        shape = record.coordinates.shape[:2]
-        return {
-            name: np.ascontiguousarray(np.broadcast_to(signals[name], shape)) @ self.weights + known @ beside
-            for name, beside in zip(self.names, self.beside, strict=True)
-            if name in signals
-        }
