@@ -1,4 +1,4 @@
-"""One part of a gear alone: what its law returns at coordinates of its bodies."""
+"""One part of a gear alone: what its law returns at coordinates of its bodies; a gear of that part alone."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -9,6 +9,8 @@ from rps_exudyn.forces.force_element import Part
 from rps_exudyn.solvers.coordinates import stacked
 from rps_exudyn.solvers.gear_forces import GearForces
 from rps_exudyn.solvers.gear_model import COLUMNS
+
+FAR = 5e-3  # [m], by which rack and pinion, or plunger and rack, do not touch
 
 
 @dataclass(frozen=True)
@@ -45,4 +47,22 @@ def with_records(forces: GearForces, **records: Any) -> GearForces:
     gears = forces.gears.copy()
     for name, record in records.items():
         gears[name] = record
+    return replace(forces, gears=gears)
+
+
+def alone(forces: GearForces, name: str) -> GearForces:
+    """The forces of a gear of which one part alone exerts any."""
+    gears = forces.gears.copy()
+    if name != "mesh":
+        gears["mesh"]["flank"]["rack_reference"][:, 1] += FAR
+        gears["mesh"]["spheres"]["gate"] = -1.0
+    if name != "seat":
+        gears["seat"]["rest_gap"] = -FAR
+        for field in ("preload", "rate", "stop", "guide"):
+            gears["yoke_force"][field] = 0.0
+    if name != "bush":
+        gears["fit"]["stiffness"] = gears["fit"]["drag"] = 0.0
+    if name != "bearing":
+        gears["bearing"]["torque"] = 0.0
+    gears["spring"]["rate"] = gears["spring"]["preload"] = gears["nut"]["stiffness"] = 0.0
     return replace(forces, gears=gears)

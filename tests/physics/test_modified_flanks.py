@@ -5,11 +5,11 @@ Tolerances are shares of the sum of normal forces (times the base radius for mom
 
 import numpy as np
 import pytest
-from numba import njit
 
 from contact_at import flank_contact
 from flank_points import wrench_by_points
 from flank_poses import POSES, ZONE, changed, difference, state
+from rps_exudyn.base.compiled import kernel
 from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.mesh_contact.flank_strip import DEPTH, LOW_END, PRESSING, STRIP_SHAPE, touching
 from rps_exudyn.mesh_contact.wrench import PENETRATION
@@ -61,7 +61,7 @@ def test_penetration_is_the_greatest_depth_of_all_points(pose: str, form: dict[s
         assert flank_contact(*args, pack(gear, zone=ZONE))[PENETRATION] == pytest.approx(expected, rel=3e-3)
 
 
-@njit(error_model="numpy")  # type: ignore[untyped-decorator]
+@kernel
 def touched_part(strip, low, high):  # type: ignore[no-untyped-def]
     """What `touching` returns first, for Python."""
     low, high, _, _ = touching(strip, low, high)

@@ -10,14 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from contact_at import flank_contact, sampled_wrench
 from flank_points import wrench_by_points
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
-from rps_exudyn.mesh_contact.flank_contact import flank_contact
 from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
-from rps_exudyn.mesh_contact.sampled_contact import sampled_wrench
 from rps_exudyn.mesh_contact.spheres import contact_data, sphere_radius, stiffness_per_area
 from rps_exudyn.mesh_contact.wrench import NORMAL_COAST, NORMAL_DRIVE, TORQUE
 from rps_exudyn.parameters.fidelity import Fidelity

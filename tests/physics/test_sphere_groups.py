@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from contact_at import sampled_wrench
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, sampled_wrench
+from rps_exudyn.mesh_contact.sampled_contact import SampledContactData
 from rps_exudyn.mesh_contact.spheres import contact_data
 from rps_exudyn.mesh_contact.wrench import PENETRATION
 from rps_exudyn.parameters.fidelity import Fidelity
