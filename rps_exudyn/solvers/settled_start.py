@@ -200,7 +200,8 @@ class _Search:
         path = None
         for more in ODD_PARTS if distance else ODD_PARTS[:1]:
             instants = self.approach.instants(distance + more) if distance else np.zeros(0)
-            time = np.concatenate([instants, self.start])
+            before = instants < self.start - 1e-9 * self.approach.unit
+            time = np.concatenate([instants[before], self.start])
             try:
                 path = equilibrium_path(self.balance, self.pair, self.drive, time)
             except np.linalg.LinAlgError:

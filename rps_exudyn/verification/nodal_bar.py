@@ -25,7 +25,7 @@ from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, stacked
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
-from rps_exudyn.solvers.gear_model import COLUMNS
+from rps_exudyn.solvers.gear_model import COLUMNS, LAWS
 
 ELEMENTS = 52
 X, ROLL, PLUNGER, Y_PLANE = 0, 1, 2, 3  # where coordinates begin; those of the plane z follow the plane y
@@ -68,18 +68,12 @@ class NodalBar:
                 strict=True,
             )
         )
-        gears, at_mesh, at_bush = forces.statics.gears.copy(), -x, float(forces.gear.fit.station) - x
-        gears["bar"]["is_bent"] = 0
-        stations = {
-            "mesh": at_mesh,
-            "seat": at_mesh,
-            "yoke_spring": at_mesh,
-            "yokenut": at_mesh,
-            "bush": at_bush,
-        }
+        bush = float(forces.gear.fit.station)
+        stations = {"mesh": -x, "seat": -x, "yoke_spring": -x, "yokenut": -x, "bush": bush - x}
         parts = [part for part in forces.parts if part.name != "bearing"]
+        straight = next(LAWS[name, False] for (name, _), law in LAWS.items() if law is forces.law)
         bar = cls(
-            forces.statics.with_(gears=gears, modes=0),
+            forces.statics.with_(law=straight, modes=0),
             gear.test.start_angle,
             [],
             beams[0].nodes,

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rps_exudyn.base.compiled import kernel, kernel_of
+from rps_exudyn.base.compiled import inline, kernel, kernel_of
 from rps_exudyn.forces.friction import COULOMB, coulomb
 from rps_exudyn.forces.rigid_motion import cross, dot, minus, on_angles, plus, scaled, spin_of, turn_of
 from rps_exudyn.solvers.bent_rack import add_to_bar, bar_sections, fill_pose
@@ -22,9 +22,12 @@ from rps_exudyn.solvers.gear_model import (
     LAW,
     LAWS,
     area_gear,
+    area_gear_on_bent_rack,
     line_gear,
+    line_gear_on_bent_rack,
     ratio_gear,
     teeth_gear,
+    teeth_gear_on_bent_rack,
 )
 
 ARC_CELLS, LENGTH_CELLS = 160, 16
@@ -89,24 +92,36 @@ def seat_by_cells(q, v, seat, out):  # type: ignore[no-untyped-def]
     out[6] = -out[1]
 
 
-@kernel
-def _replace_seat(q, gear, pool, work, total):  # type: ignore[no-untyped-def]
-    """Take the seat's forces off the gear's and add those of the cells; the seat's outputs become theirs."""
-    own, more, bar = np.empty(SEAT_SIZE), np.empty(6), gear.bar
+@inline
+def _exchanged(gear, work, more):  # type: ignore[no-untyped-def]
+    """Fill what the cells exert on rack and plunger more than the seat (7,); its outputs are theirs."""
+    own = np.empty(SEAT_SIZE)
     seat_by_cells(work.place[1:8], work.rate[1:8], gear.seat, own)
-    for i in range(6):
+    for i in range(7):
         more[i] = own[i] - work.out[_SEAT + i]
-    total[7] += own[6] - work.out[_SEAT + 6]
-    if bar.is_bent:
-        pose, sections = np.empty((3, 6)), np.empty((4, bar.modes + 2))
-        bar_sections(-q[1], bar, pool, sections)
-        fill_pose(q, work.slip, sections, -1.0, bar, pose)
-        add_to_bar(total, more, pose, sections, -1.0, bar)
-    else:
-        for i in range(6):
-            total[1 + i] += more[i]
     for i in range(SEAT_SIZE):
         work.out[_SEAT + i] = own[i]
+
+
+@kernel
+def exchange_seat(gear, work, total):  # type: ignore[no-untyped-def]
+    """Put the cells in the place of the seat of a gear, whose forces are known."""
+    more = np.empty(7)
+    _exchanged(gear, work, more)
+    for i in range(7):
+        total[1 + i] += more[i]
+
+
+@kernel
+def exchange_seat_on_bent_rack(q, gear, pool, work, total):  # type: ignore[no-untyped-def]
+    """The same where the rack bends or is not straight."""
+    more, bar = np.empty(7), gear.bar
+    pose, sections = np.empty((3, 6)), np.empty((4, bar.modes + 2))
+    _exchanged(gear, work, more)
+    bar_sections(-q[1], bar, pool, sections)
+    fill_pose(q, work.slip, sections, -1.0, bar, pose)
+    add_to_bar(total, more, pose, sections, -1.0, bar)
+    total[7] += more[6]
 
 
 # --- laws, as those of `gear_model` --------------------------------------------------------------------
@@ -114,28 +129,57 @@ def _replace_seat(q, gear, pool, work, total):  # type: ignore[no-untyped-def]
 def line_by_cells(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with the contact law "line"."""
     line_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
-    _replace_seat(q, gears[g], pool, works[0], total)
+    exchange_seat(gears[g], works[0], total)
+
+
+@kernel_of(*LAW)
+def line_by_cells_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The same whose rack bends or is not straight."""
+    line_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
+    exchange_seat_on_bent_rack(q, gears[g], pool, works[0], total)
 
 
 @kernel_of(*LAW)
 def teeth_by_cells(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with the contact law "teeth"."""
     teeth_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
-    _replace_seat(q, gears[g], pool, works[0], total)
+    exchange_seat(gears[g], works[0], total)
+
+
+@kernel_of(*LAW)
+def teeth_by_cells_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The same whose rack bends or is not straight."""
+    teeth_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
+    exchange_seat_on_bent_rack(q, gears[g], pool, works[0], total)
 
 
 @kernel_of(*LAW)
 def area_by_cells(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with the contact law "area"."""
     area_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
-    _replace_seat(q, gears[g], pool, works[0], total)
+    exchange_seat(gears[g], works[0], total)
+
+
+@kernel_of(*LAW)
+def area_by_cells_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The same whose rack bends or is not straight."""
+    area_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
+    exchange_seat_on_bent_rack(q, gears[g], pool, works[0], total)
 
 
 @kernel_of(*LAW)
 def ratio_by_cells(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """A gear whose mesh is a ratio."""
+    """A gear with a ratio in place of its mesh."""
     ratio_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
-    _replace_seat(q, gears[g], pool, works[0], total)
+    exchange_seat(gears[g], works[0], total)
 
 
-_BY_CELLS = {"line": line_by_cells, "teeth": teeth_by_cells, "area": area_by_cells, "ratio": ratio_by_cells}
+_BY_CELLS = {
+    ("line", False): line_by_cells,
+    ("line", True): line_by_cells_on_bent_rack,
+    ("teeth", False): teeth_by_cells,
+    ("teeth", True): teeth_by_cells_on_bent_rack,
+    ("area", False): area_by_cells,
+    ("area", True): area_by_cells_on_bent_rack,
+    ("ratio", False): ratio_by_cells,
+}
