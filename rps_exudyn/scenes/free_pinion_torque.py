@@ -24,7 +24,7 @@ def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptio
     """
     maneuvers, _ = TEST.maneuvers(gear, fidelity.step_angle, options.least_steps)
     run = run_maneuvers(gear, fidelity, maneuvers, options)
-    formula = {} if beyond_formulas(gear) else {"torque_closed_form": _by_formula(gear)}
+    formula = _by_formula(gear)
     unseen = unresolved_peaks(fidelity, run, "pinion_torque", "pinion_angle")
     left_out = ("torque_peak_to_peak",) if unseen else ()
     return run.noting(*remarks(gear, run.signals), unseen).described(
@@ -32,14 +32,17 @@ def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptio
     )
 
 
-def _by_formula(gear: SteeringGear) -> float:
-    return mean_state(gear, gear.test.direction, 0.0).torque
+def _by_formula(gear: SteeringGear) -> dict[str, float]:
+    if beyond_formulas(gear):
+        return {}
+    return {"torque_closed_form": mean_state(gear, gear.test.direction, 0.0).torque}
 
 
 TEST = SteadyTest(
     maneuvers=lambda gear, step_angle, least: (maneuvers_of_test(gear, "pinion", step_angle, least), None),
     metrics=lambda turned: figures_of_turning(turned.signals, turned.gear, turned.gain),
     force="pinion_torque",
+    formulas=_by_formula,
 )
 
 SCENE = Scene(

@@ -1,7 +1,7 @@
 """Gears of one table over one maneuver: what they have in common, and the records of some of them.
 
-A family is followed over the first period of the maneuver, at the instants of single runs. Only gears that pass
-all checks of a finished run well within their bounds are the family's; all others are run singly.
+A family is followed over the first period of the maneuver, at the instants of single runs. Only gears that
+pass all checks of a finished run well within their bounds are the family's; all others are run singly.
 """
 
 from collections.abc import Sequence
@@ -28,15 +28,13 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import Maneuver, largest_angle
 from rps_exudyn.scenes.scene_run import Signals
+from rps_exudyn.solvers.coordinates import RACK
 from rps_exudyn.solvers.drive import Steady, travel_per_radian
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.many_gears import (
-    COARSE,
-    FINE,
+    PITCH,
     RUNOUT,
     RUNOUT_ANGLE,
-    PITCH,
-    RACK,
     YAW,
     GearSeries,
     Known,
@@ -44,13 +42,11 @@ from rps_exudyn.solvers.many_gears import (
     Y,
     Z,
     packed,
-    rising,
 )
 from rps_exudyn.solvers.record import instant_signals, integrated, repeated
-from rps_exudyn.solvers.settled_start import SteadyApproach, settled_path
+from rps_exudyn.solvers.settled_start import settled_path
 
 LEAD = 2  # instants before the record
-PER_INSTANT, PER_SPACING = 3, 4  # instants of known gears, and of the reference gear, in a step of the record
 NEAR_LOCK = 0.99  # of the angle at the lock: teeth for that all gears have
 SINGLE_OUT = (RUNOUT, "pinion.pitch_error")  # a tooth or a direction: the curve repeats with the turn
 STEADY = 2e-3  # of torque and travel: what drifts more over a period is left to a single run
@@ -116,30 +112,27 @@ class Family:
         if np.abs(record).max() > max(lock * (1 + 1e-9), largest_angle(gear) - pitch):
             return None
         step = record[1] - record[0]
-        nodes = np.concatenate([record[0] + step * np.arange(-LEAD, 0), record])
         in_pitch = pitch / abs(step)
-        per_pitch = round(in_pitch) if abs(in_pitch - round(in_pitch)) < 1e-9 * in_pitch else 0
+        before, per_pitch = int(np.ceil(in_pitch)), round(in_pitch)
+        if abs(in_pitch - per_pitch) > 1e-9 * in_pitch:
+            per_pitch = 0
+        angles = np.concatenate([record[0] + step * np.arange(-before - LEAD, 0), record])
         weighted = bool(maneuver.rack_load)
         records = packed([gear, *_perturbed(gear, steps)], fidelity, weighted)
         forces = gear_forces(gear, fidelity, maneuver.rack_load)
         series = GearSeries(forces, pair, drive.pinion_speed(float(pair.gain), 0.0), drive.body)
-        before, spacing = int(np.ceil(in_pitch)), step / PER_INSTANT
-        fine = nodes[0] + spacing * np.arange(-before * PER_INSTANT, (len(nodes) - 1) * PER_INSTANT + 1)
-        first = _followed(maneuver, series, records[:1], fine)
+        first = _followed(maneuver, series, records[:1], angles)
         if first is None:
             return None
-        none = np.zeros((len(records), 0))
-        found = series.follow(records, fine, per_pitch * PER_INSTANT, first, none, FINE)
+        found = series.follow(records, angles, per_pitch, first, np.zeros((len(records), 0)))
         if not found.found.all():
             return None
-        sizes = np.array([each for _, each in steps])
-
-        def slope(values: np.ndarray) -> np.ndarray:
-            difference = (values[1::2] - values[2::2]) / (2 * sizes.reshape(-1, *(1,) * (values.ndim - 1)))
-            return np.moveaxis(difference, 0, 1)
-
-        motion = series.beside_rigid(found, records, fine)
-        known = Known(rising(fine, motion[0]), rising(fine, slope(motion)))
+        sizes = np.array([each for _, each in steps])[:, None, None]
+        motion = series.beside_rigid(found, records, angles)
+        known = Known.of(
+            np.concatenate([motion[:1], (motion[1::2] - motion[2::2]) / (2 * sizes)]), maneuver.time_step
+        )
+        nodes, known = angles[before:], known.since(before)
         given = gear, fidelity, series, maneuver, whole.periods, nodes, per_pitch, known
         return cls(*given, np.zeros((0, len(steps))))
 
@@ -206,24 +199,21 @@ def _perturbed(gear: SteeringGear, steps: Sequence[tuple[Ends, float]]) -> list[
 
 
 def _followed(
-    maneuver: Maneuver, series: GearSeries, records: np.ndarray, fine: np.ndarray
+    maneuver: Maneuver, series: GearSeries, records: np.ndarray, angles: np.ndarray
 ) -> Known | None:
     """The reference gear's motion from a settled start, by the path of single runs; None where it does not
     settle."""
-    travel, drawn = travel_per_radian(series.body, float(series.pair.gain)), fine[1] - fine[0]
-    drive = Steady(series.body, travel * (fine[0] - 2 * drawn), travel * series.speed)
-    step = abs(drawn / series.speed) * PER_INSTANT / PER_SPACING
-    time = step * np.arange(int(np.ceil((len(fine) + 3) * PER_SPACING / PER_INSTANT)) + 1)
+    travel = travel_per_radian(series.body, float(series.pair.gain))
+    drive = Steady(series.body, travel * angles[0], travel * series.speed)
+    time = maneuver.time_step * np.arange(len(angles))
     path = settled_path(series.forces.statics, series.pair, drive, maneuver.approach, time)
     if not path.converged or max(path.start.unsettled, path.start.unsettled_behind) > SAFE * UNSETTLED_BOUND:
         return None
-    inside = path.time >= 0
-    angles = np.asarray(drive.place(path.time))[inside] / travel
-    places = path.coordinates[inside].copy()
+    places = path.coordinates[path.time >= 0]
     x = places[:, RACK].copy()
     places[:, Y] -= x * places[:, PITCH]
     places[:, Z] += x * places[:, YAW]
-    return Known(rising(angles, places - series.rigid(records, angles)[0][0]))
+    return Known.of(places - series.rigid(records, angles)[0], maneuver.time_step)
 
 
 # --- records of some gears -------------------------------------------------------------------------
@@ -252,7 +242,7 @@ class FamilyRecord:
         if not family.maneuver.rack_load:  # in a table's records the weight may pull
             some["load"] = family.series.forces.gears["load"]
             some["has_load"] = family.series.forces.gears["has_load"]
-        found = family.series.follow(some, family.nodes, family.per_pitch, family.known, features, COARSE)
+        found = family.series.follow(some, family.nodes, family.per_pitch, family.known, features)
         instants = {name: values[..., LEAD:] for name, values in instant_signals(found.record).items()}
         if family.maneuver.drive.body == "pinion":
             instants["pinion_angle"] = family.angles
@@ -283,6 +273,7 @@ class FamilyRecord:
         """Which gears were found and pass all checks of a finished run well within their bounds, (n,)."""
         family, signals = self.family, self.period
         gear, angle, force = family.gear, family.angles, signals[self.force]
+        valid_to = family.series.forces.valid_to
         in_mesh = gear.basic_rack.addendum * gear.pinion.normal_module / 2
         lifted = np.abs(signals["rack_y"] - self.records["mesh"]["flank"]["axis_offset"][:, None])
         late = lag(angle, signals["rack_roll"]) * gear.rack.bar_diameter / 2
@@ -293,7 +284,7 @@ class FamilyRecord:
             np.isfinite(force).all(axis=-1),
             (lifted < SAFE * in_mesh).all(axis=-1),
             (signals["mesh_normal_force"] > 0).all(axis=-1),
-            *(signals[name].max(axis=-1) < SAFE * bound for name, bound in family.series.forces.valid_to.items()),
+            *(signals[name].max(axis=-1) < SAFE * bound for name, bound in valid_to.items()),
             late < SAFE * min(ROLLING, LAG_BOUND),
             missed(angle, force).max(axis=-1) < SAFE * PEAK * self._size(),
             (drift < STEADY) | (not family.maneuver.closes),

@@ -4,7 +4,7 @@ A row that is given is one that a single run ends ok; what cannot be judged here
 equilibrium, limits of the contact laws, records that ask for shorter steps, is left to single runs.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,16 +19,17 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.remarks import remarks
-from rps_exudyn.scenes.scene_run import Signals
+from rps_exudyn.scenes.scene_run import Signals, one_after_another
 from rps_exudyn.scenes.steady_test import SteadyTest, Turned
 from rps_exudyn.simulate.family import Family, FamilyRecord, is_alike
 from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
 
-FEWEST = 4  # gears for each that is followed to learn from: with fewer single runs are quicker
-AT_ONCE = 256  # gears whose signals are held at once
+FEWEST = 2  # gears for each that is followed to learn from: with fewer single runs are quicker
+AT_ONCE = 100_000  # instants of gears whose signals are held at once
 WEIGHT = "test.load_mass"
 TABLES = ("basic_rack", "pinion", "rack", "installation", "yoke", "bush", "bearing", "mesh")
-NOT_NUMBERS = ("rack.bow", "rack.side_force", "rack.side_angle", "installation.gravity")
+NOT_NUMBERS = ("rack.bow", "rack.side_force", "rack.side_angle", "rack.travel", "installation.gravity")
+GAIN = ("pinion.normal_module", "rack.tooth_angle")  # from lock to lock each gear turns by its own angle
 
 UNSUPPORTED = {
     "scene": "only the scenes free-pinion-torque, load-test and rack-push follow many gears together",
@@ -58,6 +59,7 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
     for path, column in values.items():
         number = SteeringGear.declared_at(path)[0]
         known = path == WEIGHT or (path.partition(".")[0] in TABLES and path not in NOT_NUMBERS)
+        known &= gear.test.path != "lock-to-lock" or path not in GAIN
         if not known or not isinstance(gear.value_at(path), float) or not hasattr(number, "show"):
             return UNSUPPORTED["parameter"].format(path=path)
         if np.asarray(column).dtype.kind not in "fiu":
@@ -71,6 +73,7 @@ class Together:
 
     ended: np.ndarray  # (n,) whether the row was found
     summary: dict[str, np.ndarray]  # metric -> (n,)
+    counters: dict[str, np.ndarray]  # what it took -> (n,)
     messages: list[str]
     signals: dict[str, np.ndarray]  # by time, (m,) where all gears have the same, else (n, m)
 
@@ -118,9 +121,15 @@ def together(
         if (family := Family.of(maneuver, reference, fidelity, some, ranges)) is None:
             return None
         families.append(family)
-    begins = range(0, len(records), AT_ONCE)
-    chosen = [np.arange(i, min(i + AT_ONCE, len(records))) for i in begins]
-    parts = [_Part.of(test, families, len(maneuvers), records, each, signals) for each in chosen]
+    at_once = max(1, AT_ONCE // sum(len(family.nodes) for family in families))
+    parts = []
+    for begin in range(0, len(records), at_once):
+        chosen = np.arange(begin, min(begin + at_once, len(records)))
+        parts.append(_Part.of(test, families, len(maneuvers), records, chosen, signals))
+        if test.formulas is not None:
+            kept = chosen[parts[-1].kept].tolist()
+            settings = [{path: float(values[row]) for path, values in some.items()} for row in kept]
+            parts[-1].add(test.formulas(gear.replace(each)) for each in settings)
     return _joined(parts, valid, count)
 
 
@@ -184,6 +193,7 @@ class _Part:
 
     kept: np.ndarray  # (n,) whether the rows were found
     summary: dict[str, np.ndarray]  # of those kept
+    counters: dict[str, np.ndarray]
     messages: list[str]
     signals: dict[str, np.ndarray]
 
@@ -200,51 +210,44 @@ class _Part:
         """Follow the chosen gears over all maneuvers, and describe those found in each."""
         ways = [FamilyRecord.of(family, records, chosen) for family in families]
         kept = np.logical_and.reduce([way.surely_ok() for way in ways])
+        if not kept.any():
+            return cls(kept, {}, {}, [], {})
         if not kept.all():
-            ways = (
-                [FamilyRecord.of(family, records, chosen[kept]) for family in families] if kept.any() else []
-            )
-        if not ways:
-            return cls(kept, {}, [], {})
+            ways = [way.some(kept) for way in ways]
         n, gear = int(kept.sum()), families[0].gear
-        joined = _one_after_the_other([way.whole() for way in ways[:recorded]])
+        joined = one_after_another([way.whole() for way in ways[:recorded]])
         beside = ways[recorded].whole() if len(ways) > recorded else {}
         gain, load = ways[0].records["mesh"]["flank"]["gain"], ways[0].records["load"]["force"][:, 0]
         turned = Turned(gear, joined, beside, gain, np.abs(load), families[0].fidelity.step_angle)
         metrics = {name: np.broadcast_to(values, n) for name, values in test.metrics(turned).items()}
-        of_limits = _remarks(gear, ways[:recorded])
+        of_limits = _remarks(gear, ways[0].records["nut"]["clearance"], joined)
         messages = [
             "; ".join(remark for remark in (limits, *own) if remark)
             for limits, own in zip(of_limits, test.remarks(turned), strict=True)
         ]
         names = joined if signals is None else [name for name in signals if name in joined]
-        return cls(kept, metrics, messages, {name: joined[name] for name in names})
+        counters = {
+            name: np.sum([way.counts[name] for way in ways[:recorded]], axis=0) for name in ways[0].counts
+        }
+        return cls(kept, metrics, counters, messages, {name: joined[name] for name in names})
+
+    def add(self, figures: Iterable[dict[str, float]]) -> None:
+        """Add figures of each gear by itself; what one does not have is nan."""
+        each = list(figures)
+        for name in dict.fromkeys(name for own in each for name in own):
+            self.summary[name] = np.array([own.get(name, np.nan) for own in each])
 
 
-def _one_after_the_other(records: Sequence[Signals]) -> Signals:
-    """Join signals of maneuvers to one record, whose time and works go on where they stood."""
-    whole = dict(records[0])
-    for way in records[1:]:
-        for name, values in way.items():
-            goes_on = name == "time" or name.startswith("work_")
-            before = whole[name][..., -1:] if goes_on else 0.0
-            whole[name] = np.concatenate([whole[name], before + values], axis=-1)
-    return whole
-
-
-def _remarks(gear: SteeringGear, ways: Sequence[FamilyRecord]) -> list[str]:
-    """Remarks on each gear at the family's angles, by the function that remarks on single runs."""
-    seen = _one_after_the_other([way.seen() for way in ways])
-    pressed = np.minimum(seen["mesh_normal_force_drive"], seen["mesh_normal_force_coast"]).min(axis=1)
-    overloaded = seen["mesh_pressure"].max(axis=1) > BEARABLE_PRESSURE
-    said = (pressed <= 0) | overloaded | (seen["yokenut_force"].max(axis=1) > 0)
-    clearance = ways[0].records["nut"]["clearance"]
+def _remarks(gear: SteeringGear, clearance: np.ndarray, signals: Signals) -> list[str]:
+    """Remarks on each gear by the function that remarks on single runs."""
+    pressed = np.minimum(signals["mesh_normal_force_drive"], signals["mesh_normal_force_coast"]).min(axis=1)
+    overloaded = signals["mesh_pressure"].max(axis=1) > BEARABLE_PRESSURE
+    said = (pressed <= 0) | overloaded | (signals["yokenut_force"].max(axis=1) > 0)
     messages = [""] * len(said)
     for i in np.flatnonzero(said).tolist():
         yoke = gear.yoke.model_copy(update={"clearance": float(clearance[i])})
-        signals = {name: column[i] for name, column in seen.items()}
-        told = remarks(gear.model_copy(update={"yoke": yoke}), signals)
-        messages[i] = "; ".join(remark for remark in told if remark)
+        own = {name: each[i] if each.ndim > 1 else each for name, each in signals.items()}
+        messages[i] = "; ".join(remarks(gear.model_copy(update={"yoke": yoke}), own))
     return messages
 
 
@@ -252,19 +255,20 @@ def _joined(parts: list[_Part], valid: np.ndarray, count: int) -> Together:
     """The parts one after the other, in the rows of the table."""
     ended, messages = np.zeros(count, dtype=bool), [""] * count
     summary: dict[str, np.ndarray] = {}
+    counters: dict[str, np.ndarray] = {}
     signals: dict[str, np.ndarray] = {}
     begin = 0
     for part in parts:
         rows = valid[begin : begin + len(part.kept)][part.kept]
         begin += len(part.kept)
         ended[rows] = True
-        for name, values in part.summary.items():
-            summary.setdefault(name, np.full(count, np.nan))[rows] = values
-        for name, values in part.signals.items():
-            if values.ndim == 1:
-                signals[name] = values
-            else:
-                signals.setdefault(name, np.full((count, values.shape[1]), np.nan))[rows] = values
+        for whole, own in ((summary, part.summary), (counters, part.counters), (signals, part.signals)):
+            for name, values in own.items():
+                if whole is signals and values.ndim == 1:
+                    whole[name] = values
+                else:
+                    whole.setdefault(name, np.full((count, *values.shape[1:]), np.nan))[rows] = values
         for row, message in zip(rows.tolist(), part.messages, strict=True):
             messages[row] = message
-    return Together(ended, summary, messages, signals)
+    found = {name: values for name, values in summary.items() if not np.isnan(values).all()}
+    return Together(ended, found, counters, messages, signals)

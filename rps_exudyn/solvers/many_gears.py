@@ -1,14 +1,13 @@
 """Many gears along the same pinion angles: their records, what is known of their motion, and the follower.
 
-A few gears are followed at close angles: a reference, and two for each parameter that varies. What they do is
-known of all others to first order; the follower finds the rest of their motion at the instants of single runs,
-mostly by one evaluation of the forces each.
+A few gears are followed first: a reference, and two for each parameter that varies. What they do is known of
+all others to first order; the follower finds the rest of their motion by the equations of single runs, mostly
+with one evaluation of the forces at each instant.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -22,17 +21,12 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import GRAVITY
 from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
 from rps_exudyn.solvers.drive import DrivenBody
-from rps_exudyn.solvers.follower import NO_COLUMN, RIGID, follow
+from rps_exudyn.solvers.follower import ACCEPT, NO_COLUMN, RIGID, follow
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.gear_model import GEAR, OUTPUTS
 from rps_exudyn.solvers.record import Record
 from rps_exudyn.solvers.settling import CLOSE, TYPICAL_APPROACH, find_approach
 
-if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
-
-# Residual [N] from which a last step is not evaluated: of all gears, and of those that others learn from
-COARSE, FINE = 0.5, 0.05
 RUNOUT, RUNOUT_ANGLE = "pinion.runout", "pinion.runout_angle"
 COUNTERS = "force_evaluations", "newton_iterations", "jacobians"
 DEGREE = 4  # of the polynomials
@@ -189,28 +183,31 @@ def _polynomials(places: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.n
 
 
 # --- motion ----------------------------------------------------------------------------------------
-def rising(angles: np.ndarray, values: np.ndarray) -> "CubicSpline":
-    """Return the spline of values (k, ...) over angles (k,) that rise or fall."""
-    from scipy.interpolate import CubicSpline  # half a second, for many gears alone
-
-    order = slice(None) if angles[-1] > angles[0] else slice(None, None, -1)
-    return CubicSpline(angles[order], values[order])
-
-
 @dataclass(frozen=True, eq=False)
 class Known:
-    """A reference gear's places at the mesh beside what rigid bodies do, over the pinion angle."""
+    """Places at the mesh beside what rigid bodies do: of a reference gear, and what features add to them."""
 
-    motion: "CubicSpline"  # -> (8,)
-    response: "CubicSpline | None" = None  # -> (f, 8) per feature
+    places: np.ndarray  # (1 + f, k, 8), per feature from the second on
+    rates: np.ndarray  # the same, by the follower's differences
 
-    def at(self, angles: np.ndarray, features: np.ndarray, order: int) -> np.ndarray:
-        """Return places (order 0), or their derivatives by the angle (1), of gears with features (n, f) at
-        angles (k,); shape (n, k, 8)."""
-        places = np.broadcast_to(self.motion(angles, order), (len(features), len(angles), RIGID))
-        if self.response is None:
-            return places
-        return np.asarray(places + np.einsum("nf,kfi->nki", features, self.response(angles, order)))
+    @classmethod
+    def of(cls, places: np.ndarray, time_step: float) -> "Known":
+        """From places at even instants."""
+        rates = np.empty(places.shape)
+        rates[:, 1:] = np.diff(places, axis=1) / time_step
+        rates[:, 0] = rates[:, 1]
+        rates[:, 2:] += (rates[:, 2:] - rates[:, 1:-1]) / 2
+        return cls(places, rates)
+
+    def since(self, first: int) -> "Known":
+        """Return the same from an instant on."""
+        return Known(self.places[:, first:], self.rates[:, first:])
+
+    def of_gears(self, features: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return places and rates of gears with features (n, f); shape (n, k, 8)."""
+        weights = np.column_stack([np.ones(len(features)), features])
+        places, rates = (np.tensordot(weights, values, 1) for values in (self.places, self.rates))
+        return places, rates
 
 
 @dataclass(frozen=True, eq=False)
@@ -287,16 +284,15 @@ class GearSeries:
         per_pitch: int,
         known: Known,
         features: np.ndarray,
-        accept: float,
     ) -> Found:
-        """Follow gears (n,) over even angles (k,) [rad]; the known motion responds to features (n, f)."""
+        """Follow gears (n,) with features (n, f) over even angles (k,) [rad] at which motion is known."""
         balance, n, k = self.forces.statics, len(records), len(angles)
         gears, resting, carried = self.adjusted(records)
         places, rates = self.rigid(gears, angles)
-        beside, turning = (known.at(angles, features, order) for order in (0, 1))
+        beside, turning = known.of_gears(features)
         places += beside
         places[..., Y] += (resting + self.forces.approach)[:, None]
-        rates += turning * self.speed
+        rates += turning
         driven = COORDINATE_BLOCKS[self.body].start
         coordinates, speeds = places.copy(), rates.copy()
         x, yaw, pitch = (places[..., i] for i in (RACK, YAW, PITCH))
@@ -319,7 +315,7 @@ class GearSeries:
             np.zeros((k, RIGID)),
             NO_COLUMN,
             np.zeros(k),
-            accept,
+            ACCEPT,
             coordinates,
             speeds,
             forces,
