@@ -14,6 +14,7 @@ from rps_exudyn.mesh_contact.line_loads import line_loads, loads_data
 from rps_exudyn.parameters.gear import SteeringGear
 
 STEP = 1e-8  # of the rack [m]
+STATIONS = 6  # along each line
 X, Y = 0, 1  # in the housing
 
 
@@ -25,7 +26,7 @@ def mesh_stiffness(gear: SteeringGear, signals: Signals) -> np.ndarray:
     """
     pair = GearPair.of(gear)
     points, tilts, _ = rack_poses(pair, signals)
-    data = loads_data(gear if gear.mesh.law != "area" else gear.replace({"mesh.law": "line"}))
+    data = loads_data(gear if gear.mesh.law != "area" else gear.replace({"mesh.law": "line"}), STATIONS)
     normals = {side: pair.rack_flank_normal(side) for side in (-1, +1)}
 
     def force(angle: float, point: np.ndarray, tilt: np.ndarray) -> np.ndarray:

@@ -29,9 +29,10 @@ class LineLoads(NamedTuple):
     load: np.ndarray  # per length [N/m]
 
 
-def loads_data(gear: SteeringGear) -> np.ndarray:
-    """Return the record of `line_loads` for a gear, by its law, in an array (1,)."""
-    flank = pack(gear, along=STATIONS, across=1)
+def loads_data(gear: SteeringGear, stations: int = STATIONS) -> np.ndarray:
+    """Return the record of `line_loads` for a gear, by its law and so many stations on a segment of a line,
+    in an array (1,)."""
+    flank = pack(gear, along=stations, across=1)
     made = np.zeros(1, MESH)
     made["flank"], made["teeth"] = flank, teeth_data(gear, flank)
     return made

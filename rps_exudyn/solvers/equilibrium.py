@@ -21,15 +21,15 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
 from rps_exudyn.solvers.drive import Drive, Steady, travel_per_radian
-from rps_exudyn.solvers.follower import ACCEPT, JUMP, NO_COLUMN, RIGID, add_column_to, follow
+from rps_exudyn.solvers.follower import ACCEPT, NO_COLUMN, RIGID, add_column_to, follow
 from rps_exudyn.solvers.gear_model import OUTPUTS
-from rps_exudyn.solvers.rescue import Settling, beginning, search
+from rps_exudyn.solvers.rescue import JUMP, Settling, beginning, search
 from rps_exudyn.solvers.settling import SETTLING_STEPS, TYPICAL_APPROACH
 from rps_exudyn.solvers.steering_column import BehindColumn, SteeringColumn
 from rps_exudyn.solvers.wheel_torque import WheelTorque
 
 PIECE = 2000  # instants followed at once: Ctrl-C is heard between them
-MAX_RESCUES = 50
+MAX_RESCUES = 50  # or as many as instants are asked for
 SHORTEST = 0.01  # of the steps asked for, that between an instant found and one that is not ...
 SHORTEST_BEHIND_COLUMN = 1 / 256  # ... and where friction lets a column's end go
 WHEEL_LENGTH = 0.01  # turns the wheel's coordinate into a length [m]
@@ -339,7 +339,7 @@ class _Following:
     def rescued(self) -> bool:
         """Look further for the next instant; tell whether there is something to go on from."""
         rows, k = self.rows, self.found
-        most = MAX_RESCUES * (4 if self.column[0] else 1)
+        most = max(MAX_RESCUES, int(rows.asked.sum())) * (4 if self.column[0] else 1)
         if self.rescues == most or (k == 0 and self.rescues > 0):
             return False
         self.rescues += 1

@@ -8,7 +8,8 @@ of a tilted bar shifts across as it travels.
 Newton's method with the analytic tangent of all forces; a tangent serves until it converges slowly. A step
 is taken as far as it shortens the next one by the same tangent (the natural monotonicity test: P. Deuflhard,
 Newton Methods for Nonlinear Problems, 2011, section 3.3): stiff teeth let the residual grow on the way. The
-step from a residual below `accept` is not evaluated: the forces there are those of the tangent.
+step from a residual below `accept` is not evaluated where it leaves less than the tolerance: the forces
+there are those of the tangent.
 
 Behind the coordinates of the gear stands the wheel's, where there is a steering column: with the wheel at
 theta, the joint's output at u(theta) and the pinion at phi, the column's torque k (u - phi) + c (u' - phi')
@@ -42,9 +43,8 @@ SLOW = 0.1  # a step that leaves more of the residual than this asks for a new t
 FIRST_STRETCH = 1e-9  # of a creeping gear's first step [m/N]
 CREEP_MOVE = 20e-6  # of one step of a creeping gear [m]
 MAX_CREEPS = 100  # steps, of which most gears need 30 to 80
-JUMP = 0.5  # of the contact's forces where its quadrature changes [N]
 PATIENCE, PROGRESS = 15, 0.9  # steps of a creeping gear in which the residual must fall to that share
-ACCEPT = 0.05  # residual [N] of which a step by the tangent leaves less than the tolerance
+ACCEPT = 0.05  # residual [N] of which a step by a new tangent leaves less than the tolerance
 
 X, Y, Z, YAW, PITCH = 1, 2, 3, 5, 6  # coordinates of the rack
 RIGID = 8  # coordinates whose motion is known beforehand
@@ -422,6 +422,7 @@ def follow(  # type: ignore[no-untyped-def]
                 if residual <= TOLERANCE:
                     norm, is_found = residual, True
                     break
+                rate = 0.0 if wanted else np.inf  # a new tangent converges by squares
                 if size < np.inf:
                     after = newton_move(system, pivots, total, free, lengths, correction)
                     if not after <= (1 - fraction / 4) * size:  # too far along the last step
@@ -436,6 +437,8 @@ def follow(  # type: ignore[no-untyped-def]
                             q[free[i]] = here[free[i]] + fraction * move[i]
                         continue
                     slow = after > SLOW * size
+                    if not wanted:
+                        rate = after / size
                 else:
                     after, slow = np.inf, False
                 norm, is_old = residual, not wanted
@@ -453,7 +456,7 @@ def follow(  # type: ignore[no-untyped-def]
                 wanted, fraction = slow, min(1.0, FARTHEST_MOVE / size)
                 for i in range(m):
                     q[free[i]] = here[free[i]] + fraction * move[i]
-                if norm <= accept and fraction == 1.0:
+                if norm <= accept and fraction == 1.0 and rate * norm <= TOLERANCE:
                     for j in range(m):
                         if free[j] < own:
                             for i in range(own):
@@ -501,9 +504,8 @@ def follow(  # type: ignore[no-untyped-def]
                     if norm < PROGRESS * least:
                         least, since = norm, 0
                     since += 1
-                    # an equilibrium may lie where the contact's quadrature changes
-                    if norm <= TOLERANCE or (since > PATIENCE and norm <= least <= JUMP):
-                        is_found = True
+                    is_found = norm <= TOLERANCE
+                    if is_found or since > PATIENCE:
                         break
                     if not factorized(tangent, 1 / stretch, free, lengths, system, pivots):
                         break
@@ -516,7 +518,7 @@ def follow(  # type: ignore[no-untyped-def]
             if not is_found:
                 ended[g] = k
                 break
-            left = max(left, norm if norm <= JUMP and norm > accept else min(norm, TOLERANCE))
+            left = max(left, min(norm, TOLERANCE))
             fill_rates(q, known[g, k], known_rates[g, k], base, per_time, free, u, w, v)
             if has_bristles:  # what was evaluated last may have been a trial
                 law(q[:own], v[:own], gears, g, pool, works, 0.0, 0.0, own_total, own_tangent)

@@ -4,13 +4,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import root
 
-from rps_exudyn.solvers.follower import JUMP
 from rps_exudyn.solvers.settling import TOLERANCE, Tangent, differences, settled
 
 Evaluate = Callable[[np.ndarray, np.ndarray, float], tuple[np.ndarray, np.ndarray]]
 """(q, v, factor of the rates' derivative) -> forces (n,), their tangent (n, n)."""
 
+JUMP = 0.5  # of the contact's forces where its quadrature changes [N]
 RESCUING_STEPS = 100  # most rescues take 30 to 80
 CREEP_PARTS, CREEP_STEPS = 12, 3  # of a tooth pitch, of which a gear that finds no rest makes steps
 
@@ -94,15 +95,53 @@ def beginning(settling: Settling, pitch: float, steps: int) -> tuple[np.ndarray,
 
 
 def search(settling: Settling, starts: list[np.ndarray]) -> tuple[np.ndarray, float]:
-    """Let the gear creep to the equilibrium that Newton's method did not find, from one start (m,) after the
-    other; return the place and the residual [N]."""
-    place, residual = starts[-1], np.inf
-    for start in starts:
-        with np.errstate(all="ignore"):  # far from an equilibrium the forces may be of any size
-            try:
-                place, residual = settling.settled(start, RESCUING_STEPS)
-            except np.linalg.LinAlgError:  # not finite there
-                continue
-        if residual <= JUMP:
+    """Find the equilibrium that Newton's method did not find, from one start (m,) after the other; return the
+    place and the residual [N].
+
+    First by Powell's hybrid method, whose trust region and updated tangent pass corners of friction and
+    contact, then the gear creeps there: a residual up to `JUMP` is left where the contact's forces jump.
+    """
+    best, least = starts[-1], np.inf
+    for method in (by_hybrid_method, by_creeping):
+        for start in starts:
+            with np.errstate(all="ignore"):  # far from an equilibrium the forces may be of any size
+                try:
+                    place, residual = method(settling, start)
+                except np.linalg.LinAlgError:  # not finite there
+                    continue
+            if residual < least:
+                best, least = place, residual
+            if least <= TOLERANCE:
+                return best, least
+        if method is by_creeping and least <= JUMP:
             break
-    return place, residual
+    return best, least
+
+
+def by_hybrid_method(settling: Settling, start: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return place and residual [N] by Powell's hybrid method (MINPACK) from a start (m,).
+
+    Its tangent is of differences: they see a corner within their step.
+
+    Raises:
+        LinAlgError: the forces are not finite.
+    """
+    lengths = settling.lengths[settling.free]
+
+    def scaled(place: np.ndarray) -> np.ndarray:
+        forces = settling.unbalanced(place / lengths) / lengths
+        if not np.isfinite(forces).all():
+            raise np.linalg.LinAlgError("the force is not finite")
+        return forces
+
+    found = root(scaled, start * lengths, jac=differences(scaled, np.ones(len(start))), method="hybr")
+    return found.x / lengths, float(np.abs(found.fun).max())
+
+
+def by_creeping(settling: Settling, start: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return place and residual [N] where the gear settles from a start (m,).
+
+    Raises:
+        LinAlgError: the forces are not finite.
+    """
+    return settling.settled(start, RESCUING_STEPS)
