@@ -14,7 +14,7 @@ def do_view(file: Path) -> None:
         InputError: no display, or a result whose gear no Exudyn model is made of.
     """
     from rps_exudyn.parameters.fidelity import Fidelity
-    from rps_exudyn.results.result import load
+    from rps_exudyn.study.blocks import load
 
     result = load(file)
     if not has_display():

@@ -181,8 +181,8 @@ def failed(
     )
 
 
-def load(path: str | Path) -> Result:
-    """Read the result in an HDF5 file.
+def read_result(path: str | Path) -> Result:
+    """Read the result in an HDF5 file of its own; `study.blocks.load` reads cases in blocks, too.
 
     Raises:
         InputError: no such file, not a result of this package, damaged, or of a newer format.
@@ -195,7 +195,7 @@ def loads(content: bytes, name: str) -> Result:
     """Read the result in the bytes of an HDF5 file; `name` stands for it in messages.
 
     Raises:
-        InputError: as `load`.
+        InputError: as `read_result`.
     """
     with from_bytes(content, name, FILETYPE, "result", VERSION) as file:
         return _read(file, name)

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from rps_exudyn import load
 from rps_exudyn.cli import commands
-from rps_exudyn.results.result import Result, load
+from rps_exudyn.results.result import Result
 from shell import Command
 
 ROOT = Path(__file__).parents[2]

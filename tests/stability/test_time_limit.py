@@ -12,13 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rps_exudyn import load
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.checks import memory
 from rps_exudyn.gears.report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.result import load
 from rps_exudyn.simulate.case_run import CaseRunner
 from rps_exudyn.simulate.time_limit import TimeLimit, alarm, place_of
 from shell import Command

@@ -8,9 +8,10 @@ import pytest
 from benchmarks.bad_inputs.damaged_files import COLUMNS, damaged_table, run, trial
 from edited import edited
 from made_up_study import make_study
+from rps_exudyn import load
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.seal import SIZE, is_intact, sealed, without_seal
-from rps_exudyn.results.result import Result, load
+from rps_exudyn.results.result import Result
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable
 from shell import Command
