@@ -16,6 +16,8 @@ def do_explore(gear: SteeringGear, host: str, port: int, browser: bool) -> None:
     Raises:
         InputError: a port that does not exist, or an address that cannot be used.
     """
+    if not host.strip():
+        raise InputError("--host is empty; give an address, for instance 127.0.0.1 for this machine alone.")
     if not 0 <= port <= 65535:
         raise InputError(f"--port is {port}; it must be from 0 to 65535, 0 for a free one.")
     with Explorer(gear, host, port) as server:
