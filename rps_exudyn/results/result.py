@@ -20,6 +20,7 @@ import numpy as np
 from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.hdf5 import file_image, from_bytes, opened
+from rps_exudyn.base.json_tables import read_json_tables
 from rps_exudyn.base.seal import sealed
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -301,10 +302,7 @@ def _text(file: h5py.File, name: str) -> str:
 
 def _tables(file: h5py.File, name: str) -> dict[str, Any]:
     """Return what an attribute holds as JSON."""
-    tables = json.loads(_text(file, name))
-    if not isinstance(tables, dict):
-        raise ValueError(f"{name} is no set of tables")
-    return tables
+    return read_json_tables(_text(file, name), name)
 
 
 def _numbers(dataset: Any, dimensions: int) -> np.ndarray:

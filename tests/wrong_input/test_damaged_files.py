@@ -58,6 +58,23 @@ def test_files_without_a_checksum_are_read(study: Path) -> None:
     assert load(path).summary == new.summary
 
 
+@pytest.mark.parametrize("levels", [900, 20000])  # of which Python's reader of JSON refuses the latter
+@pytest.mark.parametrize("name", ["solver", "library_versions"])
+def test_tables_nested_without_end_are_no_traceback(
+    study: Path, command: Command, levels: int, name: str
+) -> None:
+    """A text of the origin is shown as it is; tables that belong to the result are refused."""
+    path = next((study / "cases").glob("*.h5"))
+    with edited(path) as file:
+        del file.attrs[name]
+        file.attrs[name] = '{"x": ' + "[" * levels + "]" * levels + "}"
+    refused = name == "solver"
+    for arguments in (["show", str(path), "--json"], ["report", str(path), "--out", "r.html"]):
+        answer = command(arguments)
+        assert answer.status == (2 if refused else 0)
+        assert ("is nested more than 50 levels deep" in answer.err) is refused
+
+
 def test_file_that_another_program_changed_is_refused(study: Path) -> None:
     import h5py
 

@@ -137,12 +137,14 @@ def test_a_file_that_is_no_series_is_refused(tmp_path: Path) -> None:
 
 
 def test_command_refuses_in_one_sentence(command: Command, short: Path) -> None:
+    Path("deep.json").write_text("[" * 20000 + "]" * 20000)
     for arguments, sentence in (
         ([], "fit needs at least one measured file"),
         ([str(short)], "a level needs a tooth pitch"),
         (["none.csv"], "none.csv cannot be read: No such file"),
         ([str(short), "--out", "a.json"], "a.json"),
         ([str(short), "--like", "none.json"], "none.json cannot be read"),
+        ([str(short), "--like", "deep.json"], "deep.json is no file of a series"),
         ([str(short), "--prior", "x"], "--prior x: x cannot be fitted"),
     ):
         answer = command(["fit", *arguments])
