@@ -4,7 +4,6 @@ import json
 import os
 import shutil
 from collections.abc import Iterator
-from contextlib import suppress
 from pathlib import Path
 from time import perf_counter, process_time
 
@@ -22,9 +21,9 @@ def do_doctor(clear_cache: bool) -> bool:
     Raises:
         InputError: the cache cannot be removed.
     """
-    import numba
+    from rps_exudyn.base.kernel_cache import cache_folder
 
-    cache = Path(numba.config.CACHE_DIR).parent
+    cache = cache_folder().parent  # of all versions of the package
     if clear_cache:
         _clear(cache)
     well = True
@@ -95,10 +94,11 @@ def _reference() -> tuple[str, str, bool]:
 def _clear(cache: Path) -> None:
     if cache.name != "rps_exudyn":  # never another's folder
         raise InputError(f"{cache} is not removed: it is no cache of this package.")
-    with suppress(FileNotFoundError):
-        try:
-            shutil.rmtree(cache)
-        except PermissionError as error:
-            raise InputError(f"{cache} cannot be removed: {error.strerror}.") from None
+    try:
+        shutil.rmtree(cache)
+    except FileNotFoundError:  # another process has removed it
+        pass
+    except OSError as error:
+        raise InputError(f"{cache} cannot be removed: {error.strerror or error}.") from None
     cache.mkdir(parents=True, exist_ok=True)
     print(f"removed: {cache}")

@@ -8,7 +8,7 @@ import pytest
 import rps_exudyn as rps
 from rps_exudyn.cli import doctor_command
 from rps_exudyn.study.study_file import read_study
-from shell import Command
+from shell import Command, in_fresh_process
 
 ROOT = Path(__file__).parents[2]
 
@@ -34,6 +34,28 @@ def test_doctor_runs_a_reference(command: Command, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(doctor_command, "PUBLISHED", 0.62)
     wrong = command(["doctor"])
     assert (wrong.status, "NO  reference run" in wrong.out) == (1, True)
+
+
+def test_doctor_finds_the_cache_in_a_fresh_process(tmp_path: Path) -> None:
+    """Beside what another version left there; the current folder is another one. The reference compiles."""
+    older = tmp_path / "home" / "rps_exudyn" / "older" / "kernel.nbc"
+    older.parent.mkdir(parents=True)
+    older.write_bytes(bytes(4_000_000))
+    (tmp_path / "here").mkdir()
+
+    def doctor(options: str) -> str:
+        home = str(tmp_path / "home")
+        done = in_fresh_process(f"rps-exudyn doctor{options}", tmp_path / "here", XDG_CACHE_HOME=home)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert f"cache is writable  {tmp_path}/home/rps_exudyn\n" in done.stdout
+        (megabytes,) = re.findall(rf"compiled kernels   {tmp_path}/home/rps_exudyn, (\d+) MB", done.stdout)
+        return str(megabytes)
+
+    assert doctor(" --clear-cache") == "0"
+    assert not older.exists()
+    compiled = [file for file in (tmp_path / "home").rglob("*") if file.is_file()]
+    assert compiled
+    assert doctor("") == f"{sum(file.stat().st_size for file in compiled) / 1e6:.0f}"
 
 
 def test_doctor_removes_its_own_cache_only(tmp_path: Path) -> None:
