@@ -3,6 +3,7 @@
 import re
 import shutil
 import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -100,6 +101,28 @@ def test_ci_fails_with_each_of_its_checks(bare: Path, broken: str) -> None:
 def test_ci_types_the_benchmarks_too(bare: Path) -> None:
     (bare / "benchmarks").mkdir()
     assert "mypy benchmarks" in ci_run(bare).stdout.splitlines()
+
+
+# --- .ci/versions ----------------------------------------------------------------------------------
+@pytest.mark.parametrize(("status", "outcome"), [(0, "passed"), (1, "FAILED with status 1")])
+def test_other_pythons_are_tried_and_missing_ones_named(tmp_path: Path, status: int, outcome: str) -> None:
+    """Also one of which there is only a command that says that it is missing."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    listed = re.findall(r"Python :: (3\.\d+)\n", "\n".join(settings["project"]["classifiers"]) + "\n")
+    there, missing, *absent = [each for each in listed if each != f"3.{sys.version_info.minor}"]
+    ends = {there: f'if [ "$2" = newest ]; then exit {status}; fi', missing: "exit 127"}
+    for version, end in ends.items():
+        (stand_in := tmp_path / f"python{version}").write_text(f"#!/bin/sh\n{end}\n")
+        stand_in.chmod(0o755)
+    done = subprocess.run(
+        [sys.executable, ROOT / ".ci" / "versions", "others"],
+        env={"PATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == status
+    lines = [f"python{version}: NOT TRIED: this machine does not have it" for version in (missing, *absent)]
+    assert done.stdout.splitlines()[1:] == [f"python{there}: {outcome}", *lines]
 
 
 # --- what the README says --------------------------------------------------------------------------
