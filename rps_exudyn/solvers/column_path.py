@@ -8,7 +8,7 @@ place is the root of one function of one number, bracketed, because friction tha
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -77,6 +77,9 @@ def path_behind_column(
 @dataclass(eq=False)
 class March:
     """Instants found so far; arrays have one row per instant, as those of `path_follower`."""
+
+    FILLED: ClassVar = ("coordinates", "rates", "forces", "kept")
+    """Arrays whose rows `find` fills, as `divided` must insert them."""
 
     balance: Balance
     ahead: BehindColumn  # the column's upper end
@@ -231,7 +234,7 @@ class March:
             return False
         self.time = np.insert(self.time, k, (self.time[k - 1] + self.time[k]) / 2)
         self.applied = np.insert(self.applied, k, (self.applied[k - 1] + self.applied[k]) / 2, axis=0)
-        for name in ("coordinates", "rates", "forces", "kept"):
+        for name in self.FILLED:
             rows = getattr(self, name)
             setattr(self, name, np.insert(rows, k, np.zeros(rows.shape[1:]), axis=0))
         return True

@@ -5,7 +5,7 @@ forces applied to the rack. Inertia is left out.
 """
 
 from dataclasses import dataclass, field
-from typing import cast
+from typing import ClassVar, cast
 
 import numpy as np
 
@@ -42,6 +42,8 @@ def path_under_torque(
 @dataclass(eq=False)
 class TorqueMarch(March):
     """Instants found so far; the wheel's angles beside those of `March`."""
+
+    FILLED: ClassVar = (*March.FILLED, "angle")
 
     angle: np.ndarray = field(default_factory=lambda: np.zeros(0))  # of the wheel [rad]
     gain: float = 0.0  # of the gear [m]
