@@ -78,7 +78,7 @@ def path_behind_column(
 class March:
     """Instants found so far; arrays have one row per instant, as those of `path_follower`."""
 
-    FILLED: ClassVar = ("coordinates", "rates", "forces", "kept")
+    FILLED: ClassVar[tuple[str, ...]] = ("coordinates", "rates", "forces", "kept")
     """Arrays whose rows `find` fills, as `divided` must insert them."""
 
     balance: Balance

@@ -43,7 +43,7 @@ def path_under_torque(
 class TorqueMarch(March):
     """Instants found so far; the wheel's angles beside those of `March`."""
 
-    FILLED: ClassVar = (*March.FILLED, "angle")
+    FILLED: ClassVar[tuple[str, ...]] = (*March.FILLED, "angle")
 
     angle: np.ndarray = field(default_factory=lambda: np.zeros(0))  # of the wheel [rad]
     gain: float = 0.0  # of the gear [m]
