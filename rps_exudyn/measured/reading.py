@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rps_exudyn.analysis.measured import FEWEST, MeasuredTorque
+from rps_exudyn.analysis.measured import FEWEST
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import short
@@ -34,6 +34,7 @@ from rps_exudyn.measured.numbers import (
 )
 from rps_exudyn.measured.text import read_text
 from rps_exudyn.measured.turning import counted_on, directions
+from rps_exudyn.results.measured_torque import MeasuredTorque
 
 TORQUE = ("pinion_angle", "pinion_torque")
 PUSH = ("rack_displacement", "rack_force")

@@ -25,6 +25,7 @@ from rps_exudyn.base.seal import sealed
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results import provenance as origin
+from rps_exudyn.results.measured_torque import MeasuredTorque
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GROUPS, SIGNALS, SUMMARY
 
@@ -35,7 +36,7 @@ MOST_NUMBERS = 6  # of the summary that a printed result shows
 DRAWING = "rps_exudyn.charts.scene:draw"  # looked up when a result is drawn: charts stand above results
 
 FILETYPE = "rps_exudyn-result"
-VERSION = (1, 2)
+VERSION = (1, 3)
 """Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
 
 
@@ -64,6 +65,7 @@ class Result:
         cpu_s: CPU time of the simulation [s].
         wall_s: elapsed time of the simulation [s].
         provenance: versions, commit, date and machine.
+        measured: a measured torque to compare with, drawn over the simulated one.
     """
 
     scene: str
@@ -80,6 +82,7 @@ class Result:
     cpu_s: float
     wall_s: float
     provenance: dict[str, str] = field(default_factory=origin.provenance)
+    measured: MeasuredTorque | None = None
 
     def __post_init__(self) -> None:
         for group, known in GROUPS.items():
@@ -128,7 +131,8 @@ class Result:
 
         Args:
             path: file of the picture.
-            measured: a measured torque of `rps.read_measured_torque`, drawn over it.
+            measured: a measured torque of `rps.read_measured_torque`, drawn over it instead of the result's
+                own one.
             from_zero: torques and forces are drawn from zero on.
 
         Raises:
@@ -223,6 +227,8 @@ def _write(result: Result, file: h5py.File) -> None:
             _put(file, group, name, float(value))
     for name, count in result.counters.items():
         _put(file, "counters", name, count)
+    if result.measured is not None:
+        result.measured.write(file)
 
 
 def attributes_of(result: Result) -> dict[str, Any]:
@@ -290,6 +296,7 @@ def _read(file: h5py.File, path: str | Path) -> Result:
         cpu_s=float(file.attrs["cpu_s"]),
         wall_s=float(file.attrs["wall_s"]),
         provenance={name: _text(file, name) for name in origin.FIELDS},
+        measured=MeasuredTorque.read(file),
     )
 
 

@@ -14,13 +14,14 @@ from hypothesis import strategies as st
 
 from measured_files import ANGLE, READABLE, REFUSED, TORQUE
 from measured_odd_files import ODD_READABLE, ODD_REFUSED
-from rps_exudyn.analysis.measured import compare_with_measured
+from rps_exudyn.analysis.measured import compare_with_measured, onto_simulated
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.measured.numbers import Format, as_number
 from rps_exudyn.measured.reading import read_curve, read_measured_torque
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.measured_torque import MeasuredTorque
 from rps_exudyn.solvers.closed_form import closed_form
 from shell import Command
 
@@ -206,8 +207,42 @@ def test_directions_are_compared_apart(tmp_path: Path) -> None:
     assert forward.measured["torque_first_order"] == pytest.approx(0.02, rel=1e-3)
     one_way = {"pinion_angle": outward, "pinion_torque": simulated[: outward.size]}
     assert [each.direction for each in compare_with_measured(measured, one_way, 6)] == [1]
-    beyond = {"pinion_angle": outward + 10, "pinion_torque": one_way["pinion_torque"]}
+    beyond = {"pinion_angle": 8 + outward / 4, "pinion_torque": one_way["pinion_torque"]}
     assert compare_with_measured(measured, beyond, 6) == []
+
+
+@pytest.mark.parametrize("first", [-180.0, 180.0, 900.0, -30.0])
+def test_angles_are_compared_by_whole_turns(first: float) -> None:
+    """A turn from any angle on is compared with the simulated turn from 0 on: the torque repeats."""
+    angle = np.radians(np.linspace(first, first + 360, 361))
+    simulated = np.linspace(0, 2 * np.pi, 721)
+
+    def torque(at: np.ndarray) -> np.ndarray:
+        return 0.6 + 0.02 * np.cos(at - 1) + 0.01 * np.cos(6 * at)
+
+    measured = MeasuredTorque("bench", {"pinion_angle": angle, "pinion_torque": 1.1 * torque(angle)})
+    signals = {"pinion_angle": simulated, "pinion_torque": torque(simulated)}
+    (compared,) = compare_with_measured(measured, signals, teeth=6)
+    assert compared.angle_range == pytest.approx((angle[0], angle[-1]))
+    assert compared.measured["torque_mean"] == pytest.approx(0.66, rel=1e-4)
+    assert compared.simulated["torque_mean"] == pytest.approx(0.60, rel=1e-4)
+    assert compared.torque.largest == pytest.approx(-0.1 * torque(angle).max(), rel=1e-3)
+    drawn = onto_simulated(measured, signals)
+    together = np.concatenate([each.angle for each in drawn])
+    assert together.min() >= -1e-6
+    assert together.max() <= 2 * np.pi + 1e-6
+    for each in drawn:
+        np.testing.assert_allclose(each.signals["pinion_torque"], 1.1 * torque(each.angle), rtol=1e-9)
+
+
+def test_less_than_a_turn_is_compared_at_its_own_angles_alone() -> None:
+    angle = np.radians(np.linspace(-180, 180, 361))
+    measured = MeasuredTorque("bench", {"pinion_angle": angle, "pinion_torque": np.ones(361)})
+    short = {"pinion_angle": np.radians(np.linspace(90, 270, 181)), "pinion_torque": np.ones(181)}
+    (compared,) = compare_with_measured(measured, short, teeth=6)
+    assert np.degrees(compared.angle_range) == pytest.approx([90, 180])
+    (drawn,) = onto_simulated(measured, short)
+    np.testing.assert_array_equal(drawn.angle, angle)
 
 
 def test_run_draws_and_compares(command: Command, tmp_path: Path) -> None:
@@ -216,7 +251,8 @@ def test_run_draws_and_compares(command: Command, tmp_path: Path) -> None:
     text = HEADER + "".join(f"{a},{measured}\n" for a in np.linspace(-30, 400, 1000))
     done = command(["run", "--fidelity", "closed-form", "--measured", str(written(tmp_path, text))])
     assert done.status == 0
-    assert "torque_mean" in done.out.split("Torque towards +X, pinion angles of 0 ° to 360 °:")[1]
+    assert "torque_mean" in done.out.split("Torque towards +X, pinion angles of -30 ° to 400 ° (")[1]
+    assert "the simulated 0 ° to 360 ° stand for every turn" in done.out
     assert "difference: RMS 2.9" in done.out
     refused = command(["run", "--measured", "none.csv"])
     assert refused.status == 2
