@@ -86,7 +86,7 @@ def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Pat
 
 @contextmanager
 def named_if_interrupted(files: Sequence[Path]) -> Iterator[None]:
-    """Name the files that are written by then where the block is interrupted.
+    """Name the files that are written by then where the block is interrupted; it may add to them.
 
     Raises:
         KeyboardInterrupt: it is.
@@ -99,7 +99,7 @@ def named_if_interrupted(files: Sequence[Path]) -> Iterator[None]:
             raise
         verb = "is" if len(files) == 1 else "are"
         names = ", ".join(map(str, files))
-        raise KeyboardInterrupt(f"interrupted; {names} {verb} written, nothing else.") from None
+        raise KeyboardInterrupt(f"interrupted; {names} {verb} written, the rest is not.") from None
 
 
 @contextmanager

@@ -1,5 +1,6 @@
 """The command `fit` on the made-up curves that are shipped: what it prints, and the files it leaves."""
 
+import signal
 from pathlib import Path
 
 import pytest
@@ -36,6 +37,19 @@ def test_the_next_gear_of_a_series_is_fitted_like_the_first(command: Command, fi
     second = command(["fit", files[0], "--like", "series.json", "--json", "--out", "next.toml"])
     assert second.json["simulations"] <= 3
     assert second.json["level"]["value"] == pytest.approx(first.json["level"]["value"], rel=1e-4)
+
+
+def test_interrupt_while_the_picture_is_drawn_names_the_files_that_are_there(
+    command: Command, files: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rps_exudyn.charts.style.save", lambda *_: signal.raise_signal(signal.SIGINT))
+    options = ["--single-law", "--plot", "fit.png", "--series", "s.json", "--free", "yoke.preload"]
+    answer = command(["fit", files[0], *options])
+    assert answer.status == 130
+    assert answer.err.endswith("interrupted; fitted.toml, s.json are written, the rest is not.\n")
+    assert Path("fitted.toml").exists()
+    assert Path("s.json").exists()
+    assert not Path("fit.png").exists()
 
 
 def test_fit_as_json(command: Command, files: list[str]) -> None:
