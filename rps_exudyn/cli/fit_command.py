@@ -80,7 +80,7 @@ def print_fit(fit: "Fit", files: Iterable[Path]) -> None:
     put_table(columns, findings.rows(fit))
     if sentence := findings.offset_sentence(fit):
         put(sentence)
-    for sentence in fit.warnings:
+    for sentence in (*fit.left_out, *fit.warnings):
         put(f"note: {sentence}")
     put(f"{fit.simulations} simulations, {fit.cpu_s:.2g} s of CPU time")
     for file in files:

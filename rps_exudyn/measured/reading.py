@@ -19,6 +19,7 @@ import numpy as np
 from rps_exudyn.analysis.measured import FEWEST
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.sentence import are, lines_in_words
 from rps_exudyn.base.units import short
 from rps_exudyn.measured.clock import recorded
 from rps_exudyn.measured.columns import Column, find_columns, known_columns
@@ -40,7 +41,6 @@ TORQUE = ("pinion_angle", "pinion_torque")
 PUSH = ("rack_displacement", "rack_force")
 _ENCODINGS = {"utf-8": "", "utf-8-sig": "", "cp1252": "Windows-1252"}
 FAR = 20.0  # times the usual size of a value: a number of nines beyond stands for none
-_SHOWN = 5  # line numbers in a sentence
 
 
 def read_measured_torque(path: str | Path, columns: Mapping[str, str] | None = None) -> MeasuredTorque:
@@ -82,6 +82,7 @@ def read_curve(
     if len(lines) < FEWEST:
         raise InputError(f"{path} holds {len(lines)} points; a torque curve needs at least {FEWEST}.")
     table = values * np.array([column.size for column in found])[:, None]
+    left_out = tuple(notes)
     if wanted[0] in TORQUE:
         table[0], turns = counted_on(table[0])
         notes += [f"the angle begins anew {turns} times and is counted on from turn to turn"] if turns else []
@@ -95,8 +96,8 @@ def read_curve(
     if named := _ENCODINGS.get(encoding, encoding.upper()):
         first = f"text in {named}, {first}"
     taken = [_taken(column) for column in found]
-    beside = recorded(layout, lines, numbers)
-    return MeasuredTorque(Path(path).stem, signals, (first, *taken, *notes), beside)
+    beside = {**recorded(layout, lines, numbers), "line": np.array(lines, dtype=float)}
+    return MeasuredTorque(Path(path).stem, signals, (first, *taken, *notes), beside, left_out)
 
 
 def _check_directions(path: str | Path, layout: Layout, driven: np.ndarray) -> None:
@@ -158,9 +159,11 @@ def _values(
         _check_text(path, layout, layout.rows[i], own, known[:, i], layout.rows[i][0] < last)
     notes = []
     if missing:
-        notes.append(f"{len(missing)} rows without a value are left out: {_lines(missing)}")
+        rows = are(len(missing), "row", " without a value")
+        notes.append(f"{rows} left out: {lines_in_words(missing)}")
     if text:
-        notes.append(f"{len(text)} lines that are no numbers are left out: {_lines(lines[text].tolist())}")
+        rows = are(len(text), "line", " without numbers")
+        notes.append(f"{rows} left out: {lines_in_words(lines[text].tolist())}")
     return table[:, is_kept], notes, kept
 
 
@@ -203,8 +206,3 @@ def _check_text(
 def _is_label(row: Row) -> bool:
     """Tell whether a row begins with a word, as those of mean values and of further passes do."""
     return bool(re.match(r"[^\W\d_]{2}", row[1][0]))
-
-
-def _lines(numbers: list[int]) -> str:
-    shown = ", ".join(map(str, numbers[:_SHOWN]))
-    return f"line {shown}" + (" ..." if len(numbers) > _SHOWN else "")

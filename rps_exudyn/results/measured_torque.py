@@ -18,7 +18,8 @@ class MeasuredTorque:
     name: str
     signals: dict[str, np.ndarray]  # pinion_angle [rad], pinion_torque [N m], shape (n,); or of a rack push
     assumed: tuple[str, ...] = ()  # what the reading of the file took for granted
-    beside: dict[str, np.ndarray] = field(default_factory=dict)  # clock [s], speed [rad/s]; (n,)
+    beside: dict[str, np.ndarray] = field(default_factory=dict)  # clock [s], speed [rad/s], line; (n,)
+    left_out: tuple[str, ...] = ()  # those of `assumed` that say which rows of the file are no part of it
 
     def write(self, file: h5py.File) -> None:
         """Write name, angle and torque as a group of a result's file."""

@@ -17,8 +17,12 @@ def files(command: Command) -> list[str]:
 
 
 def test_fit_prints_what_is_known_and_writes_its_files(command: Command, files: list[str]) -> None:
-    answer = command(["fit", *files, "--single-law", "--plot", "fit.png", "--report", "fit.html"])
+    curve = Path(files[0]).read_text(encoding="utf-8").replace("-178,00;68,04", "-178,00;")
+    Path("bench.csv").write_text(curve, encoding="utf-8")
+    options = ["--single-law", "--plot", "fit.png", "--report", "fit.html"]
+    answer = command(["fit", "bench.csv", files[1], *options])
     assert answer.status == 0
+    assert "note: bench: 1 row without a value is left out: line 5\n" in answer.out
     assert "mean free torque 0.66" in answer.out
     assert "not separable by these tests: yoke.preload, mesh.friction, yoke.friction" in answer.out
     gear = rps.SteeringGear.from_toml("fitted.toml")
@@ -26,6 +30,7 @@ def test_fit_prints_what_is_known_and_writes_its_files(command: Command, files: 
     assert "not separable" in Path("fitted.toml").read_text(encoding="utf-8")
     page = Path("fit.html").read_text(encoding="utf-8")
     assert page.count("<svg") == 2
+    assert "bench: 1 row without a value is left out: line 5." in page
     assert "yoke.preload x mesh.friction^0." in page
     assert Path("fit.png").stat().st_size > 20_000
 
@@ -56,4 +61,5 @@ def test_fit_as_json(command: Command, files: list[str]) -> None:
     answer = command(["fit", files[0], "--single-law", "--json", "--free", "yoke.preload"])
     assert answer.json["estimates"]["yoke.preload"]["verdict"] == "follows from what was given of others"
     assert answer.json["converged"] is True
+    assert answer.json["left_out"] == []
     assert answer.json["files"] == ["fitted.toml"]

@@ -142,10 +142,10 @@ def test_what_is_left_out_is_said(tmp_path: Path) -> None:
     path = tmp_path / "bench.csv"
     path.write_bytes(READABLE["missing values"])
     assert any(
-        "6 rows without a value are left out: line 6, " in each for each in read_measured_torque(path).assumed
+        "6 rows without a value are left out: lines 6" in each for each in read_measured_torque(path).assumed
     )
     path.write_bytes(READABLE["footers"])
-    assert any("3 lines that are no numbers" in each for each in read_measured_torque(path).assumed)
+    assert any("3 lines without numbers are" in each for each in read_measured_torque(path).assumed)
 
 
 def test_an_angle_that_begins_anew_is_counted_on_over_turns(tmp_path: Path) -> None:
