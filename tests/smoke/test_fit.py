@@ -61,5 +61,6 @@ def test_fit_as_json(command: Command, files: list[str]) -> None:
     answer = command(["fit", files[0], "--single-law", "--json", "--free", "yoke.preload"])
     assert answer.json["estimates"]["yoke.preload"]["verdict"] == "follows from what was given of others"
     assert answer.json["converged"] is True
-    assert answer.json["left_out"] == []
+    rest = "made_up_free: 1 row is left out, line 364, where the angle stands still or jerks back"
+    assert answer.json["left_out"] == [rest]
     assert answer.json["files"] == ["fitted.toml"]
