@@ -78,7 +78,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="write the values of tests/regression anew and print what changed",
     )
-    parser.addini("cpu_limit", "CPU time of a test and its children [s]")
+    parser.addini("cpu_limit", "CPU time of a test and its children [s]", default="inf")
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
