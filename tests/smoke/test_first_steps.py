@@ -1,11 +1,13 @@
 """What a newcomer does first: a folder to begin with, the doctor, an Exudyn system taken over."""
 
 import re
+import shlex
 from pathlib import Path
 
 import pytest
 
 import rps_exudyn as rps
+from rps_exudyn.analysis.passes import passes
 from rps_exudyn.cli import doctor_command
 from rps_exudyn.study.study_file import read_study
 from shell import Command, in_fresh_process
@@ -24,6 +26,26 @@ def test_init_writes_what_the_package_ships_and_keeps_what_is_there(command: Com
     assert rps.SteeringGear.from_toml("gears/paper.toml") == rps.SteeringGear()
     read_study("friction.toml")
     assert command(["init"]).out == ""
+
+
+def test_the_measured_file_that_init_writes_runs_and_says_that_it_is_made_up(command: Command) -> None:
+    """As README prints it, right after `init`: rows in both directions, each of them marked."""
+    command(["init"])
+    text = Path("measured.csv").read_text(encoding="utf-8")
+    assert text.startswith("# EXAMPLE, MADE UP, NOT MEASURED")
+    rows = [line for line in text.splitlines() if re.match(r"-?\d", line)]
+    assert len(rows) > 50
+    assert all(row.endswith("; made up") for row in rows)
+    answer = command(["run", "--measured", "measured.csv", "--fidelity", "closed-form"])
+    assert answer.status == 0
+    assert "Torque towards +X, pinion angles of -180 ° to 180 °" in answer.out
+    measured = rps.load("free-pinion-torque.h5").measured
+    assert measured is not None
+    assert [each.direction for each in passes(measured.signals)] == [1, -1]
+    for line in re.findall(r"^# rps-exudyn (.+?)(?:  .*)?$", text, re.M):
+        assert (
+            command([*shlex.split(line), "--out", "x.toml" if line.startswith("fit") else "x.h5"]).status == 0
+        )
 
 
 def test_doctor_runs_a_reference(command: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
