@@ -12,7 +12,10 @@ from numba.experimental import structref
 from numba.extending import intrinsic
 
 from rps_exudyn.base.absorbed import TRIED, Absorbing
+from rps_exudyn.base.compiling import watch_numba
 from rps_exudyn.base.kernel_cache import KernelCache
+
+watch_numba()
 
 _NOT_FROM_PYTHON = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _ABSORBED = _NOT_FROM_PYTHON | ({"pipeline_class": Absorbing} if TRIED else {})

@@ -80,10 +80,6 @@ def cache_folder() -> Path:
     return Path(numba.config.CACHE_DIR)
 
 
-before_compiling: list[Callable[[str], None]] = []
-"""Called with a kernel's name before it is compiled, not where it is loaded."""
-
-
 class _Symbol(NamedTuple):
     """A compiled kernel that stands apart, as its callers know it."""
 
@@ -197,8 +193,6 @@ class KernelCache(FunctionCache):
         from rps_exudyn.base.quick_compiling import quicken
 
         quicken()
-        for call in before_compiling:
-            call(self._key[1])
         return None
 
     def _load_overload(self, sig: Any, target_context: Any) -> Any:

@@ -7,6 +7,7 @@ from rps_exudyn.animation.film import FILMS, STILLS, write_film, write_still
 from rps_exudyn.animation.page import write_page
 from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.cli.progress import shown_progress
 from rps_exudyn.study.blocks import beside, load
 
 PAGES = (".html", ".htm")
@@ -22,10 +23,11 @@ def do_animate(file: Path, out: Path | None, view: str, apart: bool) -> None:
         raise InputError(f"--view is {view!r}; it must be one of {', '.join(VIEWS)}.")
     target = check_writable(out or beside(file, f"{file.stem}-animation.html"), (*PAGES, *FILMS, *STILLS))
     result, explode, kind = load(file), float(apart), target.suffix.lower()
-    if kind in PAGES:
-        write_page(result, target)
-    elif kind in FILMS:
-        write_film(result, target, view, explode=explode)
-    else:
-        write_still(result, target, view, explode=explode)
+    with shown_progress(work="animate"):
+        if kind in PAGES:
+            write_page(result, target)
+        elif kind in FILMS:
+            write_film(result, target, view, explode=explode)
+        else:
+            write_still(result, target, view, explode=explode)
     print(f"written: {target}")

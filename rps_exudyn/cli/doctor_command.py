@@ -9,6 +9,7 @@ from time import perf_counter, process_time
 
 from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.cli.progress import shown_progress
 
 PUBLISHED = 0.6196
 """Mean free pinion torque of the default gear by `quasi-static` [N m], as the README states it."""
@@ -80,7 +81,8 @@ def _reference() -> tuple[str, str, bool]:
     from rps_exudyn.simulate.run import run
 
     began, cpu = perf_counter(), process_time()
-    result = run("free-pinion-torque", fidelity="quasi-static")
+    with shown_progress():
+        result = run("free-pinion-torque", fidelity="quasi-static")
     took = (
         f"{perf_counter() - began:.2g} s, {process_time() - cpu:.2g} s of CPU time with loading or compiling"
     )

@@ -5,6 +5,7 @@ from contextlib import suppress
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.kept import say
+from rps_exudyn.cli.progress import shown_progress
 from rps_exudyn.explore.answer import answer
 from rps_exudyn.explore.server import Explorer
 from rps_exudyn.parameters.gear import SteeringGear
@@ -23,8 +24,8 @@ def do_explore(gear: SteeringGear, host: str, port: int, browser: bool) -> None:
     with Explorer(gear, host, port) as server:
         if not server.local:
             say(f"anyone who reaches {host} can compute on this machine now; there is no password.")
-        say("the first curve compiles for about a minute where nothing was compiled before.")
-        answer(gear, {})
+        with shown_progress():
+            answer(gear, {})
         print(f"serving: {server.address} (Ctrl-C ends it)", flush=True)
         if browser:
             with suppress(webbrowser.Error):

@@ -6,8 +6,8 @@ from dataclasses import replace
 from time import monotonic, process_time
 from typing import Any
 
+from rps_exudyn.base.compiling import Step, listeners
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.kernel_cache import before_compiling
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.block import CaseRecord
@@ -24,8 +24,11 @@ class CaseRunner:
 
     def __init__(self) -> None:
         self._forms = FileForms()
-        self._compiled: list[str] = []  # names of kernels
-        before_compiling.append(self._compiled.append)
+        self._compiled = False
+        listeners.append(self._listen)
+
+    def _listen(self, step: Step) -> None:
+        self._compiled |= step.what != "work"
 
     @property
     def has_compiled(self) -> bool:
@@ -34,7 +37,7 @@ class CaseRunner:
         They round differently then, by some 1e-9 of the torque: a process that has compiled must not go on,
         or the same case would give other numbers the next time.
         """
-        return bool(self._compiled)
+        return self._compiled
 
     def warm_up(self, task: dict[str, Any], turns: float) -> None:
         """Run the task's scene over a few degrees of the default gear and discard it: loads what cases

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from rps_exudyn.base.compiling import begin_work
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.checks.before_run import refused
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -59,6 +60,7 @@ def looped(
     valid, rows, reference = _rows(gear, fidelity, table, ranges)
     if rows is None or refused(reference, fidelity, steady=True):
         return None
+    begin_work("loop")
     some = {path: values[valid] for path, values in table.items()}
     designs = []
     for leg in legs_of(scene, gear):

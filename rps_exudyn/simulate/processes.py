@@ -23,6 +23,7 @@ from time import monotonic
 from typing import IO, Any
 
 from rps_exudyn.base.compiled_before import compiled_before
+from rps_exudyn.base.compiling import Step, publish
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.simulate.time_limit import GRACE
 
@@ -205,6 +206,8 @@ class Processes:
             return
         if answer is None:
             yield from self._ended(worker)
+        elif "step" in answer:
+            publish(Step(*answer["step"]))
         elif "ready" in answer:
             worker.ready = self._compiled = True
             self._failed_starts = 0

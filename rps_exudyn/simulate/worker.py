@@ -5,7 +5,8 @@ It reads one JSON object per line from standard input and answers each by one on
     {"scene", "gear", "fidelity", "keep", "path" or null}  ->  {"status", "message", "cpu_s", ..., "content"}
 
 A group of cases, its "members", is answered by {"cases": one answer each}, or by {"cases": null} where they
-are to be done singly. With a `path` the result's file is written there, else its bytes come back.
+are to be done singly. With a `path` the result's file is written there, else its bytes come back. Between
+answers {"step": ...} says what is compiled.
 
 The first line is warmed up at a small size before the worker calls itself ready, so that compiling and
 loading the kernels is on no case's clock. A process that compiled kernels asks for another one in its place.
@@ -23,6 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:
+    from rps_exudyn.base.compiling import Step
     from rps_exudyn.simulate.case_run import CaseRunner
 
 Answer = Callable[[dict[str, Any]], None]
@@ -36,9 +38,11 @@ def main() -> None:
     lines: queue.SimpleQueue[str] = queue.SimpleQueue()
     threading.Thread(target=read_lines, args=(lines,), daemon=True).start()
     first = json.loads(lines.get())
+    from rps_exudyn.base.compiling import listeners
     from rps_exudyn.base.errors import InputError
     from rps_exudyn.simulate.case_run import CaseRunner
 
+    listeners.append(_Steps(answer))
     runner = CaseRunner()
     runner.warm_up(first, WARM_UP_TURNS)
     if runner.has_compiled:
@@ -56,6 +60,20 @@ def main() -> None:
             answer(row)
             if row.get("status") == "timeout" or row.get("cases", ()) is None:
                 _begin_again(answer)  # of what was interrupted nothing shall be left
+
+
+class _Steps:
+    """Pass on what is compiled; the same work once."""
+
+    def __init__(self, answer: Answer) -> None:
+        self._answer, self._works = answer, set[str]()
+
+    def __call__(self, step: "Step") -> None:
+        if step.what == "work":
+            if step.name in self._works:
+                return
+            self._works.add(step.name)
+        self._answer({"step": step})
 
 
 def _case(runner: "CaseRunner", task: dict[str, Any], answer: Answer) -> dict[str, Any]:
