@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 from typing import NamedTuple
 
 from shell import in_fresh_process, reader_environment
@@ -80,27 +81,41 @@ class Terminal:
 
 
 class Server:
-    """A command that goes on until it is ended."""
+    """A command that goes on until it is ended, in a process group of its own.
 
-    def __init__(self, line: str, folder: Path, ready: str) -> None:
-        self._log = folder / f".{line.split()[1]}.log"
-        with self._log.open("wb") as log:
+    Args:
+        line: the command.
+        folder: where it runs.
+        ready: pattern of what it prints when it answers.
+        environment: variables beside those of a reader.
+    """
+
+    def __init__(self, line: str, folder: Path, ready: str, **environment: str) -> None:
+        with NamedTemporaryFile(dir=folder, prefix=".server", delete=False) as log:
+            self._log = Path(log.name)
             self._process = subprocess.Popen(
                 f"exec {line}",
                 shell=True,
                 cwd=folder,
-                env=reader_environment(),
+                env={**reader_environment(), **environment},
                 stdout=log,
                 stderr=log,
                 start_new_session=True,
                 preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
             )
+        try:
+            self.answer = self._when_ready(ready)
+        except BaseException:
+            self.end()
+            raise
+
+    def _when_ready(self, ready: str) -> "re.Match[str]":
         end = time.monotonic() + STARTED
         while not (found := re.search(ready, self.said)):
-            assert self._process.poll() is None, f"{line} has ended: {self.said}"
-            assert time.monotonic() < end, f"{line} does not answer: {self.said}"
+            assert self._process.poll() is None, f"it has ended: {self.said}"
+            assert time.monotonic() < end, f"it does not answer: {self.said}"
             time.sleep(0.05)
-        self.answer = found
+        return found
 
     @property
     def said(self) -> str:
