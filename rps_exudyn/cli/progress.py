@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rps_exudyn.base.compiling import Step, begin_work, listening
-from rps_exudyn.base.progress import following
+from rps_exudyn.base.progress import Progress, following
 from rps_exudyn.base.screen import Screen, TextRow, open_screen
 
 LONG = 1.0  # time of compiling from which on it is shown [s]
@@ -22,23 +22,27 @@ def shown_progress(asked: bool = False, work: str = "") -> Iterator[Show]:
         work: its name in the table of kernels, for blocks that are more than one run.
     """
     with open_screen(asked) as screen:
-        row = TextRow()
+        doing, run = TextRow(), TextRow()
 
         def show(text: str, fraction: float | None) -> None:
-            row.text, row.fraction = text, fraction
-            screen.add(row)
+            doing.text, doing.fraction = text, fraction
+            screen.remove(run)
+            screen.add(doing)
+
+        def show_run(progress: Progress) -> None:
+            run.text, run.fraction = progress.sentence, progress.fraction
+            if not doing.text:  # a command of several runs says more than how far each of them is
+                screen.add(run)
 
         compiling = _Compiling(screen)
-        with (
-            following(lambda progress: show(progress.sentence, progress.fraction)),
-            listening(compiling.take),
-        ):
+        with following(show_run), listening(compiling.take):
             if work:
                 begin_work(work)
             try:
                 yield show
             finally:
-                screen.remove(row)
+                screen.remove(doing)
+                screen.remove(run)
                 compiling.end()
 
 
