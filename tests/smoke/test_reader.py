@@ -273,7 +273,11 @@ def test_help_and_its_examples_run(
     helped = in_fresh_process(f"rps-exudyn {name} --help", tmp_path, COLUMNS="1000")
     assert helped.returncode == 0
     reader = Reader(tmp_path, lender, cluster)
-    for option, example in re.findall(r"│ (--[\w-]+) .*?for instance (.+?)[;:.](?= )", helped.stdout):
+    examples = re.findall(r"│ (--[\w-]+) .*?for instance (.+?)[;:.](?= )", helped.stdout)
+    assert {key for key in TO_HELP if key.startswith(f"{name} ")} <= {
+        f"{name} {each}" for each, _ in examples
+    }
+    for option, example in examples:
         if option == "--cluster":
             for line in ("dask scheduler", "dask worker tcp://10.0.0.1:8786 --nworkers 8"):
                 reader.type(line)
@@ -298,5 +302,5 @@ def test_pages_have_commands() -> None:
     counts = {language: ran.count(language) for language in ("sh", "python", "toml")}
     left = [each.text for page in PAGES for each in printed_in(page) if reason_not_to_run(each.text)]
     print(f"{counts} run here, {len(left)} elsewhere")
-    assert counts["sh"] >= 75
+    assert counts["sh"] >= 85
     assert counts["python"] >= 22
