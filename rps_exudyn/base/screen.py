@@ -66,17 +66,15 @@ class Screen:
             self.remove(row)
 
     def add(self, row: Row) -> None:
-        """Show a row from now on."""
-        if row not in self._rows:
-            self._rows.append(row)
-            self._show()
+        """Show a row from now on, and as the one that is written where lines stay."""
+        self._rows = [*(each for each in self._rows if each is not row), row]
+        self._show()
 
     def remove(self, row: Row) -> None:
         """Show a row no longer."""
-        if row in self._rows:
-            self._rows.remove(row)
-            if self._live and (task := self._tasks.pop(id(row), None)) is not None:
-                self._live.remove_task(task)
+        self._rows = [each for each in self._rows if each is not row]
+        if self._live and (task := self._tasks.pop(id(row), None)) is not None:
+            self._live.remove_task(task)
 
     def speak(self) -> None:
         """Show rows as lines from now on, where there is no terminal."""
@@ -111,9 +109,9 @@ class Screen:
                 self._tasks[id(row)] = self._live.add_task("", total=None, row=row)
 
     def _write_lines(self) -> None:
-        """Write the latest row now and then, in a thread of its own."""
+        """Write the row added last now and then, in a thread of its own."""
         while True:
-            rows = tuple(self._rows)
+            rows = self._rows
             with suppress(OSError, ValueError):  # whoever reads the lines has ended
                 self.say(rows[-1].text if rows else "computing")
             if self._ended.wait(EVERY):

@@ -31,7 +31,9 @@ def shown_progress(asked: bool = False, work: str = "") -> Iterator[Show]:
 
         def show_run(progress: Progress) -> None:
             run.text, run.fraction = progress.sentence, progress.fraction
-            if not doing.text:  # a command of several runs says more than how far each of them is
+            if progress.fraction >= 1:
+                screen.remove(run)
+            elif not doing.text:  # a command of several runs says more than how far each of them is
                 screen.add(run)
 
         compiling = _Compiling(screen)
@@ -59,14 +61,14 @@ class _Compiling:
         self._row.take(step)
         if step.what == "work":
             return
-        if not self._shown and self._row.elapsed + self._row.left > LONG:
-            self._shown = True
-            self._screen.add(self._row)
-            self._screen.speak()
-        elif self._shown and self._row.done == self._row.total:
+        if self._row.done == self._row.total:
             self._screen.remove(self._row)
         elif self._shown:
             self._screen.add(self._row)
+        elif self._row.elapsed + self._row.left > LONG:
+            self._shown = True
+            self._screen.add(self._row)
+            self._screen.speak()
 
     def end(self) -> None:
         """Say what was compiled, and where it is kept."""
