@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rps_exudyn.mesh_contact.flank_element import flank_element
 
 import rps_exudyn as rps
 from benchmarks.topic import Topic, digits, load_data, markdown, save_data
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.flank_element import flank_element
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status

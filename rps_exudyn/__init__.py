@@ -25,11 +25,12 @@ if TYPE_CHECKING:
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.parameters.gear import SteeringGear
     from rps_exudyn.results.outcome import Status
-    from rps_exudyn.results.result import Result, load
+    from rps_exudyn.results.result import Result
     from rps_exudyn.scenes import add_scene
     from rps_exudyn.scenes.scene import Scene
     from rps_exudyn.simulate.batch import Batch, batch
     from rps_exudyn.simulate.run import run
+    from rps_exudyn.study.blocks import load
     from rps_exudyn.study.dataset import open_study, study_frame
 
 __all__ = [
@@ -66,7 +67,7 @@ _HOME = {
     "fit": "fitting.fit",
     "SteeringGear": "parameters.gear",
     "Result": "results.result",
-    "load": "results.result",
+    "load": "study.blocks",
     "Batch": "simulate.batch",
     "batch": "simulate.batch",
     "run": "simulate.run",

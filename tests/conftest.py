@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from cpu_limit import CpuLimit
 from rps_exudyn.cli import commands as cli
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
@@ -35,6 +36,7 @@ QUICK = (
 COMPILING = "smoke/test_real_runs.py"  # every preset
 SLOW = (  # files, or single tests, in the folders above that are not quick
     COMPILING,
+    "contract/test_limit_of_cpu_time.py",
     "contract/test_handle.py",
     "contract/test_kernel_cache.py::test_one_process_compiles_and_all_compute_the_same",
     "contract/test_kernels_free_memory.py",
@@ -47,13 +49,14 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "smoke/test_animation.py",
     "smoke/test_animation_in_browser.py",
     "smoke/test_cluster.py",
+    "smoke/test_compiling.py::test_first_use_is_never_silent_and_its_total_is_right",
     "smoke/test_examples.py",
     "smoke/test_explore.py",
     "smoke/test_first_steps.py",
     "smoke/test_fit.py",
     "smoke/test_one_entry.py",
-    "smoke/test_pages.py",
     "smoke/test_progress.py::test_motion_in_exudyn_tells_how_much_is_done",
+    "smoke/test_reader.py",
     "smoke/test_report.py",
     "smoke/test_report_in_browser.py",
     "smoke/test_studies.py",
@@ -76,6 +79,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="write the values of tests/regression anew and print what changed",
     )
+    parser.addini("cpu_limit", "CPU time of a test and its children [s]", default="inf")
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
@@ -85,7 +89,8 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """A test that compiles a kernel fails where only quick ones are wanted."""
+    """Limit the tests' CPU time; one that compiles a kernel fails where only quick ones are wanted."""
+    config.pluginmanager.register(CpuLimit(float(config.getini("cpu_limit"))))
     if config.option.markexpr == "quick":
         from numba.core.dispatcher import Dispatcher
 

@@ -25,8 +25,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.topic import Topic, markdown
+from rps_exudyn.base.compiling import Step, listeners
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.kernel_cache import before_compiling
 from rps_exudyn.checks.after_run import LAW_LEFT
 from rps_exudyn.checks.before_run import refused
 from rps_exudyn.results.outcome import Status
@@ -108,9 +108,14 @@ def errors(plan: ScenePlan, result: Result, right: Expected) -> dict[str, float]
 
 def child(pipe: multiprocessing.connection.Connection) -> None:
     """Do plans by their numbers, as the parent sends them; compiling is on no plan's clock."""
-    compiled: list[str] = []
-    before_compiling.append(compiled.append)
-    before_compiling.append(lambda name: pipe.send("compiling") if len(compiled) == 1 else None)
+    compiled: list[int] = []
+
+    def listen(step: Step) -> None:
+        if not compiled:
+            pipe.send("compiling")
+        compiled.append(step.done)
+
+    listeners.append(listen)
     while True:
         compiled.clear()
         try:

@@ -12,9 +12,9 @@ Ordinary Differential Equations II, IV.2).
 from collections.abc import Callable
 
 import numpy as np
+from rps_exudyn.solvers.gear_kernel import tangent
 
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
-from rps_exudyn.solvers.gear_kernel import tangent
 from rps_exudyn.verification.runge_kutta import FreeMotion, runge_kutta
 
 SEARCHED = np.geomspace(0.05, 5.0, 2000)  # h |lambda|; the bounds of both methods lie between 2 and 3

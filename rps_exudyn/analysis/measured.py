@@ -1,24 +1,23 @@
-"""A measured torque curve, compared with a simulated one in each direction; `measured.reading` reads it."""
+"""A measured torque curve, compared with a simulated one in each direction; `measured.reading` reads it.
 
-from dataclasses import dataclass, field
+A gear repeats its torque after each turn of the pinion. Where the simulation covers a turn, a measured angle
+stands for that angle plus or minus whole turns that was simulated: `turns_onto` says how many.
+"""
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from rps_exudyn.analysis.comparison import SignalPair, signal_pair
-from rps_exudyn.analysis.passes import Signals, common_angles, longest_pass
+from rps_exudyn.analysis.passes import Pass, Signals, common_angles, longest_pass, passes
 from rps_exudyn.analysis.torque import describe_torque
+from rps_exudyn.results.measured_torque import MeasuredTorque
+from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 
 FEWEST = 3  # rows that make a curve
-
-
-@dataclass(frozen=True, eq=False)
-class MeasuredTorque:
-    """A measured curve in SI units, in the order of its file."""
-
-    name: str
-    signals: dict[str, np.ndarray]  # pinion_angle [rad], pinion_torque [N m], shape (n,); or of a rack push
-    assumed: tuple[str, ...] = ()  # what the reading of the file took for granted
-    beside: dict[str, np.ndarray] = field(default_factory=dict)  # clock [s], speed [rad/s]; (n,)
+TURN = 2 * np.pi  # [rad]
+SAME_ANGLE = 1e-6  # [rad]
+NOTHING_TO_COMPARE = "Nothing to compare: at no pinion angle is there a measured and a simulated torque."
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,24 +25,98 @@ class AgainstMeasured:
     """A simulated and a measured torque in one direction, over the angles that both cover."""
 
     direction: int  # +1 moves the rack along +X
-    angle_range: tuple[float, float]  # [rad]
+    angle_range: tuple[float, float]  # of the file [rad]
+    simulated_range: tuple[float, float]  # of the simulation, that stands for it [rad]
     torque: SignalPair  # first measured, second simulated
     measured: dict[str, float]  # figures of `describe_torque` over these angles
     simulated: dict[str, float]
 
+    @property
+    def heading(self) -> str:
+        """Direction and angles in words."""
+        low, high = (_shown(angle) for angle in self.angle_range)
+        sign = "+" if self.direction > 0 else "-"
+        words = f"Torque towards {sign}X, pinion angles of {low} to {high}"
+        if turns_onto(np.array(self.angle_range), np.array(self.simulated_range)).any():
+            low, high = (_shown(angle) for angle in self.simulated_range)
+            words += f" (the simulated {low} to {high} stand for every turn)"
+        return words
+
+    @property
+    def rows(self) -> list[tuple[str, str, str]]:
+        """Name, measured and simulated value of each figure that both have, with their units."""
+        return [
+            (name, SUMMARY[name].show(value), SUMMARY[name].show(self.simulated[name]))
+            for name, value in self.measured.items()
+            if name in self.simulated
+        ]
+
+    @property
+    def difference(self) -> str:
+        """How far the curves lie apart, in words."""
+        pair = self.torque
+        return (
+            f"difference: RMS {pair.shown(pair.rms)}, largest {pair.shown(pair.largest)} of the measured mean"
+        )
+
+
+def _shown(angle: float) -> str:
+    return SIGNALS["pinion_angle"].show(round(float(angle), 9) + 0.0)
+
+
+def turns_onto(angle: np.ndarray, simulated: np.ndarray) -> np.ndarray:
+    """Return the fewest whole turns that bring angles (n,) into the range of the simulated ones, all in rad.
+
+    They are 0 where the simulation covers less than a turn.
+    """
+    if not (simulated.size and np.ptp(simulated) >= TURN - SAME_ANGLE):
+        return np.zeros(angle.shape)
+    fewest = np.ceil((simulated.min() - SAME_ANGLE - angle) / TURN)
+    most = np.floor((simulated.max() + SAME_ANGLE - angle) / TURN)
+    return np.clip(0.0, fewest, most)
+
+
+def onto_simulated(measured: MeasuredTorque, signals: Signals) -> list[Pass]:
+    """Return the measured curve in pieces of one direction each, their angles within the simulated range by
+    whole turns."""
+    pieces = []
+    for turned in passes(measured.signals):
+        turns = turns_onto(turned.angle, _range_of(signals, turned.direction))
+        for part in np.split(np.arange(turns.size), np.flatnonzero(np.diff(turns)) + 1):
+            piece = {name: values[part] for name, values in turned.signals.items()}
+            piece["pinion_angle"] = piece["pinion_angle"] + TURN * turns[part]
+            pieces.append(Pass(turned.direction, piece))
+    return pieces
+
+
+def _range_of(signals: Signals, direction: int) -> np.ndarray:
+    """The simulated angles in a direction, or in the other one if there are none [rad]."""
+    found = longest_pass(signals, direction) or longest_pass(signals, -direction)
+    return found.angle if found else np.zeros(0)
+
 
 def compare_with_measured(measured: MeasuredTorque, signals: Signals, teeth: int) -> list[AgainstMeasured]:
-    """Compare the torques in each direction in which both were recorded at common angles, +X first."""
+    """Compare the torques in each direction in which both were recorded, +X first: at common angles, or where
+    the simulation covers a turn at all measured ones."""
     compared: list[AgainstMeasured] = []
     for direction in (+1, -1) if "pinion_torque" in signals else ():
         ours, theirs = (longest_pass(each, direction) for each in (signals, measured.signals))
         if ours is None or theirs is None:
             continue
-        angle = common_angles(theirs.angle, ours.angle)
+        turns = np.unique(turns_onto(theirs.angle, ours.angle))
+        angle = common_angles(theirs.angle, np.concatenate([ours.angle - TURN * turn for turn in turns]))
+        angle = angle[np.diff(angle, prepend=-np.inf) > SAME_ANGLE]
         if angle.size < FEWEST:
             continue
-        curves = [each.over(angle, "pinion_torque") for each in (theirs, ours)]
-        figures = [describe_torque(angle, torque, teeth) for torque in curves]
-        pair = signal_pair("pinion_torque", angle, *curves)
-        compared.append(AgainstMeasured(direction, (float(angle[0]), float(angle[-1])), pair, *figures))
+        simulated = ours.over(angle + TURN * turns_onto(angle, ours.angle), "pinion_torque")
+        curves = [theirs.over(angle, "pinion_torque"), simulated]
+        compared.append(
+            AgainstMeasured(
+                direction,
+                (float(angle[0]), float(angle[-1])),
+                (float(ours.angle.min()), float(ours.angle.max())),
+                signal_pair("pinion_torque", angle, *curves),
+                *(describe_torque(angle, torque, teeth) for torque in curves),
+            )
+        )
     return compared

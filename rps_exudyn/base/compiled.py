@@ -11,6 +11,7 @@ import numpy as np
 from numba import types
 
 from rps_exudyn.base import kernel_cache
+from rps_exudyn.base.compiling import compiling
 
 Kernel = Callable[..., Any]
 
@@ -59,7 +60,8 @@ def pointer(*arguments: Any, result: Any = types.none) -> Any:
 def ready(made: Any) -> Any:
     """Return a kernel of `kernel_of`, compiled or loaded for its types."""
     if not made.signatures:
-        made.compile(_signatures[made])
+        with compiling(made):
+            made.compile(_signatures[made])
         made.disable_compile()  # other types of arguments are an error, not another compilation
         kernel_cache.stamp()
     return made

@@ -6,9 +6,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.impacts import Impact, find_impacts
-from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.charts import style
 from rps_exudyn.charts.heading import head, scene_of
+from rps_exudyn.results.measured_torque import MeasuredTorque
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
 

@@ -3,9 +3,9 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.charts import style
 from rps_exudyn.charts.heading import head, scene_of
+from rps_exudyn.results.measured_torque import MeasuredTorque
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
 

@@ -6,11 +6,11 @@ The paper's Figure 17. Without losses both curves would lie on the dashed line.
 import numpy as np
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.charts import style
 from rps_exudyn.charts.curves import DIRECTIONS, add_measured
 from rps_exudyn.charts.heading import head, scene_of
+from rps_exudyn.results.measured_torque import MeasuredTorque
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
 
@@ -34,7 +34,7 @@ def load_test_figure(result: Result, measured: MeasuredTorque | None = None) -> 
         quantity = SIGNALS["pinion_torque"]
         style.line(axes, angle, torque, quantity, "pinion torque", colour, DOES[raises * turned.direction])
     if measured is not None:
-        add_measured(axes, measured)
+        add_measured(axes, measured, result.signals)
     if load and "rack_gain" in result.summary:
         ideal = load * result.summary["rack_gain"] / (2 * np.pi)
         axes.axhline(ideal, **style.REFERENCE_LINE, label="without losses")

@@ -2,12 +2,12 @@
 
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.analysis.rack_motion import transmission_error
 from rps_exudyn.charts import style
 from rps_exudyn.charts.curves import add_measured
 from rps_exudyn.charts.heading import head, scene_of
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.results.measured_torque import MeasuredTorque
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
 
@@ -29,7 +29,7 @@ def reversal_figure(result: Result, measured: MeasuredTorque | None = None) -> F
     lead = transmission_error(result.signals, GearPair.of(result.gear).gain)
     style.line(axes[1], angle, lead, LEAD, "rack's lead", "lift")
     if measured is not None:
-        add_measured(axes[0], measured)
+        add_measured(axes[0], measured, result.signals)
     style.legend_above(axes[0])
     style.angle_axis(axes[-1])
     head(figure, result, scene_of(result), FIGURES)

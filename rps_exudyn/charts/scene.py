@@ -6,9 +6,9 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.charts import style
 from rps_exudyn.charts.torque import torque_figure
+from rps_exudyn.results.measured_torque import MeasuredTorque
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import is_scene, scene_named
 
@@ -30,8 +30,8 @@ def scene_figure(
     result: Result, measured: MeasuredTorque | None = None, *, from_zero: bool = False
 ) -> Figure:
     """The picture of a result that has signals; ordinates of torque and force begin at zero, or say that they
-    do not."""
-    figure = figure_of(result.scene)(result, measured)
+    do not. `measured` is drawn over it, by default the measured torque that the result keeps."""
+    figure = figure_of(result.scene)(result, result.measured if measured is None else measured)
     for axes in figure.axes:
         if axes.get_ylabel().endswith(FORCES):
             if from_zero:
@@ -47,7 +47,7 @@ def draw(
     *,
     from_zero: bool = False,
 ) -> Figure:
-    """Draw as `scene_figure`, with a measured torque if one is given, and save it to `path`.
+    """Draw as `scene_figure`, and save it to `path`.
 
     Raises:
         InputError: the file cannot be written.

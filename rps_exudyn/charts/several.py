@@ -4,10 +4,10 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.charts import style
 from rps_exudyn.charts.curves import AGAINST_MOTION, add_measured
+from rps_exudyn.results.measured_torque import MeasuredTorque
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
 
@@ -33,7 +33,8 @@ def torques_figure(
         )
     axes.set_ylabel(SIGNALS["pinion_torque"].axis_label(AGAINST_MOTION))
     if measured is not None:
-        add_measured(axes, measured, against_motion=True)
+        first = next(iter(results.values()))
+        add_measured(axes, measured, first.signals, against_motion=True)
     style.legend_above(axes)
     style.angle_axis(axes)
     style.title(figure, headline)

@@ -2,10 +2,10 @@
 
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.charts import style
 from rps_exudyn.charts.curves import add_measured
 from rps_exudyn.charts.heading import head, scene_of
+from rps_exudyn.results.measured_torque import MeasuredTorque
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
 
@@ -36,7 +36,7 @@ def steering_feel_figure(result: Result, measured: MeasuredTorque | None = None)
     axes[0].axhline(0, color="black", linewidth=0.8)
     style.line(axes[1], angle, over - result["pinion_angle"], BEHIND, "pinion behind", "lift")
     if measured is not None:
-        add_measured(axes[0], measured)
+        add_measured(axes[0], measured, result.signals)
     style.legend_above(axes[0])
     style.angle_axis(axes[-1])
     axes[-1].set_xlabel(SIGNALS["wheel_angle"].axis_label("wheel angle"))

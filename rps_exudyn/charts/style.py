@@ -45,6 +45,8 @@ _LOOK: Any = {
     "lines.linewidth": 1.4,
 }
 
+MEASURED_LINE: Any = {"color": COLOURS["measured"], "linewidth": 0.7, "alpha": 0.6, "zorder": 1.8}
+
 REFERENCE_LINE: Any = {"color": COLOURS["reference"], "linewidth": 1, "linestyle": "--", "zorder": 1}
 
 LETTERS = 12.5  # of a headline in an inch

@@ -7,7 +7,8 @@ from rps_exudyn.animation.film import FILMS, STILLS, write_film, write_still
 from rps_exudyn.animation.page import write_page
 from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.results.result import load
+from rps_exudyn.cli.progress import shown_progress
+from rps_exudyn.study.blocks import beside, load
 
 PAGES = (".html", ".htm")
 
@@ -20,17 +21,13 @@ def do_animate(file: Path, out: Path | None, view: str, apart: bool) -> None:
     """
     if view not in VIEWS:
         raise InputError(f"--view is {view!r}; it must be one of {', '.join(VIEWS)}.")
-    target = check_writable(out or _beside(file), (*PAGES, *FILMS, *STILLS))
+    target = check_writable(out or beside(file, f"{file.stem}-animation.html"), (*PAGES, *FILMS, *STILLS))
     result, explode, kind = load(file), float(apart), target.suffix.lower()
-    if kind in PAGES:
-        write_page(result, target)
-    elif kind in FILMS:
-        write_film(result, target, view, explode=explode)
-    else:
-        write_still(result, target, view, explode=explode)
+    with shown_progress():
+        if kind in PAGES:
+            write_page(result, target)
+        elif kind in FILMS:
+            write_film(result, target, view, explode=explode)
+        else:
+            write_still(result, target, view, explode=explode)
     print(f"written: {target}")
-
-
-def _beside(file: Path) -> Path:
-    """A page of another name than that of the report."""
-    return file.with_name(f"{file.stem}-animation.html")

@@ -1,6 +1,5 @@
 """The command `check`: the requirement sheet of a gear."""
 
-import sys
 from collections.abc import Sequence
 from math import isnan
 from pathlib import Path
@@ -8,9 +7,9 @@ from pathlib import Path
 from rps_exudyn.base.atomic import check_writable, write_json
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import to_si
-from rps_exudyn.cli.kept import say
 from rps_exudyn.cli.options import GearOptions, parse_settings
 from rps_exudyn.cli.printed import print_json
+from rps_exudyn.cli.progress import shown_progress
 from rps_exudyn.cli.text_table import put, put_table
 from rps_exudyn.parameters.carried import carried
 from rps_exudyn.requirements.limits import REQUIRED, read_limits
@@ -38,8 +37,8 @@ def do_check(
     except ValueError as error:
         raise InputError(f"--rated-torque {error}.") from None
     drawn = uncertain_inputs(gear, inputs, own)
-    told = (lambda text: say(f"computing: {text}")) if sys.stderr.isatty() else None
-    sheet = list(judge(gear, drawn, asked, torque, told=told))
+    with shown_progress() as show:
+        sheet = list(judge(gear, drawn, asked, torque, told=lambda text: show(f"computing: {text}", None)))
     if out is not None:
         write_json(out, _as_dict(sheet))
     if as_json:

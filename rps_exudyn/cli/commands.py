@@ -28,7 +28,6 @@ from rps_exudyn.cli.progress import shown_progress
 from rps_exudyn.scenes import SCENE_NAMES
 
 if TYPE_CHECKING:
-    from rps_exudyn.analysis.measured import MeasuredTorque
     from rps_exudyn.results.result import Result
 
 RESULT_FILES = (".h5", ".hdf5")
@@ -95,7 +94,8 @@ def run(
         out: HDF5 file; without it SCENE.h5 in the current folder.
         plot: picture (.png, .svg, .pdf); without it a .png beside the HDF5 file.
         measured: text file of a measured torque over the pinion angle, each column with its unit; it is drawn
-            over the simulated one and compared with it. What was assumed of it is said on standard error.
+            with the simulated one, compared with it and kept in the HDF5 file. Angles are compared by whole
+            turns where the run covers one. What was assumed of the file is said on standard error.
         band: the band that uncertain inputs make of the result, from this number of runs; without a number a
             quick one from 64 runs. NAME.band.json keeps every sample.
         inputs: what is uncertain: series (scatter about this gear), unknown (any gear with such teeth) or
@@ -133,15 +133,16 @@ def run(
                 scene, chosen.steering_gear, model, accuracy=accuracy, robust=robust, time_limit=limit
             )
     except Interrupted as interrupt:
-        kept, _ = keep(interrupt.recorded, out, plot, curve)
+        kept, _ = keep(replace(interrupt.recorded, measured=curve), out, plot)
         where = f"kept in {kept[0]}" if kept else "lost"
         raise KeyboardInterrupt(f"interrupted; what was recorded until then is {where}.") from None
+    result = replace(result, measured=curve)
     for finding in ("accuracy", "accuracy_checked"):
         if finding in result.findings:
             say(result.findings[finding])
-    files, problems = keep(result, out, plot, curve)
+    files, problems = keep(result, out, plot)
     with naming(files):
-        _print_result(result, json, files, curve)
+        _print_result(result, json, files)
     return max(_verdict(result), FAILED if problems else DONE)
 
 
@@ -252,6 +253,7 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
     old = load(file)
     with redirect_stdout(sys.stderr), shown_progress(asked=False):
         new = simulate(old.scene, old.gear, Fidelity.from_tables(old.fidelity, where=str(file)))
+    new = replace(new, measured=old.measured)
     if out:
         new.save(out)
     differing, largest = differing_numbers(old, new), largest_difference(old, new)
@@ -344,7 +346,8 @@ def report(*paths: Path, out: Path | None = None, contact: Flag = False) -> int:
     if not paths:
         raise InputError("report needs at least one study's folder or result's file.")
     out = check_writable(out or default_name(paths), SUFFIXES)
-    write_report(paths, out, contact)
+    with shown_progress():
+        write_report(paths, out, contact)
     print(f"written: {out}")
     return DONE
 
@@ -359,13 +362,11 @@ def _check_folder() -> None:
 # --- output ------------------------------------------------------------------------------------
 
 
-def _print_result(
-    result: "Result", json: bool, files: Iterable[Path] = (), measured: "MeasuredTorque | None" = None
-) -> None:
+def _print_result(result: "Result", json: bool, files: Iterable[Path] = ()) -> None:
     from rps_exudyn.analysis.measured import compare_with_measured
     from rps_exudyn.cli import printed
 
-    teeth = result.gear.pinion.teeth
+    measured, teeth = result.measured, result.gear.pinion.teeth
     compared = compare_with_measured(measured, result.signals, teeth) if measured else None
     if json:
         printed.print_json(printed.result_as_dict(result, files) | printed.measured_as_dict(compared))

@@ -2,14 +2,13 @@
 
 import json
 import os
-import shutil
-from collections.abc import Iterator
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from time import perf_counter, process_time
 
 from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.cli.progress import shown_progress
 
 PUBLISHED = 0.6196
 """Mean free pinion torque of the default gear by `quasi-static` [N m], as the README states it."""
@@ -22,13 +21,13 @@ def do_doctor(clear_cache: bool) -> bool:
     Raises:
         InputError: the cache cannot be removed.
     """
-    import numba
+    from rps_exudyn.base.kernel_cache import cache_folders
 
-    cache = Path(numba.config.CACHE_DIR).parent
+    folders = cache_folders()
     if clear_cache:
-        _clear(cache)
+        _clear(folders)
     well = True
-    for name, text, fine in (*_versions(), *_machine(), *_places(cache), _reference()):
+    for name, text, fine in (*_versions(), *_machine(), *_places(folders), _reference()):
         print(f"{'ok ' if fine else 'NO '} {name:<18} {text}")
         well &= fine
     return well
@@ -62,11 +61,24 @@ def _machine() -> Iterator[tuple[str, str, bool]]:
     )
 
 
-def _places(cache: Path) -> Iterator[tuple[str, str, bool]]:
-    files = [file for file in cache.rglob("*") if file.is_file()]
-    size = sum(file.stat().st_size for file in files) / 1e6
-    yield "compiled kernels", f"{cache}, {size:.0f} MB; rps-exudyn doctor --clear-cache removes them", True
-    for name, folder in (("cache is writable", cache), ("folder is writable", Path.cwd())):
+def _places(folders: Sequence[Path]) -> Iterator[tuple[str, str, bool]]:
+    from rps_exudyn.base.kernel_cache import files_of
+
+    size = sum(file.stat().st_size for folder in folders for file in files_of(folder)) / 1e6
+    if folders:
+        place = os.path.commonpath(folders)
+        yield (
+            "compiled kernels",
+            f"{place}, {size:.0f} MB; rps-exudyn doctor --clear-cache removes them",
+            True,
+        )
+    else:
+        where = "NUMBA_CACHE_DIR names a folder for them"
+        yield "compiled kernels", f"not kept: no folder of their own can be written; {where}", False
+    for name, folder in (
+        *(("cache is writable", each) for each in folders[:1]),
+        ("folder is writable", Path.cwd()),
+    ):
         try:
             check_writable(folder / "rps-exudyn-doctor.tmp")
         except InputError as error:
@@ -81,7 +93,8 @@ def _reference() -> tuple[str, str, bool]:
     from rps_exudyn.simulate.run import run
 
     began, cpu = perf_counter(), process_time()
-    result = run("free-pinion-torque", fidelity="quasi-static")
+    with shown_progress():
+        result = run("free-pinion-torque", fidelity="quasi-static")
     took = (
         f"{perf_counter() - began:.2g} s, {process_time() - cpu:.2g} s of CPU time with loading or compiling"
     )
@@ -92,13 +105,11 @@ def _reference() -> tuple[str, str, bool]:
     return "reference run", f"{torque:.5f} N m, published {PUBLISHED} N m; {took}", fine
 
 
-def _clear(cache: Path) -> None:
-    if cache.name != "rps_exudyn":  # never another's folder
-        raise InputError(f"{cache} is not removed: it is no cache of this package.")
-    with suppress(FileNotFoundError):
-        try:
-            shutil.rmtree(cache)
-        except PermissionError as error:
-            raise InputError(f"{cache} cannot be removed: {error.strerror}.") from None
-    cache.mkdir(parents=True, exist_ok=True)
-    print(f"removed: {cache}")
+def _clear(folders: Sequence[Path]) -> None:
+    from rps_exudyn.base.kernel_cache import clear
+
+    try:
+        count = sum(clear(folder) for folder in folders)
+    except OSError as error:
+        raise InputError(f"{error.filename} cannot be removed: {error.strerror or error}.") from None
+    print(f"removed: {count} files of compiled kernels")

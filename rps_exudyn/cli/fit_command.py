@@ -1,14 +1,14 @@
 """The command `fit`: what measured curves tell of a gear."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rps_exudyn.base import units
 from rps_exudyn.base.atomic import check_writable, number_existing, replacing
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.cli.kept import say
+from rps_exudyn.cli.kept import named_if_interrupted, say
 from rps_exudyn.cli.progress import shown_progress
 
 if TYPE_CHECKING:
@@ -80,19 +80,32 @@ def print_fit(fit: "Fit", files: Iterable[Path]) -> None:
     put_table(columns, findings.rows(fit))
     if sentence := findings.offset_sentence(fit):
         put(sentence)
-    for sentence in fit.warnings:
+    for sentence in (*fit.left_out, *fit.warnings):
         put(f"note: {sentence}")
     put(f"{fit.simulations} simulations, {fit.cpu_s:.2g} s of CPU time")
     for file in files:
         put(f"written: {file}")
 
 
-def write_files(fit: "Fit", out: Path, plot: Path | None, report: Path | None) -> list[Path]:
-    """Write the gear file, and picture and page where they are asked for; return their paths.
+def write_files(
+    fit: "Fit", out: Path, plot: Path | None, report: Path | None, series: Path | None
+) -> list[Path]:
+    """Write the gear file, and what else is asked for; return the paths of those written.
 
     Raises:
         InputError: a file cannot be written.
+        KeyboardInterrupt: it is interrupted; the files that are written are named.
     """
+    written: list[Path] = []
+    with named_if_interrupted(written):
+        written.extend(_written_files(fit, out, plot, report, series))  # keeps those before an interrupt
+    return written
+
+
+def _written_files(
+    fit: "Fit", out: Path, plot: Path | None, report: Path | None, series: Path | None
+) -> Iterator[Path]:
+    """Write the files one after the other, the gear first and the pictures last."""
     from rps_exudyn.fitting.findings import gear_text, level_sentence
     from rps_exudyn.parameters.gear_file import gear_file
 
@@ -100,7 +113,12 @@ def write_files(fit: "Fit", out: Path, plot: Path | None, report: Path | None) -
         say(f"an older file is kept: {older}.")
     with replacing(out) as partial:
         partial.write_text(gear_text(fit, gear_file(fit.gear)), encoding="utf-8")
-    written = [out]
+    yield out
+    if series:
+        from rps_exudyn.fitting.series import write_series
+
+        write_series(fit.series, series)
+        yield series
     if plot:
         from rps_exudyn.charts import style
         from rps_exudyn.charts.fit import beliefs_figure, curves_figure
@@ -109,13 +127,12 @@ def write_files(fit: "Fit", out: Path, plot: Path | None, report: Path | None) -
         if figure is not None:
             style.title(figure, level_sentence(fit).partition(";")[0])
             style.save(figure, plot)
-            written.append(plot)
+            yield plot
     if report:
         from rps_exudyn.report.fit_page import write_fit_page
 
         write_fit_page(fit, report)
-        written.append(report)
-    return written
+        yield report
 
 
 def do_fit(
@@ -139,7 +156,7 @@ def do_fit(
     """
     from rps_exudyn.charts.file_types import PICTURES
     from rps_exudyn.fitting.fit import fit
-    from rps_exudyn.fitting.series import read_series, write_series
+    from rps_exudyn.fitting.series import read_series
     from rps_exudyn.fitting.unknowns import USUAL
 
     if not files:
@@ -158,7 +175,4 @@ def do_fit(
             other_law=other_law,
             like=read_series(like) if like else None,
         )
-    written = write_files(found, out, plot, report)
-    if series:
-        write_series(found.series, series)
-    return found, [*written, *([series] if series else [])]
+    return found, write_files(found, out, plot, report, series)

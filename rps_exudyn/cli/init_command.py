@@ -10,23 +10,17 @@ from rps_exudyn.base.errors import InputError
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable
 
-MEASURED = """\
-# Your measured torque: replace the two lines below by your own, in either direction or both.
-# rps-exudyn run --gear gears/paper.toml --measured measured.csv
-# rps-exudyn fit --gear gears/paper.toml measured.csv
-pinion_angle [deg]; pinion_torque [N m]
-"""
 SUFFIXES = (".toml", ".py", ".ipynb", ".csv", ".md")
 
 
 def do_init(folder: Path) -> list[Path]:
-    """Write gear, studies, examples and the head of a measured curve; existing files stay.
+    """Write gear, studies, examples and an example of a measured curve; existing files stay.
 
     Raises:
         InputError: a folder that cannot be written.
     """
     written = []
-    for source, name in [*_templates(files("rps_exudyn") / "templates"), (None, Path("measured.csv"))]:
+    for source, name in _templates(files("rps_exudyn") / "templates"):
         target = folder / name
         if target.exists():
             continue
@@ -35,14 +29,14 @@ def do_init(folder: Path) -> list[Path]:
         except OSError as error:
             raise InputError(f"{target.parent} cannot be written: {error.strerror}.") from None
         with replacing(target) as partial:
-            partial.write_text(MEASURED if source is None else source.read_text(encoding="utf-8"), "utf-8")
+            partial.write_text(source.read_text(encoding="utf-8"), "utf-8")
         written.append(target)
     return written
 
 
-def _templates(folder: "Traversable", below: Path = Path()) -> "list[tuple[Traversable | None, Path]]":
+def _templates(folder: "Traversable", below: Path = Path()) -> "list[tuple[Traversable, Path]]":
     """All files of a folder of the package that are text for users, with their places in it."""
-    found: list[tuple[Traversable | None, Path]] = []
+    found: list[tuple[Traversable, Path]] = []
     for item in sorted(folder.iterdir(), key=lambda each: each.name):
         if item.is_dir():
             found += _templates(item, below / item.name)

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.interrupts import unwrapped_interrupts
 
 if TYPE_CHECKING:
-    from rps_exudyn.analysis.measured import MeasuredTorque
     from rps_exudyn.results.result import Result
 
 
@@ -18,13 +18,14 @@ def say(sentence: str) -> None:
     print(f"rps-exudyn: {sentence}", file=sys.stderr)
 
 
-def keep(
-    result: "Result", out: Path, plot: Path, measured: "MeasuredTorque | None"
-) -> tuple[list[Path], bool]:
+def keep(result: "Result", out: Path, plot: Path) -> tuple[list[Path], bool]:
     """Write both files; return the paths of those written, and whether there were problems.
 
     A failed run is written beside existing files as NAME.failed, any other one keeps them as NAME.1, NAME.2,
     ... A result that cannot be written there goes to the folder of temporary files.
+
+    Raises:
+        KeyboardInterrupt: while the picture is drawn; it names the file that is written.
     """
     from rps_exudyn.base.atomic import number_existing
     from rps_exudyn.results.outcome import Status
@@ -40,19 +41,20 @@ def keep(
     if not result.signals:
         return [out], False
     try:
-        _draw(result, plot, measured)
+        with named_if_interrupted([out]):
+            _draw(result, plot)
     except (OSError, ValueError) as error:  # also what matplotlib makes of a strange environment
         say(f"the picture is missing: {error}")
         return [out], True
     return [out, plot], False
 
 
-def _draw(result: "Result", plot: Path, measured: "MeasuredTorque | None") -> None:
+def _draw(result: "Result", plot: Path) -> None:
     """Draw the picture; the result is safe by then."""
     load_undocumented()
     from rps_exudyn.charts.scene import draw
 
-    draw(result, plot, measured)
+    draw(result, plot)
 
 
 def load_undocumented() -> None:
@@ -83,15 +85,35 @@ def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Pat
 
 
 @contextmanager
+def named_if_interrupted(files: Sequence[Path]) -> Iterator[None]:
+    """Name the files that are written by then where the block is interrupted; it may add to them.
+
+    Raises:
+        KeyboardInterrupt: it is.
+    """
+    try:
+        with unwrapped_interrupts():
+            yield
+    except KeyboardInterrupt as interrupt:
+        if str(interrupt) or not files:
+            raise
+        verb = "is" if len(files) == 1 else "are"
+        names = ", ".join(map(str, files))
+        raise KeyboardInterrupt(f"interrupted; {names} {verb} written, the rest is not.") from None
+
+
+@contextmanager
 def naming(files: Sequence[Path]) -> Iterator[None]:
     """Name the files of a result where its printing fails: it is not lost with what was printed of it.
 
     Raises:
         InputError: the output cannot be written.
+        KeyboardInterrupt: the printing is interrupted.
     """
     try:
-        yield
-        sys.stdout.flush()
+        with named_if_interrupted(files):
+            yield
+            sys.stdout.flush()
     except BrokenPipeError:
         raise
     except OSError as error:

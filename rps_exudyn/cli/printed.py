@@ -92,25 +92,17 @@ def _angle(angle: float) -> str:
 
 def print_measured(compared: "list[AgainstMeasured] | None") -> None:
     """Print figures of the measured and the simulated torque, and how far the curves lie apart."""
+    from rps_exudyn.analysis.measured import NOTHING_TO_COMPARE
+
     if compared is None:
         return
     put()
     if not compared:
-        put("Nothing to compare: at no pinion angle is there a measured and a simulated torque.")
+        put(NOTHING_TO_COMPARE)
     for each in compared:
-        low, high = map(_angle, each.angle_range)
-        sign = "+" if each.direction > 0 else "-"
-        put(f"Torque towards {sign}X, pinion angles of {low} to {high}:")
-        rows = [
-            (name, SUMMARY[name].show(value), SUMMARY[name].show(each.simulated[name]))
-            for name, value in each.measured.items()
-            if name in each.simulated
-        ]
-        put_table(("quantity", "measured", "simulated"), rows)
-        pair = each.torque
-        put(
-            f"difference: RMS {pair.shown(pair.rms)}, largest {pair.shown(pair.largest)} of the measured mean"
-        )
+        put(f"{each.heading}:")
+        put_table(("quantity", "measured", "simulated"), each.rows)
+        put(each.difference)
 
 
 def measured_as_dict(compared: "list[AgainstMeasured] | None") -> dict[str, Any]:
@@ -122,6 +114,7 @@ def measured_as_dict(compared: "list[AgainstMeasured] | None") -> dict[str, Any]
             {
                 "direction": each.direction,
                 "common_angle": list(each.angle_range),
+                "simulated_angle": list(each.simulated_range),
                 "measured": each.measured,
                 "simulated": each.simulated,
                 **_differences(each.torque),

@@ -1,71 +1,76 @@
-"""What a command says while it works: how far its run is, and that kernels are compiled.
+"""What a command shows while it works: kernels that are compiled, and how far its run is."""
 
-In a terminal it is one line that is written over; elsewhere, where asked for, one line after the other.
-"""
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
-from time import monotonic
+from rps_exudyn.base.compiling import Step, listening
+from rps_exudyn.base.progress import Progress, following
+from rps_exudyn.base.screen import Screen, TextRow, open_screen
 
-CLEAR = "\r\x1b[K"
-EVERY = 2.0  # [s] between lines where they stay
+Show = Callable[[str, float | None], None]
+"""Called with what is done now and how much of it, None where that is not known."""
 
 
-class _Line:
-    """The line of progress on standard error."""
+@contextmanager
+def shown_progress(asked: bool = False) -> Iterator[Show]:
+    """Show how far a block is, in a terminal or where asked for, and everywhere what it compiles.
 
-    def __init__(self) -> None:
-        self._over = sys.stderr.isatty()
-        self._written, self._shown = -EVERY, False
+    Args:
+        asked: lines are wanted outside a terminal.
+    """
+    with open_screen(asked) as screen:
+        doing, run = TextRow(), TextRow()
 
-    def write(self, text: str) -> None:
-        """Show a text in place of the one before."""
-        if self._over:
-            print(f"{CLEAR}{text}", end="", file=sys.stderr, flush=True)
+        def show(text: str, fraction: float | None) -> None:
+            doing.text, doing.fraction = text, fraction
+            screen.remove(run)
+            screen.add(doing)
+
+        def show_run(progress: Progress) -> None:
+            run.text, run.fraction = progress.sentence, progress.fraction
+            if progress.fraction >= 1:
+                screen.remove(run)
+            elif not doing.text:  # a command of several runs says more than how far each of them is
+                screen.add(run)
+
+        compiling = _Compiling(screen)
+        with following(show_run), listening(compiling.take):
+            try:
+                yield show
+            finally:
+                screen.remove(doing)
+                screen.remove(run)
+                compiling.end()
+
+
+class _Compiling:
+    """The row about kernels."""
+
+    def __init__(self, screen: Screen) -> None:
+        from rps_exudyn.base.compiling_progress import CompilingProgress
+
+        self._screen, self._row, self._shown = screen, CompilingProgress(), False
+
+    def take(self, step: Step) -> None:
+        """Count a step; show the row where it takes long."""
+        self._row.take(step)
+        if self._row.is_done:
+            self._screen.remove(self._row)
+            return
+        self._screen.add(self._row)
+        if not self._shown:
             self._shown = True
-        elif monotonic() - self._written >= EVERY:
-            self._written = monotonic()
-            print(f"rps-exudyn: {text}", file=sys.stderr, flush=True)
+            self._screen.speak()
 
     def end(self) -> None:
-        """Leave an empty line where texts were written over each other."""
+        """Say what was compiled, and where it is kept."""
+        self._screen.remove(self._row)
         if self._shown:
-            print(CLEAR, end="", file=sys.stderr, flush=True)
+            from rps_exudyn.base.kernel_cache import cache_folders
 
-
-@contextmanager
-def shown_progress(asked: bool) -> Iterator[None]:
-    """Show how far the run of a block is, in a terminal or where asked for."""
-    from rps_exudyn.base.progress import following
-
-    line = _Line()
-    wanted = asked or sys.stderr.isatty()
-    listener = (lambda progress: line.write(progress.sentence)) if wanted else None
-    with following(listener), _compiling_told(line) if wanted else nullcontext():
-        try:
-            yield
-        finally:
-            line.end()
-
-
-@contextmanager
-def _compiling_told(line: _Line) -> Iterator[None]:
-    """Say once that kernels are compiled and where they are kept, then count them."""
-    from rps_exudyn.base.kernel_cache import before_compiling, cache_folder
-
-    begun, done = monotonic(), 0
-
-    def tell(name: str) -> None:
-        nonlocal done
-        if done == 0:
-            sentence = "the first run compiles its kernels, which takes a while; later ones load them from"
-            print(f"rps-exudyn: {sentence} {cache_folder()}.", file=sys.stderr, flush=True)
-        done += 1
-        line.write(f"{done} functions compiled in {monotonic() - begun:.0f} s")
-
-    before_compiling.append(tell)
-    try:
-        yield
-    finally:
-        before_compiling.remove(tell)
+            step = self._row.step
+            sentence = f"{step.done} force laws compiled in {step.seconds:.0f} s, once; later runs load them"
+            folders = cache_folders()
+            place = f" from {os.path.commonpath(folders)}" if folders else ""
+            self._screen.say(f"{sentence}{place}.")

@@ -95,7 +95,8 @@ def do_study(request: Request, json: bool) -> int:
                 return run_study(work, processes.run, workers_write=True, workers=jobs)
 
     try:
-        tally = run_all()
+        with shown_progress():
+            tally = run_all()
     except KeyboardInterrupt:
         raise KeyboardInterrupt(f"interrupted; finished cases are {_kept(request)}.") from None
     except (StorageError, StartError) as error:

@@ -3,8 +3,10 @@
 import os
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.cli.progress import shown_progress
 
 
 def do_view(file: Path) -> None:
@@ -14,7 +16,7 @@ def do_view(file: Path) -> None:
         InputError: no display, or a result whose gear no Exudyn model is made of.
     """
     from rps_exudyn.parameters.fidelity import Fidelity
-    from rps_exudyn.results.result import load
+    from rps_exudyn.study.blocks import load
 
     result = load(file)
     if not has_display():
@@ -25,9 +27,13 @@ def do_view(file: Path) -> None:
     fidelity = Fidelity.from_tables(result.fidelity, where=str(file))
     if fidelity.solver != "generalized-alpha":
         fidelity = Fidelity.preset("flank")
-    from rps_exudyn.simulate.viewer import show_model
+    from rps_exudyn.simulate.viewer import play, solved_model
 
-    show_model(result.gear, fidelity)
+    with TemporaryDirectory() as folder:
+        motion = Path(folder) / "motion.txt"
+        with shown_progress():
+            model = solved_model(result.gear, fidelity, motion)
+        play(model, motion)
 
 
 def has_display() -> bool:

@@ -54,8 +54,9 @@ class Explorer(ThreadingHTTPServer):
             self.address_family = socket.AF_INET6
         try:
             super().__init__((host, port), _Handler)
-        except (OSError, OverflowError) as error:
-            why = getattr(error, "strerror", None) or error
+        except (OSError, OverflowError, TypeError) as error:
+            no_name = isinstance(error, TypeError)  # so Python says it
+            why = "it is no name of a host" if no_name else getattr(error, "strerror", None) or error
             raise InputError(f"--host {host} --port {port} cannot be used: {why}.") from None
 
     @property

@@ -74,7 +74,9 @@ def settings_of(state: Any) -> dict[str, Any]:
         elif isinstance(number, bool) or not isinstance(number, int | float):
             problems.append(f"{path} is {units.shown(number)}; it must be a number.")
         elif not slider.low <= number <= slider.high:
-            problems.append(f"{path} is {number:g}; it must be from {slider.low:g} to {slider.high:g}.")
+            problems.append(
+                f"{path} is {units.shown(number)}; it must be from {slider.low:g} to {slider.high:g}."
+            )
         else:
             settings[path] = slider.value(number)
     if problems:

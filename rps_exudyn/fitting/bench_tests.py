@@ -9,18 +9,19 @@ bearing        the pinion alone in its bearings
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
-from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.analysis.passes import Pass, passes
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.sentence import are, lines_in_words
 from rps_exudyn.measured.clock import speeds
 from rps_exudyn.measured.reading import PUSH, TORQUE, read_curve
+from rps_exudyn.results.measured_torque import MeasuredTorque
 from rps_exudyn.solvers.closed_form import GRAVITY
 
 KINDS = ("free", "reversal", "load-test", "rack-push", "yoke-out", "bearing")
@@ -29,6 +30,7 @@ _NAMED = re.compile(rf"(?P<kind>{'|'.join(KINDS)})(?:@(?P<load>[^=]+))?=(?P<file
 MOST_POINTS = 720  # of a pass: more are taken together by their medians
 UNSIGNED = 0.5  # least ratio of absolute values of friction in both directions
 MIXED = 1.5  # of two speeds, from which on friction may differ between them
+SHORTEST = 0.2  # of the longest pass: what is shorter is the way to the start, or a jerk
 TURNING = np.radians(3.0)  # after a turn of a reversal, where friction is still turning about
 
 
@@ -69,6 +71,7 @@ class Measurement:
     passes: tuple[MeasuredPass, ...]
     names: tuple[str, ...]  # of the files, by their number
     assumed: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()  # rows of the files that no pass has, and why
 
     @property
     def tests(self) -> list[BenchTest]:
@@ -122,27 +125,31 @@ def measurement_of(curves: Iterable[tuple[BenchTest, MeasuredTorque]]) -> Measur
         InputError: there are none.
     """
     found: list[MeasuredPass] = []
-    names, assumed = [], []
+    names: list[str] = []
+    assumed: list[str] = []
+    left_out: list[str] = []
     for run, (test, curve) in enumerate(curves):
         driven, measured = PUSH if test.kind == "rack-push" else TORQUE
         signals = {"pinion_angle": curve.signals[driven], "value": curve.signals[measured]}
-        turned = passes(signals | curve.beside)
+        lines = {"line": np.arange(1.0, curve.signals[driven].size + 1), **curve.beside}
+        turned = passes(signals | lines)
         own = [_measured_pass(test, run, each) for each in turned]
-        own = _counted_by_the_motion(own, longest=max(np.ptp(each.angle) for each in own))
+        shortest = SHORTEST * max(np.ptp(each.angle) for each in own)
+        rows = (*curve.left_out, *_rows_left_out(turned, own, lines["line"], shortest))
+        left_out += [f"{curve.name}: {sentence}" for sentence in rows]
+        own = [each for each in own if np.ptp(each.angle) > shortest]  # without the way to the start, a jerk
         own, said = _with_signs(own, curve.name)
         found += own
         names.append(curve.name)
         assumed += [f"{curve.name}: {sentence}" for sentence in (*curve.assumed, f"{len(own)} passes", *said)]
     if not found:
         raise InputError("a fit needs at least one measured curve.")
-    return Measurement(tuple(found), tuple(names), tuple(assumed))
+    return Measurement(tuple(found), tuple(names), tuple(assumed), tuple(left_out))
 
 
 def _measured_pass(test: BenchTest, run: int, turned: Pass) -> MeasuredPass:
-    angle, value = turned.angle, turned.signals["value"]
-    if test.kind == "reversal":
-        inside = (angle > angle.min() + TURNING) & (angle < angle.max() - TURNING)
-        angle, value = (angle[inside], value[inside]) if inside.sum() > 2 else (angle, value)
+    inside = _sliding(test, turned)
+    angle, value = turned.angle[inside], turned.signals["value"][inside]
     order = np.argsort(angle)
     angle, value = angle[order], value[order]
     if angle.size > MOST_POINTS:
@@ -152,9 +159,36 @@ def _measured_pass(test: BenchTest, run: int, turned: Pass) -> MeasuredPass:
     return MeasuredPass(test, run, turned.direction, angle, value, speeds(turned.signals))
 
 
-def _counted_by_the_motion(found: list[MeasuredPass], longest: float) -> list[MeasuredPass]:
-    """Leave out what is short beside the longest pass: the way to the start, a jerk."""
-    return [each for each in found if np.ptp(each.angle) > 0.2 * longest]
+def _sliding(test: BenchTest, turned: Pass) -> np.ndarray:
+    """Which rows of a pass are compared, shape (n,): those of a reversal where friction has turned about."""
+    angle = turned.angle
+    inside = (angle > angle.min() + TURNING) & (angle < angle.max() - TURNING)
+    return inside if test.kind == "reversal" and inside.sum() > 2 else np.ones(angle.size, dtype=bool)
+
+
+def _rows_left_out(
+    turned: Sequence[Pass], measured: Sequence[MeasuredPass], lines: np.ndarray, shortest: float
+) -> Iterator[str]:
+    """Which rows of a file, by their numbers of lines (n,), are in none of its measured passes, and why."""
+    unmoved = np.setdiff1d(lines, np.concatenate([each.signals["line"] for each in turned]))
+    if unmoved.size:
+        yield f"{_rows(unmoved)}, where the angle stands still or jerks back"
+    for each, found in zip(turned, measured, strict=True):
+        inside, numbers = _sliding(found.test, each), each.signals["line"]
+        if not np.ptp(found.angle) > shortest:
+            yield f"{_rows(numbers)}, a pass shorter than {100 * SHORTEST:.0f} % of the longest"
+            continue
+        if not inside.all():
+            degrees = np.degrees(TURNING)
+            yield f"{_rows(numbers[~inside])}, within {degrees:.2g} deg of where the motion turns about"
+        if inside.sum() > MOST_POINTS:
+            yield f"{inside.sum()} rows of a pass are taken together to {MOST_POINTS} medians"
+
+
+def _rows(lines: np.ndarray) -> str:
+    """How many rows are left out, and which."""
+    numbers = np.sort(lines).astype(int).tolist()
+    return f"{are(len(numbers), 'row')} left out, {lines_in_words(numbers)}"
 
 
 def _with_signs(found: list[MeasuredPass], name: str) -> tuple[list[MeasuredPass], list[str]]:

@@ -106,6 +106,11 @@ class Fit:
         raise KeyError(path)
 
     @property
+    def left_out(self) -> tuple[str, ...]:
+        """Rows of the files that were not fitted, and why."""
+        return self.problem.measurement.left_out
+
+    @property
     def found(self) -> list[str]:
         """Parameters that the data tell by themselves."""
         return [each.path for each in self.estimates if each.verdict in (Verdict.FOUND, Verdict.NOT_ZERO)]

@@ -168,6 +168,7 @@ def fit_as_dict(fit: Fit) -> dict[str, Any]:
         "angle_offset": {"value": fit.offset, "sd": fit.offset_sd},
         "warnings": list(fit.warnings),
         "assumed": list(fit.assumed),
+        "left_out": list(fit.left_out),
         "simulations": fit.simulations,
         "cpu_s": fit.cpu_s,
         "gear": fit.gear.model_dump(),

@@ -3,7 +3,6 @@
 The next gear differs from it by some percent, so that a fit that begins there needs two or three simulations.
 """
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ import numpy as np
 
 from rps_exudyn.base.atomic import write_json
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.json_tables import read_json_tables
 from rps_exudyn.fitting.problem import Problem, State
 
 WHAT = "rps_exudyn fit, for the next gear of the series"
@@ -77,16 +77,16 @@ def read_series(path: str | Path) -> Series:
         InputError: it cannot be read, or is none.
     """
     try:
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        content = read_json_tables(Path(path).read_text(encoding="utf-8"), "it")
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror or error}.") from None
     except ValueError:
-        content = None
-    if not isinstance(content, dict) or set(content) != _KEYS or content["what"] != WHAT:
+        content = {}
+    if set(content) != _KEYS or content["what"] != WHAT:
         raise InputError(f"{path} is no file of a series; fit --series FILE writes one.")
     try:
         return _series(content)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):  # no numbers, or too large ones
         raise InputError(f"{path} holds no fit any more: its numbers do not go together.") from None
 
 

@@ -1,6 +1,7 @@
 """Units as test benches write them: N cm, kgf cm, in-lb, Grad; beside those of `base.units`."""
 
 import re
+from functools import lru_cache
 from math import pi
 
 from rps_exudyn.base import units
@@ -33,17 +34,23 @@ KNOWN = {"rad": _ANGLES, "N*m": _TORQUES, "m": _LENGTHS, "N": _FORCES}
 """SI unit -> unit, without blanks and signs between its parts -> its size in SI."""
 
 _TURNED = re.compile(r"rad|deg|°|turn|rev|arc|gon|cycle", re.I)
+_IN_NO_UNIT = re.compile(r"[;:,|=]|(?<![0-9^*])(?<![\^*][+-])[0-9]")  # digits are those of exponents alone
 GERMAN_DEGREE = "grad"  # in English a gon
 
 
+@lru_cache(maxsize=1024)
 def unit_size(unit: str, si_unit: str, german: bool = False) -> float | None:
     """Return the size of a unit in `si_unit`; None if it is none, or none that is certain.
 
     `german` tells that the column has a German name: Grad is a degree there.
     """
+    if is_never_unit(unit):
+        return None
     known, plain = KNOWN.get(si_unit, {}), re.sub(r"[\s.·*×⋅-]|\bof\b", "", unit.replace("º", "°"))
     if plain in known:
         return known[plain]
+    if any(plain in others for others in KNOWN.values()):
+        return None  # of another quantity, without loading a converter of units for that answer
     if plain.lower() == GERMAN_DEGREE:
         return pi / 180 if german and si_unit == "rad" else None
     alike = {size for name, size in known.items() if name.lower() == plain.lower()}
@@ -57,6 +64,11 @@ def unit_size(unit: str, si_unit: str, german: bool = False) -> float | None:
         return units.to_si(f"1 {unit.strip()}", si_unit)
     except ValueError:
         return None
+
+
+def is_never_unit(text: str) -> bool:
+    """Tell whether a text holds a sign that stands in no unit, as the rest of a wrongly divided row does."""
+    return bool(_IN_NO_UNIT.search(text))
 
 
 _OTHERS = (

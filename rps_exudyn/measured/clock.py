@@ -8,7 +8,7 @@ import re
 import numpy as np
 
 from rps_exudyn.measured.layout import Layout
-from rps_exudyn.measured.numbers import Format, as_number
+from rps_exudyn.measured.numbers import Format
 
 _TITLE = re.compile(r"(?P<name>[^\[\](){}/]+?)\s*[\[({/,_ ]+\s*(?P<unit>[^\])}]+?)\s*[\])}]?")
 _NAMES = {
@@ -47,7 +47,7 @@ def recorded(layout: Layout, lines: list[int], numbers: Format) -> dict[str, np.
         if len(fitting) == 1:
             index, size = fitting[0]
             cells = {line: row[index] for line, row in layout.rows if index < len(row)}
-            found[quantity] = size * np.array([_number(cells.get(line, ""), numbers) for line in lines])
+            found[quantity] = size * numbers.column([cells.get(line, "") for line in lines])
     return found
 
 
@@ -59,14 +59,6 @@ def _size(quantity: str, names: str, title: str, below: str) -> float | None:
     if not re.fullmatch(names, name.strip(), re.I):
         return None
     return _SIZES[quantity].get(unit.strip().strip("[](){} ").lower())
-
-
-def _number(cell: str, numbers: Format) -> float:
-    number = as_number(cell)
-    try:
-        return numbers.value(number) if number is not None else np.nan
-    except ValueError:
-        return np.nan
 
 
 def speeds(signals: dict[str, np.ndarray], parts: int = 10) -> np.ndarray:

@@ -8,7 +8,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import short
 from rps_exudyn.measured.bench_units import is_unit_beside, unit_size
 from rps_exudyn.measured.layout import Layout
-from rps_exudyn.measured.numbers import as_number
+from rps_exudyn.measured.numbers import one_of_each
 from rps_exudyn.results.quantities import SIGNALS
 
 NAMES = {
@@ -168,7 +168,8 @@ def _with_unit(where: str, layout: Layout, title: _Title, quantity: str) -> Colu
     """The column, with the unit of its title, or of its cells."""
     unit, from_cells = title.unit, ""
     if not unit:
-        tails = {number.tail for number in _numbers(layout, title.index)}
+        cells = (cells[title.index] for _, cells in layout.rows if title.index < len(cells))
+        tails = {number.tail for number in one_of_each(cells)}
         if len(tails) == 1 and "" not in tails:
             unit = from_cells = tails.pop()
     example = f'--column {quantity}="{title.name} {EXAMPLES[quantity]}"'
@@ -186,8 +187,3 @@ def _with_unit(where: str, layout: Layout, title: _Title, quantity: str) -> Colu
     by_unit = not title.is_named(quantity) and title.name != quantity and not from_cells
     assumed = "chosen by its unit" if by_unit else "unit from its cells" if from_cells else ""
     return Column(quantity, title.index, title.text, unit, size, assumed)
-
-
-def _numbers(layout: Layout, index: int) -> list:
-    cells = (cells[index] for _, cells in layout.rows if index < len(cells))
-    return [number for cell in cells if (number := as_number(cell)) is not None]

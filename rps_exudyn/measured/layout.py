@@ -3,11 +3,12 @@
 import csv
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
-from rps_exudyn.measured.bench_units import is_unit
-from rps_exudyn.measured.numbers import as_number, is_missing
+from rps_exudyn.measured.bench_units import is_never_unit, is_unit
+from rps_exudyn.measured.numbers import as_number, is_missing, pattern
 
 Line = tuple[int, str]
 Row = tuple[int, list[str]]
@@ -38,18 +39,18 @@ class Layout:
     @property
     def width(self) -> int:
         """Number of cells that most rows have."""
-        return Counter(len(cells) for _, cells in self.rows).most_common(1)[0][0]
-
-    @property
-    def is_numeric(self) -> int:
-        """Return the number of rows with two numbers or more."""
-        return sum(count_numbers(cells) > 1 for _, cells in self.rows)
+        return _most_frequent(len(cells) for _, cells in self.rows)
 
 
-def count_numbers(cells: Sequence[str]) -> int:
-    """Return how many cells are numbers, with a unit behind them or without."""
-    found = (as_number(cell) for cell in cells)
-    return sum(cell is not None and (not cell.tail or is_unit(cell.tail)) for cell in found)
+@dataclass(frozen=True)
+class _Division:
+    """A text as one separator would divide it."""
+
+    separator: str
+    header: Row | None
+    units: Row | None
+    begin: int  # index of the line with the first row of numbers
+    numeric: int  # number of rows with two numbers or more
 
 
 def layout_of(text: str, knows: Callable[[list[str]], int]) -> Layout | None:
@@ -61,21 +62,30 @@ def layout_of(text: str, knows: Callable[[list[str]], int]) -> Layout | None:
     stated = None
     if lines and (found := re.fullmatch(r"\s*\"?sep=(.)\"?\s*", lines[0][1], re.I)):
         stated, lines = found[1], lines[1:]  # a mark of spreadsheets
-    comments = [(number, _COMMENT.sub("", line, count=1)) for number, line in lines if _COMMENT.match(line)]
-    lines = [line for line in lines if not _COMMENT.match(line[1])]
+    marked = [(line, _COMMENT.match(line[1])) for line in lines]
+    comments = [(number, line[mark.end() :]) for (number, line), mark in marked if mark]
+    lines = [line for line, mark in marked if not mark]
+    patterns = [pattern(line) for _, line in lines]
     separators = [stated] if stated else list(SEPARATORS)
-    found_layouts = [each for sign in separators if (each := _divided(lines, comments, sign, knows))]
+    divisions = [each for sign in separators if (each := _divided(lines, patterns, comments, sign, knows))]
 
-    def merit(layout: Layout) -> tuple[int, int]:
-        known = min(knows(layout.header[1]), 2) if layout.header else 0
-        return known, layout.is_numeric
+    def merit(division: _Division) -> tuple[int, int]:
+        known = min(knows(division.header[1]), 2) if division.header else 0
+        return known, division.numeric
 
-    return max(found_layouts, key=merit, default=None)
+    best = max(divisions, key=merit, default=None)
+    if best is None:
+        return None
+    rows = [(number, _cells(line, best.separator)) for number, line in lines[best.begin :]]
+    return Layout(best.separator, best.header, best.units, rows)
 
 
 def _lines(text: str) -> Iterator[Line]:
     """Lines with their numbers; a quoted cell of a header that holds line ends stays in one line."""
     lines, i = text.splitlines(), 0
+    if '"' not in text:
+        yield from enumerate(lines, 1)
+        return
     while i < len(lines):
         whole, last = lines[i], i
         while _OPEN_QUOTE.search(whole) and last < min(i + _HEAD_LINES, len(lines) - 1):
@@ -88,23 +98,45 @@ def _lines(text: str) -> Iterator[Line]:
 
 
 def _divided(
-    lines: list[Line], comments: list[Line], separator: str, knows: Callable[[list[str]], int]
-) -> Layout | None:
-    rows = [(number, _cells(line, separator)) for number, line in lines]
-    begin = _first_of_numbers(rows)
+    lines: list[Line],
+    patterns: list[str],
+    comments: list[Line],
+    separator: str,
+    knows: Callable[[list[str]], int],
+) -> _Division | None:
+    """How a separator divides the lines; None where no row of numbers follows."""
+    counted = _counted(lines, patterns, separator)
+    counts = [count for count, _ in counted]
+    begin = _first_of_numbers(lines, counts, separator)
     if begin is None:
         return None
-    width = Counter(len(cells) for _, cells in rows[begin:]).most_common(1)[0][0]
+    width = _most_frequent(cells for _, cells in counted[begin:])
     header, below = _header_above(lines[:begin], separator, width, knows)
-    if header:
-        return Layout(separator, header, below, rows[begin:])
-    for number, line in reversed([each for each in comments if not lines or each[0] < rows[begin][0]]):
-        cells = _header_cells(line, separator, width)
-        if below is None and len(cells) > 1 and _are_units(cells):
-            below = number, cells
-        elif knows(cells) > 1:
-            return Layout(separator, (number, cells), below, rows[begin:])
-    return Layout(separator, None, below, rows[begin:])
+    if not header:
+        for number, line in reversed([each for each in comments if each[0] < lines[begin][0]]):
+            cells = _header_cells(line, separator, width)
+            if below is None and len(cells) > 1 and _are_units(cells):
+                below = number, cells
+            elif knows(cells) > 1:
+                header = number, cells
+                break
+    return _Division(separator, header, below, begin, sum(count > 1 for count in counts[begin:]))
+
+
+def _counted(lines: list[Line], patterns: list[str], separator: str) -> list[tuple[int, int]]:
+    """Numbers and cells of each line; lines of one pattern have as many, unless a unit may hold digits."""
+    of_pattern: dict[str, tuple[int, int] | None] = {}
+    counted = []
+    for (_, line), of_line in zip(lines, patterns, strict=True):
+        found = of_pattern.get(of_line)
+        if found is None:
+            cells = _cells(line, separator)
+            numbers = [number for cell in cells if (number := as_number(cell)) is not None]
+            found = sum(not each.tail or is_unit(each.tail) for each in numbers), len(cells)
+            differ = any(each.tail_has_digits and not is_never_unit(each.tail) for each in numbers)
+            of_pattern[of_line] = None if differ or separator.isdigit() else found
+        counted.append(found)
+    return counted
 
 
 def _header_above(
@@ -135,18 +167,24 @@ def _are_units(cells: Sequence[str]) -> bool:
     return all(is_unit(cell) or is_missing(cell) for cell in own) and any(is_unit(cell) for cell in own)
 
 
-def _first_of_numbers(rows: list[Row]) -> int | None:
-    """Index of the first row of numbers that is followed by others like it."""
-    counts = [count_numbers(cells) for _, cells in rows]
-    most = Counter(count for count in counts if count > 1).most_common(1)
+def _first_of_numbers(lines: list[Line], counts: list[int], separator: str) -> int | None:
+    """Index of the first row of numbers that others follow; `counts` are the numbers of each line."""
     numeric = [count > 1 for count in counts]
+    if not any(numeric):
+        return None
+    most = _most_frequent(count for count in counts if count > 1)
     for i, is_one in enumerate(numeric):
-        if is_one and counts[i] < most[0][0] and _is_word(rows[i][1][0]):
+        if is_one and counts[i] < most and _is_word(_cells(lines[i][1], separator)[0]):
             continue  # numbers of channels behind a word
         ahead = numeric[i : i + _AHEAD + 1]
         if is_one and sum(ahead) > len(ahead) / 2:
             return i
     return None
+
+
+def _most_frequent(counts: Iterable[int]) -> int:
+    """The count that is there most often, of several the first one."""
+    return Counter(counts).most_common(1)[0][0]
 
 
 def _is_word(cell: str) -> bool:
@@ -165,15 +203,21 @@ def _header_cells(line: str, separator: str, width: int) -> list[str]:
 
 def _cells(line: str, separator: str) -> list[str]:
     if separator.isspace() and separator != "\t":
+        if separator == " " and not re.search(r"[\[(\0]", line):
+            return line.split()
         held = re.sub(r"[\[(][^\])]*[\])]", lambda unit: unit[0].replace(" ", "\0"), line.strip())
         held = re.sub(r"(?<=\S) (?=[\[(])", "\0", held)
-        pattern = r"\s{2,}|\t" if separator == "  " else r"\s+"
-        return [cell.replace("\0", " ") for cell in re.split(pattern, held)]
-    try:
-        cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True))
-    except (csv.Error, StopIteration):
-        cells = line.split(separator)
-    cells = [cell.strip() for cell in cells]
+        between = r"\s{2,}|\t" if separator == "  " else r"\s+"
+        return [cell.replace("\0", " ") for cell in re.split(between, held)]
+    cells = [cell.strip() for cell in _quoted_cells(line, separator)]
     while len(cells) > 1 and not cells[-1]:  # a separator at the end of a line
         cells.pop()
     return cells
+
+
+def _quoted_cells(line: str, separator: str) -> list[str]:
+    """The cells of a line, of which some may stand in quotes and hold the separator."""
+    if separator == '"' or '"' in line:
+        with suppress(csv.Error, StopIteration):
+            return next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+    return line.split(separator)

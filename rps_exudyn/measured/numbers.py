@@ -1,8 +1,14 @@
-"""Numbers as people and spreadsheets write them: decimal commas, thousands, missing values."""
+"""Numbers as people and spreadsheets write them: decimal commas, thousands, missing values.
+
+Cells of one pattern differ in their digits alone. The pattern decides how a cell is read, so that a column is
+parsed once for each of its patterns.
+"""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 _BLANKS = " \u00a0\u202f\u2009"
 _SIGNS = str.maketrans({"−": "-", "–": "-", "’": "'"})
@@ -11,6 +17,7 @@ _NUMBER = re.compile(
 )
 _GROUPED = re.compile(rf"[+-]?\s?\d{{1,3}}(?:['{_BLANKS}]\d{{3}})+(?:[.,]\d*)?")
 _TEXT_OF_A_CELL = re.compile(r'="(.*)"')  # ="0.63" of a spreadsheet that keeps numbers as texts
+_PATTERN = str.maketrans("123456789", "000000000")
 _PLACEHOLDER = re.compile(r"[+-]?9+[.,]?[90]*")
 _MISSING = re.compile(
     r"[-–—*.?_#]*|nan|[+-]?inf|n\s*[/.]\s*a\.?|na|#n/?a!?|#nv|null|none|nil|void|fehlt|missing|over|overflow|ovld|ovfl?|ol|o\.l\.?|"
@@ -26,6 +33,11 @@ class Cell:
     digits: str
     power: str
     tail: str
+
+    @property
+    def tail_has_digits(self) -> bool:
+        """Whether the tail may be another one in a cell of the same pattern."""
+        return any(sign.isdigit() for sign in self.tail)
 
 
 def is_missing(cell: str) -> bool:
@@ -48,6 +60,28 @@ def is_placeholder(cell: str) -> bool:
     """Tell whether a number may stand for a missing value or an overload: -9999, 9.9E37."""
     found = as_number(cell)
     return found is not None and bool(_PLACEHOLDER.fullmatch(found.digits))
+
+
+def pattern(text: str) -> str:
+    """Return the text with 0 for each digit from 1 to 9."""
+    return text.translate(_PATTERN)
+
+
+def one_of_each(cells: Iterable[str]) -> Iterator[Cell]:
+    """Parse the numbers among the cells, of each pattern the first with a leading zero and the first without.
+
+    All numbers of a pattern are parsed where digits follow them, for instance in a unit.
+    """
+    alike: dict[tuple[str, bool], list[str]] = {}
+    for cell in cells:
+        of_cell = pattern(cell)
+        alike.setdefault((of_cell, cell[of_cell.find("0") :][:1] == "0"), []).append(cell)
+    for group in alike.values():
+        first = as_number(group[0])
+        if first is not None:
+            yield first
+            if first.tail_has_digits:
+                yield from (number for cell in group[1:] if (number := as_number(cell)) is not None)
 
 
 @dataclass(frozen=True)
@@ -73,6 +107,43 @@ class Format:
             raise ValueError(cell.digits)
         power = cell.power.replace("d", "e").replace("D", "e")  # of Fortran
         return float(whole.replace(other, "") + sign.replace(",", ".") + fraction + power)
+
+    def column(self, cells: Sequence[str], units: Sequence[str] | None = None) -> np.ndarray:
+        """Return the numbers of a column's cells, shape (n,); NaN for each cell that is none in this format.
+
+        `units` are what may follow a number; None: anything.
+        """
+        readers: dict[str, Callable[[str], float]] = {}
+        values = []
+        for cell in cells:
+            reader = readers.get(of_cell := pattern(cell))
+            if reader is None:
+                readers[of_cell] = reader = self._reader(cell, units)
+            values.append(reader(cell))
+        return np.array(values, dtype=float)
+
+    def _reader(self, cell: str, units: Sequence[str] | None) -> Callable[[str], float]:
+        """The function that reads all cells of this one's pattern."""
+
+        def number_of(text: str) -> float:
+            found = as_number(text)
+            if found is None or (units is not None and found.tail not in units):
+                return np.nan
+            try:
+                return self.value(found)
+            except ValueError:
+                return np.nan
+
+        found = as_number(cell)
+        if found is None:
+            return lambda text: np.nan
+        number = found.digits + found.power
+        plain = re.fullmatch(rf"[+-]?[0-9]*\{self.decimal}?[0-9]*(?:[eE][+-]?[0-9]+)?", number)
+        if not plain or not cell.startswith(number) or found.tail_has_digits:
+            return number_of
+        if units is not None and found.tail not in units:
+            return lambda text: np.nan
+        return lambda text: float(text[: len(number)].replace(",", "."))
 
     @property
     def words(self) -> str:

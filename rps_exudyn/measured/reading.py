@@ -16,9 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
-from rps_exudyn.analysis.measured import FEWEST, MeasuredTorque
+from rps_exudyn.analysis.measured import FEWEST
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.sentence import are, lines_in_words
 from rps_exudyn.base.units import short
 from rps_exudyn.measured.clock import recorded
 from rps_exudyn.measured.columns import Column, find_columns, known_columns
@@ -30,15 +31,16 @@ from rps_exudyn.measured.numbers import (
     format_of,
     is_missing,
     is_placeholder,
+    one_of_each,
 )
 from rps_exudyn.measured.text import read_text
 from rps_exudyn.measured.turning import counted_on, directions
+from rps_exudyn.results.measured_torque import MeasuredTorque
 
 TORQUE = ("pinion_angle", "pinion_torque")
 PUSH = ("rack_displacement", "rack_force")
 _ENCODINGS = {"utf-8": "", "utf-8-sig": "", "cp1252": "Windows-1252"}
 FAR = 20.0  # times the usual size of a value: a number of nines beyond stands for none
-_SHOWN = 5  # line numbers in a sentence
 
 
 def read_measured_torque(path: str | Path, columns: Mapping[str, str] | None = None) -> MeasuredTorque:
@@ -77,9 +79,10 @@ def read_curve(
     found = find_columns(path, layout, wanted, {name: chosen[name] for name in wanted if name in chosen})
     numbers = _format(path, layout, found)
     values, notes, lines = _values(path, layout, found, numbers)
-    if len(values) < FEWEST:
-        raise InputError(f"{path} holds {len(values)} points; a torque curve needs at least {FEWEST}.")
-    table = values.T * np.array([column.size for column in found])[:, None]
+    if len(lines) < FEWEST:
+        raise InputError(f"{path} holds {len(lines)} points; a torque curve needs at least {FEWEST}.")
+    table = values * np.array([column.size for column in found])[:, None]
+    left_out = tuple(notes)
     if wanted[0] in TORQUE:
         table[0], turns = counted_on(table[0])
         notes += [f"the angle begins anew {turns} times and is counted on from turn to turn"] if turns else []
@@ -93,8 +96,8 @@ def read_curve(
     if named := _ENCODINGS.get(encoding, encoding.upper()):
         first = f"text in {named}, {first}"
     taken = [_taken(column) for column in found]
-    beside = recorded(layout, lines, numbers)
-    return MeasuredTorque(Path(path).stem, signals, (first, *taken, *notes), beside)
+    beside = {**recorded(layout, lines, numbers), "line": np.array(lines, dtype=float)}
+    return MeasuredTorque(Path(path).stem, signals, (first, *taken, *notes), beside, left_out)
 
 
 def _check_directions(path: str | Path, layout: Layout, driven: np.ndarray) -> None:
@@ -117,11 +120,10 @@ def _taken(column: Column) -> str:
 
 
 def _format(path: str | Path, layout: Layout, columns: list[Column]) -> Format:
-    cells = [row[column.index] for _, row in layout.rows for column in columns if column.index < len(row)]
+    cells = (row[column.index] for _, row in layout.rows for column in columns if column.index < len(row))
     units = {"", *(column.unit for column in columns)}
-    numbers = [each for cell in cells if (each := as_number(cell)) is not None and each.tail in units]
     try:
-        return format_of(numbers)
+        return format_of(each for each in one_of_each(cells) if each.tail in units)
     except AmbiguousNumbersError as either:
         example = str(either)
         raise InputError(
@@ -133,58 +135,57 @@ def _format(path: str | Path, layout: Layout, columns: list[Column]) -> Format:
 def _values(
     path: str | Path, layout: Layout, columns: list[Column], numbers: Format
 ) -> tuple[np.ndarray, list[str], list[int]]:
-    """The numbers, shape (n, columns), what was left out, and the numbers of their lines.
+    """The numbers, shape (columns, n), what was left out, and the numbers of their lines.
 
     Raises:
         InputError: a cell that should be a number is none, or the columns change on the way.
     """
-    kept: list[tuple[int, list[float]]] = []
-    missing, text = [], []
-    usual = [_usual(layout, column, numbers) for column in columns]
-    for row in layout.rows:
-        cells = [row[1][column.index] if column.index < len(row[1]) else "" for column in columns]
-        values = [_value(cell, numbers, column) for cell, column in zip(cells, columns, strict=True)]
-        absent = [
-            is_missing(cell) or _stands_for_nothing(cell, value, size)
-            for cell, value, size in zip(cells, values, usual, strict=True)
-        ]
-        if not any(absent) and all(value is not None for value in values):
-            kept.append((row[0], [value for value in values if value is not None]))
-        elif all(value is not None or gone for value, gone in zip(values, absent, strict=True)):
-            missing.append(row[0])
-        else:
-            text.append((row, cells, values))
-    last = kept[-1][0] if kept else layout.rows[-1][0]
-    for row, cells, values in text:
-        _check_text(path, layout, row, cells, values, row[0] < last)
+    cells = [
+        [row[column.index] if column.index < len(row) else "" for _, row in layout.rows] for column in columns
+    ]
+    table = np.array(
+        [numbers.column(each, ("", column.unit)) for each, column in zip(cells, columns, strict=True)]
+    )
+    known = ~np.isnan(table)
+    absent = np.array([_absent(*each) for each in zip(cells, table, strict=True)])
+    is_kept = (known & ~absent).all(axis=0)
+    is_missing_row = (known | absent).all(axis=0) & ~is_kept
+    lines = np.array([number for number, _ in layout.rows])
+    kept, missing = lines[is_kept].tolist(), lines[is_missing_row].tolist()
+    text = np.flatnonzero(~is_kept & ~is_missing_row).tolist()
+    last = kept[-1] if kept else layout.rows[-1][0]
+    for i in text:
+        own = [each[i] for each in cells]
+        _check_text(path, layout, layout.rows[i], own, known[:, i], layout.rows[i][0] < last)
     notes = []
     if missing:
-        notes.append(f"{len(missing)} rows without a value are left out: {_lines(missing)}")
+        rows = are(len(missing), "row", " without a value")
+        notes.append(f"{rows} left out: {lines_in_words(missing)}")
     if text:
-        notes.append(
-            f"{len(text)} lines that are no numbers are left out: {_lines([row[0] for row, *_ in text])}"
-        )
-    table = np.array([values for _, values in kept], dtype=float).reshape(-1, len(columns))
-    return table, notes, [line for line, _ in kept]
+        rows = are(len(text), "line", " without numbers")
+        notes.append(f"{rows} left out: {lines_in_words(lines[text].tolist())}")
+    return table[:, is_kept], notes, kept
 
 
-def _usual(layout: Layout, column: Column, numbers: Format) -> float:
-    """The median size of a column's values, in its unit."""
-    cells = [row[column.index] for _, row in layout.rows if column.index < len(row)]
-    values = [abs(value) for cell in cells if (value := _value(cell, numbers, column)) is not None]
-    return float(np.median(values)) if values else 0.0
+def _absent(cells: Sequence[str], values: np.ndarray) -> np.ndarray:
+    """Which cells of a column hold no value, shape (n,): they say so, or are a mark for it.
 
-
-def _stands_for_nothing(cell: str, value: float | None, usual: float) -> bool:
-    """Tell whether a number is a mark of a missing value: nothing but nines, far beyond all others."""
-    return value is not None and is_placeholder(cell) and abs(value) > FAR * usual
+    A mark is a number of nothing but nines, far beyond all others. `values` are NaN where a cell is no
+    number.
+    """
+    sizes = np.abs(values)
+    usual = np.median(sizes[~np.isnan(sizes)]) if not np.isnan(sizes).all() else 0.0
+    absent = np.zeros(values.size, dtype=bool)
+    for i in np.flatnonzero(np.isnan(sizes) | (sizes > FAR * usual)).tolist():
+        absent[i] = is_missing(cells[i]) or (sizes[i] > FAR * usual and is_placeholder(cells[i]))
+    return absent
 
 
 def _check_text(
-    path: str | Path, layout: Layout, row: Row, cells: list[str], values: list[float | None], within: bool
+    path: str | Path, layout: Layout, row: Row, cells: list[str], known: np.ndarray, within: bool
 ) -> None:
     """Refuse a row that is no numbers where the curve would be another one: `within` it, or numbers that are
-    written otherwise at its end.
+    written otherwise at its end. `known` tells which cells are numbers, shape (columns,).
 
     Raises:
         InputError: it does.
@@ -196,7 +197,7 @@ def _check_text(
             f"{path}, line {row[0]} names its columns anew: {short(', '.join(row[1]), 60)}; save each table "
             "in a file of its own."
         )
-    wrong = [cell for cell, value in zip(cells, values, strict=True) if value is None]
+    wrong = [cell for cell, is_known in zip(cells, known, strict=True) if not is_known]
     numeric = all(as_number(cell) is not None for cell in cells)
     if not _is_label(row) and (numeric or (within and len(wrong) < len(cells))):
         raise InputError(f"{path}, line {row[0]}: {short(wrong[0])!r} is no number.")
@@ -205,18 +206,3 @@ def _check_text(
 def _is_label(row: Row) -> bool:
     """Tell whether a row begins with a word, as those of mean values and of further passes do."""
     return bool(re.match(r"[^\W\d_]{2}", row[1][0]))
-
-
-def _value(cell: str, numbers: Format, column: Column) -> float | None:
-    number = as_number(cell)
-    if number is None or number.tail not in ("", column.unit):
-        return None
-    try:
-        return numbers.value(number)
-    except ValueError:
-        return None
-
-
-def _lines(numbers: list[int]) -> str:
-    shown = ", ".join(map(str, numbers[:_SHOWN]))
-    return f"line {shown}" + (" ..." if len(numbers) > _SHOWN else "")

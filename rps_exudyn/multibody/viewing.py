@@ -6,8 +6,8 @@ from rps_exudyn.multibody.solve import SolverPlan, settings_of
 from rps_exudyn.multibody.steering_model import SteeringModel
 
 
-def played(model: SteeringModel, seconds: float, steps: int, file: Path, frames: int) -> None:
-    """Solve the model, its coordinates written to `file`, and open the player with them.
+def solved(model: SteeringModel, seconds: float, steps: int, file: Path, frames: int) -> None:
+    """Solve the model and write its coordinates to a file.
 
     Args:
         model: built, not yet assembled.
@@ -17,8 +17,6 @@ def played(model: SteeringModel, seconds: float, steps: int, file: Path, frames:
         frames: that are written.
     """
     import exudyn as exu
-    from exudyn.interactive import SolutionViewer  # type: ignore[import-untyped, unused-ignore]
-    from exudyn.utilities import LoadSolutionFile  # type: ignore[import-untyped, unused-ignore]
 
     model.mbs.Assemble()
     settings = settings_of(SolverPlan(end_time=seconds, steps=steps))
@@ -26,4 +24,11 @@ def played(model: SteeringModel, seconds: float, steps: int, file: Path, frames:
     settings.solution.file.name = str(file)
     settings.solution.file.writePeriod = seconds / frames
     model.mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.GeneralizedAlpha)
+
+
+def played(model: SteeringModel, file: Path) -> None:
+    """Open the player with the coordinates in Exudyn's solution file, until its window is closed."""
+    from exudyn.interactive import SolutionViewer  # type: ignore[import-untyped, unused-ignore]
+    from exudyn.utilities import LoadSolutionFile  # type: ignore[import-untyped, unused-ignore]
+
     SolutionViewer(model.mbs, LoadSolutionFile(str(file)))

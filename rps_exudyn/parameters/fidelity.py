@@ -9,7 +9,7 @@
 Each part can be chosen alone, for instance `Fidelity.preset("flank").replace({"bush": "chain"})`.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Any, Literal, Self
 
@@ -113,10 +113,18 @@ class Fidelity(Table):
     @property
     def name(self) -> str:
         """The preset and what was changed in it: "full with bush condensed"."""
+        return self._named(_choices())
+
+    @property
+    def model(self) -> str:
+        """The preset and the parts that are others in it, without its numbers: "full with bush condensed"."""
+        return self._named(item for item in _choices() if isinstance(getattr(self, item.path), str))
+
+    def _named(self, choices: Iterable[Declared]) -> str:
         usual = _preset_values(self.based_on)
         changes = [
             f"{item.path} {item.show(value)}"
-            for item in _choices()
+            for item in choices
             if (value := getattr(self, item.path)) != usual[item.path]
         ]
         return f"{self.based_on} with {', '.join(changes)}" if changes else self.based_on

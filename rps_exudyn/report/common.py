@@ -45,8 +45,8 @@ def as_text(value: Any) -> str:
     """The value as text; a table, or JSON of one, as "name value, name value"."""
     if isinstance(value, str) and value.startswith("{"):
         try:
-            value = json.loads(value)
-        except ValueError:
+            return as_text(json.loads(value))
+        except (ValueError, RecursionError):  # no JSON, or nested too deep
             return value
     if isinstance(value, Mapping):
         return ", ".join(f"{name} {as_text(item)}" for name, item in value.items())

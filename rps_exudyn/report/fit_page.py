@@ -72,6 +72,8 @@ def _pictures(fit: Fit) -> Iterable[Block]:
 
 
 def _basis(fit: Fit) -> Iterable[Block]:
+    for sentence in fit.left_out:
+        yield Text(f"{sentence}.")
     for sentence in fit.warnings:
         yield Text(as_sentence(sentence))
     yield Fold("What was assumed of the files", [Text(sentence) for sentence in fit.assumed])

@@ -10,7 +10,7 @@ from rps_exudyn.report.html import page
 from rps_exudyn.report.result_page import result_article, side_by_side
 from rps_exudyn.report.study_page import study_article
 from rps_exudyn.results.result import Result
-from rps_exudyn.study.blocks import load
+from rps_exudyn.study.blocks import beside, load
 from rps_exudyn.study.store import Store
 
 SUFFIXES = (".html", ".htm")
@@ -37,7 +37,8 @@ def default_name(paths: Sequence[Path]) -> Path:
     """The default path of the report: in a study's folder, beside a result, or in the current folder."""
     if len(paths) > 1:
         return Path("report.html")
-    return paths[0] / "report.html" if paths[0].is_dir() else paths[0].with_suffix(".html")
+    (path,) = paths
+    return path / "report.html" if path.is_dir() else beside(path, f"{path.stem}.html")
 
 
 def _articles(paths: Sequence[Path], contact: bool) -> list[Article]:
@@ -46,7 +47,7 @@ def _articles(paths: Sequence[Path], contact: bool) -> list[Article]:
     opened = {}
     for path in paths:
         try:
-            opened[path] = Store.open(path) if path.is_dir() else load(Path(path))
+            opened[path] = Store.open(path) if path.is_dir() else load(path)
         except InputError as error:
             problems += error.problems
     if problems:

@@ -5,6 +5,8 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from rps_exudyn.analysis.measured import NOTHING_TO_COMPARE, compare_with_measured
+from rps_exudyn.base.sentence import as_sentence
 from rps_exudyn.base.units import words
 from rps_exudyn.charts import style
 from rps_exudyn.charts.scene import scene_figure
@@ -35,6 +37,7 @@ def result_article(result: Result, path: Path, more: Sequence[Section] = ()) -> 
         sections=[
             Section("Outcome", list(_outcome(result))),
             Section("Curves", list(_curves(result))),
+            *_measured_section(result),
             *more,
             Section("Parameters", list(_parameters(result))),
             Section("Provenance", [provenance_facts(result.provenance), Code(_commands(path))]),
@@ -91,6 +94,17 @@ def _curves(result: Result) -> Iterable[Block]:
     figures = {result.scene: _scene_figure(result), "All signals that move": signals_figure(result)}
     pictures = [picture(figure, caption) for caption, figure in figures.items() if figure is not None]
     yield Pictures(pictures) if pictures else Text("No signal moves.")
+
+
+def _measured_section(result: Result) -> Iterable[Section]:
+    """How the simulated torque differs from the measured one that the result keeps, if it keeps one."""
+    if result.measured is None:
+        return
+    blocks: list[Block] = []
+    for each in compare_with_measured(result.measured, result.signals, result.gear.pinion.teeth):
+        blocks.append(Grid(("quantity", "measured", "simulated"), each.rows, each.heading))
+        blocks.append(Text(as_sentence(each.difference)))
+    yield Section(f"Measured: {result.measured.name}", blocks or [Text(NOTHING_TO_COMPARE)])
 
 
 def _scene_figure(result: Result) -> Figure | None:

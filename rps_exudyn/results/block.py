@@ -157,7 +157,7 @@ class Block:
         """The signals of a case, each of its own length."""
         row, columns = self.places[case_hash], self.columns["signals"]
         lengths = {name: columns[f"{name} length"][row] for name in GROUPS["signals"] if name in columns}
-        return {name: columns[name][row, :length] for name, length in lengths.items() if length}
+        return {name: columns[name][row, :length].copy() for name, length in lengths.items() if length}
 
     def result(self, case_hash: str) -> Result:
         """The whole result of a case."""

@@ -20,10 +20,12 @@ import numpy as np
 from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.hdf5 import file_image, from_bytes, opened
+from rps_exudyn.base.json_tables import read_json_tables
 from rps_exudyn.base.seal import sealed
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results import provenance as origin
+from rps_exudyn.results.measured_torque import MeasuredTorque
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GROUPS, SIGNALS, SUMMARY
 
@@ -34,7 +36,7 @@ MOST_NUMBERS = 6  # of the summary that a printed result shows
 DRAWING = "rps_exudyn.charts.scene:draw"  # looked up when a result is drawn: charts stand above results
 
 FILETYPE = "rps_exudyn-result"
-VERSION = (1, 2)
+VERSION = (1, 3)
 """Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
 
 
@@ -63,6 +65,7 @@ class Result:
         cpu_s: CPU time of the simulation [s].
         wall_s: elapsed time of the simulation [s].
         provenance: versions, commit, date and machine.
+        measured: a measured torque to compare with, drawn over the simulated one.
     """
 
     scene: str
@@ -79,6 +82,7 @@ class Result:
     cpu_s: float
     wall_s: float
     provenance: dict[str, str] = field(default_factory=origin.provenance)
+    measured: MeasuredTorque | None = None
 
     def __post_init__(self) -> None:
         for group, known in GROUPS.items():
@@ -127,7 +131,8 @@ class Result:
 
         Args:
             path: file of the picture.
-            measured: a measured torque of `rps.read_measured_torque`, drawn over it.
+            measured: a measured torque of `rps.read_measured_torque`, drawn over it instead of the result's
+                own one.
             from_zero: torques and forces are drawn from zero on.
 
         Raises:
@@ -181,8 +186,8 @@ def failed(
     )
 
 
-def load(path: str | Path) -> Result:
-    """Read the result in an HDF5 file.
+def read_result(path: str | Path) -> Result:
+    """Read the result in an HDF5 file of its own; `study.blocks.load` reads cases in blocks, too.
 
     Raises:
         InputError: no such file, not a result of this package, damaged, or of a newer format.
@@ -195,7 +200,7 @@ def loads(content: bytes, name: str) -> Result:
     """Read the result in the bytes of an HDF5 file; `name` stands for it in messages.
 
     Raises:
-        InputError: as `load`.
+        InputError: as `read_result`.
     """
     with from_bytes(content, name, FILETYPE, "result", VERSION) as file:
         return _read(file, name)
@@ -222,6 +227,8 @@ def _write(result: Result, file: h5py.File) -> None:
             _put(file, group, name, float(value))
     for name, count in result.counters.items():
         _put(file, "counters", name, count)
+    if result.measured is not None:
+        result.measured.write(file)
 
 
 def attributes_of(result: Result) -> dict[str, Any]:
@@ -289,6 +296,7 @@ def _read(file: h5py.File, path: str | Path) -> Result:
         cpu_s=float(file.attrs["cpu_s"]),
         wall_s=float(file.attrs["wall_s"]),
         provenance={name: _text(file, name) for name in origin.FIELDS},
+        measured=MeasuredTorque.read(file),
     )
 
 
@@ -301,10 +309,7 @@ def _text(file: h5py.File, name: str) -> str:
 
 def _tables(file: h5py.File, name: str) -> dict[str, Any]:
     """Return what an attribute holds as JSON."""
-    tables = json.loads(_text(file, name))
-    if not isinstance(tables, dict):
-        raise ValueError(f"{name} is no set of tables")
-    return tables
+    return read_json_tables(_text(file, name), name)
 
 
 def _numbers(dataset: Any, dimensions: int) -> np.ndarray:

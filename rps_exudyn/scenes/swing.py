@@ -50,6 +50,7 @@ def unclosed(signals: Signals, maneuver: Maneuver) -> float:
         return abs(float(after - signals[name][0]))
 
     travel, torque = float(np.ptp(signals["rack_displacement"])), signals[maneuver.drive.signal]
-    shifted = max(moved(name) * length for name, length in zip(COORDINATES, lengths, strict=True))
+    moves = [(name, length) for name, length in zip(COORDINATES, lengths, strict=True) if name in signals]
+    shifted = max((moved(name) * length for name, length in moves), default=0.0)
     turned = moved(maneuver.drive.signal) / (CLOSED * float(np.abs(torque).max()) or np.inf)
     return max(turned, shifted / (IN_PLACE * travel or np.inf))

@@ -4,6 +4,7 @@ It reads one task as one line of JSON from standard input and answers on standar
 
     {"place": "..."}                    where the run is, for the case that it is ended there
     {"progress": {...}}                 how far it is
+    {"step": [...]}                     what it compiles
     {"status", ..., "content"}          the case's row, and the bytes of its file
 """
 
@@ -14,9 +15,12 @@ import signal
 import threading
 from collections.abc import Callable
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rps_exudyn.simulate.worker import private_output, read_lines
+
+if TYPE_CHECKING:
+    from rps_exudyn.base.compiling import Step
 
 Say = Callable[[dict[str, Any]], None]
 
@@ -31,32 +35,29 @@ def main() -> None:
     from rps_exudyn.simulate.case_run import CaseRunner
 
     say({"place": "in compiled code"})
-    _tell_of_compiling(say)
+    from rps_exudyn.base.compiling import listening
     from rps_exudyn.base.progress import following
 
-    with following(lambda progress: say({"progress": asdict(progress)})):
+    with following(lambda progress: say({"progress": asdict(progress)})), listening(_Steps(say)):
         row, content = CaseRunner().run(task)
     say(row | {"content": base64.b64encode(content).decode()})
 
 
-def _tell_of_compiling(say: Say) -> None:
-    """Say when a kernel is compiled, which no alarm interrupts."""
-    from numba.core import event
+class _Steps:
+    """Pass on what is compiled, and that an alarm has to wait until then."""
 
-    class Listener(event.Listener):
-        depth = 0
+    def __init__(self, say: Say) -> None:
+        self._say, self._compiles = say, False
 
-        def on_start(self, event: Any) -> None:
-            self.depth += 1
-            if self.depth == 1:
-                say({"place": "while kernels were compiled, which later runs need not do"})
-
-        def on_end(self, event: Any) -> None:
-            self.depth -= 1
-            if self.depth == 0:
-                say({"place": "in compiled code"})
-
-    event.register("numba:compile", Listener())
+    def __call__(self, step: "Step") -> None:
+        self._say({"step": step})
+        if (compiles := step.done < step.total) == self._compiles:
+            return
+        self._compiles = compiles
+        if compiles:
+            self._say({"place": "while kernels were compiled, which later runs need not do"})
+        else:
+            self._say({"place": "in compiled code"})
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ from rps_exudyn.base.interrupts import raise_wrapped
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.run import simulate
@@ -31,6 +32,19 @@ TORQUE = {
     "rack-push": ("time", "pinion_angle", "rack_displacement", "rack_force"),
 }
 """Scene -> the signals of the drive's torque or force alone."""
+
+
+class Columns(dict[str, np.ndarray]):
+    """Figures of n gears by name, shape (n,) each; a declared figure that no gear has is a column of nan."""
+
+    def __init__(self, count: int) -> None:
+        super().__init__()
+        self._count = count
+
+    def __missing__(self, name: str) -> np.ndarray:
+        if name not in SUMMARY:
+            raise KeyError(name)
+        return np.full(self._count, np.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,14 +89,17 @@ class Batch:
         return np.array([status is Status.OK for status in self.statuses], dtype=bool)
 
     @property
-    def summary(self) -> dict[str, np.ndarray]:
+    def summary(self) -> Columns:
         """Figures by the names of `quantities`, shape (n,) each; nan where a gear has none.
 
-        Where gears were followed together, these are their metrics.
+        Where gears were followed together, these are their metrics; where every gear failed, the scene's own
+        figure.
         """
         known = {} if self.found is None else self.found.summary
         names = dict.fromkeys(name for result in self.results if result for name in result.summary)
-        columns = {}
+        if not (known or names):
+            names = dict.fromkeys(scene_named(result.scene).figure for result in self.results if result)
+        columns = Columns(len(self))
         for name in known or names:
             column = np.array(
                 [np.nan if result is None else result.summary.get(name, np.nan) for result in self.results]

@@ -18,6 +18,7 @@ from contextlib import suppress
 from time import monotonic
 from typing import Any
 
+from rps_exudyn.base.compiling import Step, publish
 from rps_exudyn.base.progress import Progress, passed_on
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -130,6 +131,9 @@ class _Child:
             answer = json.loads(line)
             if "progress" in answer:
                 passed_on(Progress(**answer["progress"]))
+                continue
+            if "step" in answer:
+                publish(Step(*answer["step"]))
                 continue
             if "place" not in answer:
                 return dict(answer)

@@ -22,6 +22,7 @@ from pathlib import Path
 from time import monotonic
 from typing import IO, Any
 
+from rps_exudyn.base.compiling import Step, publish
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.simulate.time_limit import GRACE
 
@@ -203,6 +204,8 @@ class Processes:
             return
         if answer is None:
             yield from self._ended(worker)
+        elif "step" in answer:
+            publish(Step(*answer["step"]))
         elif "ready" in answer:
             worker.ready = self._compiled = True
             self._failed_starts = 0

@@ -5,7 +5,8 @@ It reads one JSON object per line from standard input and answers each by one on
     {"scene", "gear", "fidelity", "keep", "path" or null}  ->  {"status", "message", "cpu_s", ..., "content"}
 
 A group of cases, its "members", is answered by {"cases": one answer each}, or by {"cases": null} where they
-are to be done singly. With a `path` the result's file is written there, else its bytes come back.
+are to be done singly. With a `path` the result's file is written there, else its bytes come back. Between
+answers {"step": ...} says what is compiled.
 
 The first line is warmed up at a small size before the worker calls itself ready, so that compiling and
 loading the kernels is on no case's clock. A process that compiled kernels asks for another one in its place.
@@ -36,9 +37,11 @@ def main() -> None:
     lines: queue.SimpleQueue[str] = queue.SimpleQueue()
     threading.Thread(target=read_lines, args=(lines,), daemon=True).start()
     first = json.loads(lines.get())
+    from rps_exudyn.base.compiling import listeners
     from rps_exudyn.base.errors import InputError
     from rps_exudyn.simulate.case_run import CaseRunner
 
+    listeners.append(lambda step: answer({"step": step}))
     runner = CaseRunner()
     runner.warm_up(first, WARM_UP_TURNS)
     answer({"ready": os.getpid()})

@@ -6,14 +6,14 @@ last one counts.
 """
 
 from collections import OrderedDict
+from functools import lru_cache
 from pathlib import Path
 from time import monotonic
 
 from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.results import result as results
 from rps_exudyn.results.block import Block, CaseRecord, packed
-from rps_exudyn.results.result import Result
+from rps_exudyn.results.result import Result, read_result
 
 CASES = 512  # in a block: 1e5 cases are 196 files
 IN_MEMORY = 4  # blocks read whole
@@ -115,13 +115,31 @@ class Blocks:
         return self.block_of(case_hash).result(case_hash)
 
 
-def load(path: Path) -> Result:
-    """Read a result from its file, or from the block that holds DIR/cases/HASH.h5 in a study of blocks.
+def blocks_beside(case: Path) -> Blocks:
+    """Return the blocks of the study to which a case's path DIR/cases/HASH.h5 belongs, to read from."""
+    return _blocks(case.absolute().parents[1] / "blocks")
+
+
+def beside(result: Path, name: str) -> Path:
+    """Return the path of a new file beside a result's; in the current folder if the result is in a block."""
+    return (result.parent if result.parent.is_dir() else Path()) / name
+
+
+@lru_cache(maxsize=4)
+def _blocks(folder: Path) -> Blocks:
+    return Blocks(folder)
+
+
+def load(path: str | Path) -> Result:
+    """Read a result from its HDF5 file, or a case of a study that is kept in blocks.
+
+    Such a case has the path of the file that it would be: DIR/cases/HASH.h5, with the `hash` of the study's
+    table.
 
     Raises:
-        InputError: no such file or case, not a result, damaged, or of a newer format.
+        InputError: no such file or case, not a result of this package, damaged, or of a newer format.
     """
-    blocks = Blocks(path.parent.parent / "blocks")
-    if path.parent.name != "cases" or path.exists() or not blocks.exist:
-        return results.load(path)
-    return blocks.result(path.stem)
+    path = Path(path)
+    if path.parent.name == "cases" and not path.exists() and (blocks := blocks_beside(path)).exist:
+        return blocks.result(path.stem)
+    return read_result(path)

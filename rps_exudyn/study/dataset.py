@@ -11,7 +11,6 @@ which.
 
 import warnings
 from collections.abc import Callable, Iterable
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -30,7 +29,7 @@ from rps_exudyn.base.hdf5 import opened
 from rps_exudyn.results.case_file import Keep
 from rps_exudyn.results.quantities import SIGNALS, Quantity
 from rps_exudyn.results.result import FILETYPE, VERSION
-from rps_exudyn.study.blocks import Blocks
+from rps_exudyn.study.blocks import blocks_beside
 from rps_exudyn.study.description import Description
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable, Column, axis_quantity
@@ -199,7 +198,7 @@ def _read_signals(path: Path, names: Iterable[str], read: Callable[[Any], T]) ->
     """What `read` finds in signals of a case's file; of one that is gone or damaged nothing, with a
     warning."""
     try:
-        if not path.exists() and (blocks := _blocks(path.parent.parent / "blocks")).home_of(path.stem):
+        if not path.exists() and (blocks := blocks_beside(path)).home_of(path.stem):
             signals = blocks.block_of(path.stem).signals(path.stem)
             return {name: read(signals[name]) for name in names if name in signals}
         with opened(path, FILETYPE, "result", VERSION) as file:
@@ -208,11 +207,6 @@ def _read_signals(path: Path, names: Iterable[str], read: Callable[[Any], T]) ->
     except InputError as error:
         warnings.warn(f"{error} Its signals are nan.", stacklevel=2)
         return {}
-
-
-@lru_cache(maxsize=4)
-def _blocks(folder: Path) -> Blocks:
-    return Blocks(folder)
 
 
 def _attributes(quantity: Quantity) -> dict[str, str]:

@@ -24,7 +24,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.block import CaseRecord, summaries
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
-from rps_exudyn.results.result import Result, load
+from rps_exudyn.results.result import Result, read_result
 from rps_exudyn.study.blocks import Blocks
 from rps_exudyn.study.description import Case, Description
 
@@ -131,7 +131,7 @@ class Store:
         if not path.exists() and (home := self.blocks.home_of(case.hash)) is not None:
             path, result = home, self.blocks.result(case.hash)
         else:
-            result = load(path)
+            result = read_result(path)
         self._check_content(path, case, result)
         return result
 

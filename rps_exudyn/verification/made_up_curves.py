@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.fitting.bench_tests import BenchTest
 from rps_exudyn.fitting.prediction import formula_means
 from rps_exudyn.measured.reading import PUSH, TORQUE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.measured_torque import MeasuredTorque
 from rps_exudyn.solvers.closed_form import GRAVITY
 
 SCENES = {

@@ -1,6 +1,6 @@
 """The gear as an Exudyn system that is taken over: own load, own sensor, own solver settings.
 
-    python studies/examples/own_exudyn_model.py [view]
+    python own_exudyn_model.py [view]
 
 With "view" Exudyn's viewer plays the motion at the end, where there is a display.
 """

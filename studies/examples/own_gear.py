@@ -1,6 +1,6 @@
 """An own gear: data from a drawing, what follows from them, whether it can be built, and what it does.
 
-    python studies/examples/own_gear.py [GEAR.toml]
+    python own_gear.py [GEAR.toml]
 
 With a file's name the gear is read from there; `rps-exudyn init` writes one to begin with.
 """

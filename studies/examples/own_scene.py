@@ -1,6 +1,6 @@
 """An own scene: the pinion is steered to and fro while a tie rod pulls at the rack.
 
-    python studies/examples/own_scene.py
+    python own_scene.py
 
 A scene is a function that makes maneuvers and says which numbers matter. `rps.add_scene` makes it known to
 this process, where `rps.run`, `rps.batch` and pictures then take it as any other.

@@ -1,6 +1,6 @@
 """The free pinion torque over the yoke's preload: a sweep in a loop, printed and drawn.
 
-    python studies/examples/preload_sweep.py [PICTURE.png]
+    python preload_sweep.py [PICTURE.png]
 
 studies/preload.toml does the same in parallel, keeps every case and goes on where it was stopped.
 """

@@ -1,6 +1,6 @@
 """Many gears at once, as a table of pandas and as a Dataset of xarray.
 
-    python studies/examples/tables_and_datasets.py
+    python tables_and_datasets.py
 
 For thousands of cases, or long ones, write a study file instead: `rps-exudyn study` runs them in parallel,
 keeps them, and `rps.study_frame` and `rps.open_study` read its folder.

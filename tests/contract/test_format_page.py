@@ -10,8 +10,9 @@ import pytest
 
 from made_up_study import description, grid_points, make_study
 from rps_exudyn.gears.report import GeometryReport
+from rps_exudyn.results.measured_torque import KEPT
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import GROUPS
+from rps_exudyn.results.quantities import GROUPS, SIGNALS
 from rps_exudyn.results.result import FILETYPE, VERSION, Result
 from rps_exudyn.study import collected
 from rps_exudyn.study import description as study
@@ -34,6 +35,11 @@ def rows(section: str) -> list[tuple[str, ...]]:
 def test_page_lists_every_quantity(group: str) -> None:
     expected = [(f"`{name}`", item.unit or "1", item.long_name) for name, item in GROUPS[group].items()]
     assert rows(f"`/{group}`") == expected
+
+
+def test_page_lists_what_is_kept_of_a_measured_torque() -> None:
+    expected = [(f"`{name}`", SIGNALS[name].unit, SIGNALS[name].long_name) for name in KEPT]
+    assert rows("`/measured`") == expected
 
 
 def test_page_lists_every_root_attribute(made_up_result: Result, tmp_path: Path) -> None:

@@ -3,14 +3,13 @@
 import re
 import shutil
 import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
 import pytest
 
-from rps_exudyn.cli import commands
-from rps_exudyn.results.result import Result, load
-from shell import Command
+from rps_exudyn.cli.commands import app
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -28,6 +27,12 @@ TOOLS = ("pip", "python", "ruff", "mypy", "lint-imports", "mkdocs", "rps-exudyn"
 def command_line(name: str) -> str:
     """The one line of the block marked with this name."""
     return re.findall(rf"<!-- {name} command -->\n```sh\n(.+)\n```\n", README)[0]
+
+
+def printed_in_text(program: str) -> str:
+    """The one command of a program that stands within a sentence, without what installs it."""
+    (command,) = re.findall(rf"`pip install [^`]+ && ({program} [^`]+)`", README)
+    return str(command)
 
 
 @pytest.mark.parametrize("name", ["run", "test"])
@@ -70,7 +75,7 @@ def test_ci_checks_everything_and_ends_with_the_printed_command(bare: Path) -> N
         "ruff format --check .",
         "mypy ",
         "lint-imports --no-logo",
-        "mkdocs build -q",
+        printed_in_text("mkdocs"),
         "python -m build -o build/dist .",
         "pip install -q --no-deps --target build/installed build/dist/rps_exudyn-*.whl",
         "rps-exudyn init build/begun",
@@ -95,11 +100,33 @@ def test_ci_types_the_benchmarks_too(bare: Path) -> None:
     assert "mypy benchmarks" in ci_run(bare).stdout.splitlines()
 
 
+# --- .ci/versions ----------------------------------------------------------------------------------
+@pytest.mark.parametrize(("status", "outcome"), [(0, "passed"), (1, "FAILED with status 1")])
+def test_other_pythons_are_tried_and_missing_ones_named(tmp_path: Path, status: int, outcome: str) -> None:
+    """Also one of which there is only a command that says that it is missing."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    listed = re.findall(r"Python :: (3\.\d+)\n", "\n".join(settings["project"]["classifiers"]) + "\n")
+    there, missing, *absent = [each for each in listed if each != f"3.{sys.version_info.minor}"]
+    ends = {there: f'if [ "$2" = newest ]; then exit {status}; fi', missing: "exit 127"}
+    for version, end in ends.items():
+        (stand_in := tmp_path / f"python{version}").write_text(f"#!/bin/sh\n{end}\n")
+        stand_in.chmod(0o755)
+    done = subprocess.run(
+        [sys.executable, ROOT / ".ci" / "versions", "others"],
+        env={"PATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == status
+    lines = [f"python{version}: NOT TRIED: this machine does not have it" for version in (missing, *absent)]
+    assert done.stdout.splitlines()[1:] == [f"python{there}: {outcome}", *lines]
+
+
 # --- what the README says --------------------------------------------------------------------------
-def test_page_lists_every_command(command: Command) -> None:
+def test_page_lists_every_command() -> None:
     page = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
     listed = re.findall(r"^\| `rps-exudyn (\w+)", page, re.M)
-    assert sorted(listed) == sorted(name for name in commands.app if not name.startswith("-"))
+    assert sorted(listed) == sorted(name for name in app if not name.startswith("-"))
 
 
 def test_layout_lists_the_folders_from_the_ground_up() -> None:
@@ -111,6 +138,25 @@ def test_layout_lists_the_folders_from_the_ground_up() -> None:
     assert listed == layers[::-1]
 
 
+@pytest.mark.parametrize(
+    ("model", "row", "stated"),
+    [
+        ("quasi-static", "quasi-static, line | step_angle 1 °", 0),
+        ("flank", "flank, line | step_angle 1 °", 0),  # "the same error"
+        ("full", "general contact | spheres 27", 1),
+    ],
+)
+def test_costs_and_errors_are_those_of_the_table(model: str, row: str, stated: int) -> None:
+    """Of a revolution: times to a third, as machines differ, and errors to the digit that is stated."""
+    about = README[README.index("## Speed against accuracy") : README.index("**How exact it is.**")]
+    time, unit = re.findall(r"needs ([\d.]+) (ms|s)\b", about[about.index(f"`{model}`") :])[0]
+    error = re.findall(r"([\d.]+) %", about)[stated]
+    table = (ROOT / "results" / "accuracy_speed" / "README.md").read_text(encoding="utf-8")
+    (cells,) = re.findall(rf"^\| {re.escape(row)}[^|]*\| ([\d.]+) \| ([\d.]+) \|", table, re.M)
+    assert float(time) * {"ms": 1e-3, "s": 1.0}[unit] == pytest.approx(float(cells[0]), rel=1 / 3)
+    assert float(error) == round(float(cells[1]), len(error.partition(".")[2]))
+
+
 def test_readme_fits_three_screens() -> None:
     """Of 50 lines each, tables and pictures included."""
     assert len(README.splitlines()) <= 150
@@ -118,21 +164,3 @@ def test_readme_fits_three_screens() -> None:
     pictures = re.findall(r"!\[.+\]\((.+)\)", README)
     assert len(pictures) == 2
     assert all((ROOT / picture).exists() for picture in pictures)
-
-
-def test_example_runs_as_printed(
-    made_up_result: Result, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    """On a result that is made up: what it asks of `run` is a contract of the package."""
-    asked: dict[str, object] = {}
-
-    def simulated(scene: str, gear: object, **options: object) -> Result:
-        asked.update(scene=scene, gear=gear, **options)
-        return made_up_result
-
-    monkeypatch.setattr("rps_exudyn.run", simulated, raising=False)
-    monkeypatch.chdir(tmp_path)
-    exec(re.findall(r"```python\n(import rps_exudyn.+?)```", README, re.S)[0], {})
-    assert asked["gear"].yoke.preload == 400
-    assert (asked["scene"], asked["fidelity"], asked["turns"]) == ("free-pinion-torque", "quasi-static", 2)
-    assert load("fpt.h5").summary == made_up_result.summary

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from made_up_study import description
+from rps_exudyn import load
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.case_file import FileForms, Keep, kept
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.result import Result, failed, load
+from rps_exudyn.results.result import Result, failed
 from rps_exudyn.study.cases import case_hash, describe, setup_of
 from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Axis, Case, Description

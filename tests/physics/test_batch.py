@@ -42,6 +42,18 @@ def test_a_gear_that_cannot_exist_is_a_row_with_its_cause(found: rps.Batch) -> N
     assert np.isnan(found.curves("pinion_torque", ANGLES)[2]).all()
 
 
+def test_where_every_gear_fails_each_figure_is_nan() -> None:
+    """A search that goes beyond what can exist reads figures as elsewhere; it was a KeyError."""
+    found = rps.batch("free-pinion-torque", rps.SteeringGear(), {"pinion.runout": [-1.0, -2.0]})
+    assert found.statuses == (Status.INVALID, Status.INVALID)
+    assert list(found.summary) == ["torque_mean"]
+    for name in ("torque_mean", "torque_peak_to_peak"):
+        assert found.summary[name].shape == (2,)
+        assert np.isnan(found.summary[name]).all()
+    with pytest.raises(KeyError, match="torque_men"):
+        found.summary["torque_men"]
+
+
 def test_curves_end_where_the_record_does(found: rps.Batch) -> None:
     assert np.isnan(found.curves("pinion_torque", ANGLES)[0]).tolist() == [False, False, False, True]
 

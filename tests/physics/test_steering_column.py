@@ -6,6 +6,7 @@ from itertools import count
 
 import numpy as np
 import pytest
+from rps_exudyn.solvers.column_path import March, root
 
 import rps_exudyn as rps
 from rps_exudyn.analysis.curve import difference
@@ -18,7 +19,6 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.headline import curve_of
 from rps_exudyn.solvers import column_path
-from rps_exudyn.solvers.column_path import March, root
 from rps_exudyn.solvers.steering_column import SteeringColumn
 
 GEAR = SteeringGear()

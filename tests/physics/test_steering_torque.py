@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from rps_exudyn.solvers.torque_path import upper_end
 
 import rps_exudyn as rps
 from rps_exudyn.base.errors import InputError
@@ -14,7 +15,7 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.steering_column import SteeringColumn
-from rps_exudyn.solvers.torque_path import upper_end
+from rps_exudyn.verification.sampler import random_gear
 
 FRICTION, TYRES, PEAK = 0.4, 200e3, 4.0
 # friction of the bearings alone does not grow with the load
@@ -159,3 +160,21 @@ def test_a_torque_below_friction_moves_nothing_off() -> None:
 def test_refused(settings: dict[str, object], fidelity: str, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
         rps.run("steering-torque", GEAR.replace(settings), fidelity=fidelity)
+
+
+def test_steps_without_an_equilibrium_are_halved_with_the_wheels_angles() -> None:
+    """A random gear whose equilibria need shorter steps than the test's; it was an IndexError."""
+    gear = random_gear(np.random.default_rng(17), "steering-feel")
+    gear = gear.replace({"test.tyre_stiffness": 200e3, "test.steer_torque": 4.0})
+    result = rps.run("steering-torque", gear, fidelity="quasi-static")
+    assert result.signals, result.message
+    steps = np.diff(result["time"])
+    halvings = np.log2(steps.max() / steps)
+    assert halvings.max() > 0.5
+    assert halvings == pytest.approx(np.round(halvings), abs=1e-6)
+    # each angle of the wheel twists the column by the hand's torque
+    column = SteeringColumn.of(gear)
+    twist = column.output(result["wheel_angle"]) - result["pinion_angle"]
+    torque = result["wheel_torque"] / column.ratio(result["wheel_angle"])
+    settled = column.stiffness * twist + column.damping * np.gradient(twist, result["time"])
+    assert settled == pytest.approx(torque, abs=0.02 * np.ptp(torque))

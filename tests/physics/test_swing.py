@@ -11,6 +11,7 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.maneuver import swing_maneuver
 from rps_exudyn.scenes.swing import unclosed
 from rps_exudyn.simulate.checked_run import run_unchecked
+from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.verification.stability import ScenePlan
 
 STILL = Fidelity.preset("quasi-static")
@@ -27,6 +28,13 @@ def test_lag_does_not_depend_on_where_steps_are_divided() -> None:
     assert lag(even, np.abs(even - 5)) == pytest.approx(1.0)
     assert lag(divided, np.abs(divided - 5)) == pytest.approx(1.0)
     assert lag(divided, 3 * divided) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_reversal_by_the_closed_form_jumps_by_both_free_torques() -> None:
+    """A record without the rack's motions across its travel, as formulas leave it, is a closed loop, too."""
+    gear = SteeringGear()
+    result = run_unchecked("reversal", gear, Fidelity.preset("closed-form"))
+    assert result.summary["torque_jump"] == pytest.approx(2 * closed_form(gear).free_torque, rel=1e-3)
 
 
 def test_a_gear_that_rolls_into_its_cycle_is_begun_earlier() -> None:

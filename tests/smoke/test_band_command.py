@@ -2,6 +2,7 @@
 
 import json
 import re
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,16 @@ def test_band_is_printed_and_every_sample_kept(command: Command) -> None:
     assert kept["figures"]["torque_mean"]["quantiles"][2] == pytest.approx(np.median(known))
     assert rps.load("r.h5").gear.yoke.preload == 300
     assert Path("r.png").stat().st_size > 10_000
+
+
+def test_interrupt_while_the_picture_is_drawn_names_the_files_that_are_there(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rps_exudyn.charts.band.band_figure", lambda *_: signal.raise_signal(signal.SIGINT))
+    answer = command(["run", *OPTIONS, "--band", "16", "--set", "yoke.preload=300 N +- 9 N"])
+    assert answer.status == 130
+    assert answer.err.endswith("interrupted; r.h5, r.band.json are written, the rest is not.\n")
+    assert rps.load("r.h5").gear.yoke.preload == 300
 
 
 def test_band_as_json_and_files_that_were_there(command: Command) -> None:

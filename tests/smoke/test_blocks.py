@@ -14,7 +14,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.block import Block, CaseRecord, packed
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
-from rps_exudyn.study.blocks import Blocks, load
+from rps_exudyn.study.blocks import Blocks
 from rps_exudyn.study.collected import write_table
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable
@@ -80,12 +80,29 @@ def test_table_and_dataset_are_the_same(twins: tuple[Store, Store], tmp_path: Pa
     assert np.isfinite(blocks.pinion_torque.values).any()
 
 
-def test_path_of_a_case_means_the_one_in_the_block(twins: tuple[Store, Store]) -> None:
+def test_path_of_a_case_means_the_one_in_the_block(
+    twins: tuple[Store, Store], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """For Python and commands alike, absolute or from within the study; what is read is the reader's own."""
     files, blocks = twins
-    case, result = next(files.results())
-    assert same(load(blocks.path_of(case.hash)), result)
+    monkeypatch.chdir(blocks.path)
+    for case, result in files.results():
+        for path in (blocks.path_of(case.hash), f"cases/{case.hash}.h5"):
+            found = rps.load(path)
+            assert same(found, result)
+            for values in found.signals.values():
+                values[:] = 0
     with pytest.raises(InputError, match="holds no case"):
-        load(blocks.path / "cases" / "0123456789abcdef.h5")
+        rps.load(blocks.path / "cases" / "0123456789abcdef.h5")
+
+
+def test_page_about_a_case_in_a_block_has_a_place(command: Command, twins: tuple[Store, Store]) -> None:
+    """There is no folder cases/ to put it in."""
+    _, blocks = twins
+    case, _ = next(blocks.results())
+    answer = command(["report", str(blocks.path_of(case.hash))])
+    assert (answer.status, answer.err) == (0, "")
+    assert Path(f"{case.hash}.html").exists()
 
 
 def test_any_flipped_byte_is_named_and_its_block_done_again(twins: tuple[Store, Store]) -> None:

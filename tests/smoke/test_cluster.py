@@ -1,61 +1,45 @@
 """Cases on a real Dask cluster on the loopback: a scheduler and two workers in processes of their own."""
 
-import contextlib
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 
+from reader import Server
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.study.store import Store
 from shell import Command
 from study_files import write_grid, write_stand_in
 
-
-def dask(*arguments: str, cwd: Path) -> "subprocess.Popen[bytes]":
-    """In a process group of its own, nannies and all; what it says goes to a file."""
-    command = [sys.executable, "-m", "distributed.cli.dask_" + arguments[0], *arguments[1:]]
-    with (cwd / f"{arguments[0]}.log").open("ab") as log:
-        return subprocess.Popen(command, cwd=cwd, stdout=log, stderr=log, start_new_session=True)
+LOCAL = "--host 127.0.0.1 --no-dashboard"
 
 
-def worker(address: str, cwd: Path) -> "subprocess.Popen[bytes]":
-    options = ("--nthreads", "1", "--no-dashboard", "--host", "127.0.0.1", "--local-directory", str(cwd))
-    return dask("worker", address, *options, cwd=cwd)
-
-
-def end(process: "subprocess.Popen[bytes]") -> None:
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
+def worker(address: str, folder: Path) -> Server:
+    """One that is connected."""
+    stand_in = {name: os.environ[name] for name in ("PYTHONPATH", "STAND_IN_SECONDS")}
+    options = f"--nthreads 1 --local-directory {folder} {LOCAL}"
+    return Server(f"dask worker {address} {options}", folder, "Registered to:", **stand_in)
 
 
 @pytest.fixture(scope="module")
 def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """A scheduler with two workers, which simulate nothing."""
     folder = tmp_path_factory.mktemp("cluster")
-    with pytest.MonkeyPatch.context() as environment:
+    with ExitStack() as running:
+        environment = running.enter_context(pytest.MonkeyPatch.context())
         environment.setenv("PYTHONPATH", str(write_stand_in(folder)), prepend=os.pathsep)
         environment.setenv("STAND_IN_SECONDS", "0.4")
-        yield from cluster(folder)
-
-
-def cluster(folder: Path) -> Iterator[str]:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    name = f"tcp://127.0.0.1:{port}"
-    running = [dask("scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard", cwd=folder)]
-    running += [worker(name, folder) for _ in range(2)]
-    yield name
-    for process in running:
-        end(process)
+        scheduler = Server(f"dask scheduler --port 0 {LOCAL}", folder, r"Scheduler at: *(tcp://\S+)")
+        running.callback(scheduler.end)
+        for _ in range(2):
+            running.callback(worker(scheduler.answer[1], folder).end)
+        yield scheduler.answer[1]
 
 
 @pytest.mark.filterwarnings("ignore")  # of Dask and its libraries
@@ -78,7 +62,7 @@ def test_lost_worker_is_replaced(command: Command, tmp_path: Path, address: str)
     file = write_grid(tmp_path / "s.toml", *range(911, 931))
     started = [sys.executable, "-m", "rps_exudyn", "study", str(file), "--cluster", address]
     with subprocess.Popen(started, cwd=tmp_path, stdout=subprocess.DEVNULL) as study:
-        until = time.monotonic() + 40
+        until = time.monotonic() + 300
         while not list((tmp_path / "s" / "cases").glob("[!.]*.h5")):
             assert time.monotonic() < until
             time.sleep(0.1)
@@ -86,9 +70,9 @@ def test_lost_worker_is_replaced(command: Command, tmp_path: Path, address: str)
         os.killpg(killed, signal.SIGKILL)
         another = worker(address, tmp_path)
         try:
-            assert study.wait(60) == 0
+            assert study.wait(600) == 0
         finally:
-            end(another)
+            another.end()
     assert len(list(Store.open(tmp_path / "s").rows())) == 20
 
 
@@ -107,7 +91,7 @@ def first_worker(address: str) -> int:
     """Its process group: the nanny's, which started it."""
     from distributed import Client
 
-    with Client(address, timeout=10, set_as_default=False) as client:
+    with Client(address, timeout=60, set_as_default=False) as client:
         return min(client.run(os.getpgrp).values())
 
 

@@ -3,6 +3,7 @@
 import dataclasses
 import os
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -10,11 +11,12 @@ from typing import get_args
 
 import pytest
 
+from rps_exudyn import load
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
 from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GEOMETRY
-from rps_exudyn.results.result import Result, load
+from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import SCENE_NAMES
 from shell import Command
 
@@ -42,6 +44,26 @@ def test_run_prints_a_summary_and_writes_both_files(command: Command, simulated:
     assert load("free-pinion-torque.h5").status is Status.OK
     assert Path("free-pinion-torque.png").read_bytes().startswith(b"\x89PNG")
     assert answer.err == ""
+
+
+def test_interrupt_while_the_picture_is_drawn_names_the_file_that_is_there(
+    command: Command, simulated: Result, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ctrl-C by its signal, as it comes, and as an extension wraps it."""
+
+    def wrapped() -> None:
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except KeyboardInterrupt as interrupt:
+            raise SystemError("returned a result with an exception set") from interrupt
+
+    for comes in (lambda: signal.raise_signal(signal.SIGINT), wrapped):
+        monkeypatch.setattr("rps_exudyn.charts.scene.draw", lambda *_, comes=comes: comes())
+        answer = command(["run", "--out", "a.h5"])
+        assert answer.status == 130
+        assert answer.err.endswith("rps-exudyn: interrupted; a.h5 is written, the rest is not.\n")
+        assert load("a.h5").summary == simulated.summary
+        assert not Path("a.png").exists()
 
 
 def test_run_hands_over_scene_and_gear(

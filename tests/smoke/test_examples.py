@@ -1,61 +1,72 @@
-"""Scripts and notebooks of `studies/examples` run as a user would run them, and find what theory says.
+"""Scripts and notebooks of `studies/examples` run as a user runs them, and find what theory says.
 
-All in this process, which has loaded the package and its kernels. Notebooks are JSON: their cells of code run
+Each in a fresh process, in a folder that `rps-exudyn init` wrote. Notebooks are JSON: their cells of code run
 one after the other, without Jupyter.
 """
 
 import json
 import re
-import runpy
 import shutil
-import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
+from reader import EXAMPLES, Session
+from rps_exudyn import read_measured_torque
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes import _OWN, SCENE_NAMES, add_scene, scene_named
+from rps_exudyn.scenes import SCENE_NAMES, add_scene, scene_named
 from rps_exudyn.solvers.closed_form import torque_per_preload
+from shell import in_fresh_process
 
-EXAMPLES = Path(__file__).parents[2] / "studies" / "examples"
 NOTEBOOKS = sorted(EXAMPLES.glob("*.ipynb"))
-TESTED = {"preload_sweep", "own_exudyn_model", "own_gear", "own_scene", "tables_and_datasets"}
+SCRIPTS = {
+    "preload_sweep": "[PICTURE.png]",
+    "own_exudyn_model": "[view]",
+    "own_gear": "[GEAR.toml]",
+    "own_scene": "",
+    "tables_and_datasets": "",
+    "measured/make_made_up": "[FOLDER]",
+}
+"""Each script, and what its first lines say that it takes."""
+
+Ran = Callable[..., str]
 
 
 @pytest.fixture
-def ran(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Any:
-    """A function that runs an example with arguments and returns what it printed."""
-    monkeypatch.chdir(tmp_path)
+def ran(tmp_path: Path) -> Ran:
+    """A function that runs an example with arguments, where it stands, and returns what it printed."""
 
     def run(name: str, *arguments: str) -> str:
-        path = EXAMPLES / f"{name}.py"
-        monkeypatch.setattr(sys, "argv", [str(path), *arguments])
-        runpy.run_path(str(path), run_name="__main__")
-        return capsys.readouterr().out
+        script = shutil.copytree(EXAMPLES, tmp_path / "examples") / f"{name}.py"
+        printed = f"python {script.name} {SCRIPTS[name]}".strip()
+        assert f"\n    {printed}\n" in script.read_text(encoding="utf-8")
+        done = in_fresh_process(" ".join(["python", script.name, *arguments]), script.parent)
+        assert (done.returncode, done.stderr) == (0, "")
+        return done.stdout
 
-    yield run
-    _OWN.clear()
+    return run
 
 
 def test_every_script_is_tested() -> None:
-    assert {path.stem for path in EXAMPLES.glob("*.py")} == TESTED
+    found = {str(path.relative_to(EXAMPLES).with_suffix("")) for path in EXAMPLES.rglob("*.py")}
+    assert found == SCRIPTS.keys()
 
 
-def test_sweep_finds_the_torque_that_the_preload_does_not_make(ran: Any, tmp_path: Path) -> None:
+def test_sweep_finds_the_torque_that_the_preload_does_not_make(ran: Ran, tmp_path: Path) -> None:
     """Torque is linear in the preload; without any the drag of the bush and the bearings remain."""
     printed = ran("preload_sweep", "sweep.png")
-    assert (tmp_path / "sweep.png").stat().st_size > 5000
+    assert (tmp_path / "examples" / "sweep.png").stat().st_size > 5000
     left = float(re.findall(r"to ([\d.]+) N mm", printed)[0])
     gear = SteeringGear()
     drag = gear.bush.drag * GearPair.of(gear).gain + gear.bearing.friction_torque
     assert left == pytest.approx(1e3 * drag, rel=0.03)
 
 
-def test_exudyn_system_can_be_taken_over(ran: Any) -> None:
+def test_exudyn_system_can_be_taken_over(ran: Ran) -> None:
     """The bar moves by gain times speed, whatever pulls: the drive is prescribed, the teeth are stiff.
 
     Micrometres of yield within 0.2 s make less than 1 %; the example's own sensor tells it.
@@ -67,7 +78,7 @@ def test_exudyn_system_can_be_taken_over(ran: Any) -> None:
     assert speed == pytest.approx(expected, rel=0.01)
 
 
-def test_own_gear_travels_as_its_teeth_say(ran: Any) -> None:
+def test_own_gear_travels_as_its_teeth_say(ran: Ran) -> None:
     """z pi m_n / cos beta_r per turn; the gear that cannot be built is refused."""
     printed = ran("own_gear")
     travel = float(re.findall(r"travel ([\d.]+) mm", printed)[0])
@@ -76,12 +87,11 @@ def test_own_gear_travels_as_its_teeth_say(ran: Any) -> None:
     assert "refused: yoke.plunger_diameter is 15 mm" in printed
 
 
-def test_own_scene_holds_the_pull(ran: Any) -> None:
+def test_own_scene_holds_the_pull(ran: Ran) -> None:
     """The middle of the loop is the pull times the gain; friction shifts it by a part of what rubs."""
     printed = ran("own_scene")
     pulled, free = (float(each) for each in re.findall(r"around (-?[\d.]+) N m", printed))
     assert pulled - free == pytest.approx(200 * GearPair.of(SteeringGear()).gain, rel=0.02)
-    assert scene_named("pulled-reversal").chart == "reversal"
 
 
 def test_own_scene_cannot_take_the_name_of_another() -> None:
@@ -91,7 +101,7 @@ def test_own_scene_cannot_take_the_name_of_another() -> None:
         scene_named("pulled-reversal")
 
 
-def test_table_has_the_slope_of_the_closed_form(ran: Any) -> None:
+def test_table_has_the_slope_of_the_closed_form(ran: Ran) -> None:
     """dT/dP of the formula, friction being small: within 5 % of the equilibria's."""
     printed = ran("tables_and_datasets")
     slopes = [float(each) for each in re.findall(r"([\d.]+) N mm per newton", printed)]
@@ -100,15 +110,28 @@ def test_table_has_the_slope_of_the_closed_form(ran: Any) -> None:
         assert slope == pytest.approx(1e3 * torque_per_preload(gear), rel=0.05)
 
 
+def test_made_up_curves_are_made_anew(ran: Ran, tmp_path: Path) -> None:
+    """To the last digit of the files, which other versions of libraries may round otherwise."""
+    ran("measured/make_made_up", str(tmp_path))
+    shipped_files = [*(EXAMPLES / "measured").glob("*.csv"), EXAMPLES.parent / "measured.csv"]
+    assert {path.name for path in shipped_files} == {path.name for path in tmp_path.glob("*.csv")}
+    for path in shipped_files:
+        made, shipped = (read_measured_torque(each) for each in (tmp_path / path.name, path))
+        for signal, values in shipped.signals.items():
+            np.testing.assert_allclose(made.signals[signal], values, rtol=0, atol=2e-4)
+
+
 @pytest.mark.parametrize("notebook", [pytest.param(path, id=path.stem) for path in NOTEBOOKS])
-def test_notebook_runs(notebook: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.chdir(tmp_path)
-    shutil.copytree(EXAMPLES, tmp_path / "examples")
+def test_notebook_runs(notebook: Path, tmp_path: Path) -> None:
+    """In its own folder, where Jupyter starts it."""
     content = json.loads(notebook.read_text(encoding="utf-8"))
     assert content["nbformat"] == 4
     cells = [cell for cell in content["cells"] if cell["cell_type"] == "code"]
     assert len({cell["id"] for cell in content["cells"]}) == len(content["cells"])
     assert not any(cell["outputs"] for cell in cells)  # versions print differently
-    names: dict[str, Any] = {"__name__": "__main__"}
-    for number, cell in enumerate(cells, 1):
-        exec(compile("".join(cell["source"]), f"{notebook.name}, cell {number}", "exec"), names)
+    session = Session(shutil.copytree(EXAMPLES, tmp_path / "examples"))
+    try:
+        for number, cell in enumerate(cells, 1):
+            session.run("".join(cell["source"]), f"{notebook.name}, cell {number}")
+    finally:
+        session.end()

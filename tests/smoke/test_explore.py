@@ -97,6 +97,8 @@ def test_a_solver_that_breaks_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> 
     [
         ({"yoke.preload": 2000}, "yoke.preload is 2000; it must be from 0 to 1000."),
         ({"yoke.preload": "300"}, "yoke.preload is '300'; it must be a number."),
+        ({"yoke.preload": 10**400}, "yoke.preload is 1000"),  # beyond the range of floats
+        ({"pinion.teeth": -(10**5000)}, "pinion.teeth is a number too long to be shown; it must be from 5"),
         ({"yoke.preload": float("nan")}, "yoke.preload is nan; it must be from 0 to 1000."),
         ({"test.turns": 5}, "test.turns is no slider of this page."),
         ([], "the state is no table of sliders."),
@@ -126,6 +128,9 @@ def test_other_states_are_refused(state: Any, sentence: str) -> None:
         ("POST", "/curve", [1], {}, 400),
         ("POST", "/curve", {"state": {"x": "y" * 30_000}}, {}, 400),
         ("POST", "/gear", {"state": {"yoke.preload": -1}}, {}, 422),
+        ("POST", "/gear", {"state": {"yoke.preload": 10**400}}, {}, 422),
+        ("POST", "/curve", {"state": {"yoke.preload": 10**400}, "number": 10**400}, {}, 200),
+        ("POST", "/curve", '{"state": {"yoke.preload": 1' + "0" * 5000 + "}}", {}, 400),
         ("DELETE", "/", None, {}, 501),
     ],
 )

@@ -1,14 +1,16 @@
 """What a newcomer does first: a folder to begin with, the doctor, an Exudyn system taken over."""
 
 import re
+import shlex
 from pathlib import Path
 
 import pytest
 
 import rps_exudyn as rps
+from rps_exudyn.analysis.passes import passes
 from rps_exudyn.cli import doctor_command
 from rps_exudyn.study.study_file import read_study
-from shell import Command
+from shell import Command, in_fresh_process
 
 ROOT = Path(__file__).parents[2]
 
@@ -26,6 +28,26 @@ def test_init_writes_what_the_package_ships_and_keeps_what_is_there(command: Com
     assert command(["init"]).out == ""
 
 
+def test_the_measured_file_that_init_writes_runs_and_says_that_it_is_made_up(command: Command) -> None:
+    """As README prints it, right after `init`: rows in both directions, each of them marked."""
+    command(["init"])
+    text = Path("measured.csv").read_text(encoding="utf-8")
+    assert text.startswith("# EXAMPLE, MADE UP, NOT MEASURED")
+    rows = [line for line in text.splitlines() if re.match(r"-?\d", line)]
+    assert len(rows) > 50
+    assert all(row.endswith("; made up") for row in rows)
+    answer = command(["run", "--measured", "measured.csv", "--fidelity", "closed-form"])
+    assert answer.status == 0
+    assert "Torque towards +X, pinion angles of -180 ° to 180 °" in answer.out
+    measured = rps.load("free-pinion-torque.h5").measured
+    assert measured is not None
+    assert [each.direction for each in passes(measured.signals)] == [1, -1]
+    for line in re.findall(r"^# rps-exudyn (.+?)(?:  .*)?$", text, re.M):
+        assert (
+            command([*shlex.split(line), "--out", "x.toml" if line.startswith("fit") else "x.h5"]).status == 0
+        )
+
+
 def test_doctor_runs_a_reference(command: Command, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     answer = command(["doctor"])
     assert answer.status == 0
@@ -34,6 +56,28 @@ def test_doctor_runs_a_reference(command: Command, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(doctor_command, "PUBLISHED", 0.62)
     wrong = command(["doctor"])
     assert (wrong.status, "NO  reference run" in wrong.out) == (1, True)
+
+
+def test_doctor_finds_the_cache_in_a_fresh_process(tmp_path: Path) -> None:
+    """Beside what another version left there; the current folder is another one. The reference compiles."""
+    older = tmp_path / "home" / "rps_exudyn" / "older" / "kernel.nbc"
+    older.parent.mkdir(parents=True)
+    older.write_bytes(bytes(4_000_000))
+    (tmp_path / "here").mkdir()
+
+    def doctor(options: str) -> str:
+        home = str(tmp_path / "home")
+        done = in_fresh_process(f"rps-exudyn doctor{options}", tmp_path / "here", XDG_CACHE_HOME=home)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert f"cache is writable  {tmp_path}/home/rps_exudyn\n" in done.stdout
+        (megabytes,) = re.findall(rf"compiled kernels   {tmp_path}/home/rps_exudyn, (\d+) MB", done.stdout)
+        return str(megabytes)
+
+    assert doctor(" --clear-cache") == "0"
+    assert not older.exists()
+    compiled = [file for file in (tmp_path / "home").rglob("*") if file.is_file()]
+    assert compiled
+    assert doctor("") == f"{sum(file.stat().st_size for file in compiled) / 1e6:.0f}"
 
 
 def test_doctor_removes_its_own_cache_only(tmp_path: Path) -> None:

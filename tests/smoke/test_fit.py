@@ -1,5 +1,6 @@
 """The command `fit` on the made-up curves that are shipped: what it prints, and the files it leaves."""
 
+import signal
 from pathlib import Path
 
 import pytest
@@ -16,8 +17,12 @@ def files(command: Command) -> list[str]:
 
 
 def test_fit_prints_what_is_known_and_writes_its_files(command: Command, files: list[str]) -> None:
-    answer = command(["fit", *files, "--single-law", "--plot", "fit.png", "--report", "fit.html"])
+    curve = Path(files[0]).read_text(encoding="utf-8").replace("-178,00;68,04", "-178,00;")
+    Path("bench.csv").write_text(curve, encoding="utf-8")
+    options = ["--single-law", "--plot", "fit.png", "--report", "fit.html"]
+    answer = command(["fit", "bench.csv", files[1], *options])
     assert answer.status == 0
+    assert "note: bench: 1 row without a value is left out: line 5\n" in answer.out
     assert "mean free torque 0.66" in answer.out
     assert "not separable by these tests: yoke.preload, mesh.friction, yoke.friction" in answer.out
     gear = rps.SteeringGear.from_toml("fitted.toml")
@@ -25,6 +30,7 @@ def test_fit_prints_what_is_known_and_writes_its_files(command: Command, files: 
     assert "not separable" in Path("fitted.toml").read_text(encoding="utf-8")
     page = Path("fit.html").read_text(encoding="utf-8")
     assert page.count("<svg") == 2
+    assert "bench: 1 row without a value is left out: line 5." in page
     assert "yoke.preload x mesh.friction^0." in page
     assert Path("fit.png").stat().st_size > 20_000
 
@@ -38,8 +44,23 @@ def test_the_next_gear_of_a_series_is_fitted_like_the_first(command: Command, fi
     assert second.json["level"]["value"] == pytest.approx(first.json["level"]["value"], rel=1e-4)
 
 
+def test_interrupt_while_the_picture_is_drawn_names_the_files_that_are_there(
+    command: Command, files: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rps_exudyn.charts.style.save", lambda *_: signal.raise_signal(signal.SIGINT))
+    options = ["--single-law", "--plot", "fit.png", "--series", "s.json", "--free", "yoke.preload"]
+    answer = command(["fit", files[0], *options])
+    assert answer.status == 130
+    assert answer.err.endswith("interrupted; fitted.toml, s.json are written, the rest is not.\n")
+    assert Path("fitted.toml").exists()
+    assert Path("s.json").exists()
+    assert not Path("fit.png").exists()
+
+
 def test_fit_as_json(command: Command, files: list[str]) -> None:
     answer = command(["fit", files[0], "--single-law", "--json", "--free", "yoke.preload"])
     assert answer.json["estimates"]["yoke.preload"]["verdict"] == "follows from what was given of others"
     assert answer.json["converged"] is True
+    rest = "made_up_free: 1 row is left out, line 364, where the angle stands still or jerks back"
+    assert answer.json["left_out"] == [rest]
     assert answer.json["files"] == ["fitted.toml"]

@@ -2,8 +2,8 @@
 
 import pytest
 
+from rps_exudyn import load
 from rps_exudyn.parameters.fidelity import PRESETS
-from rps_exudyn.results.result import load
 from shell import Command
 
 TOY = ["test.turns=0.00833333", "fidelity.profile_samples=12", "fidelity.axial_samples=10"]

@@ -1,22 +1,30 @@
 """Every scene has its picture, drawn from signals alone; a measured curve lies over every torque."""
 
 import dataclasses
+import json
+from collections.abc import Callable
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 
-from rps_exudyn.analysis.measured import MeasuredTorque
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.charts import style
+from rps_exudyn.charts.curves import NOT_SIMULATED
 from rps_exudyn.charts.load_test import load_test_figure
 from rps_exudyn.charts.losses import losses_figure
 from rps_exudyn.charts.scene import draw
 from rps_exudyn.charts.several import torques_figure
 from rps_exudyn.charts.spectrum import spectrum_figure
 from rps_exudyn.charts.torque import torque_figure
-from rps_exudyn.results.result import Result
+from rps_exudyn.results.measured_torque import MeasuredTorque
+from rps_exudyn.results.result import Result, content_of
 from rps_exudyn.scenes import SCENE_NAMES
+from rps_exudyn.study.blocks import load
+from shell import Command
 
 
 @pytest.fixture
@@ -83,15 +91,107 @@ def test_both_directions_are_drawn_against_their_motion(there_and_back: Result) 
         assert np.mean(line.get_ydata()) == pytest.approx(level, abs=1e-3)
 
 
-@pytest.mark.parametrize("figure", [torque_figure, load_test_figure])
-def test_measured_curve_is_named_and_has_the_sense_of_the_simulated(
-    figure: object, there_and_back: Result, measured: MeasuredTorque
+def measured_lines(axes: Axes) -> list[Line2D]:
+    return [line for line in axes.lines if line.get_color() == style.COLOURS["measured"]]
+
+
+def test_measured_curve_of_a_load_test_has_the_sense_of_the_simulated(
+    there_and_back: Result, measured: MeasuredTorque
 ) -> None:
-    torque = figure(there_and_back, measured).axes[0]  # type: ignore[operator]
+    (torque,) = load_test_figure(there_and_back, measured).axes
     assert "measured: bench" in [text.get_text() for text in torque.get_legend().get_texts()]
-    (forward, backward) = [line for line in torque.lines if line.get_color() == "#000000"]
-    assert np.mean(forward.get_ydata()) == pytest.approx(0.61)
-    assert np.mean(backward.get_ydata()) == pytest.approx(0.61 if figure is torque_figure else -0.61)
+    levels = [np.mean(line.get_ydata()) for line in measured_lines(torque)]
+    assert levels == pytest.approx([0.61, -0.61])
+
+
+@pytest.mark.parametrize("recorded", ["there and back", "there", "back"])
+def test_both_directions_of_a_measured_torque_have_a_panel_each(
+    recorded: str, there_and_back: Result, measured: MeasuredTorque
+) -> None:
+    """Against the motion, so that an axis spans the ripple and not both signs."""
+    part = {"there and back": slice(None), "there": slice(481), "back": slice(481, None)}[recorded]
+    signals = {name: values[part] for name, values in there_and_back.signals.items()}
+    summary = {"torque_mean": float(np.mean(signals["pinion_torque"]))}
+    result = dataclasses.replace(there_and_back, signals=signals, summary=summary)
+    forward, backward, *_ = torque_figure(result, measured).axes
+    for axes, direction in ((forward, "there"), (backward, "back")):
+        low, high = axes.get_ylim()
+        assert 0.5 < low < high < 0.7
+        (line,) = measured_lines(axes)
+        assert np.mean(line.get_ydata()) == pytest.approx(0.61)
+        labels = [text.get_text() for text in axes.get_legend().get_texts()]
+        assert "measured: bench" in labels
+        assert ("simulated" if direction in recorded else NOT_SIMULATED) in labels
+
+
+@pytest.mark.parametrize("level", [0.05, 0.61, 5.0])
+def test_measured_curve_lies_inside_the_axes_over_the_simulated_angles(
+    level: float, made_up_result: Result
+) -> None:
+    """Angles from -180 to 180 deg lie in two pieces over the simulated turn from 0 to 360 deg."""
+    angle = np.linspace(-np.pi, np.pi, 181)
+    measured = MeasuredTorque("bench", {"pinion_angle": angle, "pinion_torque": level + 0.1 * np.cos(angle)})
+    torque = torque_figure(made_up_result, measured).axes[0]
+    assert torque.get_xlim() == pytest.approx((0, 360))
+    pieces = measured_lines(torque)
+    assert sum(len(line.get_xdata()) for line in pieces) == angle.size
+    for line in pieces:
+        for values, limits in (
+            (line.get_xdata(), torque.get_xlim()),
+            (line.get_ydata(), torque.get_ylim()),
+        ):
+            assert limits[0] - 1e-6 <= np.min(values)
+            assert np.max(values) <= limits[1] + 1e-6
+
+
+def test_a_result_keeps_the_measured_torque_and_report_and_show_have_it(
+    made_up_result: Result, measured: MeasuredTorque, command: Command
+) -> None:
+    dataclasses.replace(made_up_result, measured=measured).save("r.h5")
+    found = load("r.h5").measured
+    assert found is not None
+    assert found.name == "bench"
+    for name, values in measured.signals.items():
+        np.testing.assert_array_equal(found.signals[name], values)
+    shown = command(["show", "r.h5", "--plot", "r.svg"])
+    assert "Torque towards +X, pinion angles of" in shown.out
+    assert "measured" in json.loads(command(["show", "r.h5", "--json"]).out)
+    assert command(["report", "r.h5"]).status == 0
+    page = Path("r.html").read_text(encoding="utf-8")
+    assert page.count(">measured: bench<") == 2  # in the legend of each direction
+    assert "Measured: bench" in page
+    assert "difference: RMS" in shown.out
+    assert "Difference: RMS" in page
+
+
+def replaced(group: h5py.Group, name: str, data: object) -> None:
+    del group[name]
+    group.create_dataset(name, data=data)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda group: group.pop("pinion_torque"),
+        lambda group: group.attrs.pop("name"),
+        lambda group: group.attrs.create("name", 3),
+        lambda group: replaced(group, "pinion_angle", np.full(120, np.nan)),
+        lambda group: replaced(group, "pinion_angle", np.zeros((3, 2))),
+        lambda group: replaced(group, "pinion_angle", np.zeros(3)),
+        lambda group: replaced(group, "pinion_angle", "text"),
+        lambda group: (group.pop("pinion_angle"), group.create_group("pinion_angle")),
+    ],
+)
+def test_a_damaged_measured_torque_is_refused(
+    damage: Callable[[h5py.Group], object], made_up_result: Result, measured: MeasuredTorque, tmp_path: Path
+) -> None:
+    """In a file without a checksum, as versions before 1.2 wrote them."""
+    content = content_of(dataclasses.replace(made_up_result, measured=measured))
+    (tmp_path / "r.h5").write_bytes(content)
+    with h5py.File(tmp_path / "r.h5", "r+") as file:
+        damage(file["measured"])
+    with pytest.raises(InputError, match=r"r\.h5 is damaged"):
+        load(tmp_path / "r.h5")
 
 
 def test_load_test_shows_the_torque_without_losses_and_says_self_locking(there_and_back: Result) -> None:

@@ -8,11 +8,11 @@ import pytest
 from exudyn.itemInterface import Force, MarkerNodePosition
 
 import rps_exudyn as rps
+from rps_exudyn import load
 from rps_exudyn.multibody import model as model_of_gear
 from rps_exudyn.multibody.recorder import Recorder
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.result import load
 from shell import Command
 
 TURNS = 1 / 36

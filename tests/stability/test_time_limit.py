@@ -12,19 +12,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rps_exudyn import load
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.checks import memory
 from rps_exudyn.gears.report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.result import load
 from rps_exudyn.simulate.case_run import CaseRunner
 from rps_exudyn.simulate.time_limit import TimeLimit, alarm, place_of
 from shell import Command
 
 # Half a million equilibria or time steps: minutes, wherever the tests run
 LONG = {"fidelity.step_angle": "0.001 deg", "test.turns": 1.4, "pinion.runout": "10 um"}
+PATIENCE = 90  # [s] with a busy machine; less than any run here takes that is not ended
 
 
 def task(preset: str, limit: float) -> dict[str, object]:
@@ -43,11 +44,11 @@ def task(preset: str, limit: float) -> dict[str, object]:
 def test_run_ended_by_its_limit_keeps_what_it_recorded(preset: str, tmp_path: Path) -> None:
     runner = CaseRunner()
     runner.warm_up(task(preset, float("inf")) | {"fidelity": Fidelity.preset(preset).model_dump()}, 0.01)
-    begun = time.monotonic()
+    begun, cpu_begun = time.monotonic(), time.process_time()
     row, content = runner.run(task(preset, 1.5))
     assert row["status"] == "timeout"
-    # two seconds beyond its limit and one for a machine that does something else
-    assert 1.5 <= row["wall_s"] <= time.monotonic() - begun < 4.5
+    assert 1.5 <= row["wall_s"] <= time.monotonic() - begun
+    assert time.process_time() - cpu_begun < 4.5  # of CPU time: the machine may do something else
     assert "time limit of 1.5 s (interrupted at " in row["message"]
     assert "s of CPU time in" in row["message"]
     (tmp_path / "r.h5").write_bytes(content)
@@ -59,10 +60,11 @@ def test_run_ended_by_its_limit_keeps_what_it_recorded(preset: str, tmp_path: Pa
 
 def test_limit_that_is_over_at_once_ends_the_command(tmp_path: Path, command: Command) -> None:
     """While libraries are loaded, nothing hears the alarm; the process is ended."""
-    begun = time.monotonic()
+    begun, cpu_begun = time.monotonic(), time.process_time()
     answer = command(["run", "--time-limit", "0.1 s", "--out", "a.h5"])
     assert answer.status == 1
-    assert time.monotonic() - begun < 0.1 + 2 + 5  # five for the libraries of this process
+    assert time.process_time() - cpu_begun < 0.1 + 2 + 5  # five for the libraries of this process
+    assert time.monotonic() - begun < PATIENCE
     result = load("a.h5")
     assert result.status is Status.TIMEOUT
     # where they are loaded within the second that a run has to end by itself, it hears the alarm first of all
@@ -99,18 +101,18 @@ def test_ctrl_c_reaches_a_run_with_a_time_limit(tmp_path: Path) -> None:
         text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
-    end, child = time.monotonic() + 60, None
+    end, child = time.monotonic() + PATIENCE, None
     while child is None and time.monotonic() < end:
         time.sleep(0.05)
         child = child_of(process.pid)
     assert child is not None
     process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=20)
+    _, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130
     assert "Traceback" not in err
     assert "interrupted" in err
     # A child that was still loading Python ends when it finds its input closed.
-    end = time.monotonic() + 20
+    end = time.monotonic() + PATIENCE
     while runs(child) and time.monotonic() < end:
         time.sleep(0.05)
     assert not runs(child)

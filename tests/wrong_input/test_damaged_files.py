@@ -8,9 +8,10 @@ import pytest
 from benchmarks.bad_inputs.damaged_files import COLUMNS, damaged_table, run, trial
 from edited import edited
 from made_up_study import make_study
+from rps_exudyn import load
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.seal import SIZE, is_intact, sealed, without_seal
-from rps_exudyn.results.result import Result, load
+from rps_exudyn.results.result import Result
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable
 from shell import Command
@@ -55,6 +56,23 @@ def test_files_without_a_checksum_are_read(study: Path) -> None:
     new = load(path)
     path.write_bytes(without_seal(path.read_bytes()))
     assert load(path).summary == new.summary
+
+
+@pytest.mark.parametrize("levels", [900, 20000])  # of which Python's reader of JSON refuses the latter
+@pytest.mark.parametrize("name", ["solver", "library_versions"])
+def test_tables_nested_without_end_are_no_traceback(
+    study: Path, command: Command, levels: int, name: str
+) -> None:
+    """A text of the origin is shown as it is; tables that belong to the result are refused."""
+    path = next((study / "cases").glob("*.h5"))
+    with edited(path) as file:
+        del file.attrs[name]
+        file.attrs[name] = '{"x": ' + "[" * levels + "]" * levels + "}"
+    refused = name == "solver"
+    for arguments in (["show", str(path), "--json"], ["report", str(path), "--out", "r.html"]):
+        answer = command(arguments)
+        assert answer.status == (2 if refused else 0)
+        assert ("is nested more than 50 levels deep" in answer.err) is refused
 
 
 def test_file_that_another_program_changed_is_refused(study: Path) -> None:

@@ -1,56 +1,47 @@
 """A closed pipe, a full disk, a poor terminal, a lost folder, numbers beyond all sizes: no traceback."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.setup import Setup
-from shell import Command
+from shell import Command, in_fresh_process
 
 NUMBERS = [item.path for item in Setup.declared() if item.field.annotation is float]
 
 
-def in_shell(line: str, folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
-    """A line of a shell in which `$X` is the command."""
-    command = f"{sys.executable} -m rps_exudyn"
-    values = {**os.environ, "X": command, **environment}
-    return subprocess.run(
-        line, shell=True, cwd=folder, env=values, capture_output=True, text=True, check=False
-    )
-
-
 def test_reader_that_has_seen_enough(tmp_path: Path) -> None:
-    done = in_shell("$X describe --json | head -1", tmp_path)
+    done = in_fresh_process("rps-exudyn describe --json | head -1", tmp_path)
     assert (done.stdout, done.stderr) == ("{\n", "")
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
 @pytest.mark.parametrize("arguments", ["describe", "describe --json"])
 def test_output_on_a_full_disk(tmp_path: Path, arguments: str) -> None:
-    done = in_shell(f"$X {arguments} > /dev/full", tmp_path)
+    done = in_fresh_process(f"rps-exudyn {arguments} > /dev/full", tmp_path)
     assert done.returncode == 2
     assert done.stderr == "rps-exudyn: the output cannot be written: No space left on device.\n"
 
 
 def test_terminal_without_greek_letters(tmp_path: Path) -> None:
-    done = in_shell("$X run --fidelity closed-form", tmp_path, PYTHONIOENCODING="ascii")
+    done = in_fresh_process("rps-exudyn run --fidelity closed-form", tmp_path, PYTHONIOENCODING="ascii")
     assert done.returncode == 0
     assert "torque_mean" in done.stdout
 
 
 def test_drawing_backend_that_does_not_exist(tmp_path: Path) -> None:
-    assert in_shell("$X run --fidelity closed-form", tmp_path, MPLBACKEND="nonsense").returncode == 0
+    assert (
+        in_fresh_process("rps-exudyn run --fidelity closed-form", tmp_path, MPLBACKEND="nonsense").returncode
+        == 0
+    )
     assert (tmp_path / "free-pinion-torque.png").exists()
 
 
 def test_folder_that_is_gone(tmp_path: Path) -> None:
     gone = tmp_path / "gone"
     gone.mkdir()
-    done = in_shell(f"rmdir {gone}; $X describe", gone)
+    done = in_fresh_process(f"rmdir {gone}; rps-exudyn describe", gone)
     assert done.returncode == 2
     assert done.stderr.startswith("rps-exudyn: the current folder does not exist any more")
 

@@ -41,6 +41,37 @@ def test_tests_that_do_not_exist_are_refused(text: str, sentence: str) -> None:
         named_test(text)
 
 
+def test_rows_that_are_left_out_are_named_with_the_reason(tmp_path: Path) -> None:
+    """A header in line 1, a way to the start, a rest at both turns, a jerk back, missing values, a footer."""
+    way = [(a, 0.1) for a in range(0, -40, -1)]  # lines 2 to 41: falls by 39 deg
+    forth = [(a, 0.6) for a in range(-40, 200)]  # lines 42 to 281; the motion turns about in line 42
+    rest = [(199, 0.3)] * 4  # lines 282 to 285
+    back = [(a, -0.6) for a in range(198, -41, -1)]  # lines 286 to 524
+    rows = [f"{angle},{torque}" for angle, torque in [*way, *forth, *rest, *back]]
+    rows[100], rows[103] = "60,n/a", "63,"  # lines 102 and 105
+    rows[200:202] = [rows[201], rows[200]]  # line 203 jerks back
+    path = tmp_path / "bench.csv"
+    path.write_text(HEADER + "\n".join([*rows, "end of test", ""]))
+    assert read_measurement([path]).left_out == (
+        "bench: 2 rows without a value are left out: lines 102, 105",
+        "bench: 1 line without numbers is left out: line 525",
+        "bench: 5 rows are left out, lines 203, 282 to 285, where the angle stands still or jerks back",
+        "bench: 41 rows are left out, lines 2 to 42, a pass shorter than 20 % of the longest",
+    )
+
+
+def test_rows_of_a_reversal_and_of_long_passes_are_named_too(tmp_path: Path) -> None:
+    """Friction turns about within 3 deg of each end; more than 720 rows of a pass become medians."""
+    angle = np.linspace(-10, 10, 2001)
+    path = tmp_path / "bench.csv"
+    path.write_text(HEADER + "".join(f"{a:.2f},0.6\n" for a in angle))
+    assert read_measurement([f"reversal={path}"]).left_out == (
+        "bench: 602 rows are left out, lines 2 to 302, 1702 to 2002, within 3 deg of where the motion turns "
+        "about",
+        "bench: 1399 rows of a pass are taken together to 720 medians",
+    )
+
+
 def test_a_file_whose_name_has_a_sign_is_a_file(tmp_path: Path) -> None:
     path = tmp_path / "free=1.csv"
     path.write_text("x")
@@ -137,12 +168,14 @@ def test_a_file_that_is_no_series_is_refused(tmp_path: Path) -> None:
 
 
 def test_command_refuses_in_one_sentence(command: Command, short: Path) -> None:
+    Path("deep.json").write_text("[" * 20000 + "]" * 20000)
     for arguments, sentence in (
         ([], "fit needs at least one measured file"),
         ([str(short)], "a level needs a tooth pitch"),
         (["none.csv"], "none.csv cannot be read: No such file"),
         ([str(short), "--out", "a.json"], "a.json"),
         ([str(short), "--like", "none.json"], "none.json cannot be read"),
+        ([str(short), "--like", "deep.json"], "deep.json is no file of a series"),
         ([str(short), "--prior", "x"], "--prior x: x cannot be fitted"),
     ):
         answer = command(["fit", *arguments])

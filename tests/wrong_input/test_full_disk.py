@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from made_up_study import make_study
-from rps_exudyn.results.result import Result, load
+from rps_exudyn import load
+from rps_exudyn.results.result import Result
 from shell import Command
 
 FIT = """

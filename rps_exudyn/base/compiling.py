@@ -1,0 +1,107 @@
+"""Kernels while they are compiled: a listener gets how many there are, and the time left.
+
+    with listening(lambda step: print(step.done, step.total)):
+        rps.run(...)
+
+What a kernel calls is read from its code: the kernels among its names. Those that are compiled have
+signatures; a thread counts them.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from threading import Event, Thread
+from time import perf_counter
+from typing import Any, NamedTuple
+
+EVERY = 0.25  # [s] between counts
+LOADING = 1.0  # [s] that kernels take at most where a cache holds them
+OWN_SHARE = 0.5  # of the time, for the kernel itself behind those that it calls: all of them are in its code
+
+
+class Step(NamedTuple):
+    """How many kernels are compiled, of those that are known to be needed."""
+
+    done: int
+    total: int
+    seconds: float  # since the first one began
+    left: float  # [s]
+
+
+Listener = Callable[[Step], None]
+
+listeners: list[Listener] = []
+
+
+@contextmanager
+def listening(listener: Listener) -> Iterator[None]:
+    """Call a listener with each step of a block."""
+    listeners.append(listener)
+    try:
+        yield
+    finally:
+        listeners.remove(listener)
+
+
+def publish(step: Step) -> None:
+    """Call all listeners with a step; another process may have made it."""
+    for listener in tuple(listeners):
+        listener(step)
+
+
+def called(kernel: Any) -> dict[str, Any]:
+    """Return a kernel and all kernels that it calls, by module and name."""
+    found: dict[str, Any] = {}
+    ahead = [kernel]
+    while ahead:
+        function = (each := ahead.pop()).py_func
+        name = f"{function.__module__}.{function.__qualname__}"
+        if name not in found:
+            found[name] = each
+            names = (function.__globals__.get(one) for one in function.__code__.co_names)
+            ahead += [one for one in names if hasattr(one, "py_func")]
+    return found
+
+
+class _Count:
+    """Kernels that this process compiles."""
+
+    def __init__(self) -> None:
+        self._needed: dict[str, Any] = {}
+        self._seconds = 0.0  # of earlier kernels
+
+    @contextmanager
+    def running(self, kernel: Any) -> Iterator[None]:
+        """Publish steps while a kernel is compiled, as long as that takes longer than to load it."""
+        own, begun, ended = called(kernel), perf_counter(), Event()
+        new = {name: each for name, each in own.items() if name not in self._needed}
+        self._needed |= new
+        weights = {name: len(each.py_func.__code__.co_code) for name, each in new.items()}
+        whole, shown = sum(weights.values()), False
+
+        def step() -> Step:
+            seconds = perf_counter() - begun
+            done = sum(bool(each.signatures) for each in self._needed.values())
+            share = sum(weight for name, weight in weights.items() if new[name].signatures) / whole
+            share = max((1 - OWN_SHARE) * share, 0.02) if not kernel.signatures else 1.0
+            return Step(done, len(self._needed), self._seconds + seconds, seconds * (1 - share) / share)
+
+        def count() -> None:
+            nonlocal shown
+            while not ended.wait(EVERY):
+                if perf_counter() - begun > LOADING:
+                    shown = True
+                    publish(step())
+
+        thread = Thread(target=count, daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            ended.set()
+            thread.join()
+            if shown:
+                self._seconds += perf_counter() - begun
+                publish(Step(len(self._needed), len(self._needed), self._seconds, 0.0))
+
+
+compiling = _Count().running

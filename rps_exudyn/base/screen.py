@@ -1,0 +1,160 @@
+"""What a command shows on standard error while it works: rows with bars in a terminal, lines elsewhere.
+
+    with open_screen() as screen, screen.row(TextRow("case 3 of 20", 0.15)):
+        ...
+
+A screen that is not asked for shows nothing outside a terminal until something is compiled (`speak`): what
+goes to a file stays short, and nobody waits in silence.
+"""
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from threading import Event, Thread
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+EVERY = 2.0  # [s] between lines where they stay
+PER_SECOND = 4  # pictures of a terminal
+WIDTH = 30  # of a bar
+
+
+class Row(Protocol):
+    """Something that goes on; it is read now and then, by another thread."""
+
+    @property
+    def text(self) -> str:
+        """What goes on, and how far it is."""
+
+    @property
+    def fraction(self) -> float | None:
+        """How much of it is done, 0 to 1; None where that is not known."""
+
+
+@dataclass(eq=False)
+class TextRow:
+    """A row that is written from outside."""
+
+    text: str = ""
+    fraction: float | None = None
+
+
+class Screen:
+    """Rows that are shown while a block runs."""
+
+    def __init__(self, asked: bool = False) -> None:
+        """`asked`: lines are wanted outside a terminal, too."""
+        self._terminal = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
+        self._shows = asked or self._terminal
+        self._rows: list[Row] = []
+        self._live: Progress | None = None
+        self._tasks: dict[int, Any] = {}  # of rich, by the row's id
+        self._ended = Event()
+        self._lines: Thread | None = None
+
+    @contextmanager
+    def row(self, row: Row) -> Iterator[None]:
+        """Show a row during a block."""
+        self.add(row)
+        try:
+            yield
+        finally:
+            self.remove(row)
+
+    def add(self, row: Row) -> None:
+        """Show a row from now on, and as the one that is written where lines stay."""
+        self._rows = [*(each for each in self._rows if each is not row), row]
+        self._show()
+
+    def remove(self, row: Row) -> None:
+        """Show a row no longer."""
+        self._rows = [each for each in self._rows if each is not row]
+        if self._live and (task := self._tasks.pop(id(row), None)) is not None:
+            self._live.remove_task(task)
+
+    def speak(self) -> None:
+        """Show rows as lines from now on, where there is no terminal."""
+        self._shows = True
+        self._show()
+
+    def say(self, sentence: str) -> None:
+        """Write a line that stays."""
+        print(f"rps-exudyn: {sentence}", file=sys.stderr, flush=True)
+
+    def close(self) -> None:
+        """Show nothing any more."""
+        self._ended.set()
+        if self._live:
+            self._live.stop()
+        if self._lines:
+            self._lines.join()
+
+    def _show(self) -> None:
+        if not (self._shows and self._rows):
+            return
+        if not self._terminal:
+            if self._lines is None:
+                self._lines = Thread(target=self._write_lines, daemon=True)
+                self._lines.start()
+            return
+        if self._live is None:
+            self._live = _live()
+            self._live.start()
+        for row in self._rows:
+            if id(row) not in self._tasks:
+                self._tasks[id(row)] = self._live.add_task("", total=None, row=row)
+
+    def _write_lines(self) -> None:
+        """Write the row added last now and then, in a thread of its own."""
+        while True:
+            rows = self._rows
+            with suppress(OSError, ValueError):  # whoever reads the lines has ended
+                self.say(rows[-1].text if rows else "computing")
+            if self._ended.wait(EVERY):
+                return
+
+
+def _live() -> "Progress":
+    """Rows with bars that rich draws, again and again, at the same place."""
+    from rich.console import Console
+    from rich.progress import Progress, ProgressColumn, Task
+    from rich.progress_bar import ProgressBar
+    from rich.text import Text
+
+    class Bar(ProgressColumn):
+        def render(self, task: Task) -> ProgressBar:
+            done: float | None = task.fields["row"].fraction
+            return ProgressBar(1.0, done or 0.0, WIDTH, pulse=done is None, animation_time=task.elapsed)
+
+    class Words(ProgressColumn):
+        def render(self, task: Task) -> Text:
+            return Text(task.fields["row"].text)
+
+    return Progress(
+        Bar(),
+        Words(),
+        console=Console(stderr=True),
+        refresh_per_second=PER_SECOND,
+        transient=True,
+        redirect_stdout=False,  # standard output is for results
+    )
+
+
+_open: list[Screen] = []
+
+
+@contextmanager
+def open_screen(asked: bool = False) -> Iterator[Screen]:
+    """Return the screen of a block: the one that is open, or a new one."""
+    if _open:
+        yield _open[-1]
+        return
+    _open.append(Screen(asked))
+    try:
+        yield _open[-1]
+    finally:
+        _open.pop().close()
