@@ -111,7 +111,7 @@ class Behind:
     def _slope(self, time: float, h: float, place: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """Derivative of a stage's residual by its rates."""
         self.balance.memory[1, TIME] = time
-        by_rate = self.balance.force_and_tangent(place, rate, h, 1.0)[1]
+        by_rate = self.balance.tangent(place, rate, h, 1.0)
         by_rate[0, 0] -= h * self.column.stiffness + self.column.damping
         return np.asarray(self.mass / h - by_rate[np.ix_(self.moving, self.moving)])
 
