@@ -36,11 +36,10 @@ QUICK = (
 COMPILING = "smoke/test_real_runs.py"  # every preset
 SLOW = (  # files, or single tests, in the folders above that are not quick
     COMPILING,
+    "contract/test_law_call.py",
     "contract/test_limit_of_cpu_time.py",
-    "contract/test_handle.py",
     "contract/test_kernel_cache.py::test_one_process_compiles_and_all_compute_the_same",
-    "contract/test_kernels_free_memory.py",
-    "contract/test_small_inverse.py",
+    "contract/test_newton_step.py",
     "geometry/test_geometry_picture.py",
     "geometry/test_pinion_mesh.py",
     "geometry/test_rigid_mesh.py",

@@ -62,8 +62,9 @@ COURSES = [*((name, "pinion") for name in GEARS), ("errors", "rack")]
 @pytest.mark.parametrize(("name", "body"), COURSES)
 def test_forces_balance_where_it_ends(name: str, body: str) -> None:
     """Less than `TOLERANCE`, 1e-3 N with moments over a centimetre, is left at nine instants of ten. The step
-    from less than `ACCEPT` is not evaluated by the follower: where the contact has a kink within it, more may
-    be left. The torque that it takes from the tangent is that of an evaluation, within 5 mN at the gain.
+    from less than `ACCEPT` is not evaluated by the follower: up to twice as much may be left, nearly all
+    where a strip of law "area" has a corner within the step. The torque that it takes from the tangent is
+    that of an evaluation, within 5 mN at the gain.
     """
     forces, path, maneuver = followed(name, body)
     balance, driven = forces.statics, maneuver.drive.coordinate
@@ -76,8 +77,8 @@ def test_forces_balance_where_it_ends(name: str, body: str) -> None:
         total = balance.force(path.coordinates[k], path.rates[k])
         left.append(np.abs(total[free] / balance.lengths[free]).max())
         assert abs(total - path.forces[k])[driven] < max(5 * TOLERANCE, left[-1]) * lever
-    assert np.quantile(left, 0.85) < TOLERANCE
-    assert max(left) < ACCEPT
+    assert np.quantile(left, 0.9) < TOLERANCE
+    assert max(left) < (ACCEPT if name == "area" else 2 * TOLERANCE)
 
 
 @pytest.mark.parametrize(("name", "body"), COURSES)

@@ -5,7 +5,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from rps_exudyn.solvers.column_path import March, root
 
 import rps_exudyn as rps
 from rps_exudyn.analysis.curve import difference
