@@ -4,7 +4,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from rps_exudyn.solvers.torque_path import upper_end
 
 import rps_exudyn as rps
 from rps_exudyn.base.errors import InputError
