@@ -8,6 +8,7 @@ import numpy as np
 
 from rps_exudyn.analysis.passes import Signals
 from rps_exudyn.analysis.rack_pose import rack_poses
+from rps_exudyn.base.compiled import called
 from rps_exudyn.forces.rigid_motion import rotation_matrix
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.line_loads import line_loads, loads_data
@@ -31,7 +32,7 @@ def mesh_stiffness(gear: SteeringGear, signals: Signals) -> np.ndarray:
 
     def force(angle: float, point: np.ndarray, tilt: np.ndarray) -> np.ndarray:
         """Normal forces on the rack, shape (3,)."""
-        loads = line_loads(angle, point, tilt, data)
+        loads = called(line_loads, angle, point, tilt, data)
         pressed = loads.load * loads.length
         outward = sum(normals[side] * pressed[loads.side == side].sum() for side in normals)
         return np.asarray(-rotation_matrix(tilt) @ outward)

@@ -5,6 +5,7 @@ cost no counting of references, and many gears are an array of records.
 """
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -57,6 +58,7 @@ def pointer(*arguments: Any, result: Any = types.none) -> Any:
     return types.FunctionType(result(*arguments))
 
 
+@cache
 def ready(made: Any) -> Any:
     """Return a kernel of `kernel_of`, compiled or loaded for its types."""
     if not made.signatures:
@@ -65,6 +67,15 @@ def ready(made: Any) -> Any:
         made.disable_compile()  # other types of arguments are an error, not another compilation
         kernel_cache.stamp()
     return made
+
+
+def called(made: Any, *arguments: Any) -> Any:
+    """Return what a kernel returns; a kernel of any types of arguments is compiled, or loaded, when they
+    first come."""
+    if made.signatures:
+        return made(*arguments)
+    with compiling(made):
+        return made(*arguments)
 
 
 def record_type(fields: list[tuple[Any, ...]]) -> np.dtype:

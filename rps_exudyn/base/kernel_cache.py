@@ -20,7 +20,14 @@ import numba
 import numpy as np
 
 PACKAGE = Path(__file__).parents[1]
-KERNEL_SOURCES = ("base/*.py", "forces/*.py", "mesh_contact/*.py", "solvers/*.py", "animation/raster.py")
+KERNEL_SOURCES = (
+    "base/*.py",
+    "forces/*.py",
+    "mesh_contact/*.py",
+    "solvers/*.py",
+    "animation/raster.py",
+    "verification/seat_cells.py",
+)
 """What compiled code is made of: the kernels, and the records and constants that they read."""
 STAMP = ".sha256"
 KINDS = (".nbi", ".nbc")  # of numba: its index of a function, and the code for some types
@@ -39,7 +46,12 @@ def fingerprint(package: Path = PACKAGE) -> str:
 
 
 def compiled(function: Callable[..., Any], **options: Any) -> Any:
-    """Return a function as a kernel, with numba's cache if its folder can be trusted."""
+    """Return a function as a kernel, with numba's cache if its folder can be trusted.
+
+    What is written elsewhere has no cache: a change of the kernels that it calls would go unnoticed.
+    """
+    if not _is_source(Path(function.__code__.co_filename)):
+        return numba.njit(function, **options)
     try:
         made = numba.njit(function, cache=True, **options)
         folder = Path(made.stats.cache_path)
@@ -48,6 +60,12 @@ def compiled(function: Callable[..., Any], **options: Any) -> Any:
     except RuntimeError:  # numba finds no folder that it can write to
         made = numba.njit(function, **options)
     return made
+
+
+def _is_source(file: Path) -> bool:
+    return file.is_relative_to(PACKAGE) and any(
+        file.relative_to(PACKAGE).match(each) for each in KERNEL_SOURCES
+    )
 
 
 @cache

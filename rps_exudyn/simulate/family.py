@@ -118,17 +118,29 @@ class Family:
             per_pitch = 0
         angles = np.concatenate([record[0] + step * np.arange(-before - LEAD, 0), record])
         weighted = bool(maneuver.rack_load)
-        records = packed([gear, *_perturbed(gear, steps)], fidelity, weighted)
+        gears = [gear, *_perturbed(gear, steps)]
+        records = packed(gears, fidelity, weighted)
         forces = gear_forces(gear, fidelity, maneuver.rack_load)
         series = GearSeries(forces, pair, drive.pinion_speed(float(pair.gain), 0.0), drive.body)
-        first = _followed(maneuver, series, records[:1], angles)
+        first = _singly(maneuver, series, records[:1], angles)
         if first is None:
             return None
-        found = series.follow(records, angles, per_pitch, first, np.zeros((len(records), 0)))
-        if not found.found.all():
-            return None
-        sizes = np.array([each for _, each in steps])[:, None, None]
+        alike = Known.of(first[None], maneuver.time_step)
+        found = series.follow(records, angles, per_pitch, alike, np.zeros((len(records), 0)))
         motion = series.beside_rigid(found, records, angles)
+        motion[0] = first
+        for i in np.flatnonzero(~found.found[1:]) + 1:  # as where a contact's quadrature jumps
+            own = replace(
+                series,
+                forces=gear_forces(gears[i], fidelity, maneuver.rack_load),
+                pair=GearPair.of(gears[i]),
+            )
+            alone = _singly(maneuver, own, records[i : i + 1], angles)
+            if alone is None:
+                return None
+            motion[i] = alone
+            motion[i, :, Y] -= found.resting[i] + forces.approach
+        sizes = np.array([each for _, each in steps])[:, None, None]
         known = Known.of(
             np.concatenate([motion[:1], (motion[1::2] - motion[2::2]) / (2 * sizes)]), maneuver.time_step
         )
@@ -198,11 +210,11 @@ def _perturbed(gear: SteeringGear, steps: Sequence[tuple[Ends, float]]) -> list[
     ]
 
 
-def _followed(
-    maneuver: Maneuver, series: GearSeries, records: np.ndarray, angles: np.ndarray
-) -> Known | None:
-    """The reference gear's motion from a settled start, by the path of single runs; None where it does not
-    settle."""
+def _singly(
+    maneuver: Maneuver, series: GearSeries, record: np.ndarray, angles: np.ndarray
+) -> np.ndarray | None:
+    """Places (k, 8) at the mesh, beside what rigid bodies do, of the gear of a series from a settled start,
+    by the path of single runs; None where it is not found or does not settle."""
     travel = travel_per_radian(series.body, float(series.pair.gain))
     drive = Steady(series.body, travel * angles[0], travel * series.speed)
     time = maneuver.time_step * np.arange(len(angles))
@@ -213,7 +225,7 @@ def _followed(
     x = places[:, RACK].copy()
     places[:, Y] -= x * places[:, PITCH]
     places[:, Z] += x * places[:, YAW]
-    return Known.of(places - series.rigid(records, angles)[0], maneuver.time_step)
+    return np.asarray(places - series.rigid(record, angles)[0][0])
 
 
 # --- records of some gears -------------------------------------------------------------------------

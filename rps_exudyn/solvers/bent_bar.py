@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rps_exudyn.base.compiled import record
+from rps_exudyn.base.compiled import called, record
 from rps_exudyn.gears.bar_bow import BarBow
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam, RackModes
@@ -55,7 +55,7 @@ class BentBar:
         those of the whole gear, (n, 8 + m)."""
         q, v = (np.ascontiguousarray(rows) for rows in (coordinates, rates))
         bars = np.array([self.record], dtype=BAR)
-        local = local_poses(q, v, *place, bars, self.pool)
+        local = called(local_poses, q, v, *place, bars, self.pool)
         return local[:, 0], local[:, 1]
 
     def on_modes(self, station: float) -> np.ndarray:

@@ -1,6 +1,7 @@
 """Equilibria that Newton's method does not find: the gear settles, or creeps, to them."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,6 +79,10 @@ def beginning(settling: Settling, pitch: float, steps: int) -> tuple[np.ndarray,
     """
     guess = settling.q[settling.free]
     place, residual = settling.settled(guess, steps)
+    if residual > TOLERANCE:
+        with suppress(np.linalg.LinAlgError):
+            nearer = by_hybrid_method(settling, place)
+            place, residual = min((place, residual), nearer, key=lambda each: each[1])
     if residual <= TOLERANCE or not pitch:
         return settling.at(place)
     before, per_time = guess, CREEP_PARTS / pitch

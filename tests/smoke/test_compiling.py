@@ -128,7 +128,7 @@ def compiling(monkeypatch: pytest.MonkeyPatch) -> None:
         raise InputError("this is enough.")
 
     for place in (
-        "simulate.checked_run.refused",
+        "simulate.checked_run.scene_named",
         "multibody.model.build_model",
         "fitting.prediction.Prediction.simulated",
         "animation.page.write_page",
@@ -198,7 +198,7 @@ def test_first_use_is_never_silent_and_its_total_is_right(command: Command, tmp_
     end = r"rps-exudyn: (\d+) force laws compiled in \d+ s, once; later runs load them from "
     found = re.match(end, lines[-1])
     assert found
-    assert int(found.group(1)) == counts[-1][1]
+    assert int(found.group(1)) >= counts[-1][1]  # one may take less than the time between lines
 
 
 def test_listener_ends_with_its_block() -> None:
