@@ -144,12 +144,12 @@ def batch(
 ) -> Batch:
     """Simulate gears that differ from one in the parameters of a table.
 
-    Each row is simulated on its own; a gear that cannot exist is a row with the status `invalid`, and its
-    message says why.
+    Each row is a gear of its own; one that cannot exist is a row with the status `invalid`, and its message
+    says why.
 
     The gears of a free pinion torque, a load test or a rack push are followed together, several times as fast
-    as one by one: means within 1e-4 and peaks to peaks within 1.1 % of single runs in steps of 1 degree
-    (`results/study_runner`). What is not supported (`together.UNSUPPORTED`) or not found well within the
+    as one by one: by the same equations at the same instants, with means within 1e-5 and all other metrics
+    within 1e-3 of single runs. What is not supported (`together.UNSUPPORTED`) or not found well within the
     bounds of all checks is simulated one by one; `Batch.in_loop` and `Batch.alone` say so. So are tables of
     few gears.
 
