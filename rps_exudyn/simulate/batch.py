@@ -90,17 +90,15 @@ class Batch:
 
     @property
     def summary(self) -> Columns:
-        """Figures by the names of `quantities`, shape (n,) each; nan where a gear has none.
-
-        Where gears were followed together, these are their metrics; where every gear failed, the scene's own
-        figure.
+        """Metrics by the names of `quantities`, shape (n,) each; nan where a gear has none; where every gear
+        failed, the scene's own figure.
         """
         known = {} if self.found is None else self.found.summary
         names = dict.fromkeys(name for result in self.results if result for name in result.summary)
         if not (known or names):
             names = dict.fromkeys(scene_named(result.scene).figure for result in self.results if result)
         columns = Columns(len(self))
-        for name in known or names:
+        for name in {**known, **names}:
             column = np.array(
                 [np.nan if result is None else result.summary.get(name, np.nan) for result in self.results]
             )

@@ -1,4 +1,4 @@
-"""Gears followed together: every metric and signal of every scene, law and friction is that of a single run."""
+"""Gears followed together: metrics and signals of all scenes, laws and frictions are those of single runs."""
 
 import re
 from dataclasses import dataclass
