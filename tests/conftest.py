@@ -91,12 +91,14 @@ def pytest_configure(config: pytest.Config) -> None:
     """Limit the tests' CPU time; one that compiles a kernel fails where only quick ones are wanted."""
     config.pluginmanager.register(CpuLimit(float(config.getini("cpu_limit"))))
     if config.option.markexpr == "quick":
-        from numba.core.dispatcher import Dispatcher
+        from rps_exudyn.base import compiled
 
-        def refuse(kernel: Any, signature: object) -> None:
-            pytest.fail(f"compiles {kernel.py_func.__qualname__}: list it as SLOW in tests/conftest.py")
+        setattr(compiled, "compiling", refuse)  # noqa: B010, for mypy
 
-        setattr(Dispatcher, "compile", refuse)  # noqa: B010, for mypy
+
+def refuse(kernel: Any) -> None:
+    """Fail a test that needs a compiled kernel."""
+    pytest.fail(f"compiles {kernel.py_func.__qualname__}: list it as SLOW in tests/conftest.py")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -3,6 +3,7 @@
 import json
 import os
 from collections.abc import Iterator, Sequence
+from importlib import import_module
 from pathlib import Path
 from time import perf_counter, process_time
 
@@ -23,6 +24,7 @@ def do_doctor(clear_cache: bool) -> bool:
     """
     from rps_exudyn.base.kernel_cache import cache_folders
 
+    import_module("rps_exudyn.solvers.gear_forces")  # all modules with kernels of a run
     folders = cache_folders()
     if clear_cache:
         _clear(folders)

@@ -26,7 +26,7 @@ from rps_exudyn.study.ways import ways_of
 MANY_CASES = 5000
 """More need `--yes`."""
 
-_NONE_IN_LOOP = "  none by the loop over many gears: {}"
+_NOT_TOGETHER = "  none followed together: {}"
 
 SHOWN_SKIPPED = 5
 SHOWN_GROUPS = 5
@@ -154,7 +154,7 @@ def list_cases(request: Request, json: bool) -> int:
     if ways.ranges is not None:
         print("  most of them followed together, several times as fast")
     elif ways.alone:
-        print(_NONE_IN_LOOP.format(ways.alone))
+        print(_NOT_TOGETHER.format(ways.alone))
     return 0
 
 
@@ -187,7 +187,7 @@ def _print_tally(work: StudyWork, tally: Tally, json: bool) -> None:
         f"{work.study.title}: {count} cases in {folder} ({outcomes}), {tally.done_now} of them done now{how}"
     )
     if tally.alone and tally.through_batch:
-        print(_NONE_IN_LOOP.format(tally.alone))
+        print(_NOT_TOGETHER.format(tally.alone))
     print_said(tally.said)
 
 
