@@ -119,7 +119,7 @@ class Processes:
         self._failed_starts = 0
         self._next_start = 0.0  # when one may be started again
         self._cost = BATCH_SECONDS  # running mean of what a case takes [s]
-        self._compiled = False
+        self._compiled = compiled_before()  # before this process compiles anything itself
 
     def __enter__(self) -> "Processes":
         return self
@@ -136,7 +136,6 @@ class Processes:
             StartError: processes end before they are ready.
         """
         waiting = _Waiting(tasks, self._again)
-        self._compiled = self._compiled or compiled_before()
         while waiting or any(worker.tasks for worker in self._workers):
             self._hand_out(waiting)
             yield from self._next_event()
