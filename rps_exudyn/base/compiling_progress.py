@@ -9,6 +9,7 @@ from rps_exudyn.base.progress import duration
 
 UNKNOWN = 0.1  # of a kernel that is not in the table [s]
 TRUSTED = 3.0  # time of the table after which this machine's own speed counts as much as the table's [s]
+OPEN = 0.1  # of the time of kernels that have begun, which they take still at least
 PAUSE = 1.0  # without a kernel, after which the work itself goes on [s]
 
 
@@ -30,10 +31,11 @@ class CompilingProgress:
         self._open, self._latest = 0, 0.0
         self._first: float | None = None
         self._spent = 0.0  # in kernels that are done [s]
+        self._compiling = 0.0  # until the latest step, without pauses [s]
 
     def take(self, step: Step) -> None:
         """Count a step."""
-        self._latest = monotonic()
+        self._compiling, self._latest = self._so_far, monotonic()
         if step.what == "work":
             self._since_work = Counter()
             if step.name not in self._works:
@@ -91,9 +93,18 @@ class CompilingProgress:
     @property
     def left(self) -> float:
         """Expected time until the last kernel is done [s]."""
-        ahead = (self._needed() | self._begun) - self._done
-        slowness = (self._spent + TRUSTED) / (self._seconds(self._done) + TRUSTED)
-        return slowness * self._seconds(ahead)
+        every, so_far = self._needed() | self._begun, self._so_far
+        done, begun = self._seconds(self._done), self._seconds(self._begun)
+        of_done = (self._spent + TRUSTED) / (done + TRUSTED)
+        of_begun = so_far / begun if begun else 0.0  # which are not all done yet
+        slowness = max(of_done, of_begun)
+        least = self._seconds(every - self._begun) + OPEN * (begun - done)
+        return max(slowness * self._seconds(every) - so_far, slowness * least)
+
+    @property
+    def _so_far(self) -> float:
+        """Time in which kernels were compiled [s]."""
+        return self._compiling + (monotonic() - self._latest if self._open else 0.0)
 
     def _seconds(self, kernels: Counter[str]) -> float:
         known = self._table.seconds if self._table else {}

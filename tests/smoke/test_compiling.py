@@ -52,7 +52,7 @@ def test_total_is_that_of_the_table_without_what_is_compiled() -> None:
     compiled(partly, "c")
     assert (fresh.done, fresh.total, fresh.fraction) == (1, 2, 0.5)
     assert (partly.done, partly.total) == (1, 2)
-    assert fresh.text == "Compiling force laws, once: 1 of 2, 2 s left"
+    assert re.fullmatch("Compiling force laws, once: 1 of 2, [23] s left", fresh.text)
 
 
 def test_work_after_work_adds_what_it_needs_beside() -> None:
@@ -73,13 +73,28 @@ def test_other_kernels_than_expected_are_those_of_the_likeliest_work() -> None:
     assert (progress.done, progress.total) == (2, 4)
 
 
-def test_time_left_follows_the_speed_of_the_machine() -> None:
-    quick, slow = begun("two"), begun("two")
-    compiled(quick, "d")
-    slow.take(Step("begun", "d"))
-    slow.take(Step("done", "d", 12.0))
-    assert quick.left == pytest.approx(5.0)
-    assert slow.left == pytest.approx(5.0 * (12 + 3) / (4 + 3))
+@pytest.mark.parametrize(("slowness", "first"), [(1.0, 1.0), (3.0, 0.4)])
+def test_time_left_follows_the_speed_of_the_machine(
+    slowness: float, first: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Kernels within kernels, as numba compiles them; on a slow machine the first estimate is too low."""
+    now = [100.0]
+    monkeypatch.setattr(compiling_progress, "monotonic", lambda: now[0])
+    progress = begun("two")
+    shares = []  # time left as it is said, over that as it is
+    for what, name, until in (
+        ("begun", "d", 2.0),
+        ("begun", "b", 4.0),
+        ("done", "b", 5.0),
+        ("begun", "c", 8.0),
+        ("done", "c", 8.5),
+    ):
+        progress.take(Step(what, name, slowness * TABLE.seconds[name]))  # type: ignore[arg-type]
+        now[0] = 100.0 + slowness * until
+        shares.append(progress.left / (slowness * (9.0 - until)))
+    assert shares[0] == pytest.approx(first, abs=0.2)
+    assert shares[2] == pytest.approx(1.0, abs=0.3)
+    assert progress.left > 0
 
 
 def test_unknown_work_has_no_total() -> None:
@@ -130,7 +145,7 @@ def test_terminal_shows_a_bar_that_goes_away(monkeypatch: pytest.MonkeyPatch) ->
         compiled(progress, "b")
         sleep(0.6)
     shown = terminal.getvalue()
-    assert "Compiling force laws, once: 1 of 3, 7 s left" in shown
+    assert re.search("Compiling force laws, once: 1 of 3, [789] s left", shown)
     assert "sample 3 of 20" in shown
     assert "━" in shown
     *_, last = shown.partition(" 20")
