@@ -192,9 +192,8 @@ def compiling(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiling_progress, "compiled_names", Counter)
     for module in ("simulate.checked_run", "simulate.viewer", "fitting.prediction"):
         monkeypatch.setattr(f"rps_exudyn.{module}.begin_work", begin)
-    for module, name in (("animation.page", "write_page"), ("report.report", "write_report")):
-        monkeypatch.setattr(f"rps_exudyn.{module}.{name}", lambda *_: begin("animate"))
-    monkeypatch.setattr("rps_exudyn.cli.animate_command.write_page", lambda *_: begin("animate"))
+    for writes in ("cli.animate_command.write_page", "report.report.write_report"):
+        monkeypatch.setattr(f"rps_exudyn.{writes}", lambda *_: begin("animate"))
     monkeypatch.setattr("rps_exudyn.cli.view_command.has_display", lambda: True)
     monkeypatch.setattr(Explorer, "serve_forever", lambda *_, **__: None)
 
