@@ -79,7 +79,7 @@ def deflected_line(gear: SteeringGear, force: float) -> np.ndarray:
     steps = np.stack([np.linspace(0, force, 11), np.zeros(11)], axis=1)
     loads = OutsideLoads.of_end_force(steps)
     outside = loads.generalised(place, moved_by_modes(gear, MODEL, place))
-    balance = gear_forces(gear, MODEL).statics._replace(outside=outside)
+    balance = gear_forces(gear, MODEL).statics.with_(outside=outside)
     path = equilibrium_path(balance, GearPair.of(gear), Steady("pinion", 0.0, 0.0), loads.time)
     moved = path.coordinates[-1] - path.coordinates[0]
     rack, modes = moved[COORDINATE_BLOCKS["rack"]], bar.modes(gear.rack.modes)

@@ -1,5 +1,6 @@
 """Stick-slip of gear and column: maps of speed and damping, limits measured and predicted, methods."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import process_time
@@ -8,8 +9,10 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 import rps_exudyn as rps
+from benchmarks.accuracy_speed.chart import in_decades
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.analysis.stick_slip import Oscillator, sticking_speed, sticks
 from rps_exudyn.charts import style
@@ -124,12 +127,13 @@ def map_picture(data: dict[str, Any]) -> Figure:
     colours = mpl.colors.ListedColormap(["#b00020", "#f3c9a5", "#ffffff"])
     norm = mpl.colors.BoundaryNorm([-100, STILL, STEADY, 100], 3)
     for axes, each in zip(panels.flat, data["sheets"], strict=False):
+        axes.set(xscale="log", yscale="log")
         axes.pcolormesh(data["speeds"], data["ratios"], each["least"], cmap=colours, norm=norm, alpha=0.55)
-        axes.plot(
-            data["speeds"], each["falling"], color="black", linestyle="--", label="limit, falling friction"
-        )
+        shown = axes.get_ylim()
+        falling = _within(each["falling"], shown)
+        axes.plot(data["speeds"], falling, color="black", linestyle="--", label="limit, falling friction")
         if each["travel"]:
-            limit = [np.nan if value is None else value for value in each["bristles"]]
+            limit = _within(each["bristles"], shown)
             axes.plot(data["speeds"], limit, color=style.COLOURS["torque"], label="limit, bristles")
         for cell in data["tried"]:
             if each["ratio"] == 1.2 and cell["travel"] == each["travel"] and "share" in cell:
@@ -137,7 +141,7 @@ def map_picture(data: dict[str, Any]) -> Figure:
                 axes.plot(
                     cell["speed"], cell["ratio"], "o", color="black", markerfacecolor=fill, markersize=6
                 )
-        axes.set(xscale="log", yscale="log", xlim=SPEEDS, ylim=DAMPINGS)
+        axes.set_ylim(shown)
         law = f"bristles {1e6 * each['travel']:g} µm" if each["travel"] else "speed alone"
         axes.set_title(f"static ratio {each['ratio']:g}, {law}", fontsize=9)
     for axes in panels[-1]:
@@ -147,6 +151,12 @@ def map_picture(data: dict[str, Any]) -> Figure:
     panels[0, 1].legend(fontsize=7, loc="upper right", frameon=False)
     style.title(figure, "Stick-slip of gear and column, from rest: red sticks, pale vibrates, white slides")
     return figure
+
+
+def _within(limit: Sequence[float | None], shown: tuple[float, float]) -> np.ndarray:
+    """A line over the map where it is within the damping ratios shown; elsewhere nan, as where it is not."""
+    values = np.array([np.nan if value is None else value for value in limit])
+    return np.where((values >= shown[0]) & (values <= shown[1]), values, np.nan)
 
 
 # --- limits ------------------------------------------------------------------------------------------
@@ -215,7 +225,9 @@ def method_picture(found: list[dict[str, Any]]) -> Figure:
     for colour, name in zip(style.SEVERAL, dict.fromkeys(case["method"] for case in found), strict=False):
         points = [(case["cpu"], max(case["error"], 1e-8)) for case in found if case["method"] == name]
         axes.plot(*zip(*points, strict=True), "o-", color=colour, label=name, markersize=4)
-    axes.set(xscale="log", yscale="log", xlabel="CPU time of a cycle [s]", ylabel="error of the period")
+    in_decades(axes)
+    axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.set(xlabel="CPU time of a cycle [s]", ylabel="error of the period")
     axes.legend(frameon=False)
     style.title(figure, "Stick-slip cycle by events, explicit and implicit integration, in plain Python")
     return figure

@@ -54,6 +54,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "smoke/test_first_steps.py",
     "smoke/test_fit.py",
     "smoke/test_one_entry.py",
+    "smoke/test_pictures.py",
     "smoke/test_progress.py::test_motion_in_exudyn_tells_how_much_is_done",
     "smoke/test_reader.py",
     "smoke/test_report.py",

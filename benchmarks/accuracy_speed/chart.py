@@ -63,8 +63,10 @@ def work_precision_figure(measurement: Measurement) -> Figure:
     _mark_defaults(axes, drawn, floor)
     _draw_failures(axes, [point for point in measurement.points if not point.ok])
     _draw_floor(axes, floor)
+    low, high = axes.get_xlim()
     for wanted in WANTED:
-        axes.axvline(wanted, **style.REFERENCE_LINE)
+        if low <= wanted <= high:
+            axes.axvline(wanted, **style.REFERENCE_LINE)
     axes.set_xlabel("error, RMS over the motion [% of the mean]")
     per = scene_named(measurement.scene).unit_of_cost
     axes.set_ylabel(f"CPU time of the solver [s per {per}]")

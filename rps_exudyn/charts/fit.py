@@ -14,6 +14,7 @@ from rps_exudyn.fitting.unknowns import LEVEL
 
 WIDE = 1.96  # standard deviations of a 95 % interval
 POSTERIOR = {Verdict.FOUND: "lift", Verdict.BY_PRIOR: "torque"}
+FARTHEST = 6.0  # standard deviations of the noise that the ordinate of what is left shows
 NAMED = 4  # factors of a combination that its bar names
 
 
@@ -23,14 +24,18 @@ def curves_figure(fit: Fit) -> Figure | None:
     if not turned:
         return None
     figure, (torque, left) = style.panels([3.4, 2.0])
+    noise = float(np.median([each.noise for each in turned]))
     for each in turned:
-        _draw_pass(torque, left, each)
+        _draw_pass(torque, left, each, FARTHEST * noise)
     torque.set_ylabel(f"{AGAINST_MOTION}\n[N m]")
     left.set_ylabel("measured - fitted\n[N m]")
-    noise = float(np.median([each.noise for each in turned]))
     left.axhspan(-2 * noise, 2 * noise, **style.BAND)
     left.axhline(0.0, **style.REFERENCE_LINE)
-    left.set_ylim(-6 * noise, 6 * noise)
+    beyond = sum(_draw_beyond(left, each, FARTHEST * noise) for each in turned)
+    if beyond:
+        left.plot([], [], "k^", markersize=4, label=f"{beyond} points beyond the axis, at its ends")
+        style.legend_above(left)
+    left.set_ylim(-1.05 * FARTHEST * noise, 1.05 * FARTHEST * noise)
     style.angle_axis(left)
     handles, labels = torque.get_legend_handles_labels()
     shown = dict(zip(labels, handles, strict=True))
@@ -40,7 +45,7 @@ def curves_figure(fit: Fit) -> Figure | None:
     return figure
 
 
-def _draw_pass(torque: Axes, left: Axes, each: FittedPass) -> None:
+def _draw_pass(torque: Axes, left: Axes, each: FittedPass, farthest: float) -> None:
     name, colour = DIRECTIONS[each.direction]
     angle, sense = np.degrees(each.angle), each.direction
     points: Any = {"s": 5, "alpha": 0.5, "linewidths": 0, "zorder": 3, "color": style.COLOURS[colour]}
@@ -48,7 +53,19 @@ def _draw_pass(torque: Axes, left: Axes, each: FittedPass) -> None:
     low, high = (sense * (each.model + sign * each.half_band) for sign in (-1, 1))
     torque.fill_between(angle, low, high, color=style.COLOURS[colour], alpha=0.3, linewidth=0)
     torque.plot(angle, sense * each.model, color=style.COLOURS[colour], label=f"fitted {name}, 95 % band")
-    left.scatter(angle, each.value - each.model, **points)
+    deviation = each.value - each.model
+    inside = np.abs(deviation) <= farthest
+    left.scatter(angle[inside], deviation[inside], **points)
+
+
+def _draw_beyond(left: Axes, each: FittedPass, farthest: float) -> int:
+    """Draw the deviations beyond the ordinate at its ends, and return how many there are."""
+    angle, deviation = np.degrees(each.angle), each.value - each.model
+    for sense, mark in ((1, "^"), (-1, "v")):
+        out = sense * deviation > farthest
+        ends = np.full(int(out.sum()), sense * farthest)
+        left.plot(angle[out], ends, mark, color=style.COLOURS[DIRECTIONS[each.direction][1]], markersize=4)
+    return int((np.abs(deviation) > farthest).sum())
 
 
 def beliefs_figure(fit: Fit) -> Figure | None:

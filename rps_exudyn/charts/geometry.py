@@ -46,16 +46,15 @@ def geometry_figure(gear: SteeringGear, force: bool = False) -> Figure:
     report, pair = geometry_report(gear, force), GearPair.of(gear)
     solids = assembled(gear, chord_error=CHORD_ERROR)
     with mpl.rc_context({"font.size": 10}):
-        figure = Figure(figsize=(13, 5.6), layout="constrained")
-        view, section, mesh = figure.subplots(1, 3, width_ratios=[1.15, 1, 1.1])
+        figure = Figure(figsize=(9, 9), layout="constrained")
+        axes = figure.subplot_mosaic([["view", "view"], ["section", "mesh"]], height_ratios=[1, 1.1])
+    view, section, mesh = axes["view"], axes["section"], axes["mesh"]
     _draw_view(view, pair, solids)
     _draw_section(section, pair, report)
     _draw_mesh(mesh, pair, solids)
     style.title(figure, _headline(gear, report))
     if report.warnings:
-        height = 0.03 + 0.035 * len(report.warnings)
-        figure.set_layout_engine("constrained", rect=(0, height, 1, 1 - height))
-        figure.text(0.01, 0.01, "\n".join(report.warnings), fontsize=9, color=style.COLOURS["failure"])
+        style.footnote(figure, report.warnings)
     return figure
 
 
@@ -151,10 +150,10 @@ def _finish_section(axes: Axes, title: str) -> None:
 def _headline(gear: SteeringGear, report: GeometryReport) -> str:
     pinion = gear.pinion
     headline = (
-        f"{pinion.teeth} teeth, m$_n$ {pinion.normal_module * 1e3:.4g} mm, "
-        f"α$_n$ {np.degrees(pinion.pressure_angle):.4g}°, "
-        f"β$_p$ {np.degrees(pinion.helix_angle):.4g}°, β$_r$ {np.degrees(gear.rack.tooth_angle):.4g}°, "
-        f"x {pinion.profile_shift:.4g}; {report.travel_per_turn * 1e3:.4g} mm per turn; "
+        f"{pinion.teeth} teeth, mₙ {pinion.normal_module * 1e3:.4g} mm, "
+        f"αₙ {np.degrees(pinion.pressure_angle):.4g}°, "
+        f"βₚ {np.degrees(pinion.helix_angle):.4g}°, βᵣ {np.degrees(gear.rack.tooth_angle):.4g}°, "
+        f"x {pinion.profile_shift:.4g} · {report.travel_per_turn * 1e3:.4g} mm per turn · "
         f"contact ratio {report.transverse_contact_ratio:.3g} transverse + {report.overlap_ratio:.3g} overlap"
     )
     return headline.replace("-", "−")

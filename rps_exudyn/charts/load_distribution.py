@@ -30,7 +30,7 @@ def load_figure(result: Result) -> Figure:
     if not runs:
         raise InputError("No load distribution: the pinion does not turn in this result.")
     loads = load_distribution(result.gear, runs[0].signals)
-    figure, axes = style.panels([2.2, 2.2, 1.8, 1.6])
+    figure, axes = style.panels([2.2, 2.2, 2.0, 2.0])
     for panel, side in zip(axes, FLANKS, strict=False):
         _forces(panel, loads, side)
     _densest(axes[2], loads)
@@ -45,9 +45,12 @@ def _forces(axes: Axes, loads: LoadDistribution, side: int) -> None:
     whole = loads.force_on(side)
     lines = [line for line in loads.lines if line[0] == side]
     shown = [line for line in lines if loads.force_of(*line).max() > LEAST * max(whole.max(), 1e-300)]
+    named = len(shown) <= len(style.SEVERAL)
     for k, (_, tooth) in enumerate(shown):
         colour = style.SEVERAL[k % len(style.SEVERAL)]
-        axes.plot(angle, loads.force_of(side, tooth), color=colour, label=f"rack tooth {tooth}")
+        first = "_" if k else f"{len(shown)} rack teeth, colours in turn"
+        label = f"rack tooth {tooth}" if named else first
+        axes.plot(angle, loads.force_of(side, tooth), color=colour, label=label)
     axes.plot(angle, whole, color="black", linewidth=0.8, linestyle="--", label="all")
     axes.set_ylabel(f"{FLANKS[side]} [N]")
     axes.set_ylim(0, None)

@@ -11,10 +11,12 @@ from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result
 
 HIGHEST = 36
+LEAST = 1e-3  # [N mm], where the scale begins: far below what a bench can measure
 
 
 def spectrum_figure(results: dict[str, Result]) -> Figure:
-    """The picture of the first pass of each result (by its name), from order 1 on, on a logarithmic scale.
+    """The picture of the first pass of each result (by its name), from order 1 on, on a logarithmic scale;
+    amplitudes below `LEAST` are left out.
 
     Raises:
         InputError: a record covers no whole revolution.
@@ -28,11 +30,12 @@ def spectrum_figure(results: dict[str, Result]) -> Figure:
             raise InputError(f"No spectrum of {name}: its record covers less than a revolution.")
         orders = spectrum.orders[1:] + (i - (len(results) - 1) / 2) * width
         amplitude = 1e3 * quantity.displayed(spectrum.amplitude[1:])
+        known = amplitude > LEAST
         colour = style.SEVERAL[i]
-        axes.vlines(orders, 1e-9, amplitude, color=colour, linewidth=1.6)
-        axes.plot(orders, amplitude, "o", color=colour, markersize=4, label=name)
+        axes.vlines(orders[known], LEAST, amplitude[known], color=colour, linewidth=1.6)
+        axes.plot(orders[known], amplitude[known], "o", color=colour, markersize=4, label=name)
     axes.set_yscale("log")
-    axes.set_ylim(1e-3, None)
+    axes.set_ylim(LEAST, None)
     axes.set_ylabel("amplitude [N mm]")
     axes.set_xlabel("order [1/revolution]")
     teeth = next(iter(results.values())).gear.pinion.teeth

@@ -1,6 +1,7 @@
 """One look for all charts: sizes, colours by meaning, axes with units, and how a picture is saved."""
 
 import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +51,8 @@ MEASURED_LINE: Any = {"color": COLOURS["measured"], "linewidth": 0.7, "alpha": 0
 REFERENCE_LINE: Any = {"color": COLOURS["reference"], "linewidth": 1, "linestyle": "--", "zorder": 1}
 
 LETTERS = 12.5  # of a headline in an inch
+LINE_HEIGHT = 0.2  # of a sentence over the axes [in]
+POINTS = 72  # to an inch
 LETTER, LEGEND_MARK = 0.075, 0.6  # width of a letter, and of a line with its gaps, in legends [in]
 
 NOT_ZERO = "axis does not begin at 0"
@@ -99,7 +102,11 @@ def legend_above(axes: Axes) -> None:
         width = axes.figure.get_figure(root=True).bbox_inches.width
         longest = max(len(label) for label in labels)
         columns = max(1, min(4, int(width / (LEGEND_MARK + LETTER * longest))))
-        axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=columns, borderpad=0, frameon=False)
+        legend = axes.legend(
+            loc="lower right", bbox_to_anchor=(1, 1), ncols=columns, borderpad=0, frameon=False
+        )
+        for text in legend.get_texts():
+            text.set_parse_math(False)  # a dollar in a name is a dollar
 
 
 def angle_axis(axes: Axes) -> None:
@@ -130,19 +137,55 @@ def abscissa(axes: Axes, label: str) -> None:
 
 
 def title(figure: Figure, headline: str, failure: str = "") -> None:
-    """Write what the picture shows and, in the colour of failure, why not to trust it."""
+    """Write what the picture shows and, in the colour of failure, why not to trust it.
+
+    The failure stands above the legend of the first axes, and the figure grows by its lines.
+    """
     width = round(LETTERS * figure.get_size_inches()[0])
     lines = [_wrapped(line, width) for line in headline.split("\n")]
-    figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=11)
+    figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=11).set_parse_math(False)
     if failure:
-        text = "\n".join(textwrap.wrap(failure, width=width))
-        figure.axes[0].set_title(text, loc="left", fontsize=10, color=COLOURS["failure"])
+        said = textwrap.wrap(failure, width=width)
+        axes = figure.axes[0]
+        text = axes.set_title(
+            "\n".join(said),
+            loc="left",
+            fontsize=10,
+            color=COLOURS["failure"],
+            pad=6 + POINTS * _height_of_legend(axes),
+        )
+        text.set_parse_math(False)
+        _heighten(figure, LINE_HEIGHT * len(said))
+
+
+def footnote(figure: Figure, sentences: Sequence[str]) -> None:
+    """Write sentences below everything, in the colour of failure; the figure grows by their lines."""
+    width = round(LETTERS * figure.get_size_inches()[0])
+    said = [line for sentence in sentences for line in textwrap.wrap(sentence, width=width)]
+    text = figure.supxlabel("\n".join(said), x=0.01, ha="left", fontsize=9, color=COLOURS["failure"])
+    text.set_parse_math(False)
+    _heighten(figure, LINE_HEIGHT * len(said))
+
+
+def _heighten(figure: Figure, by: float) -> None:
+    width, height = figure.get_size_inches()
+    figure.set_size_inches(width, height + by)
+
+
+def _height_of_legend(axes: Axes) -> float:
+    """Height of the legend over the axes [in]; 0 without one."""
+    legend, figure = axes.get_legend(), axes.figure.get_figure(root=True)
+    if legend is None:
+        return 0.0
+    return float(legend.get_window_extent(FigureCanvasAgg(figure).get_renderer()).height / figure.dpi)
 
 
 def _wrapped(headline: str, width: int) -> str:
-    """The headline, broken between its parts if it is too long for one line of so many letters."""
-    unbroken = headline.replace(" ", "\xa0").replace("\xa0·\xa0", "\xa0· ")
-    return textwrap.fill(unbroken, width=width).replace("\xa0", " ").replace(" ·\n", "\n")
+    """The headline, broken between its parts if it is too long for one line of so many letters, and within a
+    part that is longer than a line."""
+    parts = [part if len(part) > width else part.replace(" ", "\xa0") for part in headline.split(" · ")]
+    broken = textwrap.fill("\xa0· ".join(parts), width=width, break_on_hyphens=False)
+    return broken.replace("\xa0", " ").replace(" ·\n", "\n")
 
 
 def widen(axes: Axes, least: float) -> None:

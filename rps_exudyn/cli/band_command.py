@@ -13,6 +13,7 @@ from rps_exudyn.cli.app import DONE, INTERRUPTED
 from rps_exudyn.cli.kept import say
 from rps_exudyn.cli.options import SetupOptions, parse_settings
 from rps_exudyn.cli.printed import print_json, result_as_dict
+from rps_exudyn.cli.progress import shown_progress
 from rps_exudyn.cli.text_table import put, put_table
 from rps_exudyn.parameters.carried import carried
 from rps_exudyn.parameters.setup import Setup
@@ -50,8 +51,11 @@ def do_band(
     gear = setup.steering_gear
     chosen = uncertain_inputs(gear, inputs, own)
     quick = count is None and scene == SCENE
-    told = _told if sys.stderr.isatty() else None
-    with redirect_stdout(sys.stderr):
+    with redirect_stdout(sys.stderr), shown_progress() as show:
+
+        def told(done: int, of: int) -> None:
+            show(f"sample {done} of {of}", done / of)
+
         if quick:
             band = quick_band(gear, setup.fidelity, chosen, told=told)
         else:
@@ -133,10 +137,6 @@ def _with_cheap_model(options: SetupOptions) -> Setup:
     if options.chooses_model:
         return options.load()
     return replace(options, fidelity="quasi-static").load().replace({"fidelity.step_angle": STEP})
-
-
-def _told(done: int, of: int) -> None:
-    print(f"\rsample {done} of {of}", end="\n" if done == of else "", file=sys.stderr, flush=True)
 
 
 def sample_count(band: list[int] | None, beside: list[str]) -> int | None:

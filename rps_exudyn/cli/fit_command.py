@@ -106,7 +106,7 @@ def _written_files(
     fit: "Fit", out: Path, plot: Path | None, report: Path | None, series: Path | None
 ) -> Iterator[Path]:
     """Write the files one after the other, the gear first and the pictures last."""
-    from rps_exudyn.fitting.findings import gear_text, level_sentence
+    from rps_exudyn.fitting.findings import gear_text, headline
     from rps_exudyn.parameters.gear_file import gear_file
 
     if older := number_existing(out):
@@ -125,7 +125,7 @@ def _written_files(
 
         figure = curves_figure(fit) or beliefs_figure(fit)
         if figure is not None:
-            style.title(figure, level_sentence(fit).partition(";")[0])
+            style.title(figure, headline(fit))
             style.save(figure, plot)
             yield plot
     if report:

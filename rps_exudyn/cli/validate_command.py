@@ -1,13 +1,12 @@
 """The command `validate`: rows of data from outside against this package, on one page."""
 
-import sys
 from collections import Counter
 from pathlib import Path
 
 from rps_exudyn.base.atomic import check_writable, replacing, write_json
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.cli.kept import say
 from rps_exudyn.cli.printed import print_json
+from rps_exudyn.cli.progress import shown_progress
 from rps_exudyn.cli.text_table import put, put_table
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.validation.comparison import Comparison, compare_rows
@@ -31,8 +30,8 @@ def do_validate(folder: Path | None, only: tuple[str, ...], out: Path, as_json: 
         raise InputError(f"there is no row {', '.join(sorted(unknown))}; there are {known}.")
     check_writable(out, (".html",))
     chosen = [row for row in rows if not only or row.name in only]
-    told = (lambda title: say(f"running: {title}")) if sys.stderr.isatty() else None
-    comparisons = list(compare_rows(chosen, told))
+    with shown_progress(work="" if folder or only else "validate") as show:
+        comparisons = list(compare_rows(chosen, lambda title: show(f"running: {title}", None)))
     with replacing(out) as partial:
         partial.write_text(validation_page(comparisons), encoding="utf-8")
     save(validation_figure(comparisons), out.with_suffix(PICTURE))

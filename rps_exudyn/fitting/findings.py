@@ -7,7 +7,7 @@ import numpy as np
 
 from rps_exudyn.base import units
 from rps_exudyn.fitting.bench_tests import BenchTest
-from rps_exudyn.fitting.estimate import Estimate, Fit, Verdict
+from rps_exudyn.fitting.estimate import Estimate, Fit, Level, Verdict
 from rps_exudyn.fitting.identify import NARROWED, SEPARATING
 from rps_exudyn.fitting.more_runs import MOST_RUNS, WANTED
 from rps_exudyn.fitting.unknowns import LEVEL, declared
@@ -37,13 +37,21 @@ def interval_shown(each: Estimate) -> str:
 
 def level_sentence(fit: Fit) -> str:
     """The mean free torque with its interval; empty where no pinion was turned freely."""
-    if fit.level is None:
-        return ""
-    half = fit.level.interval[1] - fit.level.value
-    return (
-        f"mean free torque {fit.level.value:.4g} N m +- {half:.2g} N m "
-        f"({100 * half / fit.level.value:.2g} %, 95 %; {fit.level.noise})"
-    )
+    return f"{_level(fit.level)}, 95 %; {fit.level.noise})" if fit.level else ""
+
+
+def _level(level: Level) -> str:
+    """The mean free torque with half its interval, absolute and in per cent, within an open bracket."""
+    half = level.interval[1] - level.value
+    return f"mean free torque {level.value:.4g} N m +- {half:.2g} N m ({100 * half / level.value:.2g} %"
+
+
+def headline(fit: Fit) -> str:
+    """What a picture of the fit shows: the tests and the mean free torque."""
+    parts = [f"Fit to {', '.join(dict.fromkeys(each.test for each in fit.passes))}"]
+    if fit.level:
+        parts += [f"{_level(fit.level)}, 95 %)", fit.level.noise]
+    return " · ".join(parts)
 
 
 def offset_sentence(fit: Fit) -> str:

@@ -59,8 +59,8 @@ def surface_figure(
     `marks` are both axes' values of the known cases, and which of these met a limit of the gear; the latter
     are marked, and where only some did colours are those of the single cases, without contours.
     """
-    figure, axes = _small(HEIGHT + 0.3)
     levels, others, means = surface
+    figure, axes = _small(HEIGHT + 0.3, _width_beside(others))
     shown = quantity.displayed(means)
     x, y = _ticks(axes, "x", first, levels), _ticks(axes, "y", second, others)
     image: ScalarMappable
@@ -89,7 +89,7 @@ def scattered_figure(
 ) -> Figure:
     """Picture of sampled cases over two axes, coloured by the number; those that met a limit of the gear are
     diamonds. Arrays have the shape (cases,)."""
-    figure, axes = _small(HEIGHT + 0.3)
+    figure, axes = _small(HEIGHT + 0.3, _width_beside(points[1]))
     x = _ticks(axes, "x", first, points[0])
     y = _ticks(axes, "y", second, points[1])
     some = _some(x.size)
@@ -137,9 +137,15 @@ def _some(count: int) -> slice:
     return slice(None, None, max(1, -(-count // MOST_DOTS)))
 
 
-def _small(height: float = HEIGHT) -> tuple[Figure, Axes]:
-    figure, axes = style.panels([height], WIDTH)
+def _small(height: float = HEIGHT, width: float = WIDTH) -> tuple[Figure, Axes]:
+    figure, axes = style.panels([height], width)
     return figure, axes[0]
+
+
+def _width_beside(values: np.ndarray) -> float:
+    """The width of a chart with these values beside its ordinate: words take more room than numbers [in]."""
+    words = values.dtype.kind != "f"
+    return WIDTH + (style.LETTER * max(len(str(value)) for value in values) if words else 0.0)
 
 
 def _abscissa(axes: Axes, axis: Axis, effect: MainEffect) -> tuple[np.ndarray, np.ndarray]:

@@ -103,6 +103,14 @@ class _Worker:
             self.process.stdin.close()
 
 
+def compiled_before() -> bool:
+    """Tell whether a cache holds kernels of gears."""
+    from rps_exudyn.base.kernel_cache import cache_folders, files_of  # loads numba
+    from rps_exudyn.solvers import gear_model  # noqa: F401, the modules of a gear's kernels
+
+    return any(True for folder in cache_folders() for _ in files_of(folder))
+
+
 class Processes:
     """`jobs` processes that do tasks; use it in a `with` block, which ends them."""
 
@@ -118,7 +126,7 @@ class Processes:
         self._failed_starts = 0
         self._next_start = 0.0  # when one may be started again
         self._cost = BATCH_SECONDS  # running mean of what a case takes [s]
-        self._compiled = False
+        self._compiled = compiled_before()  # before this process compiles anything itself
 
     def __enter__(self) -> "Processes":
         return self

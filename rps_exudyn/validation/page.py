@@ -93,7 +93,7 @@ def validation_figure(comparisons: Sequence[Comparison]) -> Figure:
     """The picture: E over |D| with its uncertainty, a row each, coloured by verdict; limits as such."""
     shown = [each for each in comparisons if each.verdict is not Verdict.NOT_COMPARABLE]
     shown.sort(key=lambda each: (KINDS.index(each.row.kind), each.row.title))
-    figure, (axes,) = style.panels([0.6 + 0.21 * len(shown)], width=9.0)
+    figure, (axes,) = style.panels([1.5 + 0.21 * len(shown)], width=9.0)
     for place, each in enumerate(shown):
         size = abs(each.row.data.value)
         error, half = 100 * each.error / size, 100 * COVERAGE * each.uncertainty / size

@@ -218,6 +218,7 @@ def wait_for(condition: Callable[[], object], seconds: float = 300) -> None:
 def test_workers_start_together_unless_the_first_has_to_compile(
     monkeypatch: pytest.MonkeyPatch, compiled: bool, at_once: int
 ) -> None:
+    """Also where this process has compiled some kernels of its own before it hands out the first case."""
     started: list[Task] = []
 
     def first_event(processes: Processes) -> Iterator[Done]:
@@ -226,8 +227,10 @@ def test_workers_start_together_unless_the_first_has_to_compile(
     monkeypatch.setattr("rps_exudyn.simulate.processes.compiled_before", lambda: compiled)
     monkeypatch.setattr(Processes, "_start", lambda _, warm_up: started.append(warm_up))
     monkeypatch.setattr(Processes, "_next_event", first_event)
+    processes = Processes(3, 1.0)
+    monkeypatch.setattr("rps_exudyn.simulate.processes.compiled_before", lambda: True)
     with pytest.raises(InterruptedError):
-        list(Processes(3, 1.0).run(iter([{"hash": "a case"}])))
+        list(processes.run(iter([{"hash": "a case"}])))
     assert len(started) == at_once
 
 
