@@ -10,7 +10,7 @@ from rps_exudyn.base.atomic import number_existing, write_json
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.sentence import as_sentence
 from rps_exudyn.cli.app import DONE, INTERRUPTED
-from rps_exudyn.cli.kept import say
+from rps_exudyn.cli.kept import naming, say
 from rps_exudyn.cli.options import SetupOptions, parse_settings
 from rps_exudyn.cli.printed import print_json, result_as_dict
 from rps_exudyn.cli.progress import shown_progress
@@ -63,18 +63,22 @@ def do_band(
     table = out.with_suffix(".band.json")
     if older := [str(kept) for path in (out, plot, table) if (kept := number_existing(path))]:
         say(f"older files are kept: {', '.join(older)}.")
-    band.nominal.save(out)
-    content = band.as_dict()
-    write_json(table, content)
-    save(band_figure(band), plot)
-    files = [out, table, plot]
-    if as_json:
-        del content["values"]  # the file has them
-        print_json(
-            content | {"nominal": result_as_dict(band.nominal), "files": [str(file) for file in files]}
-        )
-    else:
-        print_band(band, files)
+    files: list[Path] = []
+    with naming(files):
+        band.nominal.save(out)
+        files.append(out)
+        content = band.as_dict()
+        write_json(table, content)
+        files.append(table)
+        save(band_figure(band), plot)
+        files.append(plot)
+        if as_json:
+            del content["values"]  # the file has them
+            print_json(
+                content | {"nominal": result_as_dict(band.nominal), "files": [str(file) for file in files]}
+            )
+        else:
+            print_band(band, files)
     return INTERRUPTED if band.interrupted else DONE
 
 

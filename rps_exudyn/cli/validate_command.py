@@ -5,6 +5,7 @@ from pathlib import Path
 
 from rps_exudyn.base.atomic import check_writable, replacing, write_json
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.cli.kept import naming
 from rps_exudyn.cli.printed import print_json
 from rps_exudyn.cli.progress import shown_progress
 from rps_exudyn.cli.text_table import put, put_table
@@ -32,16 +33,20 @@ def do_validate(folder: Path | None, only: tuple[str, ...], out: Path, as_json: 
     chosen = [row for row in rows if not only or row.name in only]
     with shown_progress(work="" if folder or only else "validate") as show:
         comparisons = list(compare_rows(chosen, lambda title: show(f"running: {title}", None)))
-    with replacing(out) as partial:
-        partial.write_text(validation_page(comparisons), encoding="utf-8")
-    save(validation_figure(comparisons), out.with_suffix(PICTURE))
     content = {"origin": provenance(), "rows": [each.as_dict() for each in comparisons]}
-    write_json(out.with_suffix(DATA), content)
-    files = [out, out.with_suffix(DATA), out.with_suffix(PICTURE)]
-    if as_json:
-        print_json(content | {"files": [str(file) for file in files]})
-    else:
-        _print(comparisons, files)
+    files: list[Path] = []
+    with naming(files):
+        write_json(out.with_suffix(DATA), content)
+        files.append(out.with_suffix(DATA))
+        with replacing(out) as partial:
+            partial.write_text(validation_page(comparisons), encoding="utf-8")
+        files.append(out)
+        save(validation_figure(comparisons), out.with_suffix(PICTURE))
+        files.append(out.with_suffix(PICTURE))
+        if as_json:
+            print_json(content | {"files": [str(file) for file in files]})
+        else:
+            _print(comparisons, files)
 
 
 def _print(comparisons: list[Comparison], files: list[Path]) -> None:
