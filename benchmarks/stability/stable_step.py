@@ -12,7 +12,6 @@ Ordinary Differential Equations II, IV.2).
 from collections.abc import Callable
 
 import numpy as np
-from rps_exudyn.solvers.gear_kernel import tangent
 
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.verification.runge_kutta import FreeMotion, runge_kutta
@@ -56,9 +55,8 @@ def largest_damping(motion: FreeMotion) -> float:
 
 def _by_inertia(motion: FreeMotion) -> tuple[np.ndarray, np.ndarray]:
     """Accelerations over displacements and over rates of what moves, (n, n) each."""
-    inverse, moving = motion.inverse_mass(motion.place), np.ix_(motion.moving, motion.moving)
-    slope = tangent(motion.force)
-    state = motion.place, motion.rate, motion.data
+    inverse, moving = np.linalg.inv(motion.moving_mass(motion.place)), np.ix_(motion.moving, motion.moving)
+    slope, state = motion.balance.difference_tangent, (motion.place, motion.rate)
     return inverse @ slope(*state, 1.0, 0.0)[moving], inverse @ slope(*state, 0.0, 1.0)[moving]
 
 

@@ -95,7 +95,7 @@ def do_study(request: Request, json: bool) -> int:
                 return run_study(work, processes.run, workers_write=True, workers=jobs)
 
     try:
-        with shown_progress(work=_model_of(work)):
+        with shown_progress():
             tally = run_all()
     except KeyboardInterrupt:
         raise KeyboardInterrupt(f"interrupted; finished cases are {_kept(request)}.") from None
@@ -103,11 +103,6 @@ def do_study(request: Request, json: bool) -> int:
         raise InputError(f"{error} Finished cases are {_kept(request)}.") from None
     _print_tally(work, tally, json)
     return 0 if set(tally.statuses) <= {Status.OK} else 1
-
-
-def _model_of(work: StudyWork) -> str:
-    """Its name in the table of kernels."""
-    return f"{work.description.scene} {work.study.base.fidelity.model}"
 
 
 def do_collect(folder: Path, out: Path | None) -> None:
@@ -139,7 +134,7 @@ def list_cases(request: Request, json: bool) -> int:
     """Print the cases, which of them are missing, and the estimated time; exit status 0."""
     work, jobs = request.work(), request.processes
     time = estimate(work, jobs)
-    with shown_progress(work=_model_of(work)):
+    with shown_progress():
         ways = ways_of(work.study, work.description, len(work.missing))
     missing = {case.hash for case in work.missing}
     cases = work.description.cases

@@ -4,7 +4,7 @@ A row that is given is one that a single run ends ok; what cannot be judged here
 equilibrium, limits of the contact laws, records that ask for shorter steps, is left to single runs.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.checks.before_run import refused
+from rps_exudyn.gears.report import check_gear
 from rps_exudyn.mesh_contact.steel import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
@@ -101,36 +102,70 @@ def together(
             its gears end as in any other part. Without it the table is whole.
         signals: names of those that are kept; None keeps all.
     """
-    test = scene_named(scene).test
-    assert test is not None
     count = len(next(iter(table.values())))
     if ranges is None and count < fewest(table):
         return None
-    weighted = scene_needs_weight(test, gear)
-    valid, records, reference = _records(gear, fidelity, table, ranges, weighted)
-    if records is None or refused(reference, fidelity, steady=True):
+    common = Common.of(scene, gear, fidelity, table, ranges)
+    if common is None:
         return None
-    some = {path: values[valid] for path, values in table.items()}
-    whole = some if ranges is None else ranges
-    shaped = reference if is_alike(reference, whole) else reference.replace({RUNOUT: 1e-6})
-    maneuvers, beside = test.maneuvers(shaped, fidelity.step_angle, StepLimits())
-    if weighted and not reference.test.load_mass > 0:
-        return None
-    families = []
-    for maneuver in [*maneuvers, *([beside] if beside else [])]:
-        if (family := Family.of(maneuver, reference, fidelity, some, ranges)) is None:
-            return None
-        families.append(family)
-    at_once = max(1, AT_ONCE // sum(len(family.nodes) for family in families))
+    at_once = max(1, AT_ONCE // sum(len(family.nodes) for family in common.families))
     parts = []
-    for begin in range(0, len(records), at_once):
-        chosen = np.arange(begin, min(begin + at_once, len(records)))
-        parts.append(_Part.of(test, families, len(maneuvers), records, chosen, signals))
-        if test.formulas is not None:
-            kept = chosen[parts[-1].kept].tolist()
-            settings = [{path: float(values[row]) for path, values in some.items()} for row in kept]
-            parts[-1].add(test.formulas(gear.replace(each)) for each in settings)
-    return _joined(parts, valid, count)
+    for begin in range(0, len(common.records), at_once):
+        each = np.arange(begin, min(begin + at_once, len(common.records)))
+        gears = [_existing(gear, _settings(table, row)) for row in common.rows[each].tolist()]
+        exist = np.array([one is not None for one in gears], dtype=bool)
+        parts.append(_Part.of(common, each[exist], [one for one in gears if one is not None], signals))
+    return _joined(parts, count)
+
+
+@dataclass(frozen=True, eq=False)
+class Common:
+    """What the gears of a table have in common in a scene, and the constants of each.
+
+    Attributes:
+        test: of the scene.
+        families: one for each maneuver.
+        recorded: how many of them make the record; the others go beside.
+        rows: of the table, of gears that can exist, (n,).
+        records: their constants, (n,).
+    """
+
+    test: SteadyTest
+    families: list[Family]
+    recorded: int
+    rows: np.ndarray
+    records: np.ndarray
+
+    @classmethod
+    def of(
+        cls, scene: str, gear: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table | None = None
+    ) -> "Common | None":
+        """Learn it; arguments as of `together`. None if the gear in the middle is not found."""
+        test = scene_named(scene).test
+        assert test is not None
+        try:
+            weighted = _is_weighted(test, gear)
+            rows, records, reference = _records(gear, fidelity, table, ranges, weighted)
+            if records is None or refused(reference, fidelity, steady=True):
+                return None
+            some = {path: values[rows] for path, values in table.items()}
+            whole = some if ranges is None else ranges
+            shaped = reference if is_alike(reference, whole) else reference.replace({RUNOUT: 1e-6})
+            maneuvers, beside = test.maneuvers(shaped, fidelity.step_angle, StepLimits())
+        except InputError:  # a test that leaves the rack's teeth
+            return None
+        if weighted and not reference.test.load_mass > 0:
+            return None
+        families = []
+        for maneuver in [*maneuvers, *([beside] if beside else [])]:
+            if (family := Family.of(maneuver, reference, fidelity, some, ranges)) is None:
+                return None
+            families.append(family)
+        return cls(test, families, len(maneuvers), rows, records)
+
+    def followed(self, chosen: np.ndarray) -> list[FamilyRecord]:
+        """Follow the chosen ones of the gears over each maneuver."""
+        return [FamilyRecord.of(family, self.records, chosen) for family in self.families]
 
 
 def fewest(table: Table) -> int:
@@ -138,7 +173,7 @@ def fewest(table: Table) -> int:
     return FEWEST * (2 * sum(np.ptp(values) > 0 for values in table.values()) + 1)
 
 
-def scene_needs_weight(test: SteadyTest, gear: SteeringGear) -> bool:
+def _is_weighted(test: SteadyTest, gear: SteeringGear) -> bool:
     """Tell whether a weight pulls at the rack in some maneuver of a test."""
     heavy = gear.replace({WEIGHT: 1.0, "test.path": "one-way"})
     maneuvers, _ = test.maneuvers(heavy, float(np.deg2rad(20)), StepLimits())
@@ -161,7 +196,8 @@ def _records(
         except InputError:
             if attempt:
                 break
-            valid = np.array([row for row in valid.tolist() if _exists(gear, fidelity, table, row)], np.intp)
+            exist = [row for row in valid.tolist() if can_exist(gear, fidelity, _settings(table, row))]
+            valid = np.array(exist, dtype=np.intp)
             if not valid.size:
                 break
     return valid, None, gear
@@ -174,8 +210,18 @@ def _within(table: Table, ranges: Table) -> np.ndarray:
     return np.flatnonzero(np.logical_and.reduce(inside) & weighted)
 
 
-def _exists(gear: SteeringGear, fidelity: Fidelity, table: Table, row: int) -> bool:
-    return can_exist(gear, fidelity, {path: float(values[row]) for path, values in table.items()})
+def _settings(table: Table, row: int) -> dict[str, float]:
+    return {path: float(values[row]) for path, values in table.items()}
+
+
+def _existing(gear: SteeringGear, settings: Mapping[str, float]) -> SteeringGear | None:
+    """Return a gear with other settings; None if it cannot be built."""
+    try:
+        made = gear.replace(settings)
+        check_gear(made)
+    except InputError:
+        return None
+    return made
 
 
 def can_exist(gear: SteeringGear, fidelity: Fidelity, settings: Mapping[str, float]) -> bool:
@@ -191,27 +237,23 @@ def can_exist(gear: SteeringGear, fidelity: Fidelity, settings: Mapping[str, flo
 class _Part:
     """Some gears of a table, described."""
 
-    kept: np.ndarray  # (n,) whether the rows were found
-    summary: dict[str, np.ndarray]  # of those kept
+    rows: np.ndarray  # of the table, of the gears found, (n,)
+    summary: dict[str, np.ndarray]  # (n,) each
     counters: dict[str, np.ndarray]
     messages: list[str]
     signals: dict[str, np.ndarray]
 
     @classmethod
     def of(
-        cls,
-        test: SteadyTest,
-        families: Sequence[Family],
-        recorded: int,
-        records: np.ndarray,
-        chosen: np.ndarray,
-        signals: Sequence[str] | None,
+        cls, common: Common, chosen: np.ndarray, gears: list[SteeringGear], signals: Sequence[str] | None
     ) -> "_Part":
         """Follow the chosen gears over all maneuvers, and describe those found in each."""
-        ways = [FamilyRecord.of(family, records, chosen) for family in families]
+        test, families, recorded = common.test, common.families, common.recorded
+        ways = common.followed(chosen)
         kept = np.logical_and.reduce([way.surely_ok() for way in ways])
+        rows = common.rows[chosen[kept]]
         if not kept.any():
-            return cls(kept, {}, {}, [], {})
+            return cls(rows, {}, {}, [], {})
         if not kept.all():
             ways = [way.some(kept) for way in ways]
         n, gear = int(kept.sum()), families[0].gear
@@ -220,7 +262,8 @@ class _Part:
         gain, load = ways[0].records["mesh"]["flank"]["gain"], ways[0].records["load"]["force"][:, 0]
         turned = Turned(gear, joined, beside, gain, np.abs(load), families[0].fidelity.step_angle)
         metrics = {name: np.broadcast_to(values, n) for name, values in test.metrics(turned).items()}
-        of_limits = _remarks(gear, ways[0].records["nut"]["clearance"], joined)
+        own_gears = [gears[i] for i in np.flatnonzero(kept).tolist()]
+        of_limits = _remarks(own_gears, joined)
         messages = [
             "; ".join(remark for remark in (limits, *own) if remark)
             for limits, own in zip(of_limits, test.remarks(turned), strict=True)
@@ -229,46 +272,40 @@ class _Part:
         counters = {
             name: np.sum([way.counts[name] for way in ways[:recorded]], axis=0) for name in ways[0].counts
         }
-        return cls(kept, metrics, counters, messages, {name: joined[name] for name in names})
-
-    def add(self, figures: Iterable[dict[str, float]]) -> None:
-        """Add figures of each gear by itself; what one does not have is nan."""
-        each = list(figures)
-        for name in dict.fromkeys(name for own in each for name in own):
-            self.summary[name] = np.array([own.get(name, np.nan) for own in each])
+        if test.formulas is not None:
+            figures = [test.formulas(each) for each in own_gears]
+            for name in dict.fromkeys(name for own in figures for name in own):
+                metrics[name] = np.array([own.get(name, np.nan) for own in figures])
+        return cls(rows, metrics, counters, messages, {name: joined[name] for name in names})
 
 
-def _remarks(gear: SteeringGear, clearance: np.ndarray, signals: Signals) -> list[str]:
-    """Remarks on each gear by the function that remarks on single runs."""
+def _remarks(gears: list[SteeringGear], signals: Signals) -> list[str]:
+    """Remarks on each gear by the function that remarks on single runs, where there is a cause."""
     pressed = np.minimum(signals["mesh_normal_force_drive"], signals["mesh_normal_force_coast"]).min(axis=1)
     overloaded = signals["mesh_pressure"].max(axis=1) > BEARABLE_PRESSURE
     said = (pressed <= 0) | overloaded | (signals["yokenut_force"].max(axis=1) > 0)
-    messages = [""] * len(said)
+    messages = [""] * len(gears)
     for i in np.flatnonzero(said).tolist():
-        yoke = gear.yoke.model_copy(update={"clearance": float(clearance[i])})
         own = {name: each[i] if each.ndim > 1 else each for name, each in signals.items()}
-        messages[i] = "; ".join(remarks(gear.model_copy(update={"yoke": yoke}), own))
+        messages[i] = "; ".join(remarks(gears[i], own))
     return messages
 
 
-def _joined(parts: list[_Part], valid: np.ndarray, count: int) -> Together:
+def _joined(parts: list[_Part], count: int) -> Together:
     """The parts one after the other, in the rows of the table."""
     ended, messages = np.zeros(count, dtype=bool), [""] * count
     summary: dict[str, np.ndarray] = {}
     counters: dict[str, np.ndarray] = {}
     signals: dict[str, np.ndarray] = {}
-    begin = 0
     for part in parts:
-        rows = valid[begin : begin + len(part.kept)][part.kept]
-        begin += len(part.kept)
-        ended[rows] = True
+        ended[part.rows] = True
         for whole, own in ((summary, part.summary), (counters, part.counters), (signals, part.signals)):
             for name, values in own.items():
                 if whole is signals and values.ndim == 1:
                     whole[name] = values
                 else:
-                    whole.setdefault(name, np.full((count, *values.shape[1:]), np.nan))[rows] = values
-        for row, message in zip(rows.tolist(), part.messages, strict=True):
+                    whole.setdefault(name, np.full((count, *values.shape[1:]), np.nan))[part.rows] = values
+        for row, message in zip(part.rows.tolist(), part.messages, strict=True):
             messages[row] = message
     found = {name: values for name, values in summary.items() if not np.isnan(values).all()}
     return Together(ended, found, counters, messages, signals)

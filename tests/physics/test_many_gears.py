@@ -83,6 +83,21 @@ def test_gears_that_do_not_run_keep_their_cause(gear: rps.SteeringGear, found: r
     assert np.isnan(found.summary["torque_mean"][[NO_GEAR, TOO_STRONG]]).all()
 
 
+def test_a_gear_that_two_values_together_forbid_keeps_its_cause(gear: rps.SteeringGear) -> None:
+    """Each alone could be: a long seat, and a wide one."""
+    yoke, bar = gear.yoke, gear.rack.bar_diameter / 2
+    length, angle = np.full(24, yoke.seat_length), np.full(24, yoke.seat_angle)
+    room = yoke.plunger_diameter / 2
+    length[-2:] = 2 * np.sqrt(room**2 - (bar * np.sin(yoke.seat_angle)) ** 2) * 0.999
+    wide = np.arcsin(np.sqrt(room**2 - (yoke.seat_length / 2) ** 2) / bar) if room < bar else np.pi / 2
+    angle[[0, -1]] = min(0.999 * wide, np.radians(80))
+    found = rps.batch(SCENE, gear, {"yoke.seat_length": length, "yoke.seat_angle": angle})
+    assert found.in_loop[0]
+    assert found.in_loop[-2]
+    assert found.statuses[-1] is Status.INVALID
+    assert "The seat's corners reach" in found.messages[-1]
+
+
 def test_alike_pitches_are_repeated() -> None:
     gear, rng = rps.SteeringGear(), np.random.default_rng(4)
     values = {"yoke.preload": rng.uniform(280, 320, 12)}
@@ -169,6 +184,13 @@ def test_few_gears_are_run_singly(gear: rps.SteeringGear) -> None:
     found = rps.batch(SCENE, gear, {"yoke.preload": [290.0, 310.0]}, keep="torque")
     assert not found.in_loop.any()
     assert "too few gears" in found.alone
+
+
+def test_a_test_that_leaves_the_teeth_is_the_cause_of_every_row(gear: rps.SteeringGear) -> None:
+    values = {"yoke.preload": np.linspace(290.0, 310.0, 12)}
+    found = rps.batch(SCENE, gear.replace({"test.turns": 5}), values)
+    assert not found.in_loop.any()
+    assert all("teeth for rack.travel" in said for said in found.messages)
 
 
 def test_what_to_keep_is_one_of_two(gear: rps.SteeringGear) -> None:
