@@ -85,12 +85,8 @@ def test_gears_that_do_not_run_keep_their_cause(gear: rps.SteeringGear, found: r
 
 def test_a_gear_that_two_values_together_forbid_keeps_its_cause(gear: rps.SteeringGear) -> None:
     """Each alone could be: a long seat, and a wide one."""
-    yoke, bar = gear.yoke, gear.rack.bar_diameter / 2
-    length, angle = np.full(24, yoke.seat_length), np.full(24, yoke.seat_angle)
-    room = yoke.plunger_diameter / 2
-    length[-2:] = 2 * np.sqrt(room**2 - (bar * np.sin(yoke.seat_angle)) ** 2) * 0.999
-    wide = np.arcsin(np.sqrt(room**2 - (yoke.seat_length / 2) ** 2) / bar) if room < bar else np.pi / 2
-    angle[[0, -1]] = min(0.999 * wide, np.radians(80))
+    length, angle = np.full(24, gear.yoke.seat_length), np.full(24, gear.yoke.seat_angle)
+    length[-2:], angle[[0, -1]] = 23.6e-3, np.radians(68)
     found = rps.batch(SCENE, gear, {"yoke.seat_length": length, "yoke.seat_angle": angle})
     assert found.in_loop[0]
     assert found.in_loop[-2]
