@@ -17,17 +17,14 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from benchmarks.topic import Topic, digits, load_data, markdown, save_data
-from rps_exudyn.forces.memory import reset
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.elastic_teeth import teeth_contact
 from rps_exudyn.mesh_contact.flank_contact import area_contact, line_contact
 from rps_exudyn.mesh_contact.flank_data import pack
-from rps_exudyn.mesh_contact.mesh_record import MESH
 from rps_exudyn.mesh_contact.scratch import SCRATCH
-from rps_exudyn.mesh_contact.teeth_data import teeth_data
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.verification.contact_at import flank_contact, mesh_of_teeth
 
-CONTACTS = {"line": line_contact, "area": area_contact, "teeth": teeth_contact}
 GEAR = SteeringGear().replace({"mesh.law": "area"})
 TIP = {"pinion.tip_diameter": "18.2 mm"}  # which would follow from the helix angle
 ANGLES = np.linspace(0, np.pi / 3, 25)[:-1]
@@ -76,43 +73,39 @@ def states(gear: SteeringGear, turn: tuple[float, float, float]) -> list[tuple[A
     return [(-angle, -1.0, place + angle * x, rotation, v, np.zeros(3)) for angle in ANGLES]
 
 
-def microseconds(arguments: list[tuple[Any, ...]], law: str, data: np.void) -> float:
-    """CPU time of one evaluation of a law's contact by its record."""
-    contact = CONTACTS[law]
-    angles = np.array([args[0] for args in arguments])
-    places = np.array([args[2] for args in arguments])
-    works, gears = np.zeros(1, SCRATCH), np.array([data], dtype=data.dtype)
-    reset(works[0]["memory"])
+def microseconds(gear: SteeringGear, arguments: list[tuple[Any, ...]], flank: np.record) -> float:
+    """CPU time of one evaluation."""
+    contact = {"line": line_contact, "area": area_contact, "teeth": teeth_contact}[gear.mesh.law]
+    constants = mesh_of_teeth(gear, flank) if gear.mesh.law == "teeth" else flank
 
     @numba.njit
-    def sweep(repeats, rotation, velocity, spin, gears, works):  # type: ignore[no-untyped-def]
+    def sweep(repeats, angles, places, rotation, velocity, spin, records, works):  # type: ignore[no-untyped-def]
         for _ in range(repeats):
             for i in range(len(angles)):
-                contact(angles[i], -1.0, places[i], rotation, velocity, spin, gears[0], works[0], 0.0, 0.0)
+                at = angles[i], -1.0, places[i], rotation, velocity, spin
+                contact(*at, records[0], works[0], 0.0, 0.0)
 
-    rest = *arguments[0][3:], gears, works
+    rest = (
+        np.array([args[0] for args in arguments]),
+        np.array([args[2] for args in arguments]),
+        *arguments[0][3:],
+        np.array([constants], dtype=constants.dtype),
+        np.zeros(1, SCRATCH),
+    )
     sweep(1, *rest)
     times, repeats = [], 40
     for _ in range(7):
         start = process_time()
         sweep(repeats, *rest)
         times.append(process_time() - start)
-    return min(times) / (repeats * len(angles)) * 1e6
+    return min(times) / (repeats * len(arguments)) * 1e6
 
 
-def wrenches(gear: SteeringGear, turn: tuple[float, float, float], data: np.void) -> np.ndarray:
-    """What the area law does at all states, one row each, see `mesh_contact.wrench`."""
-    works, rows = np.zeros(1, SCRATCH), []
-    reset(works[0]["memory"])
-    for args in states(gear, turn):
-        area_contact(*args, data, works[0], 0.0, 0.0)
-        rows.append(works[0]["wrench"].copy())
-    return np.array(rows)
-
-
-def errors(gear: SteeringGear, turn: tuple[float, float, float], data: np.void) -> tuple[float, float]:
+def errors(gear: SteeringGear, turn: tuple[float, float, float], data: np.record) -> tuple[float, float]:
     """Torque RMS and largest of the wrench, both in %."""
-    exact, found = wrenches(gear, turn, pack(gear, generators=1280)), wrenches(gear, turn, data)
+    reference = pack(gear, generators=1280)
+    exact = np.array([flank_contact(*args, reference) for args in states(gear, turn)])
+    found = np.array([flank_contact(*args, data) for args in states(gear, turn)])
     off = found[:, :7] - exact[:, :7]
     normal, radius = exact[:, 7:9].sum(axis=1).mean(), GearPair.of(gear).base_radius
     torque = np.sqrt(np.mean(off[:, 0] ** 2)) / abs(exact[:, 0].mean())
@@ -133,7 +126,7 @@ def by_evaluator(names: Sequence[str]) -> Iterator[Row]:
     aligned = (0, 0, 0)
     for name in names:
         data = pack(GEAR, **EVALUATORS[name])  # type: ignore[arg-type]
-        yield name, microseconds(states(GEAR, aligned), "area", data), *errors(GEAR, aligned, data)
+        yield name, microseconds(GEAR, states(GEAR, aligned), data), *errors(GEAR, aligned, data)
 
 
 def by_case(names: Sequence[str]) -> Iterator[Row]:
@@ -141,12 +134,8 @@ def by_case(names: Sequence[str]) -> Iterator[Row]:
     for name in names:
         settings, turn = CASES[name]
         gear = GEAR.replace(settings)
-        data = pack(gear)
-        mesh = np.zeros(1, MESH)
-        if gear.mesh.law == "teeth":
-            mesh["flank"], mesh["teeth"] = data, teeth_data(gear, data)
-        known = gear.mesh.law == "area"
-        cost = microseconds(states(gear, turn), gear.mesh.law, mesh[0] if gear.mesh.law == "teeth" else data)
+        data, known = pack(gear), gear.mesh.law == "area"
+        cost = microseconds(gear, states(gear, turn), data)
         yield name, cost, *(errors(gear, turn, data) if known else (None, None))
 
 

@@ -1,8 +1,8 @@
 """Cost of a study over the number of its cases: random gears over a whole turn, in blocks, two processes.
 
 The gears are those of `studies/tolerance.toml`: runout, single pitch error and six more errors, one turn in
-steps of 1 degree. Elapsed times grow with what other processes do on the machine; the equilibria by the
-follower, which knows no tangent, are measured beside those by Newton's method on the same gears.
+steps of 1 degree. Elapsed times grow with what other processes do on the machine; the equilibria alone are
+measured on some of the same gears.
 """
 
 import os

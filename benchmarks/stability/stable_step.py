@@ -55,9 +55,9 @@ def largest_damping(motion: FreeMotion) -> float:
 
 def _by_inertia(motion: FreeMotion) -> tuple[np.ndarray, np.ndarray]:
     """Accelerations over displacements and over rates of what moves, (n, n) each."""
-    inverse, moving = np.linalg.inv(motion.moving_mass(motion.place)), np.ix_(motion.moving, motion.moving)
-    slope, state = motion.balance.difference_tangent, (motion.place, motion.rate)
-    return inverse @ slope(*state, 1.0, 0.0)[moving], inverse @ slope(*state, 0.0, 1.0)[moving]
+    inverse = np.linalg.inv(motion.moving_mass(motion.place))
+    by_place, by_rate = motion.moving_slopes(motion.place, motion.rate)
+    return inverse @ by_place, inverse @ by_rate
 
 
 def stable_step(matrix: np.ndarray, growth: Growth) -> float:

@@ -24,7 +24,7 @@ from rps_exudyn.solvers.coordinates import PLUNGER
 from rps_exudyn.solvers.drive import Drive, Steady, Swing
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
-from rps_exudyn.solvers.linearised_motion import eigenvalues, slopes
+from rps_exudyn.solvers.linearised_motion import eigenvalues
 from rps_exudyn.verification.led_ways import (
     Way,
     equilibria_at,
@@ -204,9 +204,8 @@ def _explicit_step(motion: FreeMotion) -> float:
 
 def _eigenvalues(motion: FreeMotion, place: np.ndarray, rate: np.ndarray) -> np.ndarray:
     """Eigenvalues of the motion linearised at a place and rate [1/s], (2m,)."""
-    moving = np.ix_(np.zeros(1, int), motion.moving, motion.moving)
-    by_place, by_rate = (each[moving] for each in slopes(motion.balance, place[None], rate[None]))
-    return eigenvalues(motion.moving_mass(place), by_place, by_rate)[0]
+    by_place, by_rate = motion.moving_slopes(place, rate)
+    return eigenvalues(motion.moving_mass(place), by_place[None], by_rate[None])[0]
 
 
 def _check_steady(motion: FreeMotion, path: EquilibriumPath, duration: float) -> None:

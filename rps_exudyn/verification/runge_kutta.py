@@ -22,6 +22,7 @@ from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 from rps_exudyn.solvers.drive import Drive, Steady
 from rps_exudyn.solvers.gear_forces import GearForces
+from rps_exudyn.solvers.linearised_motion import slopes
 from rps_exudyn.solvers.record import Record, signals_of
 
 
@@ -69,6 +70,12 @@ class FreeMotion:
         turned, rack = self.mass.copy(), COORDINATE_BLOCKS["rack"]
         turned[rack, rack] = rigid_mass(q[rack][3:], self.bar)
         return turned[np.ix_(self.moving, self.moving)]
+
+    def moving_slopes(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Slopes of the forces on the moving coordinates by their places and by their rates, (m, m) each."""
+        moving = np.ix_(self.moving, self.moving)
+        by_place, by_rate = (each[0][moving] for each in slopes(self.balance, q[None], v[None]))
+        return by_place, by_rate
 
     def acceleration(self, t: float, q: np.ndarray, v: np.ndarray, inverse: np.ndarray) -> np.ndarray:
         """Accelerations of all coordinates, (n,); those of the drive for the prescribed ones."""

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from contact_at import flank_contact
 from flank_points import wrench_by_points
 from flank_poses import ANGLES, FINE, PAPER, POSES, PRESS, ZONE, changed, difference, state
 from rps_exudyn.base.compiled import changed as changed_record
@@ -30,6 +29,7 @@ from rps_exudyn.mesh_contact.wrench import (
     TORQUE,
 )
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.verification.contact_at import flank_contact
 
 
 # --- three ways to one integral ----------------------------------------------------------------

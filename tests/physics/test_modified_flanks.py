@@ -6,13 +6,13 @@ Tolerances are shares of the sum of normal forces (times the base radius for mom
 import numpy as np
 import pytest
 
-from contact_at import flank_contact
 from flank_points import wrench_by_points
 from flank_poses import POSES, ZONE, changed, difference, state
 from rps_exudyn.base.compiled import kernel
 from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.mesh_contact.flank_strip import DEPTH, LOW_END, PRESSING, STRIP_SHAPE, touching
 from rps_exudyn.mesh_contact.wrench import PENETRATION
+from rps_exudyn.verification.contact_at import flank_contact
 
 FORMS: dict[str, dict[str, object]] = {
     "relief": {"pinion__tip_relief": "40 um", "pinion__tip_relief_length": "2 mm"},

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from contact_at import flank_contact, sampled_wrench
 from flank_points import wrench_by_points
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
@@ -23,6 +22,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.run import run
 from rps_exudyn.solvers.linear_spheres import standing_out
+from rps_exudyn.verification.contact_at import flank_contact, sampled_wrench
 
 ZONE = 1e-5  # [m/s]
 BOTH = [NORMAL_DRIVE, NORMAL_COAST]
