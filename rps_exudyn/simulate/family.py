@@ -27,6 +27,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import Maneuver, largest_angle
+from rps_exudyn.scenes.run_maneuver import CLOSED
 from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.solvers.coordinates import RACK
 from rps_exudyn.solvers.drive import Steady, travel_per_radian
@@ -290,7 +291,8 @@ class FamilyRecord:
         lifted = np.abs(signals["rack_y"] - self.records["mesh"]["flank"]["axis_offset"][:, None])
         late = lag(angle, signals["rack_roll"]) * gear.rack.bar_diameter / 2
         late = late / spread(signals["rack_displacement"])
-        drift = np.abs(force[:, -1] - force[:, 0]) / np.abs(force).max(axis=-1)
+        drift = np.abs(force[:, -1] - force[:, 0]) / np.maximum(np.abs(force).max(axis=-1), ROUNDING)
+        allowed_drift = SAFE * CLOSED if family.periods > 1 else STEADY
         checks = (
             self.found,
             np.isfinite(force).all(axis=-1),
@@ -299,11 +301,10 @@ class FamilyRecord:
             *(signals[name].max(axis=-1) < SAFE * bound for name, bound in valid_to.items()),
             late < SAFE * min(ROLLING, LAG_BOUND),
             missed(angle, force).max(axis=-1) < SAFE * PEAK * self._size(),
-            (drift < STEADY) | (not family.maneuver.closes),
+            (drift * family.periods < allowed_drift) | (not family.maneuver.closes),
             self._works_ok(),
             self._turns_on(),
-            # else finer strips must confirm it
-            (signals["yokenut_force"].max(axis=-1) <= 0) | (gear.mesh.law != "teeth"),
+            signals["yokenut_force"].max(axis=-1) <= 0,  # else all depends on where exactly the rack begins
         )
         return np.asarray(np.logical_and.reduce(checks))
 
