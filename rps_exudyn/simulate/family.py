@@ -51,7 +51,7 @@ LEAD = 2  # instants before the record
 NEAR_LOCK = 0.99  # of the angle at the lock: teeth for that all gears have
 SINGLE_OUT = (RUNOUT, "pinion.pitch_error")  # a tooth or a direction: the curve repeats with the turn
 STEADY = 2e-3  # of torque and travel: what drifts more over a period is left to a single run
-SAFE = 0.8  # of a bound, from which on a single run judges
+SAFE = 0.95  # of a bound, from which on a single run judges
 
 Ends = tuple[tuple[str, tuple[float, float]], ...]
 """Paths, each with the values of the gear above the reference and of that below."""
