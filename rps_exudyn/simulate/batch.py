@@ -146,7 +146,7 @@ def batch(
     says why.
 
     The gears of a free pinion torque, a load test or a rack push are followed together, several times as fast
-    as one by one: by the same equations at the same instants, with means within 1e-5 and all other metrics
+    as one by one: by the same equations at the same instants, with means within 1e-5 and other metrics mostly
     within 1e-3 of single runs. What is not supported (`together.UNSUPPORTED`) or not found well within the
     bounds of all checks is simulated one by one; `Batch.in_loop` and `Batch.alone` say so. So are tables of
     few gears.

@@ -47,7 +47,7 @@ from rps_exudyn.solvers.many_gears import (
 from rps_exudyn.solvers.record import instant_signals, integrated, repeated
 from rps_exudyn.solvers.settled_start import settled_path
 
-LEAD = 2  # instants before the record
+LEAD = 1 / 4  # of a tooth pitch before the record: what the guess at its start was off by is forgotten
 NEAR_LOCK = 0.99  # of the angle at the lock: teeth for that all gears have
 SINGLE_OUT = (RUNOUT, "pinion.pitch_error")  # a tooth or a direction: the curve repeats with the turn
 STEADY = 2e-3  # of torque and travel: what drifts more over a period is left to a single run
@@ -66,7 +66,8 @@ class Family:
     series: GearSeries
     maneuver: Maneuver  # over one period
     periods: int
-    nodes: np.ndarray  # pinion angles, the first `LEAD` of them before the record [rad]
+    nodes: np.ndarray  # pinion angles at which the gears are followed [rad]
+    lead: int  # of them before the record
     per_pitch: int  # of them in a tooth pitch, 0 if no whole number
     known: Known
     features: np.ndarray  # (n, f)
@@ -117,7 +118,8 @@ class Family:
         before, per_pitch = int(np.ceil(in_pitch)), round(in_pitch)
         if abs(in_pitch - per_pitch) > 1e-9 * in_pitch:
             per_pitch = 0
-        angles = np.concatenate([record[0] + step * np.arange(-before - LEAD, 0), record])
+        lead = max(2, int(np.ceil(LEAD * in_pitch)))
+        angles = np.concatenate([record[0] + step * np.arange(-before - lead, 0), record])
         weighted = bool(maneuver.rack_load)
         gears = [gear, *_perturbed(gear, steps)]
         records = packed(gears, fidelity, weighted)
@@ -146,13 +148,13 @@ class Family:
             np.concatenate([motion[:1], (motion[1::2] - motion[2::2]) / (2 * sizes)]), maneuver.time_step
         )
         nodes, known = angles[before:], known.since(before)
-        given = gear, fidelity, series, maneuver, whole.periods, nodes, per_pitch, known
+        given = gear, fidelity, series, maneuver, whole.periods, nodes, lead, per_pitch, known
         return cls(*given, np.zeros((0, len(steps))))
 
     @property
     def angles(self) -> np.ndarray:
         """Pinion angles of the record's first period, of a gear without errors [rad]."""
-        return self.nodes[LEAD:]
+        return self.nodes[self.lead :]
 
     @property
     def time(self) -> np.ndarray:
@@ -256,7 +258,8 @@ class FamilyRecord:
             some["load"] = family.series.forces.gears["load"]
             some["has_load"] = family.series.forces.gears["has_load"]
         found = family.series.follow(some, family.nodes, family.per_pitch, family.known, features)
-        instants = {name: values[..., LEAD:] for name, values in instant_signals(found.record).items()}
+        signals = instant_signals(found.record)
+        instants = {name: values[..., family.lead :] for name, values in signals.items()}
         if family.maneuver.drive.body == "pinion":
             instants["pinion_angle"] = family.angles
         return cls(family, some, found.found, integrated(instants, family.time), found.counts)
@@ -304,7 +307,8 @@ class FamilyRecord:
             (drift * family.periods < allowed_drift) | (not family.maneuver.closes),
             self._works_ok(),
             self._turns_on(),
-            signals["yokenut_force"].max(axis=-1) <= 0,  # else all depends on where exactly the rack begins
+            # else finer strips must confirm it
+            (signals["yokenut_force"].max(axis=-1) <= 0) | (gear.mesh.law != "teeth"),
         )
         return np.asarray(np.logical_and.reduce(checks))
 
