@@ -1,8 +1,8 @@
-"""What a fit could hand to the loop over many gears: gears known at once, and what a loop about them takes.
+"""What a fit could follow together: gears known at once, and what following them takes.
 
-Gears of a fit depend on each other: each step tells where the next one goes. Known at once are those of the
-slopes, one an unknown that shows in the shape. A loop first follows gears to learn from, about the middle of
-each new table; from how many gears on that pays follows from both CPU times, measured in turn.
+Gears of a fit depend on each other: each step says where the next one goes. Known at once are those of the
+slopes, one an unknown that shows in the shape. Gears together begin with some to learn from, about the middle
+of each new table; from how many gears on that pays follows from both CPU times, measured in turn.
 """
 
 import traceback
@@ -26,7 +26,7 @@ from rps_exudyn.solvers.closed_form import GRAVITY
 DATA = "fit_designs.json"
 FITS = {"free torque": (FREE,), "all six tests": SET}
 WEIGHED = BenchTest("load-test", 80.0 * GRAVITY)
-LOOPS = {"free-pinion-torque": FREE, "load-test": WEIGHED}  # scene of the loop -> test of the fit
+TABLES = {"free-pinion-torque": FREE, "load-test": WEIGHED}  # scene of a table -> test of the fit
 SPREAD = 0.01  # of the gears of a table about their middle: a step of a fit
 SLOPES = ("first_slopes",)  # functions that ask for gears which are known at once
 
@@ -34,13 +34,13 @@ SLOPES = ("first_slopes",)  # functions that ask for gears which are known at on
 def run(
     folder: Path,
     fits: Sequence[str] = tuple(FITS),
-    loops: Sequence[str] = tuple(LOOPS),
+    scenes: Sequence[str] = tuple(TABLES),
     gears: int = 32,
     repeats: int = 5,
 ) -> None:
-    """Count the gears of fits, and measure loops about new gears beside the fit's own simulations."""
+    """Count the gears of fits, and measure tables about new gears beside the fit's own simulations."""
     counted = {name: gears_of_fit(FITS[name]) for name in fits}
-    timed = {scene: loop_and_single(scene, gears, repeats) for scene in loops}
+    timed = {scene: together_and_single(scene, gears, repeats) for scene in scenes}
     print(counted, timed, flush=True)
     save_data(folder / DATA, {"fits": counted, "loops": timed})
 
@@ -61,9 +61,9 @@ def gears_of_fit(tests: Sequence[BenchTest]) -> dict[str, int]:
     return {"gears": len(asked), "at_once": max(map(len, runs), default=1)}
 
 
-def loop_and_single(scene: str, gears: int, repeats: int) -> dict[str, float]:
-    """CPU times [s]: of a loop's begin about a new gear, of each gear in it, of a gear by itself; medians."""
-    random, test = np.random.default_rng(0), LOOPS[scene]
+def together_and_single(scene: str, gears: int, repeats: int) -> dict[str, float]:
+    """CPU times [s]: to learn about a new gear, of each gear together, of a gear by itself; medians."""
+    random, test = np.random.default_rng(0), TABLES[scene]
     prediction = Prediction.of([test])
     tries = []
     rig: dict[str, Any] = {"test.path": "there-and-back"}
@@ -94,7 +94,7 @@ def loop_and_single(scene: str, gears: int, repeats: int) -> dict[str, float]:
 
 
 def table(folder: Path) -> str:
-    """Both sides: gears at once in fits, and gears from which on a loop pays."""
+    """Both sides: gears at once in fits, and gears from which on a table pays."""
     data = load_data(folder / DATA)
     fits = [
         (f"fit of {name}", f"{each['gears']} gears simulated, at most {each['at_once']} known at once")
@@ -102,10 +102,10 @@ def table(folder: Path) -> str:
     ]
     loops = [
         (
-            f"loop, {scene}",
+            f"together, {scene}",
             f"{1e3 * each['begin']:.0f} ms to begin about a new gear, {1e3 * each['each']:.1f} ms a gear; "
             f"the fit's own {1e3 * each['single']:.0f} ms a gear: {_pays(each)}, "
-            f"{100 * each['in_loop']:.0f} % of them in the loop",
+            f"{100 * each['in_loop']:.0f} % of them found",
         )
         for scene, each in data["loops"].items()
     ]
@@ -118,10 +118,10 @@ def _pays(times: dict[str, float]) -> str:
 
 
 TOPIC = Topic(
-    "what a fit could hand to the loop over many gears",
+    "what a fit could follow together",
     "1 min",
     "fit",
     run,
-    {"fits": ("free torque",), "loops": ("free-pinion-torque",), "gears": 4, "repeats": 1},
+    {"fits": ("free torque",), "scenes": ("free-pinion-torque",), "gears": 4, "repeats": 1},
     {"fit_designs": table},
 )

@@ -19,10 +19,11 @@ from scipy.spatial.transform import Rotation
 from benchmarks.topic import Topic, digits, load_data, markdown, save_data
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.elastic_teeth import teeth_contact
-from rps_exudyn.mesh_contact.flank_contact import flank_contact
-from rps_exudyn.mesh_contact.flank_data import FlankData, pack
-from rps_exudyn.mesh_contact.teeth_data import TeethData, teeth_data
+from rps_exudyn.mesh_contact.flank_contact import area_contact, line_contact
+from rps_exudyn.mesh_contact.flank_data import pack
+from rps_exudyn.mesh_contact.scratch import SCRATCH
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.verification.contact_at import flank_contact, mesh_of_teeth
 
 GEAR = SteeringGear().replace({"mesh.law": "area"})
 TIP = {"pinion.tip_diameter": "18.2 mm"}  # which would follow from the helix angle
@@ -72,29 +73,35 @@ def states(gear: SteeringGear, turn: tuple[float, float, float]) -> list[tuple[A
     return [(-angle, -1.0, place + angle * x, rotation, v, np.zeros(3)) for angle in ANGLES]
 
 
-def microseconds(arguments: list[tuple[Any, ...]], data: FlankData | TeethData) -> float:
+def microseconds(gear: SteeringGear, arguments: list[tuple[Any, ...]], flank: np.record) -> float:
     """CPU time of one evaluation."""
-    contact = teeth_contact if isinstance(data, TeethData) else flank_contact
-    angles = np.array([args[0] for args in arguments])
-    places = np.array([args[2] for args in arguments])
+    contact = {"line": line_contact, "area": area_contact, "teeth": teeth_contact}[gear.mesh.law]
+    constants = mesh_of_teeth(gear, flank) if gear.mesh.law == "teeth" else flank
 
     @numba.njit
-    def sweep(repeats, rotation, velocity, spin):  # type: ignore[no-untyped-def]
+    def sweep(repeats, angles, places, rotation, velocity, spin, records, works):  # type: ignore[no-untyped-def]
         for _ in range(repeats):
             for i in range(len(angles)):
-                contact(angles[i], -1.0, places[i], rotation, velocity, spin, data)
+                at = angles[i], -1.0, places[i], rotation, velocity, spin
+                contact(*at, records[0], works[0], 0.0, 0.0)
 
-    rest = arguments[0][3:]
+    rest = (
+        np.array([args[0] for args in arguments]),
+        np.array([args[2] for args in arguments]),
+        *arguments[0][3:],
+        np.array([constants], dtype=constants.dtype),
+        np.zeros(1, SCRATCH),
+    )
     sweep(1, *rest)
     times, repeats = [], 40
     for _ in range(7):
         start = process_time()
         sweep(repeats, *rest)
         times.append(process_time() - start)
-    return min(times) / (repeats * len(angles)) * 1e6
+    return min(times) / (repeats * len(arguments)) * 1e6
 
 
-def errors(gear: SteeringGear, turn: tuple[float, float, float], data: FlankData) -> tuple[float, float]:
+def errors(gear: SteeringGear, turn: tuple[float, float, float], data: np.record) -> tuple[float, float]:
     """Torque RMS and largest of the wrench, both in %."""
     reference = pack(gear, generators=1280)
     exact = np.array([flank_contact(*args, reference) for args in states(gear, turn)])
@@ -119,7 +126,7 @@ def by_evaluator(names: Sequence[str]) -> Iterator[Row]:
     aligned = (0, 0, 0)
     for name in names:
         data = pack(GEAR, **EVALUATORS[name])  # type: ignore[arg-type]
-        yield name, microseconds(states(GEAR, aligned), data), *errors(GEAR, aligned, data)
+        yield name, microseconds(GEAR, states(GEAR, aligned), data), *errors(GEAR, aligned, data)
 
 
 def by_case(names: Sequence[str]) -> Iterator[Row]:
@@ -127,10 +134,8 @@ def by_case(names: Sequence[str]) -> Iterator[Row]:
     for name in names:
         settings, turn = CASES[name]
         gear = GEAR.replace(settings)
-        data = pack(gear)
-        law = teeth_data(gear, data) if gear.mesh.law == "teeth" else data
-        known = gear.mesh.law == "area"
-        cost = microseconds(states(gear, turn), law)
+        data, known = pack(gear), gear.mesh.law == "area"
+        cost = microseconds(gear, states(gear, turn), data)
         yield name, cost, *(errors(gear, turn, data) if known else (None, None))
 
 

@@ -15,11 +15,11 @@ import numpy as np
 import rps_exudyn as rps
 from benchmarks.topic import Topic, digits, load_data, markdown, save_data
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.flank_element import flank_element
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
+from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.verification.population import random_gears
 
 SEED, GEARS, BY_SPHERES = 2718, 200, 20
@@ -85,12 +85,13 @@ def measured(gear: SteeringGear, load: float) -> dict[str, Any]:
 def unfound(gear: SteeringGear) -> int:
     """At how many poses over a pitch, loaded lightly, heavily and at edges, "teeth" finds no loads."""
     rng, gain = np.random.default_rng(SEED), GearPair.of(gear).gain
-    element = flank_element(gear.replace({"mesh.law": "teeth"}), friction_zone=1e-5, along=4, across=2)
+    settings = {"strip_stations": 4, "strip_points": 2}
+    balance = gear_forces(gear.replace({"mesh.law": "teeth"}), EVERYDAY.replace(settings)).statics
     count = 0
     for angle in np.arange(ANGLES) * 2 * np.pi / gear.pinion.teeth / ANGLES:
         for lift in LIFTS:
-            q = np.array([angle, -angle * gain, lift, 0.0, *rng.uniform(-TILT, TILT, 3)])
-            count += not np.isfinite(element.kernel(q, np.zeros(7), element.data)).all()
+            q = np.array([angle, -angle * gain, lift, 0.0, *rng.uniform(-TILT, TILT, 3), 0.0])
+            count += not np.isfinite(balance.force(q, np.zeros(8))).all()
     return count
 
 

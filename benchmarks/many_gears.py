@@ -1,8 +1,8 @@
-"""The compiled loop over many gears beside single runs: gears per second, what stays in the loop, errors.
+"""Gears followed together beside single runs: gears per second, how many are found, how far they differ.
 
 The gears are random gears of the design of `studies/tolerance.toml`: over a turn with runout and a pitch
-error, and without both over one tooth pitch. Loop and single runs go one after the other in one process; CPU
-times are the least of repeats. Errors are differences from single runs in steps of 1 degree.
+error, and without both over one tooth pitch. Both ways go one after the other in one process; CPU times are
+the least of repeats. Differences are those from single runs at the same instants, 1 degree apart.
 """
 
 import os
@@ -18,10 +18,9 @@ from benchmarks.topic import ROOT, Topic, digits, load_data, markdown, save_data
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.batch import Batch, batch
-from rps_exudyn.simulate.loop_design import SINGLE_OUT, Design
-from rps_exudyn.simulate.loop_legs import legs_of
-from rps_exudyn.solvers.gear_rows import RUNOUT_ANGLE, rows_of_table
-from rps_exudyn.solvers.many_gears import COARSE
+from rps_exudyn.simulate.family import SINGLE_OUT
+from rps_exudyn.simulate.together import Common
+from rps_exudyn.solvers.many_gears import RUNOUT_ANGLE
 from rps_exudyn.study.description import settings_of
 from rps_exudyn.study.runner import StudyWork
 from rps_exudyn.study.study_file import read_study
@@ -31,6 +30,8 @@ STUDY = ROOT / "studies" / "tolerance.toml"
 DATA = "many_gears.json"
 SPANS = {"turn": "a turn, runout and one pitch", "pitch": "one tooth pitch"}
 REPEATS = 2
+TIMES = "solver", "all_in", "all_signals", "single"
+COUNTED = "force_evaluations", "steps"
 Found = TypeVar("Found")
 
 
@@ -67,7 +68,7 @@ def run(
     gears: int = 1000,
     singles: int = 300,
 ) -> None:
-    """Send so many gears through the loop, and the first of them through single runs."""
+    """Follow so many gears together, and the first of them singly."""
     rows = []
     for law in laws:
         for span in spans:
@@ -77,12 +78,13 @@ def run(
 
 
 def measured(gears: Gears, singles: int) -> dict[str, float]:
-    """CPU time per gear [s] in the solver, of the loop all in and of single runs; share and errors."""
+    """CPU time per gear [s] in the follower, all in, with all signals, singly; share and errors."""
     count = len(next(iter(gears.table.values())))
-    batch(SCENE, gears.gear, gears.some(2), keep="torque")
-    followed = in_solver(gears)
+    singly(SCENE, gears, 2)
+    followed = in_follower(gears)
     seconds, found = least(lambda: batch(SCENE, gears.gear, gears.table, keep="torque"), REPEATS)
-    alone_seconds, alone = least(lambda: batch(SCENE, gears.gear, gears.some(singles)), REPEATS)
+    whole_seconds, _ = least(lambda: batch(SCENE, gears.gear, gears.table), REPEATS)
+    alone_seconds, alone = least(lambda: singly(SCENE, gears, singles), REPEATS)
     both = found.in_loop[:singles] & alone.ok
     same = [found.statuses[i] is alone.statuses[i] for i in range(singles)]
     return {
@@ -92,6 +94,7 @@ def measured(gears: Gears, singles: int) -> dict[str, float]:
         "solver": followed["seconds"] / count,
         "evaluations": followed["evaluations"],
         "all_in": seconds / count,
+        "all_signals": whole_seconds / count,
         "single": alone_seconds / singles,
         "in_loop": float(found.in_loop.mean()),
         "statuses_differ": same.count(False),
@@ -99,26 +102,19 @@ def measured(gears: Gears, singles: int) -> dict[str, float]:
     }
 
 
-def in_solver(gears: Gears, scene: str = SCENE) -> dict[str, float]:
-    """CPU time [s] of the compiled loop alone, and evaluations of the forces per gear and angle."""
-    centre = {path: float(np.median(values)) for path, values in gears.table.items()}
-    varied = centre if "pinion.runout" not in centre else centre | {"pinion.runout": 0.0}
-    reference, fidelity = gears.gear.replace(varied), Fidelity.preset("quasi-static")
-    rows = rows_of_table(reference, fidelity, gears.table)
-    designs = [Design.of(leg, reference, fidelity, gears.table) for leg in legs_of(scene, reference)]
+def singly(scene: str, gears: Gears, count: int) -> Batch:
+    """Run the first gears one by one: tables of one gear are."""
+    rows = [{path: values[i : i + 1] for path, values in gears.table.items()} for i in range(count)]
+    return Batch(tuple(batch(scene, gears.gear, row).results[0] for row in rows))
 
-    def follow(some: np.ndarray) -> list[np.ndarray]:
-        evaluations = []
-        for design in designs:
-            assert design is not None  # the reference gear is found
-            known, nodes = design.known, design.nodes
-            arguments = nodes, design.per_pitch, known, design.features[some], COARSE
-            evaluations.append(design.loop.follow(rows.of(some), *arguments).evaluations / len(nodes))
-        return evaluations
 
-    follow(np.arange(2))
-    seconds, evaluations = least(lambda: follow(np.arange(len(rows))), REPEATS)
-    return {"seconds": seconds, "evaluations": float(np.mean(evaluations))}
+def in_follower(gears: Gears, scene: str = SCENE) -> dict[str, float]:
+    """CPU time [s] of following the gears alone, and evaluations of the forces per gear and instant."""
+    common = Common.of(scene, gears.gear, Fidelity.preset("quasi-static"), gears.table)
+    assert common is not None  # the gear in the middle is found
+    seconds, ways = least(lambda: common.followed(np.arange(len(common.rows))), REPEATS)
+    evaluations, steps = (sum(way.counts[name].sum() for way in ways) for name in COUNTED)
+    return {"seconds": seconds, "evaluations": float(evaluations / steps)}
 
 
 def least(work: Callable[[], Found], repeats: int) -> tuple[float, Found]:
@@ -144,20 +140,20 @@ def errors(found: Batch, alone: Batch, both: np.ndarray) -> dict[str, float]:
 
 
 def table(folder: Path) -> str:
-    """The loop beside single runs."""
+    """Gears together beside single runs."""
     head = (
         "law, motion",
-        "gears/s and core: solver, all in, singly",
+        "gears/s and core: follower, all in, with all signals, singly",
         "times a single run",
-        "evaluations per angle",
-        "in the loop [%]",
+        "evaluations per instant",
+        "found together [%]",
         "error of the mean [%]: of 99 %, largest",
         "of peak to peak [%]",
     )
     rows = [
         (
             f"{row['law']}, {SPANS[row['span']]}",
-            ", ".join(digits(1 / row[name], 3) for name in ("solver", "all_in", "single")),
+            ", ".join(digits(1 / row[name], 3) for name in TIMES if name in row),
             digits(row["single"] / row["all_in"]),
             digits(row["evaluations"], 3),
             digits(100 * row["in_loop"], 4),
@@ -174,7 +170,7 @@ def _errors(row: dict[str, float], name: str) -> str:
 
 
 TOPIC = Topic(
-    "the compiled loop over many gears beside single runs",
+    "many gears together beside single runs",
     "2 min",
     "study_runner",
     run,

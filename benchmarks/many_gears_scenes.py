@@ -1,7 +1,7 @@
-"""Load test, rack push and a free torque there and back in the loop over many gears, beside single runs.
+"""Load test, rack push and a free torque there and back of gears together, beside single runs.
 
-Random gears as in `many_gears`. Loop and single runs go one after the other in one process; CPU times are the
-least of repeats. Errors are differences from single runs in steps of 1 degree: each gear's largest error of a
+Random gears as in `many_gears`. Both ways go one after the other in one process; CPU times are the least of
+repeats. Errors are differences from single runs in steps of 1 degree: each gear's largest error of a
 mean torque or force, over the larger of that mean and the free torque, of which a weight may leave little;
 and that of a peak to peak in one direction.
 """
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.many_gears import REPEATS, SPANS, Gears, in_solver, least
+from benchmarks.many_gears import REPEATS, SPANS, TIMES, Gears, in_follower, least, singly
 from benchmarks.topic import Topic, digits, load_data, markdown, save_data
 from rps_exudyn.analysis.passes import Signals, passes
 from rps_exudyn.scenes import scene_named
@@ -60,7 +60,7 @@ def run(
     gears: int = 200,
     singles: int = 200,
 ) -> None:
-    """Send so many gears through the loop, and the first of them through single runs."""
+    """Follow so many gears together, and the first of them singly."""
     rows = []
     for name in kinds:
         for law in laws:
@@ -72,13 +72,13 @@ def run(
 
 
 def measured(kind: Kind, gears: Gears, singles: int) -> dict[str, float]:
-    """CPU time per gear [s] in the solver, of the loop all in and of single runs; share and errors."""
+    """CPU time per gear [s] in the follower, all in and of single runs; share and errors."""
     gears = Gears(gears.gear.replace(kind.settings), gears.table)
     count = len(next(iter(gears.table.values())))
-    batch(kind.scene, gears.gear, gears.some(2), keep="torque")
-    followed = in_solver(gears, kind.scene)
+    singly(kind.scene, gears, 2)
+    followed = in_follower(gears, kind.scene)
     seconds, found = least(lambda: batch(kind.scene, gears.gear, gears.table, keep="torque"), REPEATS)
-    alone_seconds, alone = least(lambda: batch(kind.scene, gears.gear, gears.some(singles)), 1)
+    alone_seconds, alone = least(lambda: singly(kind.scene, gears, singles), 1)
     same = [found.statuses[i] is alone.statuses[i] for i in range(singles)]
     return {
         "gears": count,
@@ -104,7 +104,7 @@ def errors(kind: Kind, found: Batch, alone: Batch, singles: int) -> dict[str, fl
         if kind.beside:
             size = np.maximum(size, np.abs(alone.summary[kind.beside]))
         of_means.append((np.abs(found.summary[name][:singles] - expected) / size)[both])
-    assert found.found is not None  # the loop began
+    assert found.found is not None
     of_spreads = []
     for i in np.flatnonzero(both).tolist():
         result = alone.results[i]
@@ -124,19 +124,19 @@ def spreads(scene: str, signals: Signals) -> np.ndarray:
 
 
 def table(folder: Path) -> str:
-    """The loop beside single runs."""
+    """Gears together beside single runs."""
     head = (
         "scene, law, motion",
-        "gears/s and core: solver, all in, singly",
+        "gears/s and core: follower, all in, singly",
         "times a single run",
-        "in the loop [%]",
+        "found together [%]",
         "error of the mean [%]: of 99 %, largest",
         "of peak to peak [%]",
     )
     rows = [
         (
             f"{KINDS[row['kind']].shown}, {row['law']}, {SPANS[row['span']]}",
-            ", ".join(digits(1 / row[name], 3) for name in ("solver", "all_in", "single")),
+            ", ".join(digits(1 / row[name], 3) for name in TIMES if name in row),
             digits(row["single"] / row["all_in"]),
             digits(100 * row["in_loop"], 4),
             *(
@@ -150,7 +150,7 @@ def table(folder: Path) -> str:
 
 
 TOPIC = Topic(
-    "load test, rack push and both ways in the loop over many gears beside single runs",
+    "load test, rack push and both ways of many gears together beside single runs",
     "5 min",
     "study_runner",
     run,

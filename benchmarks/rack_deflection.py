@@ -20,10 +20,10 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes.at_rest import OutsideLoads, moved_by_modes
 from rps_exudyn.solvers.balance import SIZE
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 
 FORCE = 98.0  # [N]
 MODEL = Fidelity.preset("quasi-static").replace({"rack": "flexible"})
@@ -79,7 +79,7 @@ def deflected_line(gear: SteeringGear, force: float) -> np.ndarray:
     steps = np.stack([np.linspace(0, force, 11), np.zeros(11)], axis=1)
     loads = OutsideLoads.of_end_force(steps)
     outside = loads.generalised(place, moved_by_modes(gear, MODEL, place))
-    balance = gear_forces(gear, MODEL).statics._replace(outside=outside)
+    balance = gear_forces(gear, MODEL).statics.with_(outside=outside)
     path = equilibrium_path(balance, GearPair.of(gear), Steady("pinion", 0.0, 0.0), loads.time)
     moved = path.coordinates[-1] - path.coordinates[0]
     rack, modes = moved[COORDINATE_BLOCKS["rack"]], bar.modes(gear.rack.modes)

@@ -23,12 +23,12 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.rack_tooth_elements import POISSON_RATIO, ROWS, YOUNGS_MODULUS, Section
+from rps_exudyn.base.compiled import changed, kernel
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.tooth_compliance import (
     FOUNDATION,
     FOUNDATION_ANGLE,
     PLACE_SIZE,
-    ToothData,
     add_block,
     fill_place,
     rack_tooth,
@@ -54,19 +54,19 @@ class Points(NamedTuple):
     places: np.ndarray  # of `tooth_compliance`
 
 
-def law_compliance(section: Section, patches: int, tooth: ToothData) -> np.ndarray:
+def law_compliance(section: Section, patches: int, tooth: np.record) -> np.ndarray:
     """Return the law's compliance between the patches of one flank, without flattening [m/N]."""
     return means(matrix_of(law_points(section, patches, tooth), tooth), patches)
 
 
-def bending_compliance(section: Section, patches: int, tooth: ToothData) -> np.ndarray:
+def bending_compliance(section: Section, patches: int, tooth: np.record) -> np.ndarray:
     """Return the compliance by the law's form with bending and shear of the tooth itself in kappa [m/N].
 
     Between a load y_i and a yield y_j above the root, up to the lower of them:
     12 B_ij + (2.4 / (1 - nu) + tan^2 alpha) S, B_ij the integral of (y_i - x) (y_j - x) / d^3.
     """
     points = law_points(section, patches, tooth)
-    spread = matrix_of(points, tooth._replace(bending=0.0, shear=0.0))
+    spread = matrix_of(points, changed(tooth, bending=0.0, shear=0.0))
     tan = np.tan(section.pair.alpha_n)
     foundation = FOUNDATION * (1 + FOUNDATION_ANGLE * tan**2)
     levers, which = np.unique(np.round(points.lever, 12), return_inverse=True)
@@ -75,7 +75,7 @@ def bending_compliance(section: Section, patches: int, tooth: ToothData) -> np.n
     return means(matrix, patches)
 
 
-def law_points(section: Section, patches: int, tooth: ToothData) -> Points:
+def law_points(section: Section, patches: int, tooth: np.record) -> Points:
     """Return the law's points in all patches."""
     pair, tan = section.pair, np.tan(section.pair.alpha_n)
     rows = (np.arange(ROWS * ACROSS) + 0.5) / ACROSS
@@ -84,16 +84,32 @@ def law_points(section: Section, patches: int, tooth: ToothData) -> Points:
     lever = height - half_thickness(pair, height) * tan + tooth.root
     half = section.half_length(height)
     cos, sin = np.cos(pair.alpha_n), np.sin(pair.alpha_n)
-    places = np.empty((PLACE_SIZE, height.size))
-    for i in range(height.size):
-        fill_place(places, i, cos, cos * lever[i], sin, zeta[i] * half[i], half[i], tooth)
-    return Points(height, lever, places)
+    flat = np.ones(height.size)
+    stations = np.column_stack([cos * flat, cos * lever, sin * flat, zeta * half])
+    return Points(height, lever, places_of(stations, half, tooth))
 
 
-def matrix_of(points: Points, tooth: ToothData) -> np.ndarray:
+@kernel
+def places_of(stations, half_lengths, tooth):  # type: ignore[no-untyped-def]
+    """Return what the law keeps of stations (n, 4): cos(alpha), and times y, times tan(alpha), and s, on
+    teeth of these half lengths (n,) [m]."""
+    places = np.empty((PLACE_SIZE, stations.shape[0]))
+    for i in range(stations.shape[0]):
+        cos, cos_y, cos_tan, s = stations[i, 0], stations[i, 1], stations[i, 2], stations[i, 3]
+        fill_place(places, i, cos, cos_y, cos_tan, s, half_lengths[i], tooth)
+    return places
+
+
+@kernel
+def add_compliance(matrix, places, rows, columns, count, sigma, tooth):  # type: ignore[no-untyped-def]
+    """Do what `add_block` does, for Python."""
+    add_block(matrix, places, rows, columns, count, sigma, tooth)
+
+
+def matrix_of(points: Points, tooth: np.record) -> np.ndarray:
     """Return the law's compliance between points of one flank [m/N]."""
     matrix = np.zeros((points.height.size,) * 2)
-    add_block(matrix, points.places, 0, 0, points.height.size, 1.0, tooth)
+    add_compliance(matrix, points.places, 0, 0, points.height.size, 1.0, tooth)
     return matrix
 
 
@@ -103,7 +119,7 @@ def means(matrix: np.ndarray, patches: int) -> np.ndarray:
     return matrix.reshape(shape + shape).mean(axis=(1, 3, 5, 7)).reshape((ROWS * patches,) * 2)
 
 
-def beam(section: Section, tooth: ToothData, y_i: float, y_j: float) -> float:
+def beam(section: Section, tooth: np.record, y_i: float, y_j: float) -> float:
     """Return 12 B_ij + (2.4 / (1 - nu) + tan^2 alpha) S for the levers of a load and a yield [m]."""
     top = max(min(y_i, y_j), 0.0)
     x = top * (NODES + 1) / 2

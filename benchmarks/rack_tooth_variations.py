@@ -12,7 +12,7 @@ from benchmarks.rack_tooth_law import PER_MM, bending_compliance, even_load, fla
 from benchmarks.topic import markdown
 from rps_exudyn.base.atomic import replacing
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.tooth_compliance import RACK, Spread, ToothData, rack_tooth, tooth_data
+from rps_exudyn.mesh_contact.tooth_compliance import RACK, Spread, rack_tooth, tooth_data
 
 SUPPORT, CONSTANTS = "support.csv", "constants.csv"
 SUPPORTS: dict[str, dict[str, float]] = {
@@ -25,7 +25,7 @@ SUPPORTS: dict[str, dict[str, float]] = {
 """Model -> what differs in its section; the coarsest elements."""
 FITS = {"near the tip": (2,), "upper two heights": (1, 2), "all heights": (0, 1, 2)}
 """Name -> rows of patches that constants are fitted to."""
-Form = Callable[[Section, int, ToothData], np.ndarray]
+Form = Callable[[Section, int, np.record], np.ndarray]
 FORMS: dict[str, Form] = {
     "fitted": law_compliance,
     "fitted, with bending and shear of the tooth": bending_compliance,

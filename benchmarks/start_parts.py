@@ -35,7 +35,6 @@ PARTS = {
     "the same simulation once more": "simulate('free-pinion-torque', gear)",
     "the HDF5 file": "result.save('result.h5')",
     "matplotlib": (
-        "from rps_exudyn.cli.kept import load_undocumented; load_undocumented();"
         "import matplotlib.figure, rps_exudyn.charts.scene"
     ),
     "the picture": "rps_exudyn.charts.scene.draw(result, 'result.png')",

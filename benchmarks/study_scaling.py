@@ -1,8 +1,8 @@
 """Cost of a study over the number of its cases: random gears over a whole turn, in blocks, two processes.
 
 The gears are those of `studies/tolerance.toml`: runout, single pitch error and six more errors, one turn in
-steps of 1 degree. Elapsed times grow with what other processes do on the machine; the equilibria by the
-follower, which knows no tangent, are measured beside those by Newton's method on the same gears.
+steps of 1 degree. Elapsed times grow with what other processes do on the machine; the equilibria alone are
+measured on some of the same gears.
 """
 
 import os
@@ -19,6 +19,7 @@ from benchmarks.topic import ROOT, Topic, digits, load_data, markdown, save_data
 from rps_exudyn.charts import style
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
@@ -75,36 +76,28 @@ def study_of(folder: Path, count: int) -> Path:
 
 
 def solvers(folder: Path, gears: int) -> dict[str, float]:
-    """CPU time per gear [ms] of the equilibria over a turn and over a pitch, by Newton's method and without
-    a tangent; and the largest difference of the mean torque."""
+    """CPU time per gear [ms] of the equilibria over a turn and over a pitch."""
     study = read_study(study_of(folder, gears))
     work = StudyWork.of(study, folder / "never")
-    cost = dict.fromkeys(("turn", "turn_without", "pitch", "pitch_without"), 0.0)
-    apart = 0.0
+    cost = dict.fromkeys(("turn", "pitch"), 0.0)
     for case in work.missing:
         for span, changes in (("turn", {}), ("pitch", {"pinion.runout": 0.0, "pinion.pitch_error": 0.0})):
             gear = setup_of(study, case).steering_gear.replace(changes)
-            means = []
-            for name, tangent in ((span, True), (f"{span}_without", False)):
-                seconds, mean = followed(gear, tangent)
-                cost[name] += 1e3 * seconds / gears
-                means.append(mean)
-            apart = max(apart, abs(means[0] / means[1] - 1))
-    return {**cost, "apart": apart, "gears": gears}
+            cost[span] += 1e3 * followed(gear) / gears
+    return {**cost, "gears": gears}
 
 
-def followed(gear, tangent: bool) -> tuple[float, float]:  # type: ignore[no-untyped-def]
-    """CPU time of a gear's first period [s], the less of two, and the mean torque [N m]."""
+def followed(gear: SteeringGear) -> float:
+    """CPU time of a gear's first period [s], the less of two."""
     fidelity = Fidelity.preset("quasi-static")
     maneuver = maneuvers_of_test(gear, "pinion", fidelity.step_angle)[0].one_period()
-    statics = gear_forces(gear, fidelity).statics
-    balance = statics if tangent else statics._replace(newton=None)
+    balance = gear_forces(gear, fidelity).statics
     best = np.inf
     for _ in range(2):
         start = time.process_time()
-        path = equilibrium_path(balance, GearPair.of(gear), maneuver.drive, maneuver.time)
+        equilibrium_path(balance, GearPair.of(gear), maneuver.drive, maneuver.time)
         best = min(best, time.process_time() - start)
-    return best, float(path.forces[1:, 0].mean())
+    return best
 
 
 def picture(rows: Sequence[dict[str, float]]) -> Figure:

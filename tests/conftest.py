@@ -36,11 +36,10 @@ QUICK = (
 COMPILING = "smoke/test_real_runs.py"  # every preset
 SLOW = (  # files, or single tests, in the folders above that are not quick
     COMPILING,
-    "contract/test_cpu_limit.py",
-    "contract/test_handle.py",
+    "contract/test_law_call.py",
+    "contract/test_limit_of_cpu_time.py",
     "contract/test_kernel_cache.py::test_one_process_compiles_and_all_compute_the_same",
-    "contract/test_kernels_free_memory.py",
-    "contract/test_small_inverse.py",
+    "contract/test_newton_step.py",
     "geometry/test_geometry_picture.py",
     "geometry/test_pinion_mesh.py",
     "geometry/test_rigid_mesh.py",
@@ -93,12 +92,14 @@ def pytest_configure(config: pytest.Config) -> None:
     """Limit the tests' CPU time; one that compiles a kernel fails where only quick ones are wanted."""
     config.pluginmanager.register(CpuLimit(float(config.getini("cpu_limit"))))
     if config.option.markexpr == "quick":
-        from numba.core.dispatcher import Dispatcher
+        from rps_exudyn.base import compiled
 
-        def refuse(kernel: Any, signature: object) -> None:
-            pytest.fail(f"compiles {kernel.py_func.__qualname__}: list it as SLOW in tests/conftest.py")
+        setattr(compiled, "compiling", refuse)  # noqa: B010, for mypy
 
-        setattr(Dispatcher, "compile", refuse)  # noqa: B010, for mypy
+
+def refuse(kernel: Any) -> None:
+    """Fail a test that needs a compiled kernel."""
+    pytest.fail(f"compiles {kernel.py_func.__qualname__}: list it as SLOW in tests/conftest.py")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

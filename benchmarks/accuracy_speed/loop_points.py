@@ -1,4 +1,4 @@
-"""Points of the compiled loop over gears: cost of one gear among many, error of the default one among them.
+"""Points of gears followed together: cost of one gear among many, error of the default one among them.
 
 What is learned from the gears around the reference is counted, shared among all.
 """
@@ -15,12 +15,12 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.simulate.batch import batch
-from rps_exudyn.simulate.loop_design import Design
+from rps_exudyn.simulate.family import Family
 from rps_exudyn.verification.runs import revolutions
 
 FAMILY = "loop over gears, line"
 GEARS = 512
-STEPS = (2.0, 3.0, 4.0, 5.0, 6.0, 7.5)  # [deg]; in longer ones the loop leaves gears to single runs
+STEPS = (2.0, 3.0, 4.0, 5.0, 6.0, 7.5)  # [deg]; in longer ones most gears are run singly
 VARIED = {"yoke.preload": 0.1, "mesh.friction": 0.2, "bush.drag": 0.2}
 """Parameter -> by how much of its value it varies, either way."""
 
@@ -36,15 +36,13 @@ def loop_points(scene: str, steps: Sequence[float] = STEPS, gears: int = GEARS) 
 
 def loop_run(scene: str, gear: SteeringGear, fidelity: Fidelity, gears: int) -> SceneRun:
     """Return the run of a gear that is one of many, its cost theirs over their number."""
-    Design._learned.__func__.cache_clear()  # type: ignore[attr-defined]
+    Family._learned.__func__.cache_clear()  # type: ignore[attr-defined]
     table = gears_around(gear, gears)
     start = process_time()
     found = batch(scene, gear, table, fidelity=fidelity, keep="torque")
     cost = (process_time() - start) / gears
     if found.found is None or not found.in_loop[0]:
-        return SceneRun(
-            Outcome(Status.NO_CONVERGENCE, "the loop leaves this gear to a single run", cpu_s=cost)
-        )
+        return SceneRun(Outcome(Status.NO_CONVERGENCE, "this gear is left to a single run", cpu_s=cost))
     return SceneRun(Outcome(Status.OK, cpu_s=cost), found.found.signals_of(0))
 
 

@@ -44,7 +44,7 @@ FAMILIES = {
     "quasi-static, Stribeck": "that in equilibrium",
     "flank, bristles": "the default law and friction that remembers, likewise",
     "quasi-static, bristles": "that in equilibrium",
-    "loop over gears, line": "equilibria by the default law of many gears in one compiled loop, of each",
+    "loop over gears, line": "equilibria by the default law of many gears followed together, of each",
     "generators": "equilibrium, contact integrated over generators",
     "spheres at rest": "equilibrium, contact of the spheres",
     "shaped pinion": "spheres at rest on flanks as they are cut, compared with those on the analytic flank",

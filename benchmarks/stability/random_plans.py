@@ -108,13 +108,12 @@ def errors(plan: ScenePlan, result: Result, right: Expected) -> dict[str, float]
 
 def child(pipe: multiprocessing.connection.Connection) -> None:
     """Do plans by their numbers, as the parent sends them; compiling is on no plan's clock."""
-    compiled: list[str] = []
+    compiled: list[int] = []
 
     def listen(step: Step) -> None:
-        if step.what == "begun":
-            compiled.append(step.name)
-            if len(compiled) == 1:
-                pipe.send("compiling")
+        if not compiled:
+            pipe.send("compiling")
+        compiled.append(step.done)
 
     listeners.append(listen)
     while True:

@@ -14,7 +14,6 @@ from collections.abc import Callable
 import numpy as np
 
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
-from rps_exudyn.solvers.gear_kernel import tangent
 from rps_exudyn.verification.runge_kutta import FreeMotion, runge_kutta
 
 SEARCHED = np.geomspace(0.05, 5.0, 2000)  # h |lambda|; the bounds of both methods lie between 2 and 3
@@ -56,10 +55,9 @@ def largest_damping(motion: FreeMotion) -> float:
 
 def _by_inertia(motion: FreeMotion) -> tuple[np.ndarray, np.ndarray]:
     """Accelerations over displacements and over rates of what moves, (n, n) each."""
-    inverse, moving = motion.inverse_mass(motion.place), np.ix_(motion.moving, motion.moving)
-    slope = tangent(motion.force)
-    state = motion.place, motion.rate, motion.data
-    return inverse @ slope(*state, 1.0, 0.0)[moving], inverse @ slope(*state, 0.0, 1.0)[moving]
+    inverse = np.linalg.inv(motion.moving_mass(motion.place))
+    by_place, by_rate = motion.moving_slopes(motion.place, motion.rate)
+    return inverse @ by_place, inverse @ by_rate
 
 
 def stable_step(matrix: np.ndarray, growth: Growth) -> float:

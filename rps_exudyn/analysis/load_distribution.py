@@ -13,6 +13,7 @@ import numpy as np
 
 from rps_exudyn.analysis.passes import Signals
 from rps_exudyn.analysis.rack_pose import rack_poses
+from rps_exudyn.base.compiled import called
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.line_loads import LineLoads, line_loads, loads_data
@@ -77,7 +78,10 @@ def load_distribution(gear: SteeringGear, signals: Signals) -> LoadDistribution:
     pair = GearPair.of(gear)
     points, tilts, _ = rack_poses(pair, signals)
     handle, angle = loads_data(gear), np.asarray(signals["pinion_angle"])
-    poses = [line_loads(-a, point, tilt, handle) for a, point, tilt in zip(angle, points, tilts, strict=True)]
+    poses = [
+        called(line_loads, -a, point, tilt, handle)
+        for a, point, tilt in zip(angle, points, tilts, strict=True)
+    ]
     instant = np.repeat(np.arange(angle.size), [pose.load.size for pose in poses])
     all_of = {name: np.concatenate([getattr(pose, name) for pose in poses]) for name in LineLoads._fields}
     all_of["load"] *= _scale(all_of, instant, signals)

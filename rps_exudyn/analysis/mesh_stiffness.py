@@ -8,13 +8,15 @@ import numpy as np
 
 from rps_exudyn.analysis.passes import Signals
 from rps_exudyn.analysis.rack_pose import rack_poses
+from rps_exudyn.base.compiled import called
+from rps_exudyn.forces.rigid_motion import rotation_matrix
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.flank_element import flank_element
+from rps_exudyn.mesh_contact.line_loads import line_loads, loads_data
 from rps_exudyn.parameters.gear import SteeringGear
 
 STEP = 1e-8  # of the rack [m]
 STATIONS = 6  # along each line
-X, Y = 1, 2  # of the coordinates pinion (1), rack (6)
+X, Y = 0, 1  # in the housing
 
 
 def mesh_stiffness(gear: SteeringGear, signals: Signals) -> np.ndarray:
@@ -25,15 +27,21 @@ def mesh_stiffness(gear: SteeringGear, signals: Signals) -> np.ndarray:
     """
     pair = GearPair.of(gear)
     points, tilts, _ = rack_poses(pair, signals)
-    ideal = gear.replace({"mesh.friction": 0.0})
-    element = flank_element(ideal, friction_zone=1e-5, along=STATIONS, across=2)
-    moved = points - [0.0, pair.bar_axis_height, 0.0]
-    poses = np.column_stack([-np.asarray(signals["pinion_angle"]), moved, tilts])
-    return np.array([[_stiffness(element.kernel, q, axis, element.data) for axis in (X, Y)] for q in poses])
+    data = loads_data(gear if gear.mesh.law != "area" else gear.replace({"mesh.law": "line"}), STATIONS)
+    normals = {side: pair.rack_flank_normal(side) for side in (-1, +1)}
 
+    def force(angle: float, point: np.ndarray, tilt: np.ndarray) -> np.ndarray:
+        """Normal forces on the rack, shape (3,)."""
+        loads = called(line_loads, angle, point, tilt, data)
+        pressed = loads.load * loads.length
+        outward = sum(normals[side] * pressed[loads.side == side].sum() for side in normals)
+        return np.asarray(-rotation_matrix(tilt) @ outward)
 
-def _stiffness(kernel, q: np.ndarray, axis: int, data) -> float:  # type: ignore[no-untyped-def]
-    step = np.zeros(q.size)
-    step[axis] = STEP
-    still = np.zeros(q.size)
-    return float(kernel(q - step, still, data)[axis] - kernel(q + step, still, data)[axis]) / (2 * STEP)
+    def slope(angle: float, point: np.ndarray, tilt: np.ndarray, axis: int) -> float:
+        step = np.zeros(3)
+        step[axis] = STEP
+        there, beyond = force(angle, point - step, tilt), force(angle, point + step, tilt)
+        return float(there[axis] - beyond[axis]) / (2 * STEP)
+
+    poses = zip(-np.asarray(signals["pinion_angle"]), points, tilts, strict=True)
+    return np.array([[slope(*pose, axis) for axis in (X, Y)] for pose in poses])

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from rps_exudyn.analysis.many import number_of
+
 NO_LOSS = ("work_drive", "work_load")
 """Signals of the work put in: by the drive, and by the forces on the rack's end."""
 
@@ -31,7 +33,7 @@ def describe_losses(signals: Mapping[str, np.ndarray]) -> dict[str, float]:
     """The summary's loss fractions of all work lost; {} if none was."""
     lost = losses(signals)
     whole = sum(lost.values())
-    if not whole > 0:
+    if not np.all(np.asarray(whole) > 0):
         return {}
     return {
         f"loss_share_{place}": sum(lost.get(name, 0.0) for name in names) / whole
@@ -55,8 +57,8 @@ def loss_torques(signals: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 def energy_residual(signals: Mapping[str, np.ndarray]) -> float:
     """(work of drive and load - work lost - change of stored energy) / `largest_work`; nan without work."""
-    larger = largest_work(signals)
-    return missing_work(signals) / larger if larger else float("nan")
+    larger = np.asarray(largest_work(signals))
+    return number_of(missing_work(signals) / np.where(larger > 0, larger, np.nan))
 
 
 def largest_work(signals: Mapping[str, np.ndarray]) -> float:
@@ -64,7 +66,8 @@ def largest_work(signals: Mapping[str, np.ndarray]) -> float:
 
     A range, because what a load puts in and takes out again is work too.
     """
-    return max((float(np.ptp(signals[name])) for name in NO_LOSS if name in signals), default=0.0)
+    ranges = [np.ptp(signals[name], axis=-1) for name in NO_LOSS if name in signals and signals[name].size]
+    return number_of(np.max(ranges, axis=0)) if ranges else 0.0
 
 
 def missing_work(signals: Mapping[str, np.ndarray]) -> float:
@@ -74,6 +77,6 @@ def missing_work(signals: Mapping[str, np.ndarray]) -> float:
 
 
 def _change(signals: Mapping[str, np.ndarray], name: str) -> float:
-    """Change of a signal over the whole record; 0 if it was not recorded."""
+    """Change of a signal (..., n) over the whole record; 0 if it was not recorded."""
     values = signals.get(name, np.zeros(0))
-    return float(values[-1] - values[0]) if values.size else 0.0
+    return number_of(values[..., -1] - values[..., 0]) if values.size else 0.0

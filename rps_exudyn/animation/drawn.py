@@ -15,6 +15,7 @@ from rps_exudyn.animation.motion import Motion, Pose, exploded
 from rps_exudyn.animation.page_data import SECTIONED
 from rps_exudyn.animation.parts import COLOURS, Part
 from rps_exudyn.animation.raster import FILL, SUN, paint
+from rps_exudyn.base.compiled import called
 from rps_exudyn.gears.gear_pair import GearPair
 
 LONGEST = 2.6  # arrow of the strongest force, over the pinion's tip radius
@@ -132,7 +133,7 @@ def _paint(
     lit = weights @ normals[of]
     seen = camera.seen(world, width, height)
     arrays = (np.ascontiguousarray(each, dtype=float) for each in (seen, world, lit, colours[of], cuts[of]))
-    paint(image, depth, *arrays, camera.eye, SUN, FILL)
+    called(paint, image, depth, *arrays, camera.eye, SUN, FILL)
 
 
 def _cone(

@@ -1,31 +1,30 @@
-"""Kernels while they are compiled: a listener gets each step, and the work that the kernels are for.
+"""Kernels while they are compiled: a listener gets how many there are, and the time left.
 
-    with listening(lambda step: print(step.what, step.name)):
+    with listening(lambda step: print(step.done, step.total)):
         rps.run(...)
 
-numba reports each function that it compiles, wherever the result is kept; `watch_numba` passes on all but
-numba's own. A file beside the compiled kernels lists their names, so that the number of kernels that a work
-still needs is known (`kernel_table`).
+What a kernel calls is read from its code: the kernels among its names. Those that are compiled have
+signatures; a thread counts them.
 """
 
-from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
-from functools import cache
-from pathlib import Path
+from contextlib import contextmanager
+from threading import Event, Thread
 from time import perf_counter
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
-PACKAGE = "rps_exudyn."
-LIST = "kernels.txt"  # in the folder of the compiled kernels: a name each line
+EVERY = 0.25  # [s] between counts
+LOADING = 1.0  # [s] that kernels take at most where a cache holds them
+OWN_SHARE = 0.5  # of the time, for the kernel itself behind those that it calls: all of them are in its code
 
 
 class Step(NamedTuple):
-    """Compiling of a kernel begins or is done; or a work begins, whose kernels come next."""
+    """How many kernels are compiled, of those that are known to be needed."""
 
-    what: Literal["work", "begun", "done"]
-    name: str  # of the work; of the kernel with its module
-    seconds: float = 0.0  # for a kernel that is done, without the kernels that it calls
+    done: int
+    total: int
+    seconds: float  # since the first one began
+    left: float  # [s]
 
 
 Listener = Callable[[Step], None]
@@ -49,61 +48,60 @@ def publish(step: Step) -> None:
         listener(step)
 
 
-def begin_work(name: str) -> None:
-    """Publish that a work begins, by its name in the table of kernels."""
-    publish(Step("work", name))
+def called(kernel: Any) -> dict[str, Any]:
+    """Return a kernel and all kernels that it calls, by module and name."""
+    found: dict[str, Any] = {}
+    ahead = [kernel]
+    while ahead:
+        function = (each := ahead.pop()).py_func
+        name = f"{function.__module__}.{function.__qualname__}"
+        if name not in found:
+            found[name] = each
+            names = (function.__globals__.get(one) for one in function.__code__.co_names)
+            ahead += [one for one in names if hasattr(one, "py_func")]
+    return found
 
 
-def compiled_names() -> Counter[str]:
-    """Return how often each kernel was compiled into the cache, by their names."""
-    with suppress(OSError):
-        return Counter(_list().read_text(encoding="utf-8").split())
-    return Counter()
+class _Count:
+    """Kernels that this process compiles."""
+
+    def __init__(self) -> None:
+        self._needed: dict[str, Any] = {}
+        self._seconds = 0.0  # of earlier kernels
+
+    @contextmanager
+    def running(self, kernel: Any) -> Iterator[None]:
+        """Publish steps while a kernel is compiled, as long as that takes longer than to load it."""
+        own, begun, ended = called(kernel), perf_counter(), Event()
+        new = {name: each for name, each in own.items() if name not in self._needed}
+        self._needed |= new
+        weights = {name: len(each.py_func.__code__.co_code) for name, each in new.items()}
+        whole, shown = sum(weights.values()), False
+
+        def step() -> Step:
+            seconds = perf_counter() - begun
+            done = sum(bool(each.signatures) for each in self._needed.values())
+            share = sum(weight for name, weight in weights.items() if new[name].signatures) / whole
+            share = max((1 - OWN_SHARE) * share, 0.02) if not kernel.signatures else 1.0
+            return Step(done, len(self._needed), self._seconds + seconds, seconds * (1 - share) / share)
+
+        def count() -> None:
+            nonlocal shown
+            while not ended.wait(EVERY):
+                if perf_counter() - begun > LOADING:
+                    shown = True
+                    publish(step())
+
+        thread = Thread(target=count, daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            ended.set()
+            thread.join()
+            if shown:
+                self._seconds += perf_counter() - begun
+                publish(Step(len(self._needed), len(self._needed), self._seconds, 0.0))
 
 
-@cache
-def watch_numba() -> None:
-    """Publish each kernel that numba compiles from now on, and list its name."""
-    from numba.core import event
-
-    class Watcher(event.Listener):
-        def __init__(self) -> None:
-            self.stack: list[list[float]] = []  # when each began, and seconds of the kernels that it calls
-
-        def on_start(self, event: Any) -> None:
-            if name := _name(event):
-                self.stack.append([perf_counter(), 0.0])
-                publish(Step("begun", name))
-
-        def on_end(self, event: Any) -> None:
-            if (name := _name(event)) and self.stack:  # an interrupt may have come before
-                begun, within = self.stack.pop()
-                whole = perf_counter() - begun
-                if self.stack:
-                    self.stack[-1][1] += whole
-                _note(name)
-                publish(Step("done", name, whole - within))
-
-    event.register("numba:compile", Watcher())
-
-
-def _name(event: Any) -> str:
-    """The name of the kernel that an event of numba is about; "" for a function of numba itself."""
-    function = getattr(event.data["dispatcher"], "py_func", None)
-    module = getattr(function, "__module__", None)
-    if function is None or module is None or module.partition(".")[0] == "numba":
-        return ""
-    return f"{module.removeprefix(PACKAGE)}.{function.__qualname__}"
-
-
-def _note(name: str) -> None:
-    with suppress(OSError):  # a cache that cannot be written
-        _list().parent.mkdir(parents=True, exist_ok=True)
-        with _list().open("a", encoding="utf-8") as file:
-            file.write(f"{name}\n")
-
-
-def _list() -> Path:
-    from rps_exudyn.base.kernel_cache import cache_folder  # loads numba
-
-    return cache_folder() / LIST
+compiling = _Count().running

@@ -1,49 +1,44 @@
-"""Linear algebra of a few unknowns in compiled code, without the libraries that numba would load for it."""
+"""Linear algebra of a few unknowns in compiled code."""
 
 import numpy as np
 
-from rps_exudyn.base.compiled import inlined, kernel
+from rps_exudyn.base.compiled import inline
 
 
-@inlined
+@inline
 def put(numbers, row):  # type: ignore[no-untyped-def]
-    """Copy numbers into a row.
-
-    For `row[:] = numbers` numba compiles a sentence about shapes that differ, which takes it half a second.
-    """
+    """Copy numbers into a row: for `row[:] = numbers` numba compiles the message of an error, which takes
+    half a second."""
     for i in range(numbers.size):
         row[i] = numbers[i]
 
 
-@kernel
-def inverse(matrix):  # type: ignore[no-untyped-def]
-    """Inverse of a square matrix by Gauss-Jordan elimination with partial pivoting.
+@inline
+def solve(system, n):  # type: ignore[no-untyped-def]
+    """Solve n equations in place: rows (n, n + 1) of matrix and right side; false if they are singular.
 
-    Raises:
-        LinAlgError: the matrix is singular.
+    Gauss elimination with partial pivoting; the solution is the last column.
     """
-    n = matrix.shape[0]
-    left, right = matrix.copy(), np.zeros((n, n))
-    for i in range(n):
-        right[i, i] = 1.0
     for k in range(n):
         pivot = k
         for i in range(k + 1, n):
-            if abs(left[i, k]) > abs(left[pivot, k]):
+            if abs(system[i, k]) > abs(system[pivot, k]):
                 pivot = i
-        if left[pivot, k] == 0:
-            raise np.linalg.LinAlgError("the matrix is singular")
-        for j in range(n):
-            left[k, j], left[pivot, j] = left[pivot, j], left[k, j]
-            right[k, j], right[pivot, j] = right[pivot, j], right[k, j]
-        scale = 1 / left[k, k]
-        for j in range(n):
-            left[k, j] *= scale
-            right[k, j] *= scale
-        for i in range(n):
-            factor = left[i, k]
-            if i != k and factor != 0:
-                for j in range(n):
-                    left[i, j] -= factor * left[k, j]
-                    right[i, j] -= factor * right[k, j]
-    return right
+        if not abs(system[pivot, k]) > 0:
+            return False
+        if pivot != k:
+            for j in range(k, n + 1):
+                system[k, j], system[pivot, j] = system[pivot, j], system[k, j]
+        per_pivot = 1 / system[k, k]
+        for i in range(k + 1, n):
+            factor = system[i, k] * per_pivot
+            if factor != 0:
+                for j in range(k + 1, n + 1):
+                    system[i, j] -= factor * system[k, j]
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            system[i, n] -= system[i, j] * system[j, n]
+        system[i, n] /= system[i, i]
+        if not np.isfinite(system[i, n]):
+            return False
+    return True

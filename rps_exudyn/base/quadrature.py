@@ -36,6 +36,8 @@ def gauss_jacobi(n: int, high: float, low: float) -> tuple[np.ndarray, np.ndarra
 
 
 def integral_from_start(values: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Integrate from the first of some places to each of them by the trapezoidal rule; all of shape (n,)."""
-    parts = np.diff(place) * (values[1:] + values[:-1]) / 2.0
-    return np.concatenate([[0.0], np.cumsum(parts)])
+    """Integrate values (..., n) from the first of some places (n,) to each of them by the trapezoidal
+    rule."""
+    whole = np.zeros(values.shape)
+    np.cumsum(np.diff(place) * (values[..., 1:] + values[..., :-1]) / 2.0, axis=-1, out=whole[..., 1:])
+    return whole

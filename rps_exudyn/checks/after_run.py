@@ -4,7 +4,7 @@ Wrong runs end with success flags and plausible torques, so every run is compare
 it: teeth in mesh, contact within the range in which its law holds, work that adds up.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -13,10 +13,9 @@ from rps_exudyn.analysis.first_angle import first_angle
 from rps_exudyn.analysis.resolution import every_second, lag
 from rps_exudyn.analysis.work_balance import largest_work, missing_work
 from rps_exudyn.checks.free_inertia import inertia_followed
-from rps_exudyn.forces.force_element import ENERGY_TERMS, ForceElement
+from rps_exudyn.forces.force_element import ENERGY_TERMS, Part
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
-from rps_exudyn.mesh_contact.sampled_contact import sampled_force
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.results.quantities import SIGNALS
@@ -62,7 +61,7 @@ def validated(
         finite(signals),
         rack_in_mesh(signals, gear.installation.axis_offset, in_mesh),
         *([] if record.pulse_power is not None else [teeth_loaded(signals)]),  # a pulse may part them
-        *(law_valid(element, signals) for element in record.elements),
+        law_valid(record.forces.valid_to, signals),
         *([] if friction_zone is None else [friction_developed(signals, friction_zone, GearPair.of(gear))]),
         *([] if friction_zone is None else [torque_resolved(signals)]),
         *([] if friction_zone is None or record.settled else [settled(signals, gear)]),
@@ -111,9 +110,9 @@ def teeth_loaded(signals: dict[str, np.ndarray]) -> Failure:
         yield Status.CONTACT_LOST, f"the teeth carry no load, first at {first_angle(signals, free)}"
 
 
-def law_valid(element: ForceElement, signals: dict[str, np.ndarray]) -> Failure:
-    """Check that no force element leaves the range in which its law holds."""
-    for name, bound in element.valid_to.items():
+def law_valid(valid_to: Mapping[str, float], signals: dict[str, np.ndarray]) -> Failure:
+    """Check that the contact does not leave the range in which its law holds: signals below their bounds."""
+    for name, bound in valid_to.items():
         beyond = signals[name] > bound
         if beyond.any():
             quantity = SIGNALS[name]
@@ -154,13 +153,15 @@ def missed_mean(signals: dict[str, np.ndarray]) -> float:
     """
     force, path = driven_along(signals)
     work, missed = map(float, every_second(path, force))
-    # between few of them anything may hide that is as large as their differences
-    hidden = float(np.ptp(force) * np.ptp(path)) * next(
-        (share for n, share in HIDDEN if len(force) <= n), 0.0
-    )
-    missed = max(missed, hidden)
+    missed = max(missed, float(np.ptp(force) * np.ptp(path)) * hidden_share(len(force)))
     beyond = max(missed - least_work(signals), 0.0)
     return beyond / abs(work) if work else np.inf if beyond else 0.0
+
+
+def hidden_share(instants: int) -> float:
+    """Return what may hide between few instants, over the range of their values: anything as large as their
+    differences."""
+    return next((share for n, share in HIDDEN if instants <= n), 0.0)
 
 
 def driven_along(signals: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
@@ -241,11 +242,10 @@ def contact_agreed(disagreement: float) -> Failure:
 def spheres_enough(record: Record, on_an_edge: bool) -> Failure:
     """Check that enough spheres touch: that their sum is an integral over the contact."""
     mesh = _mesh_of(record)
-    if mesh.kernel is not sampled_force:
+    if record.forces.spheres is None:
         return
-    columns = dict(zip(mesh.outputs, range(mesh.size + ENERGY_TERMS, 1000), strict=False))
-    some = replace(record, coordinates=record.coordinates[::8], rates=record.rates[::8])
-    touching = float(np.median(some.outputs(mesh)[:, columns["mesh_touching"]]))
+    column = mesh.size + ENERGY_TERMS + mesh.outputs.index("mesh_touching")
+    touching = float(np.median(record.outputs(mesh)[:, column]))
     least = LEAST_TOUCHING * (2 if on_an_edge else 1)
     if touching < least:
         yield (
@@ -256,7 +256,7 @@ def spheres_enough(record: Record, on_an_edge: bool) -> Failure:
 
 def spheres_in_place(record: Record, gear: SteeringGear, signals: dict[str, np.ndarray]) -> Failure:
     """Check that the rack stands about where the spheres end with its tips: pressed in by the mean depth."""
-    if _mesh_of(record).kernel is not sampled_force:
+    if record.forces.spheres is None:
         return
     pair = GearPair.of(gear)
     axis = pair.axis_offset + pair.runout * np.cos(signals["pinion_angle"] + pair.runout_angle)
@@ -271,8 +271,8 @@ def spheres_in_place(record: Record, gear: SteeringGear, signals: dict[str, np.n
         )
 
 
-def _mesh_of(record: Record) -> ForceElement:
-    return next(element for element in record.elements if element.name == "mesh")
+def _mesh_of(record: Record) -> Part:
+    return next(part for part in record.forces.parts if part.name == "mesh")
 
 
 def _on_an_edge(gear: SteeringGear, signals: dict[str, np.ndarray]) -> bool:

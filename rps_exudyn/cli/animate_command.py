@@ -23,7 +23,7 @@ def do_animate(file: Path, out: Path | None, view: str, apart: bool) -> None:
         raise InputError(f"--view is {view!r}; it must be one of {', '.join(VIEWS)}.")
     target = check_writable(out or beside(file, f"{file.stem}-animation.html"), (*PAGES, *FILMS, *STILLS))
     result, explode, kind = load(file), float(apart), target.suffix.lower()
-    with shown_progress(work="animate"):
+    with shown_progress():
         if kind in PAGES:
             write_page(result, target)
         elif kind in FILMS:

@@ -37,7 +37,7 @@ def do_check(
     except ValueError as error:
         raise InputError(f"--rated-torque {error}.") from None
     drawn = uncertain_inputs(gear, inputs, own)
-    with shown_progress(work="check") as show:
+    with shown_progress() as show:
         sheet = list(judge(gear, drawn, asked, torque, told=lambda text: show(f"computing: {text}", None)))
     if out is not None:
         write_json(out, _as_dict(sheet))

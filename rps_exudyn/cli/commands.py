@@ -346,7 +346,7 @@ def report(*paths: Path, out: Path | None = None, contact: Flag = False) -> int:
     if not paths:
         raise InputError("report needs at least one study's folder or result's file.")
     out = check_writable(out or default_name(paths), SUFFIXES)
-    with shown_progress(work="contact" if contact else ""):
+    with shown_progress():
         write_report(paths, out, contact)
     print(f"written: {out}")
     return DONE

@@ -2,8 +2,8 @@
 
 import json
 import os
-import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from importlib import import_module
 from pathlib import Path
 from time import perf_counter, process_time
 
@@ -22,13 +22,14 @@ def do_doctor(clear_cache: bool) -> bool:
     Raises:
         InputError: the cache cannot be removed.
     """
-    from rps_exudyn.base.kernel_cache import cache_folder
+    from rps_exudyn.base.kernel_cache import cache_folders
 
-    cache = cache_folder().parent  # of all versions of the package
+    import_module("rps_exudyn.solvers.gear_forces")  # all modules with kernels of a run
+    folders = cache_folders()
     if clear_cache:
-        _clear(cache)
+        _clear(folders)
     well = True
-    for name, text, fine in (*_versions(), *_machine(), *_places(cache), _reference()):
+    for name, text, fine in (*_versions(), *_machine(), *_places(folders), _reference()):
         print(f"{'ok ' if fine else 'NO '} {name:<18} {text}")
         well &= fine
     return well
@@ -62,11 +63,24 @@ def _machine() -> Iterator[tuple[str, str, bool]]:
     )
 
 
-def _places(cache: Path) -> Iterator[tuple[str, str, bool]]:
-    files = [file for file in cache.rglob("*") if file.is_file()]
-    size = sum(file.stat().st_size for file in files) / 1e6
-    yield "compiled kernels", f"{cache}, {size:.0f} MB; rps-exudyn doctor --clear-cache removes them", True
-    for name, folder in (("cache is writable", cache), ("folder is writable", Path.cwd())):
+def _places(folders: Sequence[Path]) -> Iterator[tuple[str, str, bool]]:
+    from rps_exudyn.base.kernel_cache import files_of
+
+    size = sum(file.stat().st_size for folder in folders for file in files_of(folder)) / 1e6
+    if folders:
+        place = os.path.commonpath(folders)
+        yield (
+            "compiled kernels",
+            f"{place}, {size:.0f} MB; rps-exudyn doctor --clear-cache removes them",
+            True,
+        )
+    else:
+        where = "NUMBA_CACHE_DIR names a folder for them"
+        yield "compiled kernels", f"not kept: no folder of their own can be written; {where}", False
+    for name, folder in (
+        *(("cache is writable", each) for each in folders[:1]),
+        ("folder is writable", Path.cwd()),
+    ):
         try:
             check_writable(folder / "rps-exudyn-doctor.tmp")
         except InputError as error:
@@ -93,14 +107,11 @@ def _reference() -> tuple[str, str, bool]:
     return "reference run", f"{torque:.5f} N m, published {PUBLISHED} N m; {took}", fine
 
 
-def _clear(cache: Path) -> None:
-    if cache.name != "rps_exudyn":  # never another's folder
-        raise InputError(f"{cache} is not removed: it is no cache of this package.")
+def _clear(folders: Sequence[Path]) -> None:
+    from rps_exudyn.base.kernel_cache import clear
+
     try:
-        shutil.rmtree(cache)
-    except FileNotFoundError:  # another process has removed it
-        pass
+        count = sum(clear(folder) for folder in folders)
     except OSError as error:
-        raise InputError(f"{cache} cannot be removed: {error.strerror or error}.") from None
-    cache.mkdir(parents=True, exist_ok=True)
-    print(f"removed: {cache}")
+        raise InputError(f"{error.filename} cannot be removed: {error.strerror or error}.") from None
+    print(f"removed: {count} files of compiled kernels")

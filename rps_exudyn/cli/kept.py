@@ -51,19 +51,9 @@ def keep(result: "Result", out: Path, plot: Path) -> tuple[list[Path], bool]:
 
 def _draw(result: "Result", plot: Path) -> None:
     """Draw the picture; the result is safe by then."""
-    load_undocumented()
     from rps_exudyn.charts.scene import draw
 
     draw(result, plot)
-
-
-def load_undocumented() -> None:
-    """Load matplotlib without the documentation that it writes then, which no command shows."""
-    from matplotlib import _docstring, artist
-
-    setattr(artist.Artist, "_update_set_signature_and_docstring", lambda: None)  # noqa: B010
-    for decorator in (_docstring.Substitution, type(_docstring.interpd)):
-        setattr(decorator, "__call__", lambda _, documented: documented)  # noqa: B010
 
 
 def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Path], bool]:

@@ -1,25 +1,23 @@
 """What a command shows while it works: kernels that are compiled, and how far its run is."""
 
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from rps_exudyn.base.compiling import Step, begin_work, listening
+from rps_exudyn.base.compiling import Step, listening
 from rps_exudyn.base.progress import Progress, following
 from rps_exudyn.base.screen import Screen, TextRow, open_screen
-
-LONG = 1.0  # time of compiling from which on it is shown [s]
 
 Show = Callable[[str, float | None], None]
 """Called with what is done now and how much of it, None where that is not known."""
 
 
 @contextmanager
-def shown_progress(asked: bool = False, work: str = "") -> Iterator[Show]:
+def shown_progress(asked: bool = False) -> Iterator[Show]:
     """Show how far a block is, in a terminal or where asked for, and everywhere what it compiles.
 
     Args:
         asked: lines are wanted outside a terminal.
-        work: its name in the table of kernels, for blocks that are more than one run.
     """
     with open_screen(asked) as screen:
         doing, run = TextRow(), TextRow()
@@ -38,8 +36,6 @@ def shown_progress(asked: bool = False, work: str = "") -> Iterator[Show]:
 
         compiling = _Compiling(screen)
         with following(show_run), listening(compiling.take):
-            if work:
-                begin_work(work)
             try:
                 yield show
             finally:
@@ -59,22 +55,22 @@ class _Compiling:
     def take(self, step: Step) -> None:
         """Count a step; show the row where it takes long."""
         self._row.take(step)
-        if step.what == "work":
-            return
-        if self._row.done == self._row.total:
+        if self._row.is_done:
             self._screen.remove(self._row)
-        elif self._shown:
-            self._screen.add(self._row)
-        elif self._row.elapsed + self._row.left > LONG:
+            return
+        self._screen.add(self._row)
+        if not self._shown:
             self._shown = True
-            self._screen.add(self._row)
             self._screen.speak()
 
     def end(self) -> None:
         """Say what was compiled, and where it is kept."""
         self._screen.remove(self._row)
         if self._shown:
-            from rps_exudyn.base.kernel_cache import cache_folder
+            from rps_exudyn.base.kernel_cache import cache_folders
 
-            sentence = f"{self._row.done} force laws compiled in {self._row.elapsed:.0f} s, once"
-            self._screen.say(f"{sentence}; later runs load them from {cache_folder()}.")
+            step = self._row.step
+            sentence = f"{step.done} force laws compiled in {step.seconds:.0f} s, once; later runs load them"
+            folders = cache_folders()
+            place = f" from {os.path.commonpath(folders)}" if folders else ""
+            self._screen.say(f"{sentence}{place}.")

@@ -26,7 +26,7 @@ from rps_exudyn.study.ways import ways_of
 MANY_CASES = 5000
 """More need `--yes`."""
 
-_NONE_IN_LOOP = "  none by the loop over many gears: {}"
+_NOT_TOGETHER = "  none followed together: {}"
 
 SHOWN_SKIPPED = 5
 SHOWN_GROUPS = 5
@@ -95,7 +95,7 @@ def do_study(request: Request, json: bool) -> int:
                 return run_study(work, processes.run, workers_write=True, workers=jobs)
 
     try:
-        with shown_progress(work=_model_of(work)):
+        with shown_progress():
             tally = run_all()
     except KeyboardInterrupt:
         raise KeyboardInterrupt(f"interrupted; finished cases are {_kept(request)}.") from None
@@ -103,11 +103,6 @@ def do_study(request: Request, json: bool) -> int:
         raise InputError(f"{error} Finished cases are {_kept(request)}.") from None
     _print_tally(work, tally, json)
     return 0 if set(tally.statuses) <= {Status.OK} else 1
-
-
-def _model_of(work: StudyWork) -> str:
-    """Its name in the table of kernels."""
-    return f"{work.description.scene} {work.study.base.fidelity.model}"
 
 
 def do_collect(folder: Path, out: Path | None) -> None:
@@ -139,7 +134,7 @@ def list_cases(request: Request, json: bool) -> int:
     """Print the cases, which of them are missing, and the estimated time; exit status 0."""
     work, jobs = request.work(), request.processes
     time = estimate(work, jobs)
-    with shown_progress(work=_model_of(work)):
+    with shown_progress():
         ways = ways_of(work.study, work.description, len(work.missing))
     missing = {case.hash for case in work.missing}
     cases = work.description.cases
@@ -158,9 +153,9 @@ def list_cases(request: Request, json: bool) -> int:
         f"with {jobs} {'process' if jobs == 1 else 'processes'} ({time.source})"
     )
     if ways.ranges is not None:
-        print("  most of them by the loop over many gears, several times as fast")
+        print("  most of them followed together, several times as fast")
     elif ways.alone:
-        print(_NONE_IN_LOOP.format(ways.alone))
+        print(_NOT_TOGETHER.format(ways.alone))
     return 0
 
 
@@ -187,13 +182,13 @@ def _print_tally(work: StudyWork, tally: Tally, json: bool) -> None:
         print(json_text.dumps(content, indent=2))
         return
     outcomes = ", ".join(f"{number} {status}" for status, number in sorted(tally.statuses.items()))
-    loop = f", {tally.in_loop} by the loop over many gears" if tally.in_loop else ""
+    loop = f", {tally.in_loop} followed together" if tally.in_loop else ""
     how = f" ({tally.through_batch} in groups{loop})" if tally.through_batch else ""
     print(
         f"{work.study.title}: {count} cases in {folder} ({outcomes}), {tally.done_now} of them done now{how}"
     )
     if tally.alone and tally.through_batch:
-        print(_NONE_IN_LOOP.format(tally.alone))
+        print(_NOT_TOGETHER.format(tally.alone))
     print_said(tally.said)
 
 

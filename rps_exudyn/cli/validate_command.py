@@ -31,7 +31,7 @@ def do_validate(folder: Path | None, only: tuple[str, ...], out: Path, as_json: 
         raise InputError(f"there is no row {', '.join(sorted(unknown))}; there are {known}.")
     check_writable(out, (".html",))
     chosen = [row for row in rows if not only or row.name in only]
-    with shown_progress(work="" if folder or only else "validate") as show:
+    with shown_progress() as show:
         comparisons = list(compare_rows(chosen, lambda title: show(f"running: {title}", None)))
     content = {"origin": provenance(), "rows": [each.as_dict() for each in comparisons]}
     files: list[Path] = []

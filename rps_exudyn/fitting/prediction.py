@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from rps_exudyn.analysis.torque import mean
-from rps_exudyn.base.compiling import begin_work
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.fitting.bench_tests import FREE_TURNING, BenchTest
 from rps_exudyn.gears.gear_pair import GearPair
@@ -93,7 +92,6 @@ class Prediction:
             NoPredictionError: there is no equilibrium, or no such gear.
         """
         self.simulations += 1
-        begin_work(f"free-pinion-torque {self.fidelity.model}")
         try:
             return np.concatenate([self._simulated(block, gear) for block in self.blocks])
         except InputError as error:

@@ -2,57 +2,57 @@
 
 from dataclasses import dataclass
 from math import pi, sin
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 
-from rps_exudyn.base.compiled import borrowing, kernel
-from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.base.compiled import inline, record, record_type
+from rps_exudyn.forces.force_element import Part
 from rps_exudyn.forces.rigid_motion import cross, dot, on_angles, plus, scaled, spin_of, turn_of, vector
 
-STILL = (0.0, 0.0, 0.0)
+DEAD_FORCE = record_type(
+    [
+        ("force", "f8", (3,)),  # in the housing [N]
+        ("place", "f8"),  # along the bar's axis from the rack's reference point [m]
+    ]
+)
+"""Record of a force that keeps its size and direction, on a point of the bar's axis."""
+
+NO_FORCE = record(DEAD_FORCE, force=(0.0, 0.0, 0.0), place=0.0)
+LOAD, WEIGHT = Part("load", ("rack",), ("load_force",)), Part("weight", ("rack",), ("weight_force",))
 
 
-class DeadForceData(NamedTuple):
-    """A force that keeps its size and direction, on a point of the bar's axis."""
-
-    force: tuple[float, float, float]  # in the housing [N]
-    place: float  # along the bar's axis from the rack's reference point [m]
-
-
-NO_FORCE = DeadForceData(STILL, 0.0)
-
-
-@borrowing
-def add_dead_force(total, q, data):  # type: ignore[no-untyped-def]
-    """Add the force to the rack's generalised forces."""
-    turn = turn_of(q[3:6])
-    moment = on_angles(turn, cross(scaled(data.place, turn.axis), data.force))
-    for i in range(3):
-        total[i] += data.force[i]
-        total[3 + i] += moment[i]
+@inline
+def dead_force(q, data, out):  # type: ignore[no-untyped-def]
+    """A constant force and its potential; q = rack (6), fills out (10,)."""
+    turn, force = turn_of(q[3:6]), vector(data.force)
+    lever = scaled(data.place, turn.axis)
+    out[0], out[1], out[2] = force
+    out[3], out[4], out[5] = on_angles(turn, cross(lever, force))
+    out[6] = -dot(force, plus(vector(q), lever))
+    out[7], out[8] = 0.0, 0.0
+    out[9] = -force[0]
 
 
-@kernel
-def dead_force(q, v, data):  # type: ignore[no-untyped-def]
-    """A constant force and its potential; q = rack (6)."""
-    out = np.zeros(6 + 3 + 1)
-    add_dead_force(out, q, data)
-    out[6] = -dot(data.force, plus(vector(q), scaled(data.place, turn_of(q[3:6]).axis)))
-    out[9] = -data.force[0]
-    return out
+@inline
+def add_dead_tangent(q, data, factor_q, tangent):  # type: ignore[no-untyped-def]
+    """Add factor_q dF/dq to a tangent (6, 6) of the rack: the lever turns with the bar, p a x F with the axis
+    a = (1, c, -b) of small angles."""
+    lever, (x, y, z) = factor_q * data.place, vector(data.force)
+    tangent[4, 4] -= lever * x
+    tangent[5, 5] -= lever * x
+    tangent[3, 4] += lever * y
+    tangent[3, 5] += lever * z
 
 
-def end_load(load: float, across: tuple[float, float], place: float) -> ForceElement:
+def end_load(load: float, across: tuple[float, float], place: float) -> np.record:
     """A load [N] that pulls the bar's end at `place` [m] towards -X, and a force (along Y, Z) [N] across."""
-    data = DeadForceData((-load, *across), place)
-    return ForceElement("load", ("rack",), dead_force, data, ("load_force",))
+    return record(DEAD_FORCE, force=(-load, *across), place=place)
 
 
-def weight(mass: float, gravity: float, place: float) -> ForceElement:
+def weight(mass: float, gravity: float, place: float) -> np.record:
     """The weight of the rack, its mass centre at `place` [m], under `gravity` along -Y [m/s^2]."""
-    data = DeadForceData((0.0, -mass * gravity, 0.0), place)
-    return ForceElement("weight", ("rack",), dead_force, data, ("weight_force",))
+    return record(DEAD_FORCE, force=(0.0, -mass * gravity, 0.0), place=place)
 
 
 class TimedForce(Protocol):
@@ -117,5 +117,5 @@ class RoadForce:
 
 def axis_velocity(q: np.ndarray, v: np.ndarray, place: float) -> np.ndarray:
     """Velocity of a point of the bar's axis, from the rack's coordinates and rates (6,); shape (3,) [m/s]."""
-    turn = turn_of(q[3:6])
-    return v[:3] + np.cross(spin_of(turn, v[3:6]), scaled(place, turn.axis))
+    turn = turn_of.py_func(q[3:6])
+    return v[:3] + np.cross(spin_of.py_func(turn, v[3:6]), scaled.py_func(place, turn.axis))

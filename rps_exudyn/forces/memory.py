@@ -1,28 +1,27 @@
-"""What friction with memory remembers of a motion: one array of two rows, the begin and the end of a step.
+"""State of the bristle friction along a motion: an array (2, m), start and end of a step.
 
 Columns are the time, the coordinates of the stack, and three for each patch of bristles (see `friction`).
-Kernels read the begin and write the end at each evaluation; who steps sets the end's time before, and keeps
-the end as the next begin once the step is found. Slip is then what the coordinates moved over the step.
+Kernels read the start and write the end at each evaluation; the solver sets the end's time before, and copies
+the end to the next start once the step is found. Slip is then what the coordinates moved over the step.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
-from rps_exudyn.base.compiled import kernel
+from rps_exudyn.base.compiled import inline
 
 TIME, PLACES = 0, 1
 MOST_COORDINATES = 88  # of a rack with as many modes as `rack.modes` allows
 PATCHES = PLACES + MOST_COORDINATES
-NO_MEMORY = np.zeros((2, 0))
 ROOM = 32
+MEMORY_SIZE = PATCHES + ROOM
 
 
 @dataclass(eq=False)
-class Memory:
-    """The memory of one gear; `rows` (2, .) is empty until something remembers."""
+class Patches:
+    """Columns of one gear's patches of bristles; `needed` once a part has some."""
 
-    _rows: np.ndarray = field(default_factory=lambda: np.zeros((2, PATCHES + ROOM)))
     _used: int = PATCHES
 
     def taken(self, columns: int) -> int:
@@ -33,55 +32,26 @@ class Memory:
 
     @property
     def needed(self) -> bool:
-        """Tell whether any part remembers."""
+        """Tell whether any part has bristles."""
         return self._used > PATCHES
 
-    @property
-    def rows(self) -> np.ndarray:
-        """Begin and end of the step, for the laws that remember."""
-        return self._rows
 
-    @property
-    def array(self) -> np.ndarray:
-        """The same, or nothing where no part remembers."""
-        return self._rows if self.needed else NO_MEMORY
-
-
-def forget(memory: np.ndarray) -> None:
-    """Begin anew: what is evaluated next has slid for long at its rates."""
+def reset(memory: np.ndarray) -> None:
+    """Reset to steady sliding at the rates of the next evaluation."""
     memory[:] = 0.0
-    memory[0, :1] = -np.inf
+    memory[0, TIME] = -np.inf
 
 
-@kernel
+@inline
 def begin_step(memory, begin, time):  # type: ignore[no-untyped-def]
-    """Go to a step that begins with what is remembered in `begin` and ends at a time [s]."""
-    for i in range(memory.shape[1]):
+    """Go to a step that begins with the state `begin` and ends at a time [s]."""
+    for i in range(begin.size):
         memory[0, i] = begin[i]
-    if memory.shape[1] > 0:
-        memory[1, 0] = time
+    memory[1, TIME] = time
 
 
-@kernel
+@inline
 def duration(memory):  # type: ignore[no-untyped-def]
     """Duration of the step over which slip is a mean [s]; 0 where rates are those given."""
-    if memory.shape[1] == 0:
-        return 0.0
-    h = memory[1, 0] - memory[0, 0]
+    h = memory[1, TIME] - memory[0, TIME]
     return h if 0 < h < np.inf else 0.0
-
-
-@kernel
-def slip_rates(q, v, memory):  # type: ignore[no-untyped-def]
-    """Rates with which bodies slip: without memory those given, with it the means over the step."""
-    if memory.shape[1] == 0:
-        return v
-    h = duration(memory)
-    for i in range(q.size):
-        memory[1, 1 + i] = q[i]
-    if h == 0:
-        return v
-    rates = np.empty(q.size)
-    for i in range(q.size):
-        rates[i] = (q[i] - memory[0, 1 + i]) / h
-    return rates

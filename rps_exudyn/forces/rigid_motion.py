@@ -8,20 +8,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import borrowing, kernel
+from rps_exudyn.base.compiled import inline
 
 Vector = tuple[float, float, float]
 
 
-@kernel
-def rotation_matrix(angles):  # type: ignore[no-untyped-def]
-    """Rotation body -> housing, shape (3, 3)."""
+def rotation_matrix(angles: np.ndarray) -> np.ndarray:
+    """Return the rotation body -> housing, shape (3, 3), of angles (3,) [rad]."""
     matrix = np.empty((3, 3))
-    fill_rotation(angles, matrix)
+    fill_rotation.py_func(angles, matrix)
     return matrix
 
 
-@borrowing
+@inline
 def fill_rotation(angles, matrix):  # type: ignore[no-untyped-def]
     """Fill the rotation body -> housing (3, 3)."""
     ca, sa = np.cos(angles[0]), np.sin(angles[0])
@@ -32,58 +31,45 @@ def fill_rotation(angles, matrix):  # type: ignore[no-untyped-def]
     matrix[2, 0], matrix[2, 1], matrix[2, 2] = sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb
 
 
-@kernel
-def spin_map(angles):  # type: ignore[no-untyped-def]
-    """G: angle rates -> angular velocity in the housing frame, shape (3, 3)."""
+def spin_map(angles: np.ndarray) -> np.ndarray:
+    """Return G: angle rates -> angular velocity in the housing frame, shape (3, 3)."""
     ca, sa = np.cos(angles[0]), np.sin(angles[0])
     cb, sb = np.cos(angles[1]), np.sin(angles[1])
     return np.array([[1.0, 0.0, sb], [0.0, ca, -sa * cb], [0.0, sa, ca * cb]])
 
 
-@kernel
-def times(m, x):  # type: ignore[no-untyped-def]
-    """The product m x; for three by three numbers a library call would cost more than the sum."""
-    return np.array([dot(m[0], x), dot(m[1], x), dot(m[2], x)])
-
-
-@kernel
-def times_transposed(m, x):  # type: ignore[no-untyped-def]
-    """The product m^T x."""
-    return x[0] * m[0] + x[1] * m[1] + x[2] * m[2]
-
-
 # --- vectors as tuples, which need no memory ---------------------------------------------------------
-@borrowing
+@inline
 def vector(x):  # type: ignore[no-untyped-def]
     """An array (3,) as a tuple."""
     return x[0], x[1], x[2]
 
 
-@borrowing
+@inline
 def plus(a, b):  # type: ignore[no-untyped-def]
     """The sum a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-@borrowing
+@inline
 def minus(a, b):  # type: ignore[no-untyped-def]
     """The difference a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@borrowing
+@inline
 def scaled(k, a):  # type: ignore[no-untyped-def]
     """The multiple k a."""
     return k * a[0], k * a[1], k * a[2]
 
 
-@borrowing
+@inline
 def dot(a, b):  # type: ignore[no-untyped-def]
     """The scalar product a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@borrowing
+@inline
 def cross(a, b):  # type: ignore[no-untyped-def]
     """The vector product a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
@@ -97,7 +83,7 @@ class Turn(NamedTuple):
     about_c: Vector  # and of the third
 
 
-@borrowing
+@inline
 def turn_of(angles):  # type: ignore[no-untyped-def]
     """The first column of the rotation matrix and the last two of G."""
     ca, sa = np.cos(angles[0]), np.sin(angles[0])
@@ -108,14 +94,14 @@ def turn_of(angles):  # type: ignore[no-untyped-def]
     )
 
 
-@borrowing
+@inline
 def spin_of(turn, rates):  # type: ignore[no-untyped-def]
     """Angular velocity G (a', b', c')."""
     b, c = turn.about_b, turn.about_c
     return rates[0] + c[0] * rates[2], b[1] * rates[1] + c[1] * rates[2], b[2] * rates[1] + c[2] * rates[2]
 
 
-@borrowing
+@inline
 def on_angles(turn, moment):  # type: ignore[no-untyped-def]
     """Moments on the angles, G^T m."""
     return moment[0], dot(turn.about_b, moment), dot(turn.about_c, moment)

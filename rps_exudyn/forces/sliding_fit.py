@@ -8,11 +8,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import borrowing, kernel
+from rps_exudyn.base.compiled import inline, record, record_type
 from rps_exudyn.forces.bush import RIGID_END, Chain, housing_station, lateral_stiffness
-from rps_exudyn.forces.force_element import ForceElement
-from rps_exudyn.forces.friction import BRISTLE, Law, bristle, clear, coulomb, law_of, stored, stribeck
-from rps_exudyn.forces.memory import Memory
+from rps_exudyn.forces.force_element import Part
+from rps_exudyn.forces.friction import (
+    BRISTLE,
+    LAW,
+    bristle,
+    clear,
+    coulomb,
+    law_of,
+    rubbing,
+    stored,
+    stribeck,
+)
+from rps_exudyn.forces.memory import Patches
 from rps_exudyn.forces.rigid_motion import (
     Vector,
     cross,
@@ -27,17 +37,22 @@ from rps_exudyn.forces.rigid_motion import (
 )
 from rps_exudyn.parameters.gear import SteeringGear
 
+FIT = record_type(
+    [
+        ("stiffness", "f8", (4, 4)),  # of y, z, about y, about z at the station
+        ("drag", "f8"),  # Coulomb friction [N]
+        ("zone", "f8"),  # friction zone [m/s]
+        ("radius", "f8"),  # at which rolling rubs [m]
+        ("station", "f8"),  # X of the fit in the housing [m]
+        ("lever", "f8"),  # from the carrier's reference point to the fit along X [m]
+        ("law", LAW),
+    ]
+)
+"""Record of the sliding fit between the rack and what carries it."""
 
-class FitData(NamedTuple):
-    """Sliding fit between the rack and what carries it."""
-
-    stiffness: np.ndarray  # of y, z, about y, about z at the station, shape (4, 4)
-    drag: float  # Coulomb friction [N]
-    zone: float  # friction zone [m/s]
-    radius: float  # at which rolling rubs [m]
-    station: float  # X of the fit in the housing [m]
-    lever: float  # from the carrier's reference point to the fit along X [m]
-    law: Law
+PART = Part("bush", ("rack",), ("bush_lateral_force", "bush_drag"))
+FIT_COLUMNS = PART.columns
+STILL = (0.0, 0.0, 0.0)
 
 
 class Held(NamedTuple):
@@ -62,8 +77,8 @@ class FitLoads(NamedTuple):
     drag: float
 
 
-@borrowing
-def fit_loads(carrier, rack, data):  # type: ignore[no-untyped-def]
+@inline
+def fit_loads(carrier, rack, data, memory):  # type: ignore[no-untyped-def]
     """Loads between rack and carrier: the rack slides and rolls in its carrier and swivels with it.
 
     The elastic connection sits at one place: on the carrier a fixed point, on the rack the point of its
@@ -82,9 +97,9 @@ def fit_loads(carrier, rack, data):  # type: ignore[no-untyped-def]
     speed = np.sqrt(slide**2 + roll**2)
     law, held = data.law, 0.0
     if law.kind == BRISTLE:
-        clear(law.place, law)
-        drag, turning, lost = bristle(1.0, slide, roll, law.place, data.drag, law)
-        held = stored(law.place, data.drag, law)
+        clear(law.place, memory)
+        drag, turning, lost = bristle(1.0, slide, roll, law.place, data.drag, law, memory)
+        held = stored(law.place, data.drag, law, memory)
     else:
         rub = coulomb(1.0, data.drag, speed, data.zone) * stribeck(speed, law)
         drag, turning, lost = rub * slide, rub * roll, rub * speed**2
@@ -109,13 +124,13 @@ def fit_loads(carrier, rack, data):  # type: ignore[no-untyped-def]
     )
 
 
-@borrowing
+@inline
 def _held(q, v):  # type: ignore[no-untyped-def]
     turn = turn_of(q[3:6])
     return Held(vector(q), vector(v), turn.axis, spin_of(turn, v[3:6])), turn
 
 
-@borrowing
+@inline
 def _fill(out, loads, turn):  # type: ignore[no-untyped-def]
     """Fill the forces on the rack, the energy terms, and the outputs."""
     moment = plus(loads.moment, cross(loads.lever_rack, loads.force))
@@ -125,67 +140,105 @@ def _fill(out, loads, turn):  # type: ignore[no-untyped-def]
     out[9], out[10] = loads.lateral, loads.drag
 
 
-@kernel
-def fit_force(q, v, data):  # type: ignore[no-untyped-def]
-    """The fit in a moving carrier; q = segment (6), rack (6)."""
-    out = np.empty(12 + 3 + 2)
-    (carrier, turn_carrier), (rack, turn_rack) = _held(q[0:6], v[0:6]), _held(q[6:12], v[6:12])
-    loads = fit_loads(carrier, rack, data)
-    moment = plus(loads.moment, cross(loads.lever_carrier, loads.force))
-    out[0], out[1], out[2] = scaled(-1.0, loads.force)
-    out[3], out[4], out[5] = on_angles(turn_carrier, scaled(-1.0, moment))
-    _fill(out[6:], loads, turn_rack)
-    return out
-
-
-@kernel
-def held_fit_force(q, v, data):  # type: ignore[no-untyped-def]
-    """The fit in a carrier that is part of the housing; q = rack (6)."""
-    out = np.empty(6 + 3 + 2)
-    still = (0.0, 0.0, 0.0)
+@inline
+def held_fit_force(q, v, data, memory, out):  # type: ignore[no-untyped-def]
+    """The fit in a carrier that is part of the housing; q = rack (6), fills out (11,)."""
     rack, turn = _held(q, v)
-    _fill(out, fit_loads(Held(still, still, (1.0, 0.0, 0.0), still), rack, data), turn)
-    return out
+    _fill(out, fit_loads(Held(STILL, STILL, (1.0, 0.0, 0.0), STILL), rack, data, memory), turn)
 
 
-FIT_OUTPUTS = ("bush_lateral_force", "bush_drag")
+@inline
+def carried_fit_force(q, v, carrier_q, carrier_v, data, memory, out, on_carrier):  # type: ignore[no-untyped-def]
+    """The fit in a moving carrier, a segment (6); fills out (11,) and the forces on the carrier (6,)."""
+    (carrier, turn_carrier), (rack, turn_rack) = _held(carrier_q, carrier_v), _held(q, v)
+    loads = fit_loads(carrier, rack, data, memory)
+    moment = plus(loads.moment, cross(loads.lever_carrier, loads.force))
+    on_carrier[0], on_carrier[1], on_carrier[2] = scaled(-1.0, loads.force)
+    on_carrier[3], on_carrier[4], on_carrier[5] = on_angles(turn_carrier, scaled(-1.0, moment))
+    _fill(out, loads, turn_rack)
+
+
+@inline
+def add_fit_tangent(q, v, data, memory, factor_q, factor_v, tangent):  # type: ignore[no-untyped-def]
+    """Add factor_q dF/dq + factor_v dF/dv of the held fit to a tangent (6, 6) of the rack: its stiffness at
+    its place, and its drag as it slides and rolls."""
+    lever, k = data.station - q[0], data.stiffness
+    for i in range(4):
+        for j in range(4):
+            if k[i, j] != 0:
+                value = -factor_q * k[i, j]
+                # motions of the fit's place: y and z shift with the tilts about z and y
+                first, by_tilt, tilt = _moved(i, lever)
+                second, other, turned = _moved(j, lever)
+                tangent[first, second] += value
+                tangent[first, turned] += value * other
+                tangent[tilt, second] += value * by_tilt
+                tangent[tilt, turned] += value * by_tilt * other
+    # with the bar, whose tilts are small: it slides along X and rolls about it
+    slide, roll, law = v[0], data.radius * v[3], data.law
+    _, _, ahead, aside, d_a, d_b = rubbing(slide, roll, law.place, data.drag, data.zone, law, memory)
+    in_line = factor_v * (ahead * d_a * d_a + aside * d_b * d_b)
+    mixed = factor_v * (ahead - aside) * d_a * d_b
+    across = factor_v * (ahead * d_b * d_b + aside * d_a * d_a)
+    tangent[0, 0] -= in_line
+    tangent[0, 3] -= mixed * data.radius
+    tangent[3, 0] -= mixed * data.radius
+    tangent[3, 3] -= across * data.radius * data.radius
+
+
+@inline
+def _moved(i, lever):  # type: ignore[no-untyped-def]
+    """The rack's coordinate that moves a direction of the fit, and how much a tilt adds, and which."""
+    if i == 0:
+        return 1, lever, 5
+    if i == 1:
+        return 2, -lever, 4
+    return (4, 0.0, 4) if i == 2 else (5, 0.0, 5)
+
+
 LATERAL = [1, 2, 4, 5]  # of x y z, about x y z
 
 
-def chain_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float, memory: Memory) -> ForceElement:
+def chain_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float, patches: Patches) -> np.record:
     """The rack in the last segment of a chain: the last half piece is the fit's elasticity."""
     stiffness, lever = np.diag(chain.end[LATERAL]), -(chain.end_station - chain.centres[-1])
-    data = _data(gear, stiffness, chain.end_station, friction_zone, memory)._replace(lever=lever)
-    return ForceElement("bush", ("segment", "rack"), fit_force, data, FIT_OUTPUTS)
+    return _fit(gear, stiffness, chain.end_station, friction_zone, patches, lever)
 
 
-def condensed_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float, memory: Memory) -> ForceElement:
+def condensed_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float, patches: Patches) -> np.record:
     """The rack in the chain's exact static stiffness, seen at the place of the fit.
 
     Axial stretch and twist of the bush are left out: only the drag loads them.
     """
-    return _held_fit(_data(gear, lateral_stiffness(chain), chain.end_station, friction_zone, memory))
+    return _fit(gear, lateral_stiffness(chain), chain.end_station, friction_zone, patches)
 
 
-def rigid_fit(gear: SteeringGear, *, friction_zone: float, memory: Memory) -> ForceElement:
+def rigid_fit(gear: SteeringGear, *, friction_zone: float, patches: Patches) -> np.record:
     """The rack in a bush that does not yield: stiff in place of rigid, at the bush's free end."""
-    return _held_fit(_data(gear, np.diag(RIGID_END[LATERAL]), gear.bush.length, friction_zone, memory))
+    return _fit(gear, np.diag(RIGID_END[LATERAL]), gear.bush.length, friction_zone, patches)
 
 
-def loose_fit(gear: SteeringGear, *, friction_zone: float, memory: Memory) -> ForceElement:
+def loose_fit(gear: SteeringGear, *, friction_zone: float, patches: Patches) -> np.record:
     """A fit that drags but does not hold, for a rack that is guided otherwise."""
-    return _held_fit(_data(gear, np.zeros((4, 4)), gear.bush.length, friction_zone, memory))
+    return _fit(gear, np.zeros((4, 4)), gear.bush.length, friction_zone, patches)
 
 
-def _data(
-    gear: SteeringGear, stiffness: np.ndarray, station: float, friction_zone: float, memory: Memory
-) -> FitData:
+def _fit(
+    gear: SteeringGear,
+    stiffness: np.ndarray,
+    station: float,
+    friction_zone: float,
+    patches: Patches,
+    lever: float = 0.0,
+) -> np.record:
     """The fit at a station of the chain [m]."""
-    radius, at = gear.rack.bar_diameter / 2, housing_station(gear, station)
-    return FitData(
-        stiffness, gear.bush.drag, friction_zone, radius, at, lever=0.0, law=law_of(gear.bush, memory)
+    return record(
+        FIT,
+        stiffness=stiffness,
+        drag=gear.bush.drag,
+        zone=friction_zone,
+        radius=gear.rack.bar_diameter / 2,
+        station=housing_station(gear, station),
+        lever=lever,
+        law=law_of(gear.bush, patches),
     )
-
-
-def _held_fit(data: FitData) -> ForceElement:
-    return ForceElement("bush", ("rack",), held_fit_force, data, FIT_OUTPUTS)

@@ -11,57 +11,79 @@
 The plunger slides along Y only; its coordinate counts from the preloaded rest position.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
-from rps_exudyn.base.compiled import apart, kernel, nested
+from rps_exudyn.base.compiled import inline, kernel, record, record_type
 from rps_exudyn.base.quadrature import gauss_legendre
-from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.forces.force_element import Part
 from rps_exudyn.forces.friction import (
     BRISTLE,
-    Law,
+    LAW,
     bristle,
     by_load,
     clear,
     coulomb,
     law_of,
+    rubbing,
     stored,
     stribeck,
 )
-from rps_exudyn.forces.memory import Memory
-from rps_exudyn.forces.rigid_motion import on_angles, spin_of, turn_of
+from rps_exudyn.forces.memory import Patches
+from rps_exudyn.forces.rigid_motion import (
+    cross,
+    dot,
+    minus,
+    on_angles,
+    plus,
+    scaled,
+    spin_of,
+    turn_of,
+    vector,
+)
 from rps_exudyn.parameters.gear import SteeringGear
 
 ARC_POINTS, LENGTH_POINTS = 6, 2  # Gauss points of a seat that touches everywhere: to 1e-9
 PIECE_POINTS = 10  # of each piece of the arc where part of the seat touches: to 1e-5
 
 
-class SeatData(NamedTuple):
-    """A cylindrical seat fixed to the plunger, and its Gauss points where all of it touches."""
+WHOLE = ARC_POINTS * LENGTH_POINTS  # points of a seat that touches everywhere
+PIECES = 5  # of the arc at most
+MOST_POINTS = PIECES * PIECE_POINTS * LENGTH_POINTS
 
-    bar_radius: float
-    friction: float
-    zone: float  # friction zone [m/s]
-    rest_gap: float  # Y of the plunger's zero above that of the rack, so that both rest at the preload [m]
-    half_angle: float  # of the arc [rad]
-    edge_y: float  # its cosine ...
-    edge_z: float  # ... and sine
-    half_length: float  # along the rack [m]
-    density: float  # stiffness per angle and length [N/m per rad m]
-    arc: np.ndarray  # Gauss rule of a piece of the arc over -1 .. 1: points ...
-    arc_weight: np.ndarray  # ... and weights
-    length: np.ndarray  # the same along the rack
-    length_weight: np.ndarray
-    points: np.ndarray  # (n, 4) of the whole seat, rows as `seat_points` fills them
-    law: Law
-    tilt: float  # by which the plunger follows the bar's slope in its bore, at most [rad]
+SEAT = record_type(
+    [
+        ("bar_radius", "f8"),
+        ("friction", "f8"),
+        ("zone", "f8"),  # friction zone [m/s]
+        ("rest_gap", "f8"),  # Y of the plunger's zero above that of the rack: both rest at the preload [m]
+        ("half_angle", "f8"),  # of the arc [rad]
+        ("edge_y", "f8"),  # its cosine ...
+        ("edge_z", "f8"),  # ... and sine
+        ("half_length", "f8"),  # along the rack [m]
+        ("density", "f8"),  # stiffness per angle and length [N/m per rad m]
+        ("points", "f8", (WHOLE, 4)),  # of the whole seat, rows as `seat_points` fills them
+        ("law", LAW),
+        ("tilt", "f8"),  # by which the plunger follows the bar's slope in its bore, at most [rad]
+    ]
+)
+"""Record of a cylindrical seat fixed to the plunger, with its Gauss points where all of it touches."""
+
+SPRING = record_type([("rate", "f8"), ("preload", "f8")])  # [N/m], [N]
+NUT = record_type([("stiffness", "f8"), ("clearance", "f8")])  # [N/m], [m]
+
+SEAT_PART = Part("seat", ("rack", "plunger"), ("seat_normal_force", "seat_force"))
+SPRING_PART = Part("yoke_spring", ("plunger",), ("spring_force",))
+NUT_PART = Part("yokenut", ("plunger",), ("yokenut_force",))
+
+# Gauss rules of a piece of the arc and along the rack, over -1 .. 1: points and weights
+ARC, ARC_WEIGHT = gauss_legendre(PIECE_POINTS)
+LENGTH, LENGTH_WEIGHT = gauss_legendre(LENGTH_POINTS)
 
 
 # The bar's axis stands at gap + station * slope, both (y, z), against that of the seat.
 
 
-@nested
+@inline
 def touches_everywhere(gap, slope, data):  # type: ignore[no-untyped-def]
     """Tell whether all of the seat touches: it does if its four corners do, for its arc is no half circle."""
     for station in (-data.half_length, data.half_length):
@@ -71,7 +93,7 @@ def touches_everywhere(gap, slope, data):  # type: ignore[no-untyped-def]
     return True
 
 
-@nested
+@inline
 def touching_stations(angle, gap, slope, half_length):  # type: ignore[no-untyped-def]
     """Return the stations between which the seat touches at an angle of its arc; depth is linear there."""
     middle = gap[0] * np.cos(angle) + gap[1] * np.sin(angle)
@@ -83,13 +105,12 @@ def touching_stations(angle, gap, slope, half_length):  # type: ignore[no-untype
     return (zero, high) if rise > 0 else (low, zero)
 
 
-@nested
-def arc_pieces(gap, slope, data):  # type: ignore[no-untyped-def]
-    """Return the angles between which the touching part changes smoothly, rising.
+@inline
+def arc_pieces(gap, slope, data, pieces):  # type: ignore[no-untyped-def]
+    """Fill the angles between which the touching part changes smoothly, rising; return how many pieces.
 
     It changes its shape where an end face begins or ceases to touch, a right angle from where it is deepest.
     """
-    pieces = np.empty(6)
     pieces[0], count = -data.half_angle, 1
     for station in (-data.half_length, data.half_length):
         deepest = np.arctan2(gap[1] + station * slope[1], gap[0] + station * slope[0])
@@ -101,35 +122,57 @@ def arc_pieces(gap, slope, data):  # type: ignore[no-untyped-def]
                     place -= 1
                 pieces[place], count = deepest + turn, count + 1
     pieces[count] = data.half_angle
-    return pieces[: count + 1]
+    return count
 
 
-@nested
-def seat_points(gap, slope, data):  # type: ignore[no-untyped-def]
-    """Return Gauss points of the touching part, rows (normal y, normal z, station [m], stiffness [N/m])."""
+@inline
+def seat_points(gap, slope, data, points):  # type: ignore[no-untyped-def]
+    """Fill Gauss points of the touching part, rows (normal y, normal z, station [m], stiffness [N/m]);
+    return their number."""
     if touches_everywhere(gap, slope, data):
-        return data.points
-    pieces = arc_pieces(gap, slope, data)
-    points, n = np.empty(((pieces.size - 1) * data.arc.size * data.length.size, 4)), 0
-    for piece in range(pieces.size - 1):
+        for i in range(WHOLE):
+            for k in range(4):
+                points[i, k] = data.points[i, k]
+        return WHOLE
+    return part_points(gap, slope, data, points)
+
+
+@kernel
+def part_points(gap, slope, data, points):  # type: ignore[no-untyped-def]
+    """Fill the points of a seat of which a part touches; return their number."""
+    pieces, n = np.empty(PIECES + 1), 0
+    for piece in range(arc_pieces(gap, slope, data, pieces)):
         middle, half = (pieces[piece + 1] + pieces[piece]) / 2, (pieces[piece + 1] - pieces[piece]) / 2
-        for i in range(data.arc.size):
-            angle = middle + half * data.arc[i]
+        for i in range(PIECE_POINTS):
+            angle = middle + half * ARC[i]
             low, high = touching_stations(angle, gap, slope, data.half_length)
-            for j in range(data.length.size):
+            for j in range(LENGTH_POINTS):
                 points[n, 0], points[n, 1] = np.cos(angle), np.sin(angle)
-                points[n, 2] = (high + low) / 2 + (high - low) / 2 * data.length[j]
-                area = half * data.arc_weight[i] * (high - low) / 2 * data.length_weight[j]
+                points[n, 2] = (high + low) / 2 + (high - low) / 2 * LENGTH[j]
+                area = half * ARC_WEIGHT[i] * (high - low) / 2 * LENGTH_WEIGHT[j]
                 points[n, 3] = data.density * area
                 n += 1
-    return points
+    return n
 
 
-@nested
-def _whole_load(points, q, axis, tilt, data):  # type: ignore[no-untyped-def]
+@inline
+def seat_stance(q, v, plunger, data, points):  # type: ignore[no-untyped-def]
+    """How the bar stands in its seat: the rack's turn and spin, its slopes, the plunger's tilt; fills the
+    Gauss points and returns their number behind."""
+    turn = turn_of(q[3:6])
+    slope_y, slope_z = turn.axis[1] / turn.axis[0], turn.axis[2] / turn.axis[0]
+    gap = (q[1] - q[0] * slope_y - plunger + data.rest_gap, q[2] - q[0] * slope_z)
+    # a plunger with play in its bore lies along the bar, until it touches the bore: then it bears a moment
+    tilt = min(max(slope_y, -data.tilt), data.tilt)
+    count = seat_points(gap, (slope_y - tilt, slope_z), data, points)
+    return turn, spin_of(turn, v[3:6]), slope_y, slope_z, tilt, count
+
+
+@inline
+def _whole_load(points, count, q, axis, tilt, data):  # type: ignore[no-untyped-def]
     """Sum of the seat's normal forces [N]."""
     total = 0.0
-    for i in range(points.shape[0]):
+    for i in range(count):
         along = (points[i, 2] - q[0]) / axis[0]
         depth = (q[1] + along * axis[1] - points[i, 2] * tilt - q[6] + data.rest_gap) * points[i, 0]
         depth += (q[2] + along * axis[2]) * points[i, 1]
@@ -137,28 +180,23 @@ def _whole_load(points, q, axis, tilt, data):  # type: ignore[no-untyped-def]
     return total
 
 
-@apart
-def seat_force(q, v, data):  # type: ignore[no-untyped-def]
-    """Penalty contact of the seat with the back of the bar; q = rack (6), plunger (1).
+@inline
+def seat_force(q, v, data, memory, points, out):  # type: ignore[no-untyped-def]
+    """Penalty contact of the seat with the back of the bar; q = rack (6), plunger (1), fills out (12,).
 
-    It is integrated over the part that touches, which a tilted or shifted bar leaves.
+    It is integrated over the part that touches, which a tilted or shifted bar leaves; `points` is work space.
     """
-    out = np.zeros(7 + 3 + 2)
-    turn = turn_of(q[3:6])
-    omega = spin_of(turn, v[3:6])
+    for i in range(12):
+        out[i] = 0.0
+    turn, omega, slope_y, slope_z, tilt, count = seat_stance(q, v, q[6], data, points)
     axis_x, axis_y, axis_z = turn.axis
-    slope_y, slope_z = axis_y / axis_x, axis_z / axis_x
-    gap = (q[1] - q[0] * slope_y - q[6] + data.rest_gap, q[2] - q[0] * slope_z)
-    # a plunger with play in its bore lies along the bar, until it touches the bore: then it bears a moment
-    tilt = min(max(slope_y, -data.tilt), data.tilt)
-    points = seat_points(gap, (slope_y - tilt, slope_z), data)
     moment_x = moment_y = moment_z = 0.0
     law, friction = data.law, data.friction
     if law.load_exponent != 1.0:
-        friction *= by_load(_whole_load(points, q, (axis_x, axis_y, axis_z), tilt, data), law)
+        friction *= by_load(_whole_load(points, count, q, turn.axis, tilt, data), law)
     if law.kind == BRISTLE:
-        clear(law.place, law)
-    for i in range(points.shape[0]):
+        clear(law.place, memory)
+    for i in range(count):
         ny, nz = points[i, 0], points[i, 1]
         # the point of the bar's axis that stands at this station of the housing
         along = (points[i, 2] - q[0]) / axis_x
@@ -180,9 +218,8 @@ def seat_force(q, v, data):  # type: ignore[no-untyped-def]
         if law.kind == BRISTLE:
             # along the bar's surface and around it
             size = np.sqrt(1 + nx * nx)
-            drag, turning, lost = bristle(
-                load, (vx - nx * (vy * ny + vz * nz)) / size, vz * ny - vy * nz, law.place, friction, law
-            )
+            along_bar, around = (vx - nx * (vy * ny + vz * nz)) / size, vz * ny - vy * nz
+            drag, turning, lost = bristle(load, along_bar, around, law.place, friction, law, memory)
             fx, fy, fz = (
                 -drag / size,
                 drag * nx * ny / size + turning * nz,
@@ -205,28 +242,91 @@ def seat_force(q, v, data):  # type: ignore[no-untyped-def]
         out[10] += load
         out[11] += load * ny
     if law.kind == BRISTLE:
-        out[7] += stored(law.place, friction, law)
+        out[7] += stored(law.place, friction, law, memory)
     out[3], out[4], out[5] = on_angles(turn, (moment_x, moment_y, moment_z))
     out[6] = -out[1]
-    return out
 
 
-def seat(
-    gear: SteeringGear, *, friction_zone: float, rest_gap: float, memory: Memory | None = None
-) -> ForceElement:
-    """Contact of the plunger's cylindrical seat with the back of the rack.
+@inline
+def add_seat_outer(tangent, factor, force, moment, plunger, by_force, by_moment, by_plunger):  # type: ignore[no-untyped-def]
+    """Add factor times the product of two wrenches on rack and plunger to a tangent (7, 7)."""
+    a = (force[0], force[1], force[2], moment[0], moment[1], moment[2], plunger)
+    b = (by_force[0], by_force[1], by_force[2], by_moment[0], by_moment[1], by_moment[2], by_plunger)
+    for i in range(7):
+        for j in range(7):
+            tangent[i, j] += factor * a[i] * b[j]
+
+
+@inline
+def add_seat_tangent(q, v, data, memory, points, factor_q, factor_v, tangent, of_loads):  # type: ignore[no-untyped-def]
+    """Add factor_q dF/dq + factor_v dF/dv of the seat on rack and plunger to a tangent (7, 7); fill
+    `of_loads` (2, 7) with factor_q times the derivatives of its own outputs.
+
+    A point under the load k depth acts on the bar along its normal n, its friction against the slip's
+    direction t: -k (n + f t) w . dq with the wrench w of n, and its friction changes with the slip.
+    """
+    turn, omega, slope_y, slope_z, tilt, count = seat_stance(q, v, q[6], data, points)
+    law, axis, friction = data.law, turn.axis, data.friction
+    if law.load_exponent != 1.0:
+        friction *= by_load(_whole_load(points, count, q, axis, tilt, data), law)
+    for i in range(7):
+        of_loads[0, i] = of_loads[1, i] = 0.0
+    for i in range(count):
+        ny, nz, stiffness = points[i, 0], points[i, 1], points[i, 3]
+        arm = scaled((points[i, 2] - q[0]) / axis[0], axis)
+        depth = (q[1] + arm[1] - points[i, 2] * tilt - q[6] + data.rest_gap) * ny + (q[2] + arm[2]) * nz
+        if depth <= 0:
+            continue
+        normal = (-(slope_y * ny + slope_z * nz), ny, nz)
+        surface = plus(arm, (0.0, data.bar_radius * ny, data.bar_radius * nz))
+        slip = plus(minus(vector(v[0:3]), (0.0, v[6], 0.0)), cross(omega, surface))
+        # along the bar and around it
+        ahead_of, around = (1.0, -normal[0] * ny, -normal[0] * nz), (0.0, -nz, ny)
+        along, across = dot(slip, ahead_of), dot(slip, around)
+        f_a, f_b, ahead, aside, d_a, d_b = rubbing(along, across, law.place, friction, data.zone, law, memory)
+        rub = plus(scaled(f_a, ahead_of), scaled(f_b, around))
+        moment = cross(arm, normal)
+        deeper = (normal[0], normal[1], normal[2], moment[0], moment[1], moment[2], -ny)
+        for j in range(7):
+            of_loads[0, j] += factor_q * stiffness * deeper[j]
+            of_loads[1, j] += factor_q * stiffness * ny * deeper[j]
+        add_seat_outer(
+            tangent,
+            -factor_q * stiffness,
+            plus(normal, rub),
+            plus(moment, cross(surface, rub)),
+            -ny - rub[1],
+            normal,
+            moment,
+            -ny,
+        )
+        drag = -factor_v * stiffness * depth
+        if drag != 0:
+            on, beside = scaled(d_a, ahead_of), scaled(d_a, around)
+            on, beside = plus(on, scaled(d_b, around)), plus(beside, scaled(-d_b, ahead_of))
+            if ahead != 0:
+                moment = cross(surface, on)
+                add_seat_outer(tangent, drag * ahead, on, moment, -on[1], on, moment, -on[1])
+            moment = cross(surface, beside)
+            add_seat_outer(tangent, drag * aside, beside, moment, -beside[1], beside, moment, -beside[1])
+
+
+def seat_record(
+    gear: SteeringGear, *, friction_zone: float, rest_gap: float, patches: Patches | None = None
+) -> np.record:
+    """Return the record of the contact of the plunger's cylindrical seat with the back of the rack.
 
     Its pressure per depth is such that the whole seat has `yoke.seat_stiffness` along the yoke axis.
     """
     yoke = gear.yoke
     x, wx = gauss_legendre(ARC_POINTS)
-    piece, piece_weight = gauss_legendre(PIECE_POINTS)
-    s, ws = gauss_legendre(LENGTH_POINTS)
+    s, ws = LENGTH, LENGTH_WEIGHT
     arc, arc_weight = yoke.seat_angle * x, yoke.seat_angle * wx
     fraction = arc_weight / np.sum(arc_weight * np.cos(arc) ** 2)
     stiffness = yoke.seat_stiffness * np.outer(fraction, ws / 2).ravel()
     normals = np.repeat(np.cos(arc), s.size), np.repeat(np.sin(arc), s.size)
-    data = SeatData(
+    return record(
+        SEAT,
         bar_radius=gear.rack.bar_diameter / 2,
         friction=yoke.friction,
         zone=friction_zone,
@@ -236,57 +336,36 @@ def seat(
         edge_z=np.sin(yoke.seat_angle),
         half_length=yoke.seat_length / 2,
         density=yoke.seat_stiffness / np.sum(arc_weight * np.cos(arc) ** 2) / yoke.seat_length,
-        arc=piece,
-        arc_weight=piece_weight,
-        length=s,
-        length_weight=ws,
         points=np.column_stack([*normals, np.tile(yoke.seat_length / 2 * s, arc.size), stiffness]),
-        law=law_of(yoke, memory or Memory(), usual_load=yoke.preload * seat_wedge_factor(yoke.seat_angle)),
+        law=law_of(yoke, patches or Patches(), usual_load=yoke.preload * seat_wedge_factor(yoke.seat_angle)),
         tilt=yoke.bore_clearance / yoke.plunger_length,
     )
-    return ForceElement("seat", ("rack", "plunger"), seat_force, data, ("seat_normal_force", "seat_force"))
 
 
-class SpringData(NamedTuple):
-    """Constants of the yoke spring."""
-
-    rate: float  # [N/m]
-    preload: float  # [N]
-
-
-@kernel
-def spring_force(q, v, data):  # type: ignore[no-untyped-def]
-    """Preloaded spring between yokenut and plunger; q = plunger (1)."""
-    force = data.preload + data.rate * q[0]
-    stored = data.preload * q[0] + 0.5 * data.rate * q[0] ** 2
-    return np.array([-force, stored, 0.0, 0.0, force])
+@inline
+def spring_force(place, data, out):  # type: ignore[no-untyped-def]
+    """Preloaded spring between yokenut and plunger, which is at `place` [m]; fills out (5,)."""
+    force = data.preload + data.rate * place
+    out[0], out[1] = -force, data.preload * place + 0.5 * data.rate * place**2
+    out[2], out[3], out[4] = 0.0, 0.0, force
 
 
-def spring(gear: SteeringGear) -> ForceElement:
-    """The yoke spring, without a damper."""
-    data = SpringData(gear.yoke.spring_rate, gear.yoke.preload)
-    return ForceElement("yoke_spring", ("plunger",), spring_force, data, ("spring_force",))
-
-
-class NutData(NamedTuple):
-    """Constants of the yokenut's contact."""
-
-    stiffness: float  # [N/m]
-    clearance: float  # [m]
-
-
-@kernel
-def nut_force(q, v, data):  # type: ignore[no-untyped-def]
-    """Contact of plunger and yokenut once the clearance is used up; q = plunger (1)."""
-    depth = max(q[0] - data.clearance, 0.0)
+@inline
+def nut_force(place, data, out):  # type: ignore[no-untyped-def]
+    """Contact of plunger and yokenut once the clearance is used up; fills out (5,)."""
+    depth = max(place - data.clearance, 0.0)
     force = data.stiffness * depth
-    return np.array([-force, 0.5 * force * depth, 0.0, 0.0, force])
+    out[0], out[1], out[2], out[3], out[4] = -force, 0.5 * force * depth, 0.0, 0.0, force
 
 
-def nut_contact(gear: SteeringGear) -> ForceElement:
-    """The yokenut as a one-sided stop behind the plunger."""
-    data = NutData(gear.yoke.nut_stiffness, gear.yoke.clearance)
-    return ForceElement("yokenut", ("plunger",), nut_force, data, ("yokenut_force",))
+def spring_record(gear: SteeringGear) -> np.record:
+    """Return the record of the yoke spring, which has no damper."""
+    return record(SPRING, rate=gear.yoke.spring_rate, preload=gear.yoke.preload)
+
+
+def nut_record(gear: SteeringGear) -> np.record:
+    """Return the record of the yokenut, a one-sided stop behind the plunger."""
+    return record(NUT, stiffness=gear.yoke.nut_stiffness, clearance=gear.yoke.clearance)
 
 
 def seat_wedge_factor(half_angle: float) -> float:

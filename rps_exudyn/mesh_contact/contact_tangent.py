@@ -5,10 +5,10 @@ unit load. A small motion of the rack, u and a turn omega, deepens the flanks th
 
     w = (N, r x N)          and changes its wrench by        -(N + h, r x (N + h)) stiffness w . (u, omega).
 
-Friction across the direction of sliding is viscous, drag over speed; within the friction zone also along it.
-The loads turn with the flank, and their points move against the reference point. Left out: the ends of the
-lines, which move with the motion under the loads that stand there, and the change of the sliding with the
-place: together below a hundredth of the largest entry.
+Friction changes with the slip across the direction of sliding by drag over speed, along it by the slope of
+the friction's law. The loads turn with the flank, and their points move against the reference point. Left
+out: the ends of the lines, which move with the motion under the loads that stand there, and the change of
+the sliding with the place: together below a hundredth of the largest entry.
 
 The pinion's turn by phi is a turn of the rack by -phi about the pinion's axis, seen from a housing that turns
 along. So one matrix C of the motions per coordinate serves: with the stiffness K of the wrench, that of the
@@ -19,7 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import borrowing, inlined, nested
+from rps_exudyn.base.compiled import inline
+from rps_exudyn.forces.friction import BRISTLE, rubbing
 from rps_exudyn.forces.rigid_motion import Vector, cross, dot, minus, on_angles, plus, scaled, vector
 from rps_exudyn.mesh_contact import wrench
 from rps_exudyn.mesh_contact.flank_line import (
@@ -31,6 +32,8 @@ from rps_exudyn.mesh_contact.flank_line import (
     LOAD_Z,
     affine,
     gear_centre,
+    patch_of,
+    rolling_slip,
 )
 
 
@@ -55,7 +58,7 @@ class Slopes(NamedTuple):
     stance: Stance
 
 
-@borrowing
+@inline
 def stance_of(side, angle, position, data):  # type: ignore[no-untyped-def]
     """Return a side's line frame in the housing."""
     _, _, gx, gy, gz = gear_centre(angle, position, data)
@@ -65,21 +68,21 @@ def stance_of(side, angle, position, data):  # type: ignore[no-untyped-def]
     return Stance(normal, radial, cross(normal, radial), tangential, axis, (gx, gy, gz))
 
 
-@inlined
+@inline
 def slopes_of(stiffness, factor_q, factor_v, side, angle, position, data):  # type: ignore[no-untyped-def]
     """Return a side's `Slopes`; none are wanted if both factors are 0."""
     wanted = factor_q != 0 or factor_v != 0
     return Slopes(wanted, stiffness, factor_q, factor_v, stance_of(side, angle, position, data))
 
 
-@borrowing
+@inline
 def arm_of(p_r, p_t, z, stance):  # type: ignore[no-untyped-def]
     """From the rack's reference point to a point of the line frame."""
     along = plus(scaled(p_r, stance.radial), plus(scaled(p_t, stance.tangential), scaled(z, stance.axis)))
     return plus(stance.centre, along)
 
 
-@borrowing
+@inline
 def add_outer(matrix, factor, force_a, moment_a, force_b, moment_b):  # type: ignore[no-untyped-def]
     """Add factor times the product of two wrenches."""
     a = (force_a[0], force_a[1], force_a[2], moment_a[0], moment_a[1], moment_a[2])
@@ -89,57 +92,80 @@ def add_outer(matrix, factor, force_a, moment_a, force_b, moment_b):  # type: ig
             matrix[i, j] += factor * a[i] * b[j]
 
 
-@borrowing
-def friction_direction(p_r, p_t, z, side, stance, data):  # type: ignore[no-untyped-def]
-    """Return the friction on the pinion per unit load, the sliding's parts along e_r and B, and its speed."""
+class Rub(NamedTuple):
+    """Friction on the pinion per unit load, and its derivatives by the slip along it and across it [s/m]."""
+
+    force: Vector
+    ahead: float
+    aside: float
+    on: Vector  # the slip's direction
+    beside: Vector  # across it
+
+
+@inline
+def friction_at(p_r, p_t, z, side, data, work, slopes):  # type: ignore[no-untyped-def]
+    """Return the friction at a point of the line frame."""
+    stance, law = slopes.stance, data.law
     slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t
     slip_b = affine(side.slip, p_r, p_t, z)
-    slip = np.sqrt(slip_r * slip_r + slip_b * slip_b)
-    per_slip = data.friction / max(slip, data.zone)
-    rub = plus(scaled(per_slip * slip_r, stance.radial), scaled(per_slip * slip_b, stance.across))
-    return rub, slip_r, slip_b, slip
+    if law.kind == BRISTLE:
+        w_r, w_b = rolling_slip(p_r, p_t, side, data)
+        along, across = w_r * slip_r + w_b * slip_b, w_r * slip_b - w_b * slip_r
+        patch = patch_of(side, data)
+        f_1, f_2, ahead, aside, d_1, d_2 = rubbing(
+            along, across, patch, data.friction, data.zone, law, work.memory
+        )
+        f_r, f_b = w_r * f_1 - w_b * f_2, w_b * f_1 + w_r * f_2
+        d_r, d_b = w_r * d_1 - w_b * d_2, w_b * d_1 + w_r * d_2
+    else:
+        f_r, f_b, ahead, aside, d_r, d_b = rubbing(
+            slip_r, slip_b, 0, data.friction, data.zone, law, work.memory
+        )
+    return Rub(
+        plus(scaled(f_r, stance.radial), scaled(f_b, stance.across)),
+        ahead,
+        aside,
+        plus(scaled(d_r, stance.radial), scaled(d_b, stance.across)),
+        plus(scaled(-d_b, stance.radial), scaled(d_r, stance.across)),
+    )
 
 
-@borrowing
-def add_station(stiffness, load, p_r, p_t, z, side, data, slopes):  # type: ignore[no-untyped-def]
+@inline
+def add_station(stiffness, load, p_r, p_t, z, side, data, work, slopes):  # type: ignore[no-untyped-def]
     """Add what a load at a point changes by: its own stiffness [N/m], and its friction's."""
     stance = slopes.stance
     arm = arm_of(p_r, p_t, z, stance)
-    rub, slip_r, slip_b, slip = friction_direction(p_r, p_t, z, side, stance, data)
-    whole = plus(stance.normal, rub)
+    rub = friction_at(p_r, p_t, z, side, data, work, slopes)
+    whole = plus(stance.normal, rub.force)
     factor = -stiffness * (slopes.factor_q + data.damping * slopes.factor_v)
     moment = cross(arm, stance.normal)
     add_outer(slopes.stiffness, factor, whole, cross(arm, whole), stance.normal, moment)
-    add_viscous(load, arm, slip_r, slip_b, slip, data, slopes)
+    add_viscous(load, arm, rub, slopes)
 
 
-@borrowing
-def add_viscous(load, arm, slip_r, slip_b, slip, data, slopes):  # type: ignore[no-untyped-def]
-    """Add the friction's change with the rates: across the sliding, in the friction zone also along it."""
-    drag = -slopes.factor_v * data.friction * load / max(slip, data.zone)
-    stance = slopes.stance
+@inline
+def add_viscous(load, arm, rub, slopes):  # type: ignore[no-untyped-def]
+    """Add the friction's change with the rates: along the sliding and across it."""
+    drag = -slopes.factor_v * load
     if drag == 0:
         return
-    if slip > data.zone:
-        aside = plus(scaled(-slip_b / slip, stance.radial), scaled(slip_r / slip, stance.across))
-        moment = cross(arm, aside)
-        add_outer(slopes.stiffness, drag, aside, moment, aside, moment)
-        return
-    for way in (stance.radial, stance.across):
-        moment = cross(arm, way)
-        add_outer(slopes.stiffness, drag, way, moment, way, moment)
+    if rub.ahead != 0:
+        moment = cross(arm, rub.on)
+        add_outer(slopes.stiffness, drag * rub.ahead, rub.on, moment, rub.on, moment)
+    moment = cross(arm, rub.beside)
+    add_outer(slopes.stiffness, drag * rub.aside, rub.beside, moment, rub.beside, moment)
 
 
-@borrowing
-def add_turn_of_loads(sums, side, slopes):  # type: ignore[no-untyped-def]
+@inline
+def add_turn_of_loads(work, side, slopes):  # type: ignore[no-untyped-def]
     """Add what the loads of one side change by as they turn with the flank and as their points move."""
     stance = slopes.stance
-    stiffness, factor, load = slopes.stiffness, slopes.factor_q, sums[LOAD]
-    rub = plus(scaled(sums[DRAG_R], stance.radial), scaled(sums[DRAG_B], stance.across))
+    stiffness, factor, load = slopes.stiffness, slopes.factor_q, work.sums[LOAD]
+    rub = plus(scaled(work.sums[DRAG_R], stance.radial), scaled(work.sums[DRAG_B], stance.across))
     on_pinion = plus(scaled(load, stance.normal), rub)
-    points = plus(scaled(sums[LOAD_R], stance.radial), scaled(sums[LOAD_T], stance.tangential))
-    points = plus(plus(points, scaled(sums[LOAD_Z], stance.axis)), scaled(load, stance.centre))
-    swing = cross(stance.radial, scaled(sums[LOAD_T], stance.normal))
+    points = plus(scaled(work.sums[LOAD_R], stance.radial), scaled(work.sums[LOAD_T], stance.tangential))
+    points = plus(plus(points, scaled(work.sums[LOAD_Z], stance.axis)), scaled(load, stance.centre))
+    swing = cross(stance.radial, scaled(work.sums[LOAD_T], stance.normal))
     n_t = -side.sign * side.n_p
     for j in range(3):
         way = (1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0)
@@ -153,7 +179,7 @@ def add_turn_of_loads(sums, side, slopes):  # type: ignore[no-untyped-def]
             stiffness[3 + i, 3 + j] -= factor * swung[i]
 
 
-@borrowing
+@inline
 def _motion(coordinate, carried, axis, turn):  # type: ignore[no-untyped-def]
     """Motion of the rack against the pinion, and its turn, per coordinate of pinion (1) and rack (6)."""
     if coordinate == 0:
@@ -166,7 +192,7 @@ def _motion(coordinate, carried, axis, turn):  # type: ignore[no-untyped-def]
     return (0.0, 0.0, 0.0), turn.about_b if coordinate == 5 else turn.about_c
 
 
-@borrowing
+@inline
 def _product(matrix, row, motion, turned):  # type: ignore[no-untyped-def]
     """Three rows of a matrix (6, 6), times a motion and a turn."""
     a = matrix[row, 0] * motion[0] + matrix[row, 1] * motion[1] + matrix[row, 2] * motion[2]
@@ -178,7 +204,7 @@ def _product(matrix, row, motion, turned):  # type: ignore[no-untyped-def]
     return a, b, c
 
 
-@borrowing
+@inline
 def pinion_axis(angle, position, data):  # type: ignore[no-untyped-def]
     """Direction of the pinion's axis, and the way to it from the rack's reference point."""
     ecc_e, ecc_y, gx, gy, gz = gear_centre(angle, position, data)
@@ -186,11 +212,11 @@ def pinion_axis(angle, position, data):  # type: ignore[no-untyped-def]
     return axis, (gx - data.cos_delta * ecc_e, gy - ecc_y, gz + data.sin_delta * ecc_e)
 
 
-@nested
-def add_on_coordinates(out, q, turn, position, stiffness, factor_q, data, tangent):  # type: ignore[no-untyped-def]
-    """Add C^T K C to the tangent of the forces on pinion (1) and rack (6), and what C itself changes by under
-    the contact's wrench `out`; `turn` is the rack's."""
-    axis, to_axis = pinion_axis(q[0], position, data)
+@inline
+def add_on_coordinates(out, q, turn, axis, to_axis, stiffness, factor_q, tangent):  # type: ignore[no-untyped-def]
+    """Add C^T K C to the tangent of the forces on pinion (1) and rack (6), and what C itself changes by
+    under the contact's wrench `out`; `turn` is the rack's, `to_axis` the way from its reference point to the
+    pinion's `axis`."""
     carried = cross(axis, to_axis)
     for j in range(7):
         motion, turning = _motion(j, carried, axis, turn)

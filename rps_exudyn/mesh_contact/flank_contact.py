@@ -22,16 +22,13 @@ Friction is Coulomb's with the local sliding velocity, linear in it below the zo
 GeneralContact). Loads act normal to the rack's plane, at points of the pinion's flank.
 """
 
-import numpy as np
-
-from rps_exudyn.base.compiled import apart, borrowing
+from rps_exudyn.base.compiled import inline, kernel
 from rps_exudyn.mesh_contact.contact_tangent import add_turn_of_loads, slopes_of
 from rps_exudyn.mesh_contact.flank_generator import press_area
 from rps_exudyn.mesh_contact.flank_line import (
     DEEPEST,
     LINES,
     LOAD,
-    SUMS,
     add_side,
     band_of,
     band_on_flank,
@@ -46,7 +43,6 @@ from rps_exudyn.mesh_contact.flank_line import (
 from rps_exudyn.mesh_contact.flank_strip import (
     DEPTH,
     PRESSING,
-    STRIP_SHAPE,
     crest_of,
     deepest_crest,
     describe_strip,
@@ -59,7 +55,7 @@ from rps_exudyn.mesh_contact.flank_strip import (
 )
 from rps_exudyn.mesh_contact.plain_line import is_plain, plain_ends, plain_point
 from rps_exudyn.mesh_contact.pressed_point import press
-from rps_exudyn.mesh_contact.strip_limits import BREAKS, LIMITS, bound, ends_of, watch_limits
+from rps_exudyn.mesh_contact.strip_limits import bound, ends_of, watch_limits
 from rps_exudyn.mesh_contact.wrench import WRENCH_SIZE
 
 COARSE, GENERATORS = 28, 32  # for the few strips that are too wide for an expansion
@@ -67,113 +63,149 @@ SHALLOW = 0.9  # a crest less deep than this share of another holds no deeper pl
 FINE = 200  # where all is integrated along generators
 
 
-@apart
-def flank_contact(angle, rate, position, rotation, velocity, spin, data):  # type: ignore[no-untyped-def]
-    """The mesh contact kernel, see `wrench`; `data` from `flank_data.pack`."""
-    unused = np.empty((0, 0))
-    return flank_contact_tangent(angle, rate, position, rotation, velocity, spin, data, unused, 0.0, 0.0)
+@inline
+def begin_contact(work):  # type: ignore[no-untyped-def]
+    """Empty the sums of an evaluation."""
+    for i in range(WRENCH_SIZE):
+        work.wrench[i] = 0.0
+    for i in range(6):
+        for j in range(6):
+            work.stiffness[i, j] = 0.0
 
 
-@apart
-def flank_contact_tangent(  # type: ignore[no-untyped-def]
-    angle, rate, position, rotation, velocity, spin, data, stiffness, factor_q, factor_v
-):
-    """The same; adds the tangent to `stiffness` unless both factors are 0, see `contact_tangent.Slopes`."""
-    out, sums = np.zeros(WRENCH_SIZE), np.empty(SUMS)
-    strip, cuts, breaks = np.empty(STRIP_SHAPE), np.empty((LIMITS, 5)), np.empty(BREAKS)
-    in_closed_form = data.line_stiffness > 0 and is_plain(data)
+@kernel
+def line_contact(angle, rate, position, rotation, velocity, spin, data, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    """Fill the wrench of law "line", see `wrench`, and its stiffness unless both factors are 0, see
+    `contact_tangent.Slopes`; `data` is a record `FLANK`, `work` a `SCRATCH`."""
+    begin_contact(work)
+    plain = is_plain(data)
     for sign in (-1.0, 1.0):
         side = side_of(sign, angle, rate, position, rotation, velocity, spin, data)
         first, last, turn = first_tooth(angle, side, data)
-        begin_side(side, data, sums)
-        slopes = slopes_of(stiffness, factor_q, factor_v, side, angle, position, data)
+        begin_side(side, data, work)
+        slopes = slopes_of(work.stiffness, factor_q, factor_v, side, angle, position, data)
         for tooth in range(first, last + 1):
             line = line_of(tooth, turn, side, data)
-            before = sums[LOAD]
-            depth = 0.0
-            if in_closed_form:
-                depth = _plain_line(line, side, data, sums, slopes)
+            before, depth = work.sums[LOAD], 0.0
+            if plain:
+                depth = _plain_line(line, side, data, work, slopes)
             else:
                 for part in range(bands(data)):
-                    band = band_of(part, data)
-                    depth = max(depth, _integrate(strip, cuts, breaks, band, line, side, data, sums, slopes))
-            if sums[LOAD] > before:
-                sums[LINES] += 1
-                sums[DEEPEST] = max(sums[DEEPEST], depth)
-        add_side(sums, angle, position, side, data, out)
-        if slopes.wanted:
-            add_turn_of_loads(sums, side, slopes)
-    return out
+                    depth = max(depth, _line_in_band(band_of(part, data), line, side, data, work, slopes))
+            _note_line(before, depth, work)
+        end_side(angle, position, side, data, work, slopes)
 
 
-@borrowing
-def _plain_line(line, side, data, sums, slopes):  # type: ignore[no-untyped-def]
+@kernel
+def area_contact(angle, rate, position, rotation, velocity, spin, data, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    """The same for law "area"."""
+    begin_contact(work)
+    for sign in (-1.0, 1.0):
+        side = side_of(sign, angle, rate, position, rotation, velocity, spin, data)
+        first, last, turn = first_tooth(angle, side, data)
+        begin_side(side, data, work)
+        slopes = slopes_of(work.stiffness, factor_q, factor_v, side, angle, position, data)
+        for tooth in range(first, last + 1):
+            line = line_of(tooth, turn, side, data)
+            before, depth = work.sums[LOAD], 0.0
+            for part in range(bands(data)):
+                depth = max(depth, _area_in_band(band_of(part, data), line, side, data, work, slopes))
+            _note_line(before, depth, work)
+        end_side(angle, position, side, data, work, slopes)
+
+
+@inline
+def _note_line(before, depth, work):  # type: ignore[no-untyped-def]
+    """Count a line that bears more than the load before it."""
+    if work.sums[LOAD] > before:
+        work.sums[LINES] += 1
+        work.sums[DEEPEST] = max(work.sums[DEEPEST], depth)
+
+
+@inline
+def end_side(angle, position, side, data, work, slopes):  # type: ignore[no-untyped-def]
+    """Add what one side's loads sum up to."""
+    add_side(work, angle, position, side, data, work.wrench)
+    if slopes.wanted:
+        add_turn_of_loads(work, side, slopes)
+
+
+@inline
+def _plain_line(line, side, data, work, slopes):  # type: ignore[no-untyped-def]
     """Law "line": add the loads on one line of unmodified flanks; the greatest depth."""
     low, high = plain_ends(line, 0.0, side, data)
     if not low < high:
         return 0.0
-    for k in range(data.along.shape[2]):
+    for k in range(data.stations):
         z = low + (high - low) * data.along[0, 0, k]
         length = (high - low) * data.along[0, 1, k] / data.cos_base_helix
         p_r, p_t, q, depth = plain_point(z, line, side, data)
-        _press_line(depth, length, p_r, p_t, q, z, side, data, sums, slopes)
+        _press_line(depth, length, p_r, p_t, q, z, side, data, work, slopes)
     return max(line.d_0 + line.d_1 * low, line.d_0 + line.d_1 * high)
 
 
-@borrowing
-def _integrate(strip, cuts, breaks, band, line, side, data, sums, slopes):  # type: ignore[no-untyped-def]
-    """Add the loads on one line within a band of the flank; the greatest depth."""
-    band = band_on_flank(line, band, data)
-    if data.generators > 0:
-        return press_area(FINE, data.generators, band, line, side, data, sums, slopes)
+@inline
+def _line_in_band(band, line, side, data, work, slopes):  # type: ignore[no-untyped-def]
+    """Law "line": add the loads on one line within a band of the flank; the greatest depth."""
+    strip, cuts, breaks, band = work.strip, work.cuts, work.breaks, band_on_flank(line, band, data)
     low, high = within_band(line, band, data)
     if not low < high:
         return 0.0
     describe_strip(strip, line, band, side, data)
-    if is_wide(strip, low, high) and data.line_stiffness == 0:
-        return press_area(COARSE, GENERATORS, band, line, side, data, sums, slopes)
     low, high, low_ends, high_ends = touching(strip, low, high)
     if not low < high:
         return 0.0
-    by_line = data.line_stiffness > 0
-    half = 0.0 if by_line else greatest_width(strip, low, high)
-    ends = ends_of(strip, low, high, half)
+    ends = ends_of(strip, low, high, 0.0)
     low_ends, high_ends = low_ends and ends.limit_low < 0, high_ends and ends.limit_high < 0
-    watched, count, low_ends, high_ends = watch_limits(strip, ends, half, low_ends, high_ends, cuts, breaks)
+    _, count, _, _ = watch_limits(strip, ends, 0.0, low_ends, high_ends, cuts, breaks)
     if count == 0:  # limits leave nothing, and no breaks
         return 0.0
     for i in range(count - 1):
         z_0, length = breaks[i], breaks[i + 1] - breaks[i]
-        # where the load fades out; law "line": linearly, which the plain rule integrates exactly
-        rule = 0 if by_line else int(low_ends and i == 0) + 2 * int(high_ends and i == count - 2)
-        for k in range(data.along.shape[2]):
+        for k in range(data.stations):  # the load fades out linearly, which the plain rule integrates exactly
+            z = z_0 + length * data.along[0, 0, k]
+            weight = length * data.along[0, 1, k] / data.cos_base_helix
+            xi, depth = crest_of(strip, z)
+            p_r, p_t, q = formed_point(xi, z, line, band, side, data)
+            _press_line(depth, weight, p_r, p_t, q, z, side, data, work, slopes)
+    return deepest_crest(strip, breaks[0], breaks[count - 1])
+
+
+@inline
+def _area_in_band(band, line, side, data, work, slopes):  # type: ignore[no-untyped-def]
+    """Law "area": add the loads on one line within a band of the flank; the greatest depth."""
+    strip, cuts, breaks, band = work.strip, work.cuts, work.breaks, band_on_flank(line, band, data)
+    if data.generators > 0:
+        return press_area(FINE, data.generators, band, line, side, data, work, slopes)
+    low, high = within_band(line, band, data)
+    if not low < high:
+        return 0.0
+    describe_strip(strip, line, band, side, data)
+    if is_wide(strip, low, high):
+        return press_area(COARSE, GENERATORS, band, line, side, data, work, slopes)
+    low, high, low_ends, high_ends = touching(strip, low, high)
+    if not low < high:
+        return 0.0
+    half = greatest_width(strip, low, high)
+    ends = ends_of(strip, low, high, half)
+    low_ends, high_ends = low_ends and ends.limit_low < 0, high_ends and ends.limit_high < 0
+    watched, count, low_ends, high_ends = watch_limits(strip, ends, half, low_ends, high_ends, cuts, breaks)
+    if count == 0:
+        return 0.0
+    for i in range(count - 1):
+        z_0, length = breaks[i], breaks[i + 1] - breaks[i]
+        rule = int(low_ends and i == 0) + 2 * int(high_ends and i == count - 2)  # where the load fades out
+        for k in range(data.stations):
             z = z_0 + length * data.along[rule, 0, k]
             weight = length * data.along[rule, 1, k] / data.cos_base_helix
-            if by_line:
-                _line_station(strip, z, weight, line, band, side, data, sums, slopes)
-            else:
-                _area_station(
-                    strip,
-                    z,
-                    ends,
-                    weight,
-                    data.ease_along[rule],
-                    cuts,
-                    watched,
-                    line,
-                    band,
-                    side,
-                    data,
-                    sums,
-                    slopes,
-                )
-    deepest = deepest_crest(strip, breaks[0], breaks[count - 1])
-    if by_line or deepest < SHALLOW * sums[DEEPEST]:
-        return deepest if by_line else 0.0
+            eased = data.ease_along[rule]
+            _area_station(strip, z, ends, weight, eased, cuts, watched, line, band, side, data, work, slopes)
+    if deepest_crest(strip, breaks[0], breaks[count - 1]) < SHALLOW * work.sums[DEEPEST]:
+        return 0.0
     return _deepest_place(strip, ends, cuts, watched, breaks, count, data)
 
 
-@borrowing
+@inline
 def _deepest_place(strip, ends, cuts, watched, breaks, count, data):  # type: ignore[no-untyped-def]
     """The greatest depth of a strip: where its crest is highest, or at an end, or where a limit cuts it."""
     low, high, deepest = breaks[0], breaks[count - 1], 0.0
@@ -194,7 +226,7 @@ def _deepest_place(strip, ends, cuts, watched, breaks, count, data):  # type: ig
     return deepest
 
 
-@borrowing
+@inline
 def _across_station(strip, z, ends, cuts, watched, data):  # type: ignore[no-untyped-def]
     """Where the leaning station at Z is pressed, the rule across it, and its depth's coefficients in xi."""
     lean = ends.lean + ends.turn * (z - ends.low)
@@ -218,38 +250,30 @@ def _across_station(strip, z, ends, cuts, watched, data):  # type: ignore[no-unt
     return low, high, rule, c_0, c_1, c_2, c_3
 
 
-@borrowing
-def _area_station(strip, z, ends, length, eased, cuts, watched, line, band, side, data, sums, slopes):  # type: ignore[no-untyped-def]
+@inline
+def _area_station(strip, z, ends, length, eased, cuts, watched, line, band, side, data, work, slopes):  # type: ignore[no-untyped-def]
     """Law "area": add the pressure on the leaning station at Z."""
     low, high, rule, c_0, c_1, c_2, c_3 = _across_station(strip, z, ends, cuts, watched, data)
     if not low < high:
         return
     lean = ends.lean + ends.turn * (z - ends.low)
-    scale, before = data.stiffness * length * (high - low), sums[LOAD]
+    scale, before = data.stiffness * length * (high - low), work.sums[LOAD]
     eased *= data.ease_across[rule]
-    for k in range(data.across.shape[2]):  # numbers one by one: a view of a rule costs more than its use
+    for k in range(data.points):  # numbers one by one: a view of a rule costs more than its use
         xi = low + (high - low) * data.across[rule, 0, k]
         place = z + lean * xi
         p_r, p_t, q = formed_point(xi, place, line, band, side, data)
         depth = c_0 + xi * (c_1 + xi * (c_2 * (1 - xi * xi / 12) + xi * c_3))
         area = scale * data.across[rule, 1, k] * q * (1 + ends.turn * xi)
-        press(depth, area, eased, p_r, p_t, place, side, data, sums, slopes)
-    note_line_load((sums[LOAD] - before) / length, line.q_0 + line.q_1 * z, sums)
+        press(depth, area, eased, p_r, p_t, place, side, data, work, slopes)
+    note_line_load((work.sums[LOAD] - before) / length, line.q_0 + line.q_1 * z, work)
 
 
-@borrowing
-def _line_station(strip, z, length, line, band, side, data, sums, slopes):  # type: ignore[no-untyped-def]
-    """Law "line": add the load at the strip's crest."""
-    xi, depth = crest_of(strip, z)
-    p_r, p_t, q = formed_point(xi, z, line, band, side, data)
-    _press_line(depth, length, p_r, p_t, q, z, side, data, sums, slopes)
-
-
-@borrowing
-def _press_line(depth, length, p_r, p_t, q, z, side, data, sums, slopes):  # type: ignore[no-untyped-def]
+@inline
+def _press_line(depth, length, p_r, p_t, q, z, side, data, work, slopes):  # type: ignore[no-untyped-def]
     """Law "line": add the load on a part of the line about a point."""
     if not depth > 0:  # the end of what is pressed is found to a few digits; damping presses nothing apart
         return
-    before = sums[LOAD]
-    press(depth, data.line_stiffness * length, 1.0, p_r, p_t, z, side, data, sums, slopes)
-    note_line_load((sums[LOAD] - before) / length, q, sums)
+    before = work.sums[LOAD]
+    press(depth, data.line_stiffness * length, 1.0, p_r, p_t, z, side, data, work, slopes)
+    note_line_load((work.sums[LOAD] - before) / length, q, work)

@@ -1,15 +1,15 @@
-"""What the flank contact kernels know of a gear, and the rules by which they integrate."""
+"""Constants of a gear for the flank contact, and the rules by which it is integrated."""
 
 from dataclasses import replace
 from functools import lru_cache
 from math import gamma
-from typing import NamedTuple
 
 import numpy as np
 
+from rps_exudyn.base.compiled import record, record_type
 from rps_exudyn.base.quadrature import gauss_jacobi
-from rps_exudyn.forces.friction import Law, law_of
-from rps_exudyn.forces.memory import Memory
+from rps_exudyn.forces.friction import LAW, law_of
+from rps_exudyn.forces.memory import Patches
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
@@ -19,54 +19,60 @@ from rps_exudyn.parameters.gear import SteeringGear
 ALONG, ACROSS = 4, 2  # Gauss points: stations in each segment of a line, nodes across the strip
 
 
-class FlankData(NamedTuple):
-    """One gear for the flank contact kernels; SI units."""
+MOST_POINTS = 12  # of a rule, as `fidelity.strip_stations` and `strip_points` allow
 
-    # pinion
-    teeth: int
-    base_radius: float
-    twist: float
-    cos_base_helix: float
-    theta: float  # Theta of tooth 0, side +1
-    theta_coast_to_drive: float  # Theta(side -1) - Theta(side +1)
-    q_form: float  # tangent lengths between which the involute is a flank
-    q_tip: float
-    half_face: float
-    eccentric_e: float  # gear centre in the turning pinion frame
-    eccentric_y: float
-    # surplus of the flank along the transverse tangent, see gears.flank_form
-    slope: float  # per tangent length from q_form on
-    relief_start: float  # tangent length where the tip relief begins
-    relief: float  # taken off per squared tangent length from there on
-    crowning: float  # taken off per squared axial length
-    pitch_error: float  # turn of tooth 0
-    # how the pinion stands
-    cos_delta: float
-    sin_delta: float
-    axis_offset: float
-    # rack, in its own frame (origin on the bar's axis)
-    rack_reference: np.ndarray  # that origin in the housing at displacement 0, shape (3,)
-    normal_x: float  # |components| of the flank's normal: side normal_x, -normal_y, -side normal_z
-    normal_y: float
-    normal_z: float
-    flank_offset: float  # distance of flank 0 from the origin along its normal
-    normal_base_pitch: float
-    gain: float  # rack's travel per radian of the pinion
-    tip_depth: float  # the teeth's tips stand at y = -tip_depth
-    bar_radius: float
-    # contact law
-    stiffness: float
-    damping: float
-    friction: float
-    zone: float
-    law: Law
-    line_stiffness: float  # > 0: this law instead of the pressure
-    # integration
-    along: np.ndarray  # rules (4, 2, n) along a segment of a line
-    across: np.ndarray  # and across a strip
-    ease_along: np.ndarray  # for each rule, the stiffness's weights over the load's, (4,)
-    ease_across: np.ndarray
-    generators: int  # > 0: over n generators instead of strips
+FLANK = record_type(
+    [
+        # pinion
+        ("teeth", "i8"),
+        ("base_radius", "f8"),
+        ("twist", "f8"),
+        ("cos_base_helix", "f8"),
+        ("theta", "f8"),  # Theta of tooth 0, side +1
+        ("theta_coast_to_drive", "f8"),  # Theta(side -1) - Theta(side +1)
+        ("q_form", "f8"),  # tangent lengths between which the involute is a flank
+        ("q_tip", "f8"),
+        ("half_face", "f8"),
+        ("eccentric_e", "f8"),  # gear centre in the turning pinion frame
+        ("eccentric_y", "f8"),
+        # surplus of the flank along the transverse tangent, see gears.flank_form
+        ("slope", "f8"),  # per tangent length from q_form on
+        ("relief_start", "f8"),  # tangent length where the tip relief begins
+        ("relief", "f8"),  # taken off per squared tangent length from there on
+        ("crowning", "f8"),  # taken off per squared axial length
+        ("pitch_error", "f8"),  # turn of tooth 0
+        # how the pinion stands
+        ("cos_delta", "f8"),
+        ("sin_delta", "f8"),
+        ("axis_offset", "f8"),
+        # rack, in its own frame (origin on the bar's axis)
+        ("rack_reference", "f8", (3,)),  # that origin in the housing at displacement 0
+        ("normal_x", "f8"),  # |components| of the flank's normal: side normal_x, -normal_y, -side normal_z
+        ("normal_y", "f8"),
+        ("normal_z", "f8"),
+        ("flank_offset", "f8"),  # distance of flank 0 from the origin along its normal
+        ("normal_base_pitch", "f8"),
+        ("gain", "f8"),  # rack's travel per radian of the pinion
+        ("tip_depth", "f8"),  # the teeth's tips stand at y = -tip_depth
+        ("bar_radius", "f8"),
+        # contact law
+        ("stiffness", "f8"),
+        ("damping", "f8"),
+        ("friction", "f8"),
+        ("zone", "f8"),
+        ("law", LAW),
+        ("line_stiffness", "f8"),  # > 0: this law instead of the pressure
+        # integration
+        ("stations", "i8"),  # along a segment of a line
+        ("points", "i8"),  # across a strip
+        ("along", "f8", (4, 2, MOST_POINTS)),  # rules along a segment of a line
+        ("across", "f8", (4, 2, MOST_POINTS)),  # and across a strip
+        ("ease_along", "f8", (4,)),  # for each rule, the stiffness's weights over the load's
+        ("ease_across", "f8", (4,)),
+        ("generators", "i8"),  # > 0: over n generators instead of strips
+    ]
+)
+"""Record of one gear for the laws of flank contact; SI units."""
 
 
 def pack(
@@ -76,16 +82,16 @@ def pack(
     along: int = ALONG,
     across: int = ACROSS,
     generators: int = 0,
-    memory: Memory | None = None,
-) -> FlankData:
-    """Return the data for the flank contact kernels; the gear's `mesh.law` chooses the contact law.
+    patches: Patches | None = None,
+) -> np.record:
+    """Return the record `FLANK`; the gear's `mesh.law` chooses the contact law.
 
     Args:
         zone: sliding speed below which friction falls linearly to zero [m/s]; default `sliding_zone`.
         along: Gauss points along each segment of a contact line, or along each generator.
         across: Gauss points across the contact strip.
         generators: number of generators to integrate over; 0 integrates over strips.
-        memory: where bristles keep their deflection.
+        patches: of the gear's bristles.
 
     Raises:
         ValueError: no involute is left between form and tip circle.
@@ -95,7 +101,8 @@ def pack(
     coast, drive = Flank(pair, 0, +1, unturned), Flank(pair, 0, -1, unturned)
     (q_form, q_tip), half_face = _tangent_lengths(coast), pair.face_width / 2
     normal = pair.rack_flank_normal(+1)
-    return FlankData(
+    return record(
+        FLANK,
         teeth=pair.teeth,
         base_radius=pair.base_radius,
         twist=coast.twist,
@@ -129,14 +136,21 @@ def pack(
         friction=mesh.friction,
         zone=sliding_zone(gear) if zone is None else zone,
         # half the preload on each side of the teeth
-        law=law_of(mesh, memory or Memory(), patches=2, usual_load=gear.yoke.preload / abs(2 * normal[1])),
+        law=law_of(mesh, patches or Patches(), count=2, usual_load=gear.yoke.preload / abs(2 * normal[1])),
         line_stiffness=line_stiffness(gear) if mesh.law == "line" else 0.0,
-        along=jacobi_rules(along, 1.5),
-        across=jacobi_rules(across, 1.0),
+        stations=along,
+        points=across,
+        along=_padded(jacobi_rules(along, 1.5)),
+        across=_padded(jacobi_rules(across, 1.0)),
         ease_along=eased(along, 1.5, 0.5),
         ease_across=eased(across, 1.0, 0.0),
         generators=generators,
     )
+
+
+def _padded(rules: np.ndarray) -> np.ndarray:
+    """Rules (4, 2, n) with room for `MOST_POINTS`."""
+    return np.pad(rules, ((0, 0), (0, 0), (0, MOST_POINTS - rules.shape[2])))
 
 
 def _tangent_lengths(flank: Flank) -> tuple[float, float]:

@@ -7,15 +7,15 @@ interval with exact ends; that holds for strips of any width.
 
 import numpy as np
 
-from rps_exudyn.base.compiled import apart, borrowing, nested
+from rps_exudyn.base.compiled import inline, kernel
 from rps_exudyn.mesh_contact.flank_line import surplus
 from rps_exudyn.mesh_contact.pressed_point import press
 
 REACH = 0.35  # contact is sought within this angle of a line's crest [rad]
 
 
-@apart
-def press_area(coarse, generators, band, line, side, data, sums, slopes):  # type: ignore[no-untyped-def]
+@kernel
+def press_area(coarse, generators, band, line, side, data, work, slopes):  # type: ignore[no-untyped-def]
     """Add the loads of one line's area within a band of the flank: midpoint rule across the generators.
 
     Corners of the area make kinks, so that the error falls with the square of the number of generators.
@@ -33,12 +33,12 @@ def press_area(coarse, generators, band, line, side, data, sums, slopes):  # typ
     low, high = _last(low, -step, band, line, side, data), _last(high, step, band, line, side, data)
     width, deepest = (high - low) / generators, 0.0
     for i in range(generators):
-        depth = _press_generator(low + (i + 0.5) * width, width, band, line, side, data, sums, slopes)
+        depth = _press_generator(low + (i + 0.5) * width, width, band, line, side, data, work, slopes)
         deepest = max(deepest, depth)
     return deepest
 
 
-@nested
+@inline
 def _last(xi, step, band, line, side, data):  # type: ignore[no-untyped-def]
     """The last generator in contact between xi and xi + step, by bisection."""
     for _ in range(24):
@@ -49,7 +49,7 @@ def _last(xi, step, band, line, side, data):  # type: ignore[no-untyped-def]
     return xi
 
 
-@borrowing
+@inline
 def _on_generator(xi, line, side, data):  # type: ignore[no-untyped-def]
     """(P_r, P_t, q) at Z = 0 and their slopes, of the perfect flank."""
     s, rb = side.sign, data.base_radius
@@ -59,7 +59,7 @@ def _on_generator(xi, line, side, data):  # type: ignore[no-untyped-def]
     return rb * cos - s * q * sin, rb * sin + s * q * cos, q, -s * dq * sin, s * dq * cos, dq
 
 
-@borrowing
+@inline
 def _depth(xi, band, line, side, data):  # type: ignore[no-untyped-def]
     """Coefficients of 1, Z, Z^2."""
     s, rb, n_p = side.sign, data.base_radius, side.n_p
@@ -74,7 +74,7 @@ def _depth(xi, band, line, side, data):  # type: ignore[no-untyped-def]
     return at_middle, slope, -n_p * cos * (data.crowning + band.relief * dq * dq)
 
 
-@borrowing
+@inline
 def clip(low, high, c_0, c_1, c_2):  # type: ignore[no-untyped-def]
     """The part of an interval where c_0 + c_1 Z + c_2 Z^2 > 0, c_2 <= 0."""
     square = c_1 * c_1 - 4 * c_2 * c_0
@@ -90,14 +90,14 @@ def clip(low, high, c_0, c_1, c_2):  # type: ignore[no-untyped-def]
     return low, high
 
 
-@borrowing
+@inline
 def _on_axis(coefficients, p_r, p_t, d_r, d_t):  # type: ignore[no-untyped-def]
     """One of the rack's coordinates on a generator, at Z = 0, and its slope."""
     c, c_r, c_t, c_z = coefficients
     return c + c_r * p_r + c_t * p_t, c_r * d_r + c_t * d_t + c_z
 
 
-@borrowing
+@inline
 def interval(xi, band, line, side, data):  # type: ignore[no-untyped-def]
     """The Z between which a generator is in contact."""
     p_r, p_t, q, d_r, d_t, dq = _on_generator(xi, line, side, data)
@@ -130,7 +130,7 @@ def interval(xi, band, line, side, data):  # type: ignore[no-untyped-def]
     return low, high
 
 
-@borrowing
+@inline
 def _approach(p_r, p_t, z, side):  # type: ignore[no-untyped-def]
     """Rate of the depth at a point."""
     w_r, w_t, w_z = side.spin
@@ -139,8 +139,8 @@ def _approach(p_r, p_t, z, side):  # type: ignore[no-untyped-def]
     return -side.sign * side.n_p * v_t + side.n_z * v_z
 
 
-@borrowing
-def _press_generator(xi, width, band, line, side, data, sums, slopes):  # type: ignore[no-untyped-def]
+@inline
+def _press_generator(xi, width, band, line, side, data, work, slopes):  # type: ignore[no-untyped-def]
     """Add the loads on a generator that stands for a strip of the given width [rad]; the greatest depth."""
     low, high = interval(xi, band, line, side, data)
     if not low < high:
@@ -148,13 +148,13 @@ def _press_generator(xi, width, band, line, side, data, sums, slopes):  # type: 
     p_r, p_t, q, d_r, d_t, dq = _on_generator(xi, line, side, data)
     c_0, c_1, c_2 = _depth(xi, band, line, side, data)
     cos, sin = np.cos(xi), np.sin(xi)
-    for k in range(data.along.shape[2]):
+    for k in range(data.stations):
         z = low + (high - low) * data.along[0, 0, k]
         depth = c_0 + z * (c_1 + z * c_2)
         area = (q + z * dq) * width * (high - low) * data.along[0, 1, k] / data.cos_base_helix
         along = side.sign * surplus(q + z * dq, z * z, band, data)
         at_r, at_t = p_r + z * d_r - along * sin, p_t + z * d_t + along * cos
-        press(depth, data.stiffness * area, 1.0, at_r, at_t, z, side, data, sums, slopes)
+        press(depth, data.stiffness * area, 1.0, at_r, at_t, z, side, data, work, slopes)
     deepest = max(c_0 + low * (c_1 + low * c_2), c_0 + high * (c_1 + high * c_2))
     crest = -c_1 / (2 * c_2) if c_2 < 0 else low
     return max(deepest, c_0 + crest * (c_1 + crest * c_2)) if low < crest < high else deepest

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import borrowing
+from rps_exudyn.base.compiled import inline
 from rps_exudyn.forces.friction import BRISTLE, PATCH, bristle, by_load, clear, coulomb, stored, stribeck
 from rps_exudyn.forces.rigid_motion import Vector
 from rps_exudyn.mesh_contact import wrench
@@ -78,25 +78,25 @@ SUMS = 16
 LEAST_ROLL = 1e-6  # tangent length where pressures are taken at least [m]
 
 
-@borrowing
+@inline
 def affine(coefficients, p_r, p_t, z):  # type: ignore[no-untyped-def]
     """The value at a point of the line frame."""
     return coefficients[0] + coefficients[1] * p_r + coefficients[2] * p_t + coefficients[3] * z
 
 
-@borrowing
+@inline
 def _to_pinion(x, z, data):  # type: ignore[no-untyped-def]
     """Components along e and k of the pinion frame from those along X and Z of the housing."""
     return data.cos_delta * x - data.sin_delta * z, data.sin_delta * x + data.cos_delta * z
 
 
-@borrowing
+@inline
 def _to_line(e, y, sin, cos):  # type: ignore[no-untyped-def]
     """Components along e_r and e_t from those along e and Y."""
     return cos * e + sin * y, cos * y - sin * e
 
 
-@borrowing
+@inline
 def gear_centre(angle, position, data):  # type: ignore[no-untyped-def]
     """The gear's centre from its axis of rotation (e, Y), and from the rack's reference point (X, Y, Z)."""
     ca, sa = np.cos(angle), np.sin(angle)
@@ -108,7 +108,7 @@ def gear_centre(angle, position, data):  # type: ignore[no-untyped-def]
     return ecc_e, ecc_y, gx, gy, gz
 
 
-@borrowing
+@inline
 def side_of(sign, angle, rate, position, rotation, velocity, spin, data):  # type: ignore[no-untyped-def]
     """The line frame of side `sign` at this pose and motion."""
     ecc_e, ecc_y, gx, gy, gz = gear_centre(angle, position, data)
@@ -147,7 +147,7 @@ def side_of(sign, angle, rate, position, rotation, velocity, spin, data):  # typ
     )
 
 
-@borrowing
+@inline
 def _rack_axis(i, rotation, gx, gy, gz, sin, cos, data):  # type: ignore[no-untyped-def]
     """The rack's own coordinate i of a point, as coefficients."""
     x, y, z = rotation[0, i], rotation[1, i], rotation[2, i]
@@ -156,7 +156,7 @@ def _rack_axis(i, rotation, gx, gy, gz, sin, cos, data):  # type: ignore[no-unty
     return x * gx + y * gy + z * gz, r, t, k
 
 
-@borrowing
+@inline
 def first_tooth(angle, side, data):  # type: ignore[no-untyped-def]
     """Number of the first tooth whose line lies on the flank, and q*(0) there and per tooth further on."""
     theta = data.theta + angle
@@ -175,7 +175,7 @@ def first_tooth(angle, side, data):  # type: ignore[no-untyped-def]
     return int(tooth), int(last), turn
 
 
-@borrowing
+@inline
 def line_of(tooth, turn, side, data):  # type: ignore[no-untyped-def]
     """The line of one tooth against the flank of the rack that is nearest to it."""
     s, rb, p = side.sign, data.base_radius, data.normal_base_pitch
@@ -188,13 +188,13 @@ def line_of(tooth, turn, side, data):  # type: ignore[no-untyped-def]
     return Line(q_0, q_1, d_0 + s * rack_tooth * p, side.n_p * q_1 - side.n_z, rack_tooth)
 
 
-@borrowing
+@inline
 def bands(data):  # type: ignore[no-untyped-def]
     """How many bands the flank has: one, or with tip relief two."""
     return 2 if data.relief > 0 else 1
 
 
-@borrowing
+@inline
 def band_of(part, data):  # type: ignore[no-untyped-def]
     """The band of the flank below the tip relief, 0, or that with it, 1."""
     if part == 0:
@@ -202,14 +202,14 @@ def band_of(part, data):  # type: ignore[no-untyped-def]
     return Band(data.relief_start, data.q_tip, data.relief, data.relief_start)
 
 
-@borrowing
+@inline
 def surplus(q, z_squared, band, data):  # type: ignore[no-untyped-def]
     """Surplus of the flank along the transverse tangent, at the tangent length q and the square of Z [m]."""
     relieved = max(q - band.relief_from, 0.0)
     return data.slope * (q - data.q_form) - band.relief * relieved * relieved - data.crowning * z_squared
 
 
-@borrowing
+@inline
 def band_on_flank(line, band, data):  # type: ignore[no-untyped-def]
     """The band with its ends where the modified flank meets form and tip circle.
 
@@ -227,7 +227,7 @@ def band_on_flank(line, band, data):  # type: ignore[no-untyped-def]
     return Band(low, high, band.relief, band.relief_from)
 
 
-@borrowing
+@inline
 def _crossing_place(q, line, data):  # type: ignore[no-untyped-def]
     """Square of the Z where a line has the tangent length q, within the face."""
     z, b = (q - line.q_0) / line.q_1, data.half_face
@@ -235,7 +235,7 @@ def _crossing_place(q, line, data):  # type: ignore[no-untyped-def]
 
 
 # --- loads -----------------------------------------------------------------------------------------
-@borrowing
+@inline
 def point(xi, z, line, side, data):  # type: ignore[no-untyped-def]
     """P_r, P_t and the tangent length q."""
     s, rb = side.sign, data.base_radius
@@ -245,7 +245,7 @@ def point(xi, z, line, side, data):  # type: ignore[no-untyped-def]
     return rb * cos - along * sin, rb * sin + along * cos, s * along
 
 
-@borrowing
+@inline
 def formed_point(xi, z, line, band, side, data):  # type: ignore[no-untyped-def]
     """P_r, P_t on the modified flank and the tangent length q of the perfect one."""
     p_r, p_t, q = point(xi, z, line, side, data)
@@ -253,8 +253,8 @@ def formed_point(xi, z, line, band, side, data):  # type: ignore[no-untyped-def]
     return p_r - along * xi, p_t + along, q
 
 
-@borrowing
-def add_load(load, p_r, p_t, z, side, data, sums):  # type: ignore[no-untyped-def]
+@inline
+def add_load(load, p_r, p_t, z, side, data, work):  # type: ignore[no-untyped-def]
     """Add a normal load at a point, with its friction."""
     slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t
     slip_b = affine(side.slip, p_r, p_t, z)
@@ -262,25 +262,26 @@ def add_load(load, p_r, p_t, z, side, data, sums):  # type: ignore[no-untyped-de
     if data.law.kind == BRISTLE:
         w_r, w_b = rolling_slip(p_r, p_t, side, data)
         along, across = w_r * slip_r + w_b * slip_b, w_r * slip_b - w_b * slip_r
-        f_1, f_2, lost = bristle(load, along, across, patch_of(side, data), data.friction, data.law)
+        patch = patch_of(side, data)
+        f_1, f_2, lost = bristle(load, along, across, patch, data.friction, data.law, work.memory)
         f_r, f_b = w_r * f_1 - w_b * f_2, w_b * f_1 + w_r * f_2
     else:
         drag = coulomb(load, data.friction, slip, data.zone) * stribeck(slip, data.law)
         f_r, f_b, lost = drag * slip_r, drag * slip_b, drag * slip * slip
-    sums[LOAD] += load
-    sums[LOAD_R] += load * p_r
-    sums[LOAD_T] += load * p_t
-    sums[LOAD_Z] += load * z
-    sums[DRAG_R] += f_r
-    sums[DRAG_R_T] += f_r * p_t
-    sums[DRAG_R_Z] += f_r * z
-    sums[DRAG_B] += f_b
-    sums[DRAG_B_R] += f_b * p_r
-    sums[DRAG_B_N] += f_b * (side.n_z * z - side.sign * side.n_p * p_t)
-    sums[FRICTION_LOSS] += lost
+    work.sums[LOAD] += load
+    work.sums[LOAD_R] += load * p_r
+    work.sums[LOAD_T] += load * p_t
+    work.sums[LOAD_Z] += load * z
+    work.sums[DRAG_R] += f_r
+    work.sums[DRAG_R_T] += f_r * p_t
+    work.sums[DRAG_R_Z] += f_r * z
+    work.sums[DRAG_B] += f_b
+    work.sums[DRAG_B_R] += f_b * p_r
+    work.sums[DRAG_B_N] += f_b * (side.n_z * z - side.sign * side.n_p * p_t)
+    work.sums[FRICTION_LOSS] += lost
 
 
-@borrowing
+@inline
 def rolling_slip(p_r, p_t, side, data):  # type: ignore[no-untyped-def]
     """Direction of the slip at a point while pinion and rack run steadily, components along e_r and B.
 
@@ -294,51 +295,52 @@ def rolling_slip(p_r, p_t, side, data):  # type: ignore[no-untyped-def]
     return (r / size, b / size) if size > 0 else (1.0, 0.0)
 
 
-@borrowing
+@inline
 def patch_of(side, data):  # type: ignore[no-untyped-def]
     """Place of one side's bristles in the memory."""
     return data.law.place + (PATCH if side.sign > 0 else 0)
 
 
-@borrowing
-def begin_side(side, data, sums):  # type: ignore[no-untyped-def]
+@inline
+def begin_side(side, data, work):  # type: ignore[no-untyped-def]
     """Begin to add up one side's loads."""
-    sums[:] = 0.0
+    for i in range(SUMS):
+        work.sums[i] = 0.0
     if data.law.kind == BRISTLE:
-        clear(patch_of(side, data), data.law)
+        clear(patch_of(side, data), work.memory)
 
 
-@borrowing
-def _end_friction(side, data, sums):  # type: ignore[no-untyped-def]
+@inline
+def _end_friction(side, data, work):  # type: ignore[no-untyped-def]
     """Give the friction the size that belongs to the side's whole load, and add what its bristles store."""
-    law, factor = data.law, by_load(sums[LOAD], data.law)
+    law, factor = data.law, by_load(work.sums[LOAD], data.law)
     if factor != 1.0:
         for i in range(DRAG_R, DRAG_B_N + 1):
-            sums[i] *= factor
-        sums[FRICTION_LOSS] *= factor
+            work.sums[i] *= factor
+        work.sums[FRICTION_LOSS] *= factor
     if law.kind == BRISTLE:
-        sums[ENERGY] += stored(patch_of(side, data), factor * data.friction, law)
+        work.sums[ENERGY] += stored(patch_of(side, data), factor * data.friction, law, work.memory)
 
 
-@borrowing
-def note_line_load(load_per_length, q, sums):  # type: ignore[no-untyped-def]
+@inline
+def note_line_load(load_per_length, q, work):  # type: ignore[no-untyped-def]
     """Keep the largest load per length over tangent length [N/m^2]: Hertz's pressure is its root."""
-    sums[PER_ROLL] = max(sums[PER_ROLL], load_per_length / max(q, LEAST_ROLL))
+    work.sums[PER_ROLL] = max(work.sums[PER_ROLL], load_per_length / max(q, LEAST_ROLL))
 
 
-@borrowing
-def add_side(sums, angle, position, side, data, out):  # type: ignore[no-untyped-def]
+@inline
+def add_side(work, angle, position, side, data, out):  # type: ignore[no-untyped-def]
     """Add one side's loads to `out` (`wrench` layout): line frame -> housing frame."""
-    _end_friction(side, data, sums)
+    _end_friction(side, data, work)
     cd, sd, cos, sin = data.cos_delta, data.sin_delta, side.cos, side.sin
     ecc_e, ecc_y, gx, gy, gz = gear_centre(angle, position, data)
     n_t, n_z = -side.sign * side.n_p, side.n_z  # N, and B = (0, n_z, -n_t)
-    load, drag = sums[LOAD], sums[DRAG_B]
+    load, drag = work.sums[LOAD], work.sums[DRAG_B]
     # on the pinion, line frame, about the gear's centre; on the rack the opposite
-    f_r, f_t, f_z = sums[DRAG_R], n_t * load + n_z * drag, n_z * load - n_t * drag
-    m_r = n_z * sums[LOAD_T] - n_t * sums[LOAD_Z] - sums[DRAG_B_N]
-    m_t = -n_z * sums[LOAD_R] + n_t * sums[DRAG_B_R] + sums[DRAG_R_Z]
-    m_z = n_t * sums[LOAD_R] + n_z * sums[DRAG_B_R] - sums[DRAG_R_T]
+    f_r, f_t, f_z = work.sums[DRAG_R], n_t * load + n_z * drag, n_z * load - n_t * drag
+    m_r = n_z * work.sums[LOAD_T] - n_t * work.sums[LOAD_Z] - work.sums[DRAG_B_N]
+    m_t = -n_z * work.sums[LOAD_R] + n_t * work.sums[DRAG_B_R] + work.sums[DRAG_R_Z]
+    m_z = n_t * work.sums[LOAD_R] + n_z * work.sums[DRAG_B_R] - work.sums[DRAG_R_T]
     f_e, f_y = cos * f_r - sin * f_t, sin * f_r + cos * f_t
     m_e, m_y = cos * m_r - sin * m_t, sin * m_r + cos * m_t
     out[wrench.TORQUE] += m_z + ecc_e * f_y - ecc_y * f_e
@@ -351,11 +353,11 @@ def add_side(sums, angle, position, side, data, out):  # type: ignore[no-untyped
     out[wrench.MOMENT.start + 1] -= my + gz * fx - gx * fz
     out[wrench.MOMENT.start + 2] -= mz + gx * fy - gy * fx
     out[wrench.NORMAL_DRIVE if side.sign < 0 else wrench.NORMAL_COAST] += load
-    out[wrench.ELASTIC_ENERGY] += sums[ENERGY]
-    out[wrench.FRICTION_POWER] += sums[FRICTION_LOSS]
-    out[wrench.DAMPING_POWER] += sums[DAMPING_LOSS]
-    out[wrench.PENETRATION] = max(out[wrench.PENETRATION], sums[DEEPEST])
-    out[wrench.TOUCHING] += sums[LINES]
+    out[wrench.ELASTIC_ENERGY] += work.sums[ENERGY]
+    out[wrench.FRICTION_POWER] += work.sums[FRICTION_LOSS]
+    out[wrench.DAMPING_POWER] += work.sums[DAMPING_LOSS]
+    out[wrench.PENETRATION] = max(out[wrench.PENETRATION], work.sums[DEEPEST])
+    out[wrench.TOUCHING] += work.sums[LINES]
     # Hertz: p^2 = f E* / (pi rho) with rho = q / cos(beta_b)
-    pressure = np.sqrt(sums[PER_ROLL] * EFFECTIVE_MODULUS * data.cos_base_helix / np.pi)
+    pressure = np.sqrt(work.sums[PER_ROLL] * EFFECTIVE_MODULUS * data.cos_base_helix / np.pi)
     out[wrench.PRESSURE] = max(out[wrench.PRESSURE], pressure)

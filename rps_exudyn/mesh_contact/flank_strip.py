@@ -13,7 +13,7 @@ xi, xi Z, xi Z^2, xi^2, xi^2 Z, xi^2 Z^2, xi^3. The limits are positive on the p
 
 import numpy as np
 
-from rps_exudyn.base.compiled import borrowing
+from rps_exudyn.base.compiled import inline
 
 DEPTH = 0
 PRESSING = 1  # depth + damping * its rate
@@ -26,7 +26,7 @@ WIDE = 0.25  # relative size of the cubic term at the edges beyond which the exp
 EDGE_STEPS = 2  # Halley steps from the parabola to the edges of the strip
 
 
-@borrowing
+@inline
 def describe_strip(strip, line, band, side, data):  # type: ignore[no-untyped-def]
     """Fill the polynomials of one line within a band of the flank."""
     s, rb, n_p, n_z = side.sign, data.base_radius, side.n_p, side.n_z
@@ -98,7 +98,7 @@ def describe_strip(strip, line, band, side, data):  # type: ignore[no-untyped-de
     bar[8] = -(y_4 * y_4 + z_4 * z_4) - 2 * (y_1 * y_7 + z_1 * z_7)
 
 
-@borrowing
+@inline
 def _along_strip(coefficients, q_0, q_1, s, rb):  # type: ignore[no-untyped-def]
     """Coefficients of 1, Z, xi, xi Z, xi^2, xi^2 Z in one of the rack's coordinates."""
     c, c_r, c_t, c_z = coefficients
@@ -112,7 +112,7 @@ def _along_strip(coefficients, q_0, q_1, s, rb):  # type: ignore[no-untyped-def]
     )
 
 
-@borrowing
+@inline
 def across(strip, row, z):  # type: ignore[no-untyped-def]
     """Coefficients of 1, xi, xi^2 at Z in one of the polynomials."""
     return (
@@ -122,13 +122,13 @@ def across(strip, row, z):  # type: ignore[no-untyped-def]
     )
 
 
-@borrowing
+@inline
 def at(strip, row, z):  # type: ignore[no-untyped-def]
     """One of the polynomials on the line xi = 0."""
     return strip[row, 0] + z * (strip[row, 1] + z * strip[row, 2])
 
 
-@borrowing
+@inline
 def slanted(strip, row, z, g):  # type: ignore[no-untyped-def]
     """Coefficients of 1, xi, xi^2, xi^3 on the leaning station Z + g xi."""
     c_0, c_1, c_2 = across(strip, row, z)
@@ -142,7 +142,7 @@ def slanted(strip, row, z, g):  # type: ignore[no-untyped-def]
 
 
 # --- along the line --------------------------------------------------------------------------------
-@borrowing
+@inline
 def crest(strip, z):  # type: ignore[no-untyped-def]
     """Greatest pressing at Z.
 
@@ -154,13 +154,13 @@ def crest(strip, z):  # type: ignore[no-untyped-def]
     return c_0 - c_1 * c_1 / (4 * c_2) if c_2 < 0 else c_0
 
 
-@borrowing
+@inline
 def _per_roll(strip):  # type: ignore[no-untyped-def]
     """Half of N_p, by which the depth's curvature across the strip falls with q."""
     return 1.5 * abs(strip[DEPTH, 9]) / abs(strip[LOW_END, 3])
 
 
-@borrowing
+@inline
 def is_wide(strip, from_, to):  # type: ignore[no-untyped-def]
     """Tell whether the strip grows so wide, near the form circle, that the expansions do not hold.
 
@@ -174,7 +174,7 @@ def is_wide(strip, from_, to):  # type: ignore[no-untyped-def]
     return wide
 
 
-@borrowing
+@inline
 def within_band(line, band, data):  # type: ignore[no-untyped-def]
     """The Z of the face where a strip can reach the band."""
     reach = MARGIN * data.base_radius
@@ -184,7 +184,7 @@ def within_band(line, band, data):  # type: ignore[no-untyped-def]
     return max(min(z_0, z_1), -b), min(max(z_0, z_1), b)
 
 
-@borrowing
+@inline
 def touching(strip, from_, to):  # type: ignore[no-untyped-def]
     """Return where between two Z the crest is pressed: (low, high, low ends by itself, high does so).
 
@@ -209,7 +209,7 @@ def touching(strip, from_, to):  # type: ignore[no-untyped-def]
     return centre + low * b, centre + high * b, low > -1.0, high < 1.0
 
 
-@borrowing
+@inline
 def greatest_width(strip, from_, to):  # type: ignore[no-untyped-def]
     """How far the strip reaches from xi = 0 at its ends or in its middle, whichever is farthest, with some
     margin: relief and slope move its crest away from there."""
@@ -221,7 +221,7 @@ def greatest_width(strip, from_, to):  # type: ignore[no-untyped-def]
     return min(1.2 * reach, MARGIN)
 
 
-@borrowing
+@inline
 def width(strip, z):  # type: ignore[no-untyped-def]
     """xi of the crest, square of the half width and its slope along Z; without the term in xi^3."""
     c_0, c_1, c_2 = across(strip, PRESSING, z)
@@ -231,7 +231,7 @@ def width(strip, z):  # type: ignore[no-untyped-def]
 
 
 # --- across the strip ------------------------------------------------------------------------------
-@borrowing
+@inline
 def edges(c_0, c_1, c_2, c_3):  # type: ignore[no-untyped-def]
     """Return where c_0 + c_1 xi + c_2 xi^2 + c_3 xi^3 > 0, about its crest: (low, high), low > high if
     nowhere."""
@@ -244,7 +244,7 @@ def edges(c_0, c_1, c_2, c_3):  # type: ignore[no-untyped-def]
     return _edge(middle - half, middle, cubic, square), _edge(middle + half, middle, cubic, square)
 
 
-@borrowing
+@inline
 def _edge(xi, middle, cubic, square):  # type: ignore[no-untyped-def]
     """A root of (xi - middle)^2 + cubic xi^3 = square from the parabola's.
 
@@ -258,7 +258,7 @@ def _edge(xi, middle, cubic, square):  # type: ignore[no-untyped-def]
     return xi
 
 
-@borrowing
+@inline
 def crest_of(strip, z):  # type: ignore[no-untyped-def]
     """xi of the strip's crest at Z, and the depth there."""
     c_0, c_1, c_2 = across(strip, DEPTH, z)
@@ -266,7 +266,7 @@ def crest_of(strip, z):  # type: ignore[no-untyped-def]
     return xi, c_0 + xi * (c_1 + xi * c_2)
 
 
-@borrowing
+@inline
 def deepest_crest(strip, low, high):  # type: ignore[no-untyped-def]
     """The greatest depth of the crest, which is linear along Z, or with modifications nearly a parabola."""
     deepest = max(crest_of(strip, low)[1], crest_of(strip, high)[1])

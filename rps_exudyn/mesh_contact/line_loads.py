@@ -4,12 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import apart
-from rps_exudyn.forces.rigid_motion import rotation_matrix
+from rps_exudyn.base.compiled import kernel
+from rps_exudyn.forces.rigid_motion import fill_rotation
 from rps_exudyn.mesh_contact.elastic_teeth import compliance_matrix, solve_loads
 from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.mesh_contact.flank_line import side_of
-from rps_exudyn.mesh_contact.teeth_data import TeethData, teeth_data
+from rps_exudyn.mesh_contact.mesh_record import MESH
+from rps_exudyn.mesh_contact.teeth_data import teeth_data
 from rps_exudyn.mesh_contact.teeth_stations import DEPTH, LENGTH, P_Z, ROLL, find_lines
 from rps_exudyn.parameters.gear import SteeringGear
 
@@ -28,20 +29,26 @@ class LineLoads(NamedTuple):
     load: np.ndarray  # per length [N/m]
 
 
-def loads_data(gear: SteeringGear) -> TeethData:
-    """Return the data of `line_loads` for a gear, by its law."""
-    return teeth_data(gear, pack(gear, along=STATIONS, across=1))
+def loads_data(gear: SteeringGear, stations: int = STATIONS) -> np.ndarray:
+    """Return the record of `line_loads` for a gear, by its law and so many stations on a segment of a line,
+    in an array (1,)."""
+    flank = pack(gear, along=stations, across=1)
+    made = np.zeros(1, MESH)
+    made["flank"], made["teeth"] = flank, teeth_data(gear, flank)
+    return made
 
 
-@apart
-def line_loads(angle, position, tilt, data):  # type: ignore[no-untyped-def]
-    """Return `LineLoads` at rest; pinion's turn [rad], rack's reference point (3,) [m], angles (3,) [rad]."""
-    still, flank = np.zeros(3), data.flank
-    rotation = rotation_matrix(tilt)
+@kernel
+def line_loads(angle, position, tilt, records):  # type: ignore[no-untyped-def]
+    """Return `LineLoads` at rest; pinion's turn [rad], rack's reference point (3,) [m], angles (3,) [rad],
+    the record of `loads_data`."""
+    data = records[0]
+    still, flank, rotation = np.zeros(3), data.flank, np.empty((3, 3))
+    fill_rotation(tilt, rotation)
     drive = side_of(-1.0, angle, 0.0, position, rotation, still, still, flank)
     coast = side_of(1.0, angle, 0.0, position, rotation, still, still, flank)
     lines, found = find_lines(angle, drive, coast, data)
-    count = flank.along.shape[2]
+    count = flank.stations
     n = found * count
     side, tooth, rack_tooth = np.empty(n), np.empty(n), np.empty(n)
     face, roll, length, load = np.empty(n), np.empty(n), np.empty(n), np.empty(n)

@@ -5,32 +5,32 @@ the limits of the flank and to the rack's tips are linear in Z, and the bar's su
 that take loads at the crest need no strip.
 """
 
-from rps_exudyn.base.compiled import borrowing
+from rps_exudyn.base.compiled import inline
 from rps_exudyn.mesh_contact.flank_generator import clip
 from rps_exudyn.mesh_contact.flank_line import affine
 
 
-@borrowing
+@inline
 def is_plain(data):  # type: ignore[no-untyped-def]
     """Tell whether the flanks are unmodified."""
     return data.relief == 0 and data.crowning == 0 and data.slope == 0
 
 
-@borrowing
+@inline
 def plain_point(z, line, side, data):  # type: ignore[no-untyped-def]
     """P_r, P_t, the tangent length q and the depth at Z."""
     q = line.q_0 + line.q_1 * z
     return data.base_radius, side.sign * q, q, line.d_0 + line.d_1 * z
 
 
-@borrowing
+@inline
 def on_plain_line(coefficients, line, side, data):  # type: ignore[no-untyped-def]
     """An affine function of the point along the line: at Z = 0, and its slope."""
     at_middle = affine(coefficients, data.base_radius, side.sign * line.q_0, 0.0)
     return at_middle, coefficients[2] * side.sign * line.q_1 + coefficients[3]
 
 
-@borrowing
+@inline
 def plain_ends(line, margin, side, data):  # type: ignore[no-untyped-def]
     """Return between which Z the flanks are pressed, `margin` deeper than they are; low > high if nowhere."""
     pressing, per_z = line.d_0 + margin, line.d_1
@@ -47,7 +47,7 @@ def plain_ends(line, margin, side, data):  # type: ignore[no-untyped-def]
     return clip(low, high, bar, -2 * (y * y_z + z * z_z), -(y_z * y_z + z_z * z_z))
 
 
-@borrowing
+@inline
 def _above(low, high, value, per_z):  # type: ignore[no-untyped-def]
     """The part of an interval where a linear function is positive."""
     zero = -value / per_z

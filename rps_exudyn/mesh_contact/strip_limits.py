@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import borrowing
+from rps_exudyn.base.compiled import inline
 from rps_exudyn.mesh_contact.flank_strip import (
     BAR,
     HIGH_END,
@@ -28,7 +28,7 @@ LEANING = 0.5  # change of the lean between the ends, over the length: at most (
 FAR = 1.0  # a limit that crosses the line farther away is parallel to it [m]
 
 
-@borrowing
+@inline
 def _row_of(limit):  # type: ignore[no-untyped-def]
     """The row in the strip of one of the `LIMITS`."""
     return min(HIGH_END + limit, BAR)
@@ -45,7 +45,7 @@ class Ends(NamedTuple):
     limit_high: int
 
 
-@borrowing
+@inline
 def ends_of(strip, from_, to, half):  # type: ignore[no-untyped-def]
     """The limits that cut the line, as far as stations can lean like them; `half` width of the strip.
 
@@ -75,7 +75,7 @@ def ends_of(strip, from_, to, half):  # type: ignore[no-untyped-def]
     return Ends(low, high, lean_low, (lean_high - lean_low) / (high - low), limit_low, limit_high)
 
 
-@borrowing
+@inline
 def watch_limits(strip, ends, half, low_ends, high_ends, cuts, breaks):  # type: ignore[no-untyped-def]
     """Find between which zeta other limits cut the strip, and where to break the integration along it.
 
@@ -114,7 +114,7 @@ def watch_limits(strip, ends, half, low_ends, high_ends, cuts, breaks):  # type:
     return watched, _sort_breaks(cuts, watched, low, high, breaks), low_ends, high_ends
 
 
-@borrowing
+@inline
 def _reaches(strip, row, ends, half):  # type: ignore[no-untyped-def]
     """Tell whether a limit comes into the strip, as far as its values and slopes at the ends show."""
     at_low, slope_low, _, _ = slanted(strip, row, ends.low, ends.lean)
@@ -123,7 +123,7 @@ def _reaches(strip, row, ends, half):  # type: ignore[no-untyped-def]
     return not min(at_low, at_high) >= half * max(abs(slope_low), abs(slope_high))
 
 
-@borrowing
+@inline
 def _narrow(cut, strip, z_c, nearest, g, bend):  # type: ignore[no-untyped-def]
     """Narrow a cut to where the limit crosses the strip; the cut's middle and half length.
 
@@ -151,7 +151,7 @@ def _narrow(cut, strip, z_c, nearest, g, bend):  # type: ignore[no-untyped-def]
     return middle, reach
 
 
-@borrowing
+@inline
 def _sort_breaks(cuts, watched, low, high, breaks):  # type: ignore[no-untyped-def]
     """Fill `breaks` between the ends with where cuts begin, are over, or meet; how many there are."""
     breaks[0], breaks[1] = low, high
@@ -164,7 +164,7 @@ def _sort_breaks(cuts, watched, low, high, breaks):  # type: ignore[no-untyped-d
     return count
 
 
-@borrowing
+@inline
 def crossing(strip, row, z):  # type: ignore[no-untyped-def]
     """Return, for a limit that is zero on the line at Z, its slope along the line, and g, k of Z + g xi + k
     xi^2."""
@@ -174,7 +174,7 @@ def crossing(strip, row, z):  # type: ignore[no-untyped-def]
     return rise, g, -(per_xi_2 + g * (mixed + g * strip[row, 2])) / rise
 
 
-@borrowing
+@inline
 def _insert(z, breaks, count):  # type: ignore[no-untyped-def]
     """Sort z into `breaks` if it lies between the ends and not too close to another; the new count."""
     near = SHORT * (breaks[count - 1] - breaks[0])
@@ -191,7 +191,7 @@ def _insert(z, breaks, count):  # type: ignore[no-untyped-def]
     return count + 1
 
 
-@borrowing
+@inline
 def _corner(cuts, i, j):  # type: ignore[no-untyped-def]
     """Z where two limits meet within the strip, both taken as straight there; nan if they do not."""
     step_i, step_j = cuts[i, 3] - cuts[i, 2], cuts[j, 3] - cuts[j, 2]
@@ -199,7 +199,7 @@ def _corner(cuts, i, j):  # type: ignore[no-untyped-def]
     return cuts[i, 2] + up * step_i if 0 < up < 1 else np.nan
 
 
-@borrowing
+@inline
 def _root(strip, row, limit):  # type: ignore[no-untyped-def]
     """Z where a limit crosses the line xi = 0."""
     if strip[row, 2] == 0:
@@ -211,7 +211,7 @@ def _root(strip, row, limit):  # type: ignore[no-untyped-def]
     return (-half - root if limit == LIMITS - 1 else -half + root) / strip[row, 2]
 
 
-@borrowing
+@inline
 def bound(strip, row, z, g):  # type: ignore[no-untyped-def]
     """xi where a limit cuts across a station, and its slope there: positive, then the strip remains above.
 

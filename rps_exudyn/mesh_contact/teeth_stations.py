@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import borrowing, inlined
+from rps_exudyn.base.compiled import inline
 from rps_exudyn.mesh_contact import flank_strip
 from rps_exudyn.mesh_contact.flank_line import (
     Band,
@@ -54,12 +54,12 @@ class Lines(NamedTuple):
     on_rack: np.ndarray  # (PLACE_SIZE, stations)
 
 
-@inlined
+@inline
 def find_lines(angle, drive, coast, data):  # type: ignore[no-untyped-def]
     """Return the lines along which flanks may meet, with their stations, and how many there are."""
     flank, n = data.flank, 0
     most, deepest = _overlap(angle, drive, coast, flank)
-    total = most * flank.along.shape[2]
+    total = most * flank.stations
     numbers, columns = np.empty((4, most)), np.empty((STATION_SIZE + 2 * PLACE_SIZE, total))
     lines = Lines(
         numbers[0],
@@ -86,7 +86,7 @@ def find_lines(angle, drive, coast, data):  # type: ignore[no-untyped-def]
     return lines, n
 
 
-@borrowing
+@inline
 def _overlap(angle, drive, coast, flank):  # type: ignore[no-untyped-def]
     """How many lines there may be, none if no flanks overlap, and the deepest overlap."""
     deepest, most = 0.0, 0
@@ -104,7 +104,7 @@ def _overlap(angle, drive, coast, flank):  # type: ignore[no-untyped-def]
     return (most if deepest > 0 else 0), deepest
 
 
-@borrowing
+@inline
 def _describe_line(strip, band, line, side, margin, flank):  # type: ignore[no-untyped-def]
     """Describe a line's strip, `margin` deeper than it is, and return between which Z it lies."""
     low, high = within_band(line, band, flank)
@@ -120,7 +120,7 @@ def _describe_line(strip, band, line, side, margin, flank):  # type: ignore[no-u
     return ends.low, ends.high
 
 
-@borrowing
+@inline
 def _fill_plain_line(lines, n, margin, tooth, line, side, data):  # type: ignore[no-untyped-def]
     """Fill one line of unmodified flanks; 1, or 0 where the flanks are apart."""
     flank = data.flank
@@ -130,15 +130,15 @@ def _fill_plain_line(lines, n, margin, tooth, line, side, data):  # type: ignore
     lines.side[n], lines.tooth[n] = side.sign, tooth % flank.teeth
     lines.rack_tooth[n] = line.rack_tooth
     lines.deepest[n] = line.d_0 + max(line.d_1 * low, line.d_1 * high)
-    for k in range(flank.along.shape[2]):
-        i, z = n * flank.along.shape[2] + k, low + (high - low) * flank.along[0, 0, k]
+    for k in range(flank.stations):
+        i, z = n * flank.stations + k, low + (high - low) * flank.along[0, 0, k]
         lines.stations[LENGTH, i] = (high - low) * flank.along[0, 1, k] / flank.cos_base_helix
         p_r, p_t, q, lines.stations[DEPTH, i] = plain_point(z, line, side, flank)
         _fill_station(lines, i, p_r, p_t, q, z, side, data)
     return 1
 
 
-@borrowing
+@inline
 def _fill_line(lines, n, strip, margin, band, tooth, line, side, data):  # type: ignore[no-untyped-def]
     """Fill one line within a band of modified flanks; 1, or 0 where the flanks are apart."""
     flank = data.flank
@@ -148,8 +148,8 @@ def _fill_line(lines, n, strip, margin, band, tooth, line, side, data):  # type:
     lines.side[n], lines.tooth[n] = side.sign, tooth % flank.teeth
     lines.rack_tooth[n] = line.rack_tooth
     lines.deepest[n] = deepest_crest(strip, low, high) - margin
-    for k in range(flank.along.shape[2]):
-        i, z = n * flank.along.shape[2] + k, low + (high - low) * flank.along[0, 0, k]
+    for k in range(flank.stations):
+        i, z = n * flank.stations + k, low + (high - low) * flank.along[0, 0, k]
         xi, depth = crest_of(strip, z)
         lines.stations[LENGTH, i] = (high - low) * flank.along[0, 1, k] / flank.cos_base_helix
         lines.stations[DEPTH, i] = depth - margin
@@ -158,34 +158,34 @@ def _fill_line(lines, n, strip, margin, band, tooth, line, side, data):  # type:
     return 1
 
 
-@borrowing
+@inline
 def _fill_station(lines, i, p_r, p_t, q, z, side, data):  # type: ignore[no-untyped-def]
     """Fill what follows from a station's point: its motion, and its places on both teeth."""
     flank, stations = data.flank, lines.stations
-    tan = data.sin_alpha / data.cos_alpha
+    tan = data.teeth.sin_alpha / data.teeth.cos_alpha
     stations[RATE, i] = affine(side.part, p_r, p_t, z)
     stations[P_R, i], stations[P_T, i], stations[P_Z, i], stations[ROLL, i] = p_r, p_t, z, q
 
-    x = min(max((q - data.middle) * data.per_half, -1.0), 1.0)
-    cos, cos_y = polynomial(data.form, 0, x), polynomial(data.form, 1, x)
-    cos_tan = polynomial(data.form, 2, x)
+    x = min(max((q - data.teeth.middle) * data.teeth.per_half, -1.0), 1.0)
+    cos, cos_y = polynomial(data.teeth.form, 0, x), polynomial(data.teeth.form, 1, x)
+    cos_tan = polynomial(data.teeth.form, 2, x)
     s = z / flank.cos_base_helix
-    fill_between_ends(lines.on_pinion, i, cos, cos_y, cos_tan, s, data.pinion_end, data.pinion)
+    fill_between_ends(lines.on_pinion, i, cos, cos_y, cos_tan, s, data.teeth.pinion_end, data.teeth.pinion)
 
     y_rack, z_rack = affine(side.y, p_r, p_t, z), affine(side.z, p_r, p_t, z)
-    height = -y_rack - data.reference_depth  # above the rack's reference line, towards the tips
-    half_width = data.rack_half_thickness - height * tan
-    cos_y = data.cos_alpha * (height - half_width * tan + data.rack.root)
-    chord = np.sqrt(max(flank.bar_radius * flank.bar_radius - y_rack * y_rack, 0.0)) / data.cos_rack
-    s = z_rack / data.cos_rack
-    fill_place(lines.on_rack, i, data.cos_alpha, cos_y, data.sin_alpha, s, chord, data.rack)
+    height = -y_rack - data.teeth.reference_depth  # above the rack's reference line, towards the tips
+    half_width = data.teeth.rack_half_thickness - height * tan
+    cos_y = data.teeth.cos_alpha * (height - half_width * tan + data.teeth.rack.root)
+    chord = np.sqrt(max(flank.bar_radius * flank.bar_radius - y_rack * y_rack, 0.0)) / data.teeth.cos_rack
+    s = z_rack / data.teeth.cos_rack
+    fill_place(lines.on_rack, i, data.teeth.cos_alpha, cos_y, data.teeth.sin_alpha, s, chord, data.teeth.rack)
 
     # ln(4 h_P h_R / (a^2 / f)) - nu / (1 - nu) with a^2 / f = 4 rho / (pi E*), rho = q / cos(beta_b)
-    thickness = max(polynomial(data.form, 3, x) * half_width, data.thinnest)
-    stations[TOP, i] = np.log(thickness * data.per_width) - FLATTENED
+    thickness = max(polynomial(data.teeth.form, 3, x) * half_width, data.teeth.thinnest)
+    stations[TOP, i] = np.log(thickness * data.teeth.per_width) - FLATTENED
 
 
-@borrowing
+@inline
 def polynomial(coefficients, row, x):  # type: ignore[no-untyped-def]
     """Return the value of a polynomial, the highest power first."""
     value = coefficients[row, 0]

@@ -7,18 +7,18 @@ stations are pressed does not change; the change of the compliance, which moves 
 
 import numpy as np
 
-from rps_exudyn.base.compiled import borrowing, inlined
+from rps_exudyn.base.compiled import inline
 from rps_exudyn.forces.rigid_motion import cross, plus
-from rps_exudyn.mesh_contact.contact_tangent import add_viscous, arm_of, friction_direction
+from rps_exudyn.mesh_contact.contact_tangent import add_viscous, arm_of, friction_at
 from rps_exudyn.mesh_contact.steel import HERTZ
 from rps_exudyn.mesh_contact.teeth_stations import LENGTH, P_R, P_T, P_Z, TOP
 from rps_exudyn.mesh_contact.unilateral import factorize, local_yield, substitute_all
 
 
-@inlined
-def add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data):  # type: ignore[no-untyped-def]
+@inline
+def add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data, work):  # type: ignore[no-untyped-def]
     """Add the tangent of all stations' loads; `matrix` is their compliance, `force` their loads [N]."""
-    count, flank, m = data.flank.along.shape[2], data.flank, 0
+    count, flank, m = data.flank.stations, data.flank, 0
     chosen = np.empty(force.size, np.int64)
     for i in range(force.size):
         if force[i] > 0:
@@ -33,9 +33,9 @@ def add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data):  # 
         _, slope = local_yield(force[i] / lines.stations[LENGTH, i], lines.stations[TOP, i], HERTZ)
         system[row, row] = matrix[i, i] + slope / lines.stations[LENGTH, i]
         if lines.side[i // count] < 0:
-            _fill_wrenches(lines.stations, i, row, force[i], yields, loads, drive, flank, of_drive)
+            _fill_wrenches(lines.stations, i, row, force[i], yields, loads, drive, flank, work, of_drive)
         else:
-            _fill_wrenches(lines.stations, i, row, force[i], yields, loads, coast, flank, of_coast)
+            _fill_wrenches(lines.stations, i, row, force[i], yields, loads, coast, flank, work, of_coast)
     for row in range(m, full):
         system[row, row] = 1.0
     if not factorize(system, full):
@@ -50,15 +50,15 @@ def add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data):  # 
                 stiffness[i, j] -= value * yields[row, j]
 
 
-@borrowing
-def _fill_wrenches(stations, i, row, load, yields, loads, side, data, slopes):  # type: ignore[no-untyped-def]
+@inline
+def _fill_wrenches(stations, i, row, load, yields, loads, side, data, work, slopes):  # type: ignore[no-untyped-def]
     """Fill a station's wrenches per load, without and with friction; add what its friction alone changes."""
     p_r, p_t, z, stance = stations[P_R, i], stations[P_T, i], stations[P_Z, i], slopes.stance
     arm = arm_of(p_r, p_t, z, stance)
-    rub, slip_r, slip_b, slip = friction_direction(p_r, p_t, z, side, stance, data)
-    whole = plus(stance.normal, rub)
+    rub = friction_at(p_r, p_t, z, side, data, work, slopes)
+    whole = plus(stance.normal, rub.force)
     yields[row, 0], yields[row, 1], yields[row, 2] = stance.normal
     yields[row, 3], yields[row, 4], yields[row, 5] = cross(arm, stance.normal)
     loads[row, 0], loads[row, 1], loads[row, 2] = whole
     loads[row, 3], loads[row, 4], loads[row, 5] = cross(arm, whole)
-    add_viscous(load, arm, slip_r, slip_b, slip, data, slopes)
+    add_viscous(load, arm, rub, slopes)

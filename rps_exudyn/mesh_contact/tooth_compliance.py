@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import borrowing
+from rps_exudyn.base.compiled import inline, record, record_type
 from rps_exudyn.gears.basic_rack import cutter_tip_centre
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.trochoid import root_section
@@ -43,22 +43,25 @@ PINION = Spread(2.239, 0.743, -0.335, 0.469)
 RACK = Spread(1.312, 1.782, 1.430, 1.300)
 
 
-class ToothData(NamedTuple):
-    """A body's teeth for `add_line` and `add_block`; SI units."""
+TOOTH = record_type(
+    [
+        ("scale", "f8"),  # s (1 - nu^2) / (2 E l) [1/(N/m) per m]
+        ("length", "f8"),  # l [m]
+        ("ends", "f8"),
+        ("coupling", "f8"),
+        ("bending", "f8"),  # 18 / (pi s_f^2) [1/m^2]
+        ("shear", "f8"),  # (1 - 2 nu) / ((1 - nu) s_f) [1/m]
+        ("root", "f8"),  # pinion: radius of the root's section; rack: its height below the reference line [m]
+    ]
+)
+"""Record of a body's teeth for `add_line` and `add_block`; SI units."""
 
-    scale: float  # s (1 - nu^2) / (2 E l) [1/(N/m) per m]
-    length: float  # l [m]
-    ends: float
-    coupling: float
-    bending: float  # 18 / (pi s_f^2) [1/m^2]
-    shear: float  # (1 - 2 nu) / ((1 - nu) s_f) [1/m]
-    root: float  # pinion: radius of the root's section; rack: its height below the reference line [m]
 
-
-def tooth_data(spread: Spread, module: float, root: float, root_width: float) -> ToothData:
+def tooth_data(spread: Spread, module: float, root: float, root_width: float) -> np.record:
     """Return the data of a body's teeth from their root's section [m]."""
     nu, length = POISSON_RATIO, spread.length * module
-    return ToothData(
+    return record(
+        TOOTH,
         scale=spread.strength * (1 - nu**2) / YOUNGS_MODULUS / (2 * length),
         length=length,
         ends=spread.ends,
@@ -69,14 +72,14 @@ def tooth_data(spread: Spread, module: float, root: float, root_width: float) ->
     )
 
 
-def pinion_tooth(pair: GearPair) -> ToothData:
+def pinion_tooth(pair: GearPair) -> np.record:
     """Return the pinion's teeth: the root's section is where the fillet leans 30 degrees (ISO 6336-3)."""
     radius, half_width = root_section(pair)
     width = 2 * half_width * np.cos(np.arctan(pair.twist * np.hypot(radius, half_width)))
     return tooth_data(PINION, pair.module, radius, width)
 
 
-def rack_tooth(pair: GearPair) -> ToothData:
+def rack_tooth(pair: GearPair) -> np.record:
     """Return the rack's teeth: the root's section is 60 degrees down the fillet."""
     u, y = cutter_tip_centre(pair)  # the cutter's tooth is the rack's space
     width = 2 * (np.pi * pair.module / 2 - u - pair.fillet_radius * np.cos(np.radians(60)))
@@ -94,13 +97,13 @@ PLACE = 7  # s [m]
 PLACE_SIZE = 8
 
 
-@borrowing
+@inline
 def fill_place(places, i, cos, cos_y, cos_tan, s, half_length, data):  # type: ignore[no-untyped-def]
     """Fill the column of a station at s [m] from the middle of a tooth of some half length [m]."""
     fill_between_ends(places, i, cos, cos_y, cos_tan, s, np.exp(-half_length / data.length), data)
 
 
-@borrowing
+@inline
 def fill_between_ends(places, i, cos, cos_y, cos_tan, s, end, data):  # type: ignore[no-untyped-def]
     """Fill the same from `end`, exp(-half length / l)."""
     places[COS, i], places[COS_Y, i], places[COS_TAN, i] = cos, cos_y, cos_tan
@@ -122,7 +125,7 @@ class Row(NamedTuple):
     end_b: float
 
 
-@borrowing
+@inline
 def row_of(places, i, scale, data):  # type: ignore[no-untyped-def]
     """The row of a station, times a factor."""
     cos, cos_y = places[COS, i], places[COS_Y, i]
@@ -137,25 +140,25 @@ def row_of(places, i, scale, data):  # type: ignore[no-untyped-def]
     )
 
 
-@borrowing
+@inline
 def kappa_of(row, places, j):  # type: ignore[no-untyped-def]
     """kappa_ij of a row and another station, with the row's factor."""
     return row.per_y * places[COS_Y, j] + row.per_cos * places[COS, j] + row.per_tan * places[COS_TAN, j]
 
 
-@borrowing
+@inline
 def direct(row, places, j):  # type: ignore[no-untyped-def]
     """exp(-|s_i - s_j| / l)."""
     return min(row.rise * places[FALL, j], row.fall * places[RISE, j])
 
 
-@borrowing
+@inline
 def by_ends(row, places, j):  # type: ignore[no-untyped-def]
     """What the tooth's ends add to that."""
     return row.end_a * places[END_A, j] + row.end_b * places[END_B, j]
 
 
-@borrowing
+@inline
 def add_block(matrix, places, rows, columns, count, sigma, data):  # type: ignore[no-untyped-def]
     """Add the compliance between `count` stations from `rows` on and as many from `columns` on [m/N].
 
@@ -167,7 +170,7 @@ def add_block(matrix, places, rows, columns, count, sigma, data):  # type: ignor
             matrix[i, j] += kappa_of(row, places, j) * (direct(row, places, j) + by_ends(row, places, j))
 
 
-@borrowing
+@inline
 def add_line(matrix, places, start, nodes, weights, data):  # type: ignore[no-untyped-def]
     """Add the compliance between the stations of one line to the lower triangle [m/N].
 

@@ -12,7 +12,7 @@ stations is found as in the primal-dual active set method, one station at a time
 
 import numpy as np
 
-from rps_exudyn.base.compiled import borrowing, inlined
+from rps_exudyn.base.compiled import inline
 
 THICK = 3.0  # least L - ln f of the logarithm, which asks for flat strips in thick teeth; linear beyond
 ROUNDS = 40  # changes of the set, or of the loads
@@ -23,7 +23,7 @@ LEFT = 1e-6  # error of the loads over the largest
 LEAST = 1e-3  # load per length below which the logarithm stays what it is [N/m]
 
 
-@borrowing
+@inline
 def local_yield(f, top, k):  # type: ignore[no-untyped-def]
     """Return the yield K f (L - ln f) under a load per length [m], and its slope."""
     log = top - np.log(max(f, LEAST))
@@ -33,7 +33,7 @@ def local_yield(f, top, k):  # type: ignore[no-untyped-def]
     return k * f * log, k * (log - 1 if f > LEAST else log)
 
 
-@borrowing
+@inline
 def local_energy(f, top, k):  # type: ignore[no-untyped-def]
     """Return the yield [m], and the energy per length stored [J/m]: load times yield, less its integral."""
     log = top - np.log(max(f, LEAST))
@@ -47,7 +47,7 @@ def local_energy(f, top, k):  # type: ignore[no-untyped-def]
     return value, f * value - k * integral
 
 
-@borrowing
+@inline
 def factorize(matrix, n):  # type: ignore[no-untyped-def]
     """Put Cholesky's factor in place of the lower triangle, its diagonal inverted; tell if that can be done.
 
@@ -79,7 +79,7 @@ def factorize(matrix, n):  # type: ignore[no-untyped-def]
     return True
 
 
-@borrowing
+@inline
 def _substitute(factor, n, x):  # type: ignore[no-untyped-def]
     """Solve with a factor of `factorize` in place of the right side."""
     for j in range(n):
@@ -92,7 +92,7 @@ def _substitute(factor, n, x):  # type: ignore[no-untyped-def]
             x[i] -= factor[j, i] * x[j]
 
 
-@borrowing
+@inline
 def substitute_all(factor, n, rows):  # type: ignore[no-untyped-def]
     """Solve with a factor of `factorize` in place of several right sides, the columns of `rows`."""
     columns = rows.shape[1]
@@ -110,7 +110,7 @@ def substitute_all(factor, n, rows):  # type: ignore[no-untyped-def]
                 rows[i, c] -= factor[j, i] * rows[j, c]
 
 
-@borrowing
+@inline
 def _residual(m, chosen, matrix, delta, length, top, k, force, light, rest, slopes):  # type: ignore[no-untyped-def]
     """Fill what the pressed stations' yield lacks of their depth [m], and the slopes of the Hertzian part,
     of loads per length lighter than `light` those of that one."""
@@ -129,7 +129,7 @@ def _residual(m, chosen, matrix, delta, length, top, k, force, light, rest, slop
         rest[row] -= value + matrix[i, i] * force[i]
 
 
-@borrowing
+@inline
 def _tangent(m, chosen, matrix, length, slopes, system):  # type: ignore[no-untyped-def]
     """Fill the tangent compliance of the pressed stations and unit rows to a multiple of four; how many."""
     full = (m + 3) // 4 * 4
@@ -145,7 +145,7 @@ def _tangent(m, chosen, matrix, length, slopes, system):  # type: ignore[no-unty
     return full
 
 
-@inlined
+@inline
 def press_stations(n, matrix, delta, length, top, k, guess, force):  # type: ignore[no-untyped-def]
     """Fill the forces [N] of n stations; returns whether they were found.
 
@@ -193,7 +193,7 @@ def press_stations(n, matrix, delta, length, top, k, guess, force):  # type: ign
     return False
 
 
-@borrowing
+@inline
 def _revise(n, m, matrix, delta, force, chosen, pressed, one_by_one):  # type: ignore[no-untyped-def]
     """Release the stations that pull, press those that overlap; how many were wrong."""
     changes = 0

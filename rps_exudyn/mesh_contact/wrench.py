@@ -1,20 +1,15 @@
-"""The array that every mesh contact kernel returns.
+"""The wrench of a contact of the teeth, as all its laws fill it.
 
-A contact kernel is called as
-
-    kernel(angle, rate, position, rotation, velocity, spin, data) -> out[WRENCH_SIZE]
-
-with the pinion's rotation `angle` about its axis k and its `rate` [rad, rad/s] (k-sense: minus the
-steering angle), the rack's reference point `position` [m], shape (3,), its `rotation` matrix body ->
-housing, shape (3, 3), `velocity` [m/s] and angular velocity `spin` [rad/s], all in the housing frame of
-`gears.gear_pair`. The rack's reference point is on the bar's axis, above the pitch point at rack
+Pinion and rack are given by the pinion's rotation `angle` about its axis k and its `rate` [rad, rad/s]
+(k-sense: minus the steering angle), the rack's reference point `position` [m], shape (3,), its `rotation`
+matrix body -> housing, shape (3, 3), `velocity` [m/s] and angular velocity `spin` [rad/s], all in the housing
+frame of `gears.gear_pair`. The rack's reference point is on the bar's axis, above the pitch point at rack
 displacement 0. Forces on the pinion are the exact opposite, so that momentum and moment balance.
 """
 
-import numpy as np
-
-from rps_exudyn.base.compiled import nested
-from rps_exudyn.forces.rigid_motion import on_angles, vector
+from rps_exudyn.base.compiled import inline
+from rps_exudyn.forces.force_element import Part
+from rps_exudyn.forces.rigid_motion import on_angles
 
 TORQUE = 0  # moment of the contact on the pinion about k, at its axis of rotation [N m]
 FORCE = slice(1, 4)  # on the rack, housing frame [N]
@@ -29,7 +24,7 @@ TOUCHING = 13  # number of samples or lines in contact
 PRESSURE = 14  # largest Hertzian pressure on a line [Pa]; 0 where the contact knows no lines
 WRENCH_SIZE = 15
 
-# What a mesh contact's force element returns behind the energy terms
+# What a law returns behind the energy terms
 MESH_OUTPUTS = (
     "mesh_normal_force_drive",
     "mesh_normal_force_coast",
@@ -39,18 +34,19 @@ MESH_OUTPUTS = (
 )
 
 
-@nested
-def on_coordinates(wrench, turn):  # type: ignore[no-untyped-def]
-    """A force element's output from a wrench: forces on pinion (1), rack (6), energy terms, `MESH_OUTPUTS`.
+PART = Part("mesh", ("pinion", "rack"), MESH_OUTPUTS)
+
+
+@inline
+def on_coordinates(wrench, turn, out):  # type: ignore[no-untyped-def]
+    """Fill a law's output (15,) from a wrench: forces on pinion (1), rack (6), energy terms, `MESH_OUTPUTS`.
 
     `turn` is the rack's, see `turn_of`.
     """
-    out = np.empty(7 + 3 + 5)
     for i in range(4):
         out[i] = wrench[i]
-    out[4], out[5], out[6] = on_angles(turn, vector(wrench[MOMENT]))
+    out[4], out[5], out[6] = on_angles(turn, (wrench[4], wrench[5], wrench[6]))
     for i in range(3):
         out[7 + i] = wrench[9 + i]
     out[10], out[11] = wrench[7], wrench[8]
     out[12], out[13], out[14] = wrench[12], wrench[13], wrench[14]
-    return out

@@ -9,7 +9,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.inertia import six_moments
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.solvers.balance import SIZE
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 
 if TYPE_CHECKING:
     from collections.abc import Callable

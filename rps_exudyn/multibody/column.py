@@ -83,10 +83,9 @@ def _add_jointed(model: SteeringModel, column: SteeringColumn) -> None:
     add_forces(
         model.mbs,
         [model.nodes[name] for name in ("wheel", "pinion")],
-        jointed_forces,
-        column,
         2,
-        jointed_tangent,
+        lambda q, v: jointed_forces(q, v, column),
+        lambda q, v, factor_q, factor_v: jointed_tangent(q, v, column, factor_q, factor_v),
     )
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rps_exudyn.forces.memory import NO_MEMORY
+from rps_exudyn.forces.memory import TIME
 
 if TYPE_CHECKING:
     import exudyn
@@ -17,31 +17,32 @@ if TYPE_CHECKING:
 def add_forces(
     mbs: "exudyn.MainSystem",
     nodes: Sequence[Any],
-    kernel: Callable[..., Any],
-    data: Any,
     size: int,
-    tangent: Callable[..., Any] | None = None,
+    force_of: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    tangent_of: Callable[[np.ndarray, np.ndarray, float, float], np.ndarray],
     *,
+    memory: np.ndarray | None = None,
     mass: np.ndarray | None = None,
     applied: Callable[[float], np.ndarray] | None = None,
-    memory: np.ndarray = NO_MEMORY,
 ) -> Any:
-    """Add an object with a compiled force law over the coordinates of some nodes.
+    """Add an object with a law of forces, and its Jacobian, over the coordinates of some nodes.
 
     Args:
-        kernel: (q, v, data) -> the forces (size,), and possibly more behind them.
-        data: the law's constants; unpacking many takes long, a `Handle` on them does not.
-        tangent: (q, v, data, factor_q, factor_v) -> factor_q dF/dq + factor_v dF/dv, shape (size, size);
-            without it Exudyn takes differences through Python.
+        mbs: the system.
+        nodes: whose coordinates the law takes, one after the other.
+        size: number of coordinates.
+        force_of: (q, v) -> forces (size,).
+        tangent_of: (q, v, factor_q, factor_v) -> factor_q dF/dq + factor_v dF/dv, shape (size, size).
+        memory: state of the bristle friction, where the time at which a step ends is set.
         mass: of these coordinates besides that of their bodies, shape (size, size); none by default.
         applied: forces (size,) at a time [s] that act besides.
-        memory: of friction that remembers: told the time at which a step ends.
     """
     from exudyn.itemInterface import ObjectGenericODE2, VObjectGenericODE2
 
     def force(mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]) -> np.ndarray:
-        memory[1, :1] = t
-        return kernel(np.asarray(q), np.asarray(v), data)[:size]
+        if memory is not None:
+            memory[1, TIME] = t
+        return force_of(np.asarray(q), np.asarray(v))
 
     def force_with_applied(
         mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]
@@ -49,22 +50,19 @@ def add_forces(
         assert applied is not None
         return np.asarray(force(mbs, t, item, q, v) + applied(t))
 
-    functions: dict[str, Any] = {"forceUserFunction": force if applied is None else force_with_applied}
-    if tangent is not None:
-        derivative = tangent
+    def jacobian(
+        mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float], fq: float, fv: float
+    ) -> np.ndarray:
+        if memory is not None:
+            memory[1, TIME] = t
+        return -tangent_of(np.asarray(q), np.asarray(v), fq, fv)  # of the left-hand side
 
-        def jacobian(
-            mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float], fq: float, fv: float
-        ) -> np.ndarray:
-            memory[1, :1] = t
-            return -derivative(np.asarray(q), np.asarray(v), data, fq, fv)  # of the left-hand side
-
-        functions["jacobianUserFunction"] = jacobian
     return mbs.AddObject(
         ObjectGenericODE2(
             nodeNumbers=list(nodes),
             massMatrix=np.zeros((size, size)) if mass is None else mass,
-            **functions,
+            forceUserFunction=force if applied is None else force_with_applied,
+            jacobianUserFunction=jacobian,
             visualization=VObjectGenericODE2(show=False),
         )
     )

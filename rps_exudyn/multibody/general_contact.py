@@ -22,11 +22,9 @@ import numpy as np
 
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar, RackFlank
-from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, sampled_force
+from rps_exudyn.mesh_contact.sampled_contact import SampledContactData
 from rps_exudyn.mesh_contact.spheres import FLANK_MARGIN, SIDES, gate_angle, lowest_height
-from rps_exudyn.multibody.force_object import add_forces
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.gear_kernel import tangent
 
 if TYPE_CHECKING:
     import exudyn
@@ -208,17 +206,3 @@ def flank_triangle(bar: RackBar, flank: RackFlank) -> np.ndarray:
     up = corner + 2 * (bar.root_height + margin - low) * rise
     outward = np.cross(along - corner, up - corner) @ flank.normal > 0
     return np.array([corner, along, up] if outward else [corner, up, along])
-
-
-def add_tangent(mbs: "exudyn.MainSystem", data: SampledContactData, nodes: list[Any]) -> None:
-    """Add the contact's Jacobian, a massless object without forces; `nodes`: pinion, rack.
-
-    It comes from the compiled samples. GeneralContact itself contributes none: without contact between
-    spheres its own derivative is exactly zero (tests/upstream pins this).
-    """
-    add_forces(mbs, nodes, no_force, data, 7, tangent(sampled_force))
-
-
-def no_force(q: np.ndarray, v: np.ndarray, data: SampledContactData) -> np.ndarray:
-    """The force law of the object that only carries the Jacobian."""
-    return np.zeros(7)

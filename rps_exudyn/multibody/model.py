@@ -14,7 +14,7 @@ Bodies and their joints, in the housing frame of `gears.gear_pair`:
     wheel     steering wheel behind the column, where the rig turns it (ObjectRotationalMass1D)
     bush      chain of rigid segments held by connector springs, or condensed into the sliding fit
 
-What acts between them are the force elements of `forces` and `mesh_contact`, the same that
+What acts between them are the force laws of `forces` and `mesh_contact`, the same that
 `solvers.equilibrium` balances. The rig's drive
 moves pinion, rack or wheel; the model starts in static equilibrium, so there is nothing to settle.
 """
@@ -33,16 +33,16 @@ from rps_exudyn.multibody.bodies import add_bodies
 from rps_exudyn.multibody.bush_chain import add_chain
 from rps_exudyn.multibody.column import add_column, add_wheel_torque
 from rps_exudyn.multibody.force_object import add_forces
-from rps_exudyn.multibody.general_contact import add_general_contacts, add_tangent
+from rps_exudyn.multibody.general_contact import add_general_contacts
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.bent_bar import BentBar
-from rps_exudyn.solvers.column_path import settled_behind
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, stacked
 from rps_exudyn.solvers.drive import Drive, Steady
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, stacked
-from rps_exudyn.solvers.settled_start import Approach, start_of_motion
+from rps_exudyn.solvers.gear_model import COLUMNS
+from rps_exudyn.solvers.settled_start import Approach, settled_behind, start_of_motion
 from rps_exudyn.solvers.steering_column import SteeringColumn
 from rps_exudyn.solvers.wheel_torque import WheelTorque
 
@@ -86,7 +86,7 @@ def build_model(
     add_bodies(model)
     if column is not None:
         add_column(model, column)
-    if "segment" in forces.fit.bodies:
+    if forces.has_chain:
         _add_bush_chain(model)
     if fidelity.mesh == "general-contact":
         _add_forces_beside_spheres(model)
@@ -154,19 +154,20 @@ def _add_pulse(model: SteeringModel, pulse: TimedForce) -> None:
 def _add_forces_beside_spheres(model: SteeringModel) -> None:
     """Add the teeth in Exudyn's general contact, and all other forces in one compiled object."""
     mbs, forces, nodes = model.mbs, model.forces, model.nodes
-    kernel, data = forces.without_mesh
+    assert forces.spheres is not None
     stack = [nodes[body] for body in model.stack]
-    add_forces(mbs, stack, kernel, data, len(stacked(model.stack)), forces.dynamics_tangent)
+    # GeneralContact itself contributes no Jacobian: without contact between spheres its own derivative is
+    # exactly zero (tests/upstream pins this), so that of the compiled spheres is added
+    add_forces(mbs, stack, len(stacked(model.stack)), forces.without_mesh.force, forces.dynamics.tangent)
     model.contacts = add_general_contacts(
         mbs,
         model.gear,
-        forces.mesh.data,
+        forces.spheres,
         pinion=model.bodies["pinion"],
         rack=model.bodies["rack"],
         angle=float(model.start.coordinates[0, 0]),
         step=model.fidelity.step_angle,
     )
-    add_tangent(mbs, forces.mesh.data, [nodes["pinion"], nodes["rack"]])
     mbs.SetPreStepUserFunction(_bring_contacts(model))
 
 
@@ -192,19 +193,18 @@ def _add_forces_together(model: SteeringModel) -> None:
     applied: Callable[[float], np.ndarray] | None = None
     if model.pulse is not None and bar is not None and modes:
         applied = _pulse_on_modes(model.pulse, bar, of_bodies)
-    memory = forces.memory.array
-    if memory.size:
-        memory[:] = model.start.kept[-1]
-        memory[0] = memory[1]
+    dynamics = forces.dynamics
+    if dynamics.has_bristles:
+        dynamics.memory[:] = model.start.kept[-1][1]
     add_forces(
         model.mbs,
         [model.nodes[body] for body in model.stack],
-        *forces.dynamics,
         of_bodies + modes,
-        forces.dynamics_tangent,
+        dynamics.force,
+        dynamics.tangent,
+        memory=dynamics.memory if dynamics.has_bristles else None,
         mass=np.diag(np.repeat([0.0, 1.0], [of_bodies, modes])),
         applied=applied,
-        memory=memory,
     )
 
 
@@ -254,10 +254,9 @@ def _add_bush_chain(model: SteeringModel) -> None:
 
 def _wrench_at_fit(model: SteeringModel) -> np.ndarray:
     """Force and moment of the rack on the bush at the fit, where the model starts."""
-    fit = model.forces.condensed_fit
-    q, v = (rows[0, COORDINATE_BLOCKS["rack"]] for rows in (model.start.coordinates, model.start.rates))
-    on_rack = fit.evaluate(q, v)[:6]
+    q, fit = model.start.coordinates[0, COORDINATE_BLOCKS["rack"]], model.forces.condensed
+    on_rack = model.start.outputs[0, COLUMNS["bush"]][:6]
     moment = np.linalg.solve(spin_map(q[3:]).T, on_rack[3:])  # about the rack's reference point
     axis = rotation_matrix(q[3:])[:, 0]
-    to_fit = (fit.data.station - q[0]) / axis[0] * axis
+    to_fit = (fit.station - q[0]) / axis[0] * axis
     return -np.concatenate([on_rack[:3], moment - np.cross(to_fit, on_rack[:3])])

@@ -6,15 +6,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.compiled import Handle
 from rps_exudyn.base.progress import reached
 from rps_exudyn.forces.bush import stored_in_chain
 from rps_exudyn.forces.external_load import axis_velocity
 from rps_exudyn.forces.memory import TIME
 from rps_exudyn.multibody.solve import StepsUsedUpError
 from rps_exudyn.multibody.steering_model import SteeringModel
-from rps_exudyn.solvers.balance import SIZE
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, Kernel
+from rps_exudyn.solvers.balance import SIZE, Balance
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 from rps_exudyn.solvers.record import Record
 from rps_exudyn.solvers.wheel_torque import WheelTorque
 
@@ -31,7 +30,7 @@ class Step(NamedTuple):
     rates: np.ndarray
     drive: float  # multiplier of the drive's constraint
     mesh: np.ndarray | None  # Exudyn's own contact forces on pinion and rack
-    begun: np.ndarray  # what friction remembered at its begin
+    begun: np.ndarray  # state of the bristles at its start
 
 
 @dataclass
@@ -76,17 +75,18 @@ class Recorder:
 
     def _remembered(self, t: float, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray:
         """Make the end of a step found the begin of the next; return what was the begin."""
-        memory = self.model.forces.memory.array
-        if not memory.size:
+        dynamics = self._dynamics
+        if not dynamics.has_bristles:
             return NOTHING
-        begun, (kernel, data), columns = memory[0].copy(), self._dynamics, self._columns
+        memory, columns = dynamics.memory, self._columns
+        begun = memory[0].copy()
         memory[1, TIME] = t
-        kernel(coordinates[columns], rates[columns], data)
+        dynamics.force(coordinates[columns], rates[columns])
         memory[0] = memory[1]
         return begun
 
     @cached_property
-    def _dynamics(self) -> tuple[Kernel, Handle]:
+    def _dynamics(self) -> Balance:
         return self.model.forces.dynamics
 
     @cached_property
@@ -109,7 +109,7 @@ class Recorder:
         energy = 0.5 * np.einsum("ti,ij,tj->t", rates, mass, rates)
         if model.segments:
             energy += stored_in_chain(model.gear, model.forces.chain, coordinates[:, model.segment_columns()])
-        columns, bar, memory = self._columns, model.forces.bar, model.forces.memory.array
+        columns, bar, has_bristles = self._columns, model.forces.bar, self._dynamics.has_bristles
         places, speeds = (np.ascontiguousarray(rows[:, columns]) for rows in (coordinates, rates))
         if bar is not None:
             energy += bar.elastic_energy(places)
@@ -117,7 +117,7 @@ class Recorder:
         if tyre is not None:
             energy += tyre.energy(places[:, COORDINATE_BLOCKS["rack"].start])
         return Record(
-            model.forces.elements,
+            model.forces,
             time,
             places,
             speeds,
@@ -126,13 +126,10 @@ class Recorder:
             energy,
             contact=None if model.contacts is None else np.array([step.mesh for step in self.steps]),
             pulse_power=self._pulse_power(time, places, speeds),
-            bar=bar,
-            begun=np.array([step.begun for step in self.steps]) if memory.size else None,
-            memory=memory,
+            begun=np.array([step.begun for step in self.steps]) if has_bristles else None,
             wheel=self._wheel(coordinates, rates),
             column=model.column,
             tyre=tyre,
-            known=model.forces.outputs(places, speeds),
         )
 
     def _overcome(

@@ -22,10 +22,10 @@ from rps_exudyn.results.outcome import Interrupted, Outcome, Status
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, outcome_of_path
 from rps_exudyn.solvers.balance import SIZE
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.record import Record, record_of_path, signals_of
 
 PAUSE = 1e7  # from load to load [s]: friction of a rack that moves by 0.1 mm meanwhile is 1e-5 of sliding
@@ -117,7 +117,7 @@ def run_at_rest(
     place, start, interrupted = RackBar.of(gear).x_min, process_time(), False
     forces = gear_forces(gear, fidelity)
     outside = loads.generalised(place, moved_by_modes(gear, fidelity, place))
-    balance = forces.statics._replace(outside=outside)
+    balance = forces.statics.with_(outside=outside)
     try:
         path = equilibrium_path(balance, GearPair.of(gear), drive, loads.time)
     except PathInterrupted as interrupt:
@@ -128,7 +128,7 @@ def run_at_rest(
     outcome = _outcome(path, loads, process_time() - start, interrupted)
     if len(path.time) < 2:
         return SceneRun(outcome)
-    record = record_of_path(forces.elements, path, drive, forces.bar)
+    record = record_of_path(forces, path, drive)
     still = np.zeros(len(path.time))
     bent = forces.bar.elastic_energy(path.coordinates) if forces.bar else still
     record = replace(record, energy=bent, pulse_power=still)

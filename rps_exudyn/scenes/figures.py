@@ -1,6 +1,7 @@
 """The summaries' figures that several scenes share."""
 
 from collections.abc import Collection
+from typing import Any
 
 import numpy as np
 
@@ -16,9 +17,9 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.scene_run import Signals
 
 
-def figures_of_turning(signals: Signals, gear: SteeringGear) -> dict[str, float]:
+def figures_of_turning(signals: Signals, gear: SteeringGear, rack_gain: Any = None) -> dict[str, float]:
     """Return the figures of a pinion turned steadily: its torque, and what any gear in motion shows."""
-    return {**figures_of_torque(signals, gear), **figures_of_motion(signals, gear)}
+    return {**figures_of_torque(signals, gear), **figures_of_motion(signals, gear, rack_gain)}
 
 
 def figures_of_torque(signals: Signals, gear: SteeringGear) -> dict[str, float]:
@@ -36,11 +37,11 @@ def without(figures: dict[str, float], left_out: Collection[str]) -> dict[str, f
     return {name: value for name, value in figures.items() if name not in left_out}
 
 
-def figures_of_motion(signals: Signals, gear: SteeringGear) -> dict[str, float]:
+def figures_of_motion(signals: Signals, gear: SteeringGear, rack_gain: Any = None) -> dict[str, float]:
     """Return the figures of any gear in motion: its gain, how the rack moves in its guides, where the work
-    goes."""
+    goes; `rack_gain` as of `figures_of_rack`, by default the gear's."""
     return {
-        **figures_of_rack(signals, float(GearPair.of(gear).gain)),
+        **figures_of_rack(signals, float(GearPair.of(gear).gain) if rack_gain is None else rack_gain),
         **describe_losses(signals),
         **balance(signals),
     }

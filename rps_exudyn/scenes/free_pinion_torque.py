@@ -12,6 +12,7 @@ from rps_exudyn.scenes.run_maneuver import run_maneuvers
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.steady_test import SteadyTest
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state
 
 
@@ -21,9 +22,9 @@ def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptio
     Raises:
         InputError: the test leaves the rack's teeth.
     """
-    maneuvers = maneuvers_of_test(gear, "pinion", fidelity.step_angle, options.least_steps)
+    maneuvers, _ = TEST.maneuvers(gear, fidelity.step_angle, options.least_steps)
     run = run_maneuvers(gear, fidelity, maneuvers, options)
-    formula = {} if beyond_formulas(gear) else {"torque_closed_form": _by_formula(gear)}
+    formula = _by_formula(gear)
     unseen = unresolved_peaks(fidelity, run, "pinion_torque", "pinion_angle")
     left_out = ("torque_peak_to_peak",) if unseen else ()
     return run.noting(*remarks(gear, run.signals), unseen).described(
@@ -31,9 +32,18 @@ def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptio
     )
 
 
-def _by_formula(gear: SteeringGear) -> float:
-    return mean_state(gear, gear.test.direction, 0.0).torque
+def _by_formula(gear: SteeringGear) -> dict[str, float]:
+    if beyond_formulas(gear):
+        return {}
+    return {"torque_closed_form": mean_state(gear, gear.test.direction, 0.0).torque}
 
+
+TEST = SteadyTest(
+    maneuvers=lambda gear, step_angle, least: (maneuvers_of_test(gear, "pinion", step_angle, least), None),
+    metrics=lambda turned: figures_of_turning(turned.signals, turned.gear, turned.gain),
+    force="pinion_torque",
+    formulas=_by_formula,
+)
 
 SCENE = Scene(
     name="free-pinion-torque",
@@ -43,4 +53,5 @@ SCENE = Scene(
     figure="torque_mean",
     chart="torque",
     steady=True,
+    test=TEST,
 )

@@ -9,19 +9,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from rps_exudyn.analysis.efficiency import describe_load_test, free_torque_of, measured_load_test
+from rps_exudyn.analysis.efficiency import LoadTest, describe_load_test, free_torque_of, measured_load_test
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted
 from rps_exudyn.scenes.figures import figures_of_motion
-from rps_exudyn.scenes.maneuver import maneuvers_of_test
+from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, maneuvers_of_test
 from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.run_maneuver import run_maneuver, run_maneuvers
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
+from rps_exudyn.scenes.steady_test import SteadyTest, Turned
 from rps_exudyn.solvers.closed_form import GRAVITY, unloading_force
 
 
@@ -34,30 +35,54 @@ def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     weight = GRAVITY * gear.test.load_mass
     if not weight > 0:
         raise InputError("test.load_mass is 0 kg; the load test needs a weight, greater than 0.")
-    to_and_fro = gear.replace({"test.path": "there-and-back"}) if gear.test.path == "one-way" else gear
-    maneuvers = maneuvers_of_test(to_and_fro, "pinion", fidelity.step_angle, options.least_steps)
-    weighted = [maneuver.under(gear.test.direction * weight) for maneuver in maneuvers]
+    weighted, free = TEST.maneuvers(gear, fidelity.step_angle, options.least_steps)
+    assert free is not None
     loaded = run_maneuvers(gear, fidelity, weighted, options)
     if not loaded.ok:
         return _blamed(loaded, weight, gear)
     try:
-        unloaded = run_maneuver(gear, fidelity, maneuvers[0], options)
+        unloaded = run_maneuver(gear, fidelity, free, options)
     except Interrupted as interrupt:
         raise Interrupted(replace(loaded, outcome=interrupt.recorded.outcome)) from None
     if not unloaded.ok:
         message = f"without the weight: {unloaded.outcome.message}"
         return replace(loaded, outcome=replace(unloaded.outcome, message=message))
-    pitch = 2 * np.pi / gear.pinion.teeth
-    test = measured_load_test(
-        oriented(loaded.signals, gear),
-        weight,
-        float(GearPair.of(gear).gain),
-        free_torque_of(unloaded.signals, pitch),
-        pitch,
+    gain = float(GearPair.of(gear).gain)
+    turned = Turned(gear, loaded.signals, unloaded.signals, gain, weight, fidelity.step_angle)
+    (told,) = _remarks(turned)
+    return loaded.noting(*remarks(gear, loaded.signals), *told).described(lambda signals: _metrics(turned))
+
+
+def _maneuvers(
+    gear: SteeringGear, step_angle: float, least: StepLimits
+) -> tuple[list[Maneuver], Maneuver | None]:
+    """Raising and lowering under the weight, and the first turn without it beside."""
+    weight = gear.test.direction * GRAVITY * gear.test.load_mass
+    to_and_fro = gear.replace({"test.path": "there-and-back"}) if gear.test.path == "one-way" else gear
+    maneuvers = maneuvers_of_test(to_and_fro, "pinion", step_angle, least)
+    return [maneuver.under(weight) for maneuver in maneuvers], maneuvers[0]
+
+
+def _load_test(turned: Turned) -> LoadTest:
+    pitch = 2 * np.pi / turned.gear.pinion.teeth
+    free_torque = free_torque_of(turned.beside, pitch)
+    return measured_load_test(
+        oriented(turned.signals, turned.gear), turned.load, turned.gain, free_torque, pitch
     )
-    return loaded.noting(*remarks(gear, loaded.signals), *test.remarks()).described(
-        lambda signals: {**describe_load_test(test), **figures_of_motion(signals, gear)}
-    )
+
+
+def _metrics(turned: Turned) -> dict[str, float]:
+    """Efficiencies, and what any gear in motion shows."""
+    of_motion = figures_of_motion(turned.signals, turned.gear, turned.gain)
+    return {**describe_load_test(_load_test(turned)), **of_motion}
+
+
+def _remarks(turned: Turned) -> list[list[str]]:
+    """Remarks on numbers that are no efficiencies, a list for each gear."""
+    test = _load_test(turned)
+    columns = test.load, test.ideal_torque, test.torque_forward, test.torque_reverse, test.free_torque
+    rows = np.stack(np.broadcast_arrays(*columns), axis=-1).reshape(-1, len(columns))
+    return [list(LoadTest(*row).remarks()) for row in rows.tolist()]
 
 
 def _blamed(failed: SceneRun, weight: float, gear: SteeringGear) -> SceneRun:
@@ -80,6 +105,8 @@ def oriented(signals: Signals, gear: SteeringGear) -> Signals:
     }
 
 
+TEST = SteadyTest(maneuvers=_maneuvers, metrics=_metrics, force="pinion_torque", remarks=_remarks)
+
 SCENE = Scene(
     name="load-test",
     title="Load test",
@@ -88,5 +115,6 @@ SCENE = Scene(
     figure="torque_forward",
     chart="load_test",
     steady=True,
+    test=TEST,
     revolutions=lambda gear: 2 * gear.test.turns,
 )

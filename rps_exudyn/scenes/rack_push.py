@@ -8,6 +8,7 @@ import numpy as np
 from rps_exudyn.analysis.many import largest, number_of, spread
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.resolution import LEAST_FOR_PEAKS
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import figures_of_motion, without
@@ -17,6 +18,7 @@ from rps_exudyn.scenes.run_maneuver import run_maneuvers
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
+from rps_exudyn.scenes.steady_test import SteadyTest, Turned
 
 
 def rack_push(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
@@ -25,14 +27,22 @@ def rack_push(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     Raises:
         InputError: the test leaves the rack's teeth.
     """
-    maneuvers = maneuvers_of_test(gear, "rack", fidelity.step_angle, options.least_steps)
+    maneuvers, _ = TEST.maneuvers(gear, fidelity.step_angle, options.least_steps)
     run = run_maneuvers(gear, fidelity, maneuvers, options)
     unseen = unresolved_peaks(fidelity, run, "rack_force", "rack_displacement")
-    coarse = fidelity.step_angle > 2 * np.pi / gear.pinion.teeth / LEAST_FOR_PEAKS
-    left_out = ("push_force_peak_to_peak",) if unseen or coarse else ()
+    left_out = ("push_force_peak_to_peak",) if unseen else ()
+    gain = float(GearPair.of(gear).gain)
     return run.noting(*remarks(gear, run.signals), unseen).described(
-        lambda signals: without({**push_figures(signals), **figures_of_motion(signals, gear)}, left_out)
+        lambda signals: without(_metrics(Turned(gear, signals, {}, gain, 0.0, fidelity.step_angle)), left_out)
     )
+
+
+def _metrics(turned: Turned) -> dict[str, float]:
+    """Metrics of the record; without the peak to peak where the steps are too long to see it."""
+    coarse = turned.step_angle > 2 * np.pi / turned.gear.pinion.teeth / LEAST_FOR_PEAKS
+    of_motion = figures_of_motion(turned.signals, turned.gear, turned.gain)
+    left_out = ("push_force_peak_to_peak",) if coarse else ()
+    return without({**push_figures(turned.signals), **of_motion}, left_out)
 
 
 def push_figures(signals: Signals) -> dict[str, float]:
@@ -46,6 +56,12 @@ def push_figures(signals: Signals) -> dict[str, float]:
     }
 
 
+TEST = SteadyTest(
+    maneuvers=lambda gear, step_angle, least: (maneuvers_of_test(gear, "rack", step_angle, least), None),
+    metrics=_metrics,
+    force="rack_force",
+)
+
 SCENE = Scene(
     name="rack-push",
     title="Rack push: force",
@@ -54,4 +70,5 @@ SCENE = Scene(
     figure="push_force_mean",
     chart="rack_push",
     steady=True,
+    test=TEST,
 )

@@ -34,15 +34,13 @@ from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined, outcome_of_pa
 from rps_exudyn.solvers.adaptive_path import adaptive_path
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.closed_form import closed_form
-from rps_exudyn.solvers.column_path import path_behind_column
 from rps_exudyn.solvers.drive import Drive, SetOff, Steady, Swing, travel_per_radian
-from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted
+from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
 from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
 from rps_exudyn.solvers.record_of_column import behind_column, under_torque
-from rps_exudyn.solvers.settled_start import settled_path
-from rps_exudyn.solvers.steering_column import SteeringColumn
-from rps_exudyn.solvers.torque_path import path_under_torque, wheel_angles
+from rps_exudyn.solvers.settled_start import settled_behind, settled_path
+from rps_exudyn.solvers.steering_column import BehindColumn, SteeringColumn
 from rps_exudyn.solvers.wheel_torque import WheelTorque
 
 SHORTEST_STEP = 1e-7  # of the dynamics [s] ...
@@ -251,21 +249,20 @@ def _along_equilibria(
             jumps = JUMPS_UNDER_TORQUE if isinstance(drive, WheelTorque) else JUMPS
             outcome = replace(outcome, message=outcome.message + jumps.format(column.stiffness))
     turned = drive if column is None else replace(drive, body="pinion")
-    record = record_of_path(forces.elements, path, turned, forces.bar, forces.memory.array)
+    record = record_of_path(forces, path, turned)
     if column is not None:
-        record = _seen_from_wheel(record, column, drive)
+        record = _seen_from_wheel(record, column, drive, -path.wheel[:, 0])
     run = _finished(gear, maneuver, outcome, record, path, forces.friction_zone, options)
     if interrupted:
         raise Interrupted(run)
     return run
 
 
-def _seen_from_wheel(record: Record, column: SteeringColumn, drive: Drive) -> Record:
-    """The record of a pinion as that of the wheel before its column."""
+def _seen_from_wheel(record: Record, column: SteeringColumn, drive: Drive, angle: np.ndarray) -> Record:
+    """The record of a pinion as that of the wheel before its column, at its angles (n,) [rad]."""
     if not isinstance(drive, WheelTorque):
         return behind_column(record, column, drive)
-    angles = wheel_angles(drive, column, record.time, -record.of("pinion")[:, 0])
-    return under_torque(record, column, drive, angles)
+    return under_torque(record, column, drive, angle)
 
 
 def _followed(
@@ -278,11 +275,12 @@ def _followed(
     """The equilibria along a maneuver."""
     drive, pair = maneuver.drive, GearPair.of(gear)
     inertia = (0.0, 0.0) if isinstance(drive, Steady) else following_inertia(gear)
-    balance, approach, time = forces.statics._replace(inertia=inertia), maneuver.approach, maneuver.time
-    if column is not None and isinstance(drive, WheelTorque):
-        return path_under_torque(balance, pair, drive, column, time)
+    balance, approach, time = forces.statics.with_(inertia=inertia), maneuver.approach, maneuver.time
     if column is not None:
-        return path_behind_column(balance, pair, drive, column, approach, time)
+        led = settled_behind(balance, pair, drive, column, approach)
+        if not led.converged:
+            return led
+        return equilibrium_path(balance, pair, BehindColumn("pinion", drive, column), time, led, column)
     if fidelity.torque_tolerance > 0:
         allowed = fidelity.torque_tolerance * abs(closed_form(gear).free_torque)
         allowed /= travel_per_radian(drive.body, pair.gain)

@@ -1,4 +1,4 @@
-"""A scene: one thing that the test rig does, and what the rest of the package must know about it."""
+"""A scene: one thing that the test rig does, and its facts for the rest of the package."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,6 +9,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.steady_test import SteadyTest
 
 
 def turns_of_test(gear: SteeringGear) -> float:
@@ -30,6 +31,7 @@ class Scene:
         steady: whether everything slides at a constant speed.
         needs_inertia: whether equilibria cannot show it.
         at_rest: whether nothing moves: its instants are loads one after the other.
+        test: its maneuvers and metrics, where many gears can be followed together.
         revolutions: how often the pinion turns in a run one way; None where it does not turn.
     """
 
@@ -42,6 +44,7 @@ class Scene:
     steady: bool = False
     needs_inertia: bool = False
     at_rest: bool = False
+    test: SteadyTest | None = None
     revolutions: Callable[[SteeringGear], float] | None = turns_of_test
 
     @property

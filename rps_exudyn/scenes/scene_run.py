@@ -9,7 +9,7 @@ import numpy as np
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.results.quantities import is_work
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
-from rps_exudyn.solvers.path_follower import TOLERANCE
+from rps_exudyn.solvers.settling import TOLERANCE
 
 Signals = dict[str, np.ndarray]
 
@@ -57,20 +57,24 @@ def joined(runs: Sequence[SceneRun]) -> SceneRun:
         findings={**outcome.findings, **_worst_findings(outcomes)},
     )
     recorded = [run.signals for run in runs if run.signals]
-    signals: Signals = dict(recorded[0]) if recorded else {}
-    for maneuver in recorded[1:]:  # which knows no pressure of teeth that it has lost
+    return SceneRun(outcome, one_after_another(recorded) if recorded else {})
+
+
+def one_after_another(records: Sequence[Signals]) -> Signals:
+    """Join signals (..., n) of maneuvers to one record; time and works go on where they stood."""
+    signals = dict(records[0])
+    for maneuver in records[1:]:  # which has no pressure of teeth that it has lost
         signals = {
             name: _continued(name, values, maneuver[name])
             for name, values in signals.items()
             if name in maneuver
         }
-    return SceneRun(outcome, signals)
+    return signals
 
 
 def _continued(name: str, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """A signal of two maneuvers, one after the other; time and works go on where they stood."""
-    stood = before[-1] if name == "time" or is_work(name) else 0.0
-    return np.concatenate([before, stood + after])
+    stood = before[..., -1:] if name == "time" or is_work(name) else 0.0
+    return np.concatenate([before, stood + after], axis=-1)
 
 
 def _worst_findings(outcomes: Sequence[Outcome]) -> dict[str, float]:

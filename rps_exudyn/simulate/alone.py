@@ -47,15 +47,16 @@ class _Steps:
     """Pass on what is compiled, and that an alarm has to wait until then."""
 
     def __init__(self, say: Say) -> None:
-        self._say, self._open = say, 0
+        self._say, self._compiles = say, False
 
     def __call__(self, step: "Step") -> None:
         self._say({"step": step})
-        change = {"work": 0, "begun": 1, "done": -1}[step.what]
-        self._open += change
-        if change == self._open == 1:
+        if (compiles := step.done < step.total) == self._compiles:
+            return
+        self._compiles = compiles
+        if compiles:
             self._say({"place": "while kernels were compiled, which later runs need not do"})
-        elif change and not self._open:
+        else:
             self._say({"place": "in compiled code"})
 
 

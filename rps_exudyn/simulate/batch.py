@@ -22,11 +22,16 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.simulate.loop_knows import LEFT_TO_SINGLE_RUNS, why_not
-from rps_exudyn.simulate.looped import Looped, looped
 from rps_exudyn.simulate.run import simulate
+from rps_exudyn.simulate.together import UNSUPPORTED, Together, together, unsupported_reason
 
 ROUNDING = 1e-9  # of an angle [rad]
+TORQUE = {
+    "free-pinion-torque": ("time", "pinion_angle", "pinion_torque"),
+    "load-test": ("time", "pinion_angle", "pinion_torque"),
+    "rack-push": ("time", "pinion_angle", "rack_displacement", "rack_force"),
+}
+"""Scene -> the signals of the drive's torque or force alone."""
 
 
 class Columns(dict[str, np.ndarray]):
@@ -47,14 +52,13 @@ class Batch:
     """What became of n gears, in the order of the table's rows. All values are SI.
 
     Attributes:
-        results: of the rows that were simulated one by one; None where the loop over many gears found them.
-        found: what the loop found; None if it was not asked for, or could not begin.
-        alone: why rows were simulated one by one, where the loop was asked for: "" if none was for another
-            reason than its own outcome.
+        results: of the rows that were simulated one by one; None where gears were followed together.
+        found: these; None if none were.
+        alone: why all rows were simulated one by one; "" if single rows were for their own outcome.
     """
 
     results: tuple[Result | None, ...]
-    found: Looped | None = None
+    found: Together | None = None
     alone: str = ""
 
     def __len__(self) -> int:
@@ -62,7 +66,7 @@ class Batch:
 
     @property
     def in_loop(self) -> np.ndarray:
-        """Which rows are the loop's, shape (n,); they know the torque alone, see `batch`."""
+        """Which rows were followed together, shape (n,), see `batch`."""
         return np.array([result is None for result in self.results], dtype=bool)
 
     @property
@@ -73,10 +77,10 @@ class Batch:
     @property
     def messages(self) -> tuple[str, ...]:
         """Cause of each failure, or remarks on a gear that ended ok."""
-        of_loop = [""] * len(self) if self.found is None else self.found.messages
+        together = [""] * len(self) if self.found is None else self.found.messages
         return tuple(
             said if result is None else result.message
-            for result, said in zip(self.results, of_loop, strict=True)
+            for result, said in zip(self.results, together, strict=True)
         )
 
     @property
@@ -86,17 +90,15 @@ class Batch:
 
     @property
     def summary(self) -> Columns:
-        """Figures by the names of `quantities`, shape (n,) each; nan where a gear has none.
-
-        Where the loop found gears, these are the figures that it knows; where every gear failed, the scene's
-        own figure.
+        """Metrics by the names of `quantities`, shape (n,) each; nan where a gear has none; where every gear
+        failed, the scene's own figure.
         """
         known = {} if self.found is None else self.found.summary
         names = dict.fromkeys(name for result in self.results if result for name in result.summary)
         if not (known or names):
             names = dict.fromkeys(scene_named(result.scene).figure for result in self.results if result)
         columns = Columns(len(self))
-        for name in known or names:
+        for name in {**known, **names}:
             column = np.array(
                 [np.nan if result is None else result.summary.get(name, np.nan) for result in self.results]
             )
@@ -107,7 +109,7 @@ class Batch:
         """Return a signal over pinion angles.
 
         Args:
-            name: of the signal, by `quantities`; of gears in the loop those of `loop_legs.SIGNALS`.
+            name: of the signal, by `quantities`; with `keep` = "torque" one of `TORQUE`.
             angle: rising pinion angles [rad], shape (m,).
             direction: sense in which the pinion turns, +1 moves the rack along +X.
 
@@ -140,16 +142,14 @@ def batch(
 ) -> Batch:
     """Simulate gears that differ from one in the parameters of a table.
 
-    Each row is simulated on its own; a gear that cannot exist is a row with the status `invalid`, and its
-    message says why.
+    Each row is a gear of its own; one that cannot exist is a row with the status `invalid`, and its message
+    says why.
 
-    Where only the torque is to be kept, one compiled loop finds most gears of a free pinion torque, a load
-    test or a rack push, five times as fast over a turn and ten times over a tooth pitch: 99 % of the means
-    within 1e-4 and of the peaks to peaks within 1.1 % of single runs in steps of 1 degree
-    (`results/study_runner`). It keeps no signals but force and place of the drive, and of the figures not
-    those that need no run (`torque_closed_form`) or tell of the solution (`energy_residual`). What it does
-    not know (`loop_knows.LEFT_TO_SINGLE_RUNS`) or does not find well within the bounds of all checks is
-    simulated one by one; `Batch.in_loop` and `Batch.alone` say so. Tables of few gears are not worth a loop.
+    The gears of a free pinion torque, a load test or a rack push are followed together, several times as fast
+    as one by one: by the same equations at the same instants, with means within 1e-5 and other metrics mostly
+    within 1e-3 of single runs. What is not supported (`together.UNSUPPORTED`) or not found well within the
+    bounds of all checks is simulated one by one; `Batch.in_loop` and `Batch.alone` say so. So are tables of
+    few gears.
 
     Args:
         scene: one of `scenes.SCENE_NAMES`.
@@ -158,7 +158,7 @@ def batch(
         fidelity: name of a preset, or a `Fidelity`.
         keep: "signals", all of them; or "torque", the curve of the drive's torque or force, and figures.
         ranges: of a table that is a part of a larger one: path -> values over which that one varies, SI; so
-            the loop finds each gear the same in whichever part it is.
+            each gear ends the same in whichever part it is.
 
     Raises:
         InputError: no such scene, fidelity or parameter, columns of different length, or nothing of that name
@@ -169,7 +169,8 @@ def batch(
         raise InputError(f"keep is {keep!r}; it must be signals or torque.")
     chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity)
     rows = rows_of(values)
-    found, alone = (None, "") if keep == "signals" else _in_loop(scene, gear, values, chosen, ranges)
+    kept = TORQUE[scene] if keep == "torque" and scene in TORQUE else None
+    found, alone = _together(scene, gear, values, chosen, ranges, kept)
     return Batch(
         tuple(
             None if found is not None and found.ended[i] else _row(scene, gear, row, chosen)
@@ -180,18 +181,20 @@ def batch(
     )
 
 
-def _in_loop(
+def _together(
     scene: str,
     gear: SteeringGear,
     values: Mapping[str, Any],
     fidelity: Fidelity,
     ranges: Mapping[str, Any] | None,
-) -> tuple[Looped | None, str]:
-    """What the loop finds, and why it is not asked."""
-    if reason := why_not(scene, gear, fidelity, values):
+    signals: Sequence[str] | None,
+) -> tuple[Together | None, str]:
+    """What is found together, and why nothing is."""
+    if reason := unsupported_reason(scene, gear, fidelity, values):
         return None, reason
-    found = looped(scene, gear, fidelity, _numbers(values), None if ranges is None else _numbers(ranges))
-    return found, "" if found else LEFT_TO_SINGLE_RUNS["few"]
+    of_ranges = None if ranges is None else _numbers(ranges)
+    found = together(scene, gear, fidelity, _numbers(values), of_ranges, signals)
+    return found, "" if found else UNSUPPORTED["few"]
 
 
 def _numbers(values: Mapping[str, Any]) -> dict[str, np.ndarray]:

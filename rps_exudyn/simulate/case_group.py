@@ -1,8 +1,6 @@
 """Cases of one design at once, by `batch`: each becomes the result that a study keeps.
 
-Where no more than the torque or force of the drive is kept, most gears of a free pinion torque, a load test
-or a rack push come from the loop over many gears. Their results hold what the loop knows: that curve and its
-figures, without counters and geometry; the finding "loop" says so.
+Results of gears that were followed together are those of single runs within what the finding "together" says.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,19 +10,15 @@ from typing import Any, Literal
 
 import numpy as np
 
+from rps_exudyn.gears.report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
-from rps_exudyn.simulate.batch import Batch, batch
-from rps_exudyn.simulate.loop_legs import SIGNALS
+from rps_exudyn.simulate.batch import TORQUE, Batch, batch
+from rps_exudyn.solvers.settling import TOLERANCE
 
-FINDING = "figures by the loop over many gears: mean within 1e-4, peak to peak mostly within 1 %"
-
-
-def torque_alone(scene: str, signals: Sequence[str] | None) -> bool:
-    """Tell whether what a study keeps is no more than the loop knows of its scene; None keeps all signals."""
-    return signals is not None and set(signals) <= {*SIGNALS.get(scene, ())}
+FINDING = "many gears followed together: mean within 1e-5, other metrics mostly within 1e-3 of a single run"
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,35 +39,41 @@ class CaseGroup:
         """
         wall, cpu = perf_counter(), process_time()
         table = {path: [each[path] for each in self.settings] for path in self.settings[0]}
-        keep: Literal["torque", "signals"] = "torque" if torque_alone(self.scene, signals) else "signals"
+        alone = signals is not None and set(signals) <= {*TORQUE.get(self.scene, ())}
+        keep: Literal["torque", "signals"] = "torque" if alone else "signals"
         found = batch(self.scene, self.gear, table, fidelity=self.fidelity, keep=keep, ranges=self.ranges)
         each_cpu = (process_time() - cpu) / len(self.settings)
         each_wall = (perf_counter() - wall) / len(self.settings)
-        looped = self._looped(found, each_cpu, each_wall)
-        return [next(looped) if result is None else result for result in found.results]
+        together = self._together(found, each_cpu, each_wall)
+        return [next(together) if result is None else result for result in found.results]
 
-    def _looped(self, batch: Batch, cpu: float, wall: float) -> Iterator[Result]:
-        """Yield the results of those gears that the loop found, in their order."""
-        loop = batch.found
-        if loop is None:
+    def _together(self, batch: Batch, cpu: float, wall: float) -> Iterator[Result]:
+        """Yield the results of those gears that were followed together, in their order."""
+        found = batch.found
+        if found is None:
             return
         rows, fidelity = np.flatnonzero(batch.in_loop).tolist(), self.fidelity.model_dump()
-        numbers = np.array([values[rows] for values in loop.summary.values()]).T.tolist()
-        for row, figures in zip(rows, numbers, strict=True):
+        metrics, counters = _rows(found.summary, rows), _rows(found.counters, rows)
+        for row, own, counted in zip(rows, metrics, counters, strict=True):
+            gear = self.gear.replace(self.settings[row])
             yield Result(
                 scene=self.scene,
-                gear=self.gear.replace(self.settings[row]),
+                gear=gear,
                 fidelity=fidelity,
-                solver={},
-                findings={"loop": FINDING},
+                solver={"name": "equilibrium", "tolerance": TOLERANCE},
+                findings={"together": FINDING},
                 status=Status.OK,
-                message=loop.messages[row],
-                signals=loop.signals_of(row),
-                summary={
-                    name: value
-                    for name, value in zip(loop.summary, figures, strict=True)
-                    if not np.isnan(value)
-                },
+                message=found.messages[row],
+                signals=found.signals_of(row),
+                summary=own,
+                counters={name: int(count) for name, count in counted.items()},
+                geometry=geometry_report(gear).numbers,
                 cpu_s=cpu,
                 wall_s=wall,
             )
+
+
+def _rows(columns: Mapping[str, np.ndarray], rows: Sequence[int]) -> Iterator[dict[str, float]]:
+    """Yield the numbers of rows, without those that are nan."""
+    for numbers in np.array([values[rows] for values in columns.values()]).T.tolist():
+        yield {name: value for name, value in zip(columns, numbers, strict=True) if value == value}

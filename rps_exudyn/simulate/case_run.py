@@ -6,7 +6,6 @@ from dataclasses import replace
 from time import monotonic, process_time
 from typing import Any
 
-from rps_exudyn.base.compiling import Step, listeners
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -24,20 +23,6 @@ class CaseRunner:
 
     def __init__(self) -> None:
         self._forms = FileForms()
-        self._compiled = False
-        listeners.append(self._listen)
-
-    def _listen(self, step: Step) -> None:
-        self._compiled |= step.what != "work"
-
-    @property
-    def has_compiled(self) -> bool:
-        """Tell whether kernels have been compiled in this process, not loaded.
-
-        They round differently then, by some 1e-9 of the torque: a process that has compiled must not go on,
-        or the same case would give other numbers the next time.
-        """
-        return self._compiled
 
     def warm_up(self, task: dict[str, Any], turns: float) -> None:
         """Run the task's scene over a few degrees of the default gear and discard it: loads what cases
@@ -76,7 +61,7 @@ class CaseRunner:
             "cpu_s": result.cpu_s,
             "wall_s": result.wall_s,
             "summary": dict(result.summary),
-            "in_loop": "loop" in result.findings,
+            "in_loop": "together" in result.findings,
         }
         if task.get("form") == "record":
             return row, CaseRecord.of(case["hash"], result).to_bytes()

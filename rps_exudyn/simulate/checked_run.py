@@ -3,7 +3,6 @@
 from dataclasses import replace
 from time import perf_counter, process_time
 
-from rps_exudyn.base.compiling import begin_work
 from rps_exudyn.checks.before_run import refused
 from rps_exudyn.gears.report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -39,7 +38,6 @@ def run_unchecked(
         Interrupted: Ctrl-C; it carries what was recorded.
     """
     wall, cpu = perf_counter(), process_time()
-    begin_work(f"{scene} {fidelity.model}")
     report = geometry_report(gear)
 
     def result_of(done: SceneRun) -> Result:

@@ -22,7 +22,6 @@ from pathlib import Path
 from time import monotonic
 from typing import IO, Any
 
-from rps_exudyn.base.compiled_before import compiled_before
 from rps_exudyn.base.compiling import Step, publish
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.simulate.time_limit import GRACE
@@ -102,6 +101,14 @@ class _Worker:
         assert self.process.stdin
         with contextlib.suppress(OSError):  # what it can no longer read
             self.process.stdin.close()
+
+
+def compiled_before() -> bool:
+    """Tell whether a cache holds kernels of gears."""
+    from rps_exudyn.base.kernel_cache import cache_folders, files_of  # loads numba
+    from rps_exudyn.solvers import gear_model  # noqa: F401, the modules of a gear's kernels
+
+    return any(True for folder in cache_folders() for _ in files_of(folder))
 
 
 class Processes:
@@ -210,8 +217,7 @@ class Processes:
         elif "ready" in answer:
             worker.ready = self._compiled = True
             self._failed_starts = 0
-        elif "again" in answer:  # it has compiled kernels, which the next one loads
-            self._compiled = True
+        elif "again" in answer:  # nothing of an interrupted case shall be left in it
             self._remove(worker)
             self._again.extendleft(reversed(worker.tasks))
         elif "error" in answer:

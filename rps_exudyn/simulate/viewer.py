@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rps_exudyn.base.compiling import begin_work
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -25,7 +24,6 @@ def solved_model(gear: SteeringGear, fidelity: Fidelity, file: Path) -> "Steerin
     from rps_exudyn.multibody.model import build_model
     from rps_exudyn.multibody.viewing import solved
 
-    begin_work(f"free-pinion-torque {fidelity.model}")
     model = build_model(gear, fidelity)
     if not model.start.converged:
         raise InputError("There is no equilibrium to start from; change preload or clearance.")

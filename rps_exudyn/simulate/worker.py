@@ -24,7 +24,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:
-    from rps_exudyn.base.compiling import Step
     from rps_exudyn.simulate.case_run import CaseRunner
 
 Answer = Callable[[dict[str, Any]], None]
@@ -42,11 +41,9 @@ def main() -> None:
     from rps_exudyn.base.errors import InputError
     from rps_exudyn.simulate.case_run import CaseRunner
 
-    listeners.append(_Steps(answer))
+    listeners.append(lambda step: answer({"step": step}))
     runner = CaseRunner()
     runner.warm_up(first, WARM_UP_TURNS)
-    if runner.has_compiled:
-        _begin_again(answer)
     answer({"ready": os.getpid()})
     while True:
         task = json.loads(lines.get())
@@ -62,33 +59,15 @@ def main() -> None:
                 _begin_again(answer)  # of what was interrupted nothing shall be left
 
 
-class _Steps:
-    """Pass on what is compiled; the same work once."""
-
-    def __init__(self, answer: Answer) -> None:
-        self._answer, self._works = answer, set[str]()
-
-    def __call__(self, step: "Step") -> None:
-        if step.what == "work":
-            if step.name in self._works:
-                return
-            self._works.add(step.name)
-        self._answer({"step": step})
-
-
 def _case(runner: "CaseRunner", task: dict[str, Any], answer: Answer) -> dict[str, Any]:
     """Return the answer to a single case."""
     row, content = runner.run(task)
-    if runner.has_compiled:
-        _begin_again(answer)
     return row | _store(task["path"], content)
 
 
 def _group(runner: "CaseRunner", task: dict[str, Any], answer: Answer) -> dict[str, Any]:
     """Return the answers to the members of a group."""
     found = runner.run_group(task)
-    if runner.has_compiled:
-        _begin_again(answer)
     if found is None:
         return {"cases": None}
     paths = [member["path"] for member in task["members"]]
@@ -97,7 +76,7 @@ def _group(runner: "CaseRunner", task: dict[str, Any], answer: Answer) -> dict[s
 
 
 def _begin_again(answer: Answer) -> NoReturn:
-    """Let another process, which loads what this one has compiled, do the case."""
+    """End, and leave what is still to be done to another process."""
     answer({"again": os.getpid()})
     os._exit(0)
 

@@ -1,28 +1,55 @@
 """Forces of a gear that are to be balanced, over coordinates of pinion, rack, plunger and bending modes."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
-from rps_exudyn.forces.memory import NO_MEMORY
-from rps_exudyn.solvers.newton_path import NewtonLaw
+from rps_exudyn.base.compiled import ready
+from rps_exudyn.forces.memory import MEMORY_SIZE, TIME, reset
+from rps_exudyn.solvers.gear_model import WORK
 
 SIZE = 8  # coordinates of pinion, rack and plunger; modes of a flexible rack follow
 CHARACTERISTIC_LENGTHS = np.array([0.01, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 1.0])  # coordinates to lengths [m]
 
 
-class Balance(NamedTuple):
-    """Forces to be balanced."""
+STEPS_PER_SECOND = 100.0  # of a rate's difference over that of its coordinate, at most ...
+PART_OF_ZONE = 0.04  # ... and that difference over the friction zone
+SHORTEST_STEP = 1e-15  # [m]: of a coordinate of 0.1 m the last digits
 
-    force: Callable[..., Any]  # (q, v, data) -> (n,), a kernel of `gear_kernel` or `flexible_kernel`
-    data: Any
-    locked: tuple[int, ...] = ()  # coordinates that are held at zero
-    inertia: tuple[float, float] = (0.0, 0.0)  # of what follows the drive: pinion [kg m^2] and rack [kg]
-    memory: np.ndarray = NO_MEMORY  # of friction that remembers, see `forces.memory`
-    outside: Callable[[np.ndarray], np.ndarray] | None = None  # times (t,) -> generalised forces (t, 8)
-    modes: int = 0  # of the rack's bending
-    newton: NewtonLaw | None = None  # the same forces with their tangent
+
+def new_work() -> np.ndarray:
+    """Return work space for a law of `gear_model`, shape (1,)."""
+    works = np.zeros(1, WORK)
+    reset(works[0]["contact"]["memory"])
+    return works
+
+
+@dataclass(frozen=True, eq=False)
+class Balance:
+    """Forces to be balanced.
+
+    Attributes:
+        law: of `gear_model`.
+        gears: record of the gear, in an array (1,).
+        pool: numbers that the record points to.
+        locked: coordinates that are held at zero.
+        approach: of the rack under the preload at rest [m].
+        inertia: of what follows the drive: pinion [kg m^2] and rack [kg].
+        outside: times (t,) -> generalised forces (t, n) that act besides.
+        modes: of the rack's bending.
+    """
+
+    law: Any
+    gears: np.ndarray
+    pool: np.ndarray
+    locked: tuple[int, ...] = ()
+    approach: float = 0.0
+    inertia: tuple[float, float] = (0.0, 0.0)
+    outside: Callable[[np.ndarray], np.ndarray] | None = None
+    modes: int = 0
+    works: np.ndarray = field(default_factory=new_work)
 
     @property
     def size(self) -> int:
@@ -38,3 +65,79 @@ class Balance(NamedTuple):
         """Return what turns the coordinates into lengths, shape (n,) [m]; a mode moves a bar of one kilogram
         by about its coordinate."""
         return np.append(CHARACTERISTIC_LENGTHS, np.ones(self.modes))
+
+    @property
+    def has_bristles(self) -> bool:
+        """Tell whether friction has a state."""
+        return bool(self.gears[0]["has_bristles"])
+
+    @property
+    def memory(self) -> np.ndarray:
+        """Return the state of the bristle friction over the present step, shape (2, MEMORY_SIZE)."""
+        return np.asarray(self.works[0]["contact"]["memory"])
+
+    @property
+    def kept(self) -> int:
+        """Return the number of columns of that state that a path keeps: none without bristles."""
+        return MEMORY_SIZE if self.has_bristles else 0
+
+    def force(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Return the generalised forces (n,) at coordinates and rates (n,)."""
+        return self.force_and_tangent(q, v, 0.0, 0.0)[0]
+
+    def tangent(self, q: np.ndarray, v: np.ndarray, factor_q: float, factor_v: float) -> np.ndarray:
+        """Return factor_q dF/dq + factor_v dF/dv, shape (n, n)."""
+        return self.force_and_tangent(q, v, factor_q, factor_v)[1]
+
+    def force_and_tangent(
+        self, q: np.ndarray, v: np.ndarray, factor_q: float, factor_v: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the forces, and factor_q dF/dq + factor_v dF/dv (n, n) unless both factors are 0."""
+        total, tangent = np.empty(q.size), np.zeros((q.size, q.size))
+        law = ready(self.law)
+        law(q, v, self.gears, 0, self.pool, self.works, factor_q, factor_v, total, tangent)
+        return total, tangent
+
+    def difference_tangent(
+        self, q: np.ndarray, v: np.ndarray, factor_q: float, factor_v: float
+    ) -> np.ndarray:
+        """Return the same tangent by forward differences, with what turns with the bar's small angles.
+
+        Steps are far below penetrations (micrometres) and within the friction zone; rotations act at
+        centimetres. Where friction has a state, a step of a coordinate is one of its rate too, and as short.
+        """
+        n = q.size
+        total, moved, unused = np.empty(n), np.empty(n), np.zeros((0, 0))
+        tangent, law = np.zeros((n, n)), ready(self.law)
+        rest = self.gears, 0, self.pool, self.works, 0.0, 0.0
+        step = np.where(self._angles[:n], 1e-8, 1e-9)
+        per_step = min(STEPS_PER_SECOND, PART_OF_ZONE * float(self.gears[0]["fit"]["zone"]) / 1e-9)
+        h = self.memory[1, TIME] - self.memory[0, TIME] if self.has_bristles else 0.0
+        if 0 < h < np.inf:
+            factor_v, step = 0.0, np.minimum(step, np.maximum(h * per_step * step, SHORTEST_STEP))
+        law(q, v, *rest, total, unused)
+        place, rate = q.copy(), v.copy()
+        for j in range(n):
+            if factor_q:
+                place[j] += step[j]
+                law(place, v, *rest, moved, unused)
+                tangent[:, j] += factor_q / (place[j] - q[j]) * (moved - total)
+                place[j] = q[j]
+            if factor_v:
+                rate[j] += per_step * step[j]
+                law(q, rate, *rest, moved, unused)
+                tangent[:, j] += factor_v / (rate[j] - v[j]) * (moved - total)
+                rate[j] = v[j]
+        return tangent
+
+    @property
+    def _angles(self) -> np.ndarray:
+        """Which coordinates of a stack are angles: of pinion and rack, and of a segment behind them."""
+        angles = np.zeros(max(SIZE + self.modes, SIZE + 6), dtype=bool)
+        angles[[0, 4, 5, 6]] = True
+        angles[SIZE + 3 :] = not self.modes
+        return angles
+
+    def with_(self, **changes: Any) -> "Balance":
+        """Return the same with other inertia or forces from outside."""
+        return replace(self, **changes)

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rps_exudyn.base.compiled import called, record
 from rps_exudyn.gears.bar_bow import BarBow
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam, RackModes
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.flexible_kernel import BarData, bar_sections, local_poses
+from rps_exudyn.solvers.bent_rack import BAR, bar_sections, local_poses
 
 ALONG_BAR, ON_BAR = -1.0, 0.0  # what stands in the housing, along which the bar slides; what travels with it
 
@@ -20,20 +21,32 @@ class BentBar:
     """A bar with modes, a bow, or both.
 
     Attributes:
-        data: what the kernels read.
+        record: its constants for compiled code.
+        pool: the numbers that the record points to.
         places: element -> X in the housing and `ALONG_BAR`, or station of the bar and `ON_BAR`; an element
             that is not listed acts on the rigid body.
         end: station of the end beside the pinion [m].
     """
 
-    data: BarData
+    record: np.record
+    pool: np.ndarray
     places: Mapping[str, tuple[float, float]]
     end: float
 
     @property
     def modes(self) -> int:
         """Return the number of modes m, of both planes."""
-        return len(self.data.stiffness)
+        return int(self.record.modes)
+
+    @property
+    def stiffness(self) -> np.ndarray:
+        """Return the stiffness of the modes, shape (m,) [N/m per kg]."""
+        return self.pool[self.record.stiffness :][: self.modes]
+
+    @property
+    def damping(self) -> np.ndarray:
+        """Return the damping of the modes, shape (m,) [N s/m per kg]."""
+        return self.pool[self.record.damping :][: self.modes]
 
     def poses(
         self, coordinates: np.ndarray, rates: np.ndarray, place: tuple[float, float]
@@ -41,24 +54,27 @@ class BentBar:
         """Return coordinates and rates, (n, 6) each, of a straight rack that touches the bar at a place, from
         those of the whole gear, (n, 8 + m)."""
         q, v = (np.ascontiguousarray(rows) for rows in (coordinates, rates))
-        local = local_poses(q, v, *place, self.data)
+        bars = np.array([self.record], dtype=BAR)
+        local = called(local_poses, q, v, *place, bars, self.pool)
         return local[:, 0], local[:, 1]
 
     def on_modes(self, station: float) -> np.ndarray:
         """Return the forces on the modes per force along X, Y, Z on a station of the bar, shape (m, 3)."""
-        lift, turn = bar_sections(station, self.data)[:2, : self.modes]
-        shapes, in_y = lift + station * turn, self.data.in_y
+        sections = np.empty((4, self.modes + 2))
+        bar_sections.py_func(station, self.record, self.pool, sections)
+        lift, turn = sections[:2, : self.modes]
+        shapes, in_y = lift + station * turn, self.record.in_y
         forces = np.zeros((self.modes, 3))
         forces[:in_y, 1], forces[in_y:, 2] = shapes[:in_y], shapes[in_y:]
         return forces
 
     def elastic_energy(self, coordinates: np.ndarray) -> np.ndarray:
         """Return the energy of bending, shape (n,) [J]."""
-        return 0.5 * coordinates[:, 8:] ** 2 @ self.data.stiffness
+        return 0.5 * coordinates[:, 8:] ** 2 @ self.stiffness
 
     def damping_power(self, rates: np.ndarray) -> np.ndarray:
         """Return what the bar's damping takes, shape (n,) [W]."""
-        return rates[:, 8:] ** 2 @ self.data.damping
+        return rates[:, 8:] ** 2 @ self.damping
 
 
 def bent_bar(
@@ -68,20 +84,27 @@ def bent_bar(
     per_plane = gear.rack.modes if fidelity.rack == "flexible" else 0
     if not per_plane and not gear.rack.bow:
         return None
-    return BentBar(_data(gear, RackBeam.of(gear).modes(per_plane)), places, RackBar.of(gear).x_min)
+    return BentBar(*_tabulated(gear, RackBeam.of(gear).modes(per_plane)), places, RackBar.of(gear).x_min)
 
 
-def _data(gear: SteeringGear, modes: RackModes) -> BarData:
-    """Tabulate the modes, those in plane y first, and the bow."""
+def _tabulated(gear: SteeringGear, modes: RackModes) -> tuple[np.record, np.ndarray]:
+    """Tabulate the modes, those in plane y first, and the bow: the record, and its numbers."""
     bow = BarBow.of(gear)
     of_modes = np.stack([modes.shape, modes.gradient, modes.slope, modes.curvature])  # (4, m, nodes)
     of_bow = np.stack([bow.offset, bow.gradient, bow.gradient, bow.curvature])  # (4, 2, nodes)
     fields = np.concatenate([of_modes, of_bow], axis=1).transpose(2, 0, 1)
-    return BarData(
+    damping = 2 * gear.rack.modal_damping * modes.frequencies
+    count = len(modes.frequencies)
+    made = record(
+        BAR,
+        is_bent=1,
+        modes=count,
+        in_y=int(np.sum(modes.plane == 0)),
+        nodes=len(modes.nodes),
         first=float(modes.nodes[0]),
         spacing=float(modes.nodes[1] - modes.nodes[0]),
-        fields=np.ascontiguousarray(fields),
-        in_y=int(np.sum(modes.plane == 0)),
-        stiffness=modes.frequencies**2,
-        damping=2 * gear.rack.modal_damping * modes.frequencies,
+        fields=2 * count,
+        stiffness=0,
+        damping=count,
     )
+    return made, np.concatenate([modes.frequencies**2, damping, fields.ravel()])

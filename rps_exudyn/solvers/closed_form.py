@@ -14,7 +14,7 @@ The plunger's seat multiplies its friction by kappa (`seat_wedge_factor`). The r
 friction across the rack does to its guides is left out, as is the installation's offset.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 
@@ -269,7 +269,8 @@ class _MeanForce:
 
 def _mean_force(gear: SteeringGear, side: int, direction: int) -> _MeanForce:
     """Mean over the active path of contact, weighted by the law: load per length ~ sqrt(rho) or constant."""
-    smooth, rubbing = _mean_parts(GearPair.of(gear), gear.mesh.law == "area", side, direction)
+    without_runout = replace(GearPair.of(gear), runout=0.0, runout_angle=0.0)
+    smooth, rubbing = _mean_parts(without_runout, gear.mesh.law == "area", side, direction)
     mu = gear.mesh.friction
     return _MeanForce(smooth.force + mu * rubbing.force, smooth.moment + mu * rubbing.moment, smooth.lever)
 

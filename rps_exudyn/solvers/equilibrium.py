@@ -1,10 +1,12 @@
-"""Equilibrium of the gear while pinion or rack is moved, everything sliding.
+"""Equilibrium of the gear while pinion, rack or steering wheel is moved, everything sliding.
 
 Unknowns are the coordinates of rack, plunger and pinion but for the one that the rig drives. The forces are
-those of the dynamic model (`gear_kernel`), and of inertia only what the drive prescribes: that of pinion and
+those of the dynamic model (`gear_model`), and of inertia only what the drive prescribes: that of pinion and
 rack where they follow a drive that is not steady. The rates that friction needs are the path's own,
 by backward differences, so that this is the limit of slow dynamics and not a model of its own. At the first
 instant they are those of steady motion: rack and pinion move at the gear's gain, nothing else moves.
+
+Behind a steering column the pinion is free too; the wheel's coordinate follows, given or turned by a torque.
 """
 
 from dataclasses import dataclass, field, replace
@@ -12,25 +14,30 @@ from functools import partial
 
 import numpy as np
 
+from rps_exudyn.base.compiled import ready
 from rps_exudyn.base.progress import reached
-from rps_exudyn.forces.memory import begin_step, forget
+from rps_exudyn.forces.memory import TIME, reset
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import SIZE, Balance
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
 from rps_exudyn.solvers.drive import Drive, Steady, travel_per_radian
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
-from rps_exudyn.solvers.newton_path import LONGEST, Found, newton_path
-from rps_exudyn.solvers.path_follower import follower
-from rps_exudyn.solvers.rescue import JUMP, Beginning, search
-from rps_exudyn.solvers.settling import TYPICAL_APPROACH
+from rps_exudyn.solvers.follower import ACCEPT, NO_COLUMN, RIGID, add_column_to, follow
+from rps_exudyn.solvers.gear_model import OUTPUTS
+from rps_exudyn.solvers.rescue import JUMP, Settling, beginning, search
+from rps_exudyn.solvers.settling import SETTLING_STEPS, TYPICAL_APPROACH
+from rps_exudyn.solvers.steering_column import BehindColumn, SteeringColumn
+from rps_exudyn.solvers.wheel_torque import WheelTorque
 
 PIECE = 2000  # instants followed at once: Ctrl-C is heard between them
-MAX_RESCUES = 50
-SHORTEST = 0.01  # of the steps asked for, that between an instant found and one that is not
+MAX_RESCUES = 50  # or as many as instants are asked for
+SHORTEST = 0.01  # of the steps asked for, that between an instant found and one that is not ...
+SHORTEST_BEHIND_COLUMN = 1 / 256  # ... and where friction lets a column's end go
+WHEEL_LENGTH = 0.01  # turns the wheel's coordinate into a length [m]
 
 
 @dataclass(frozen=True)
 class Start:
-    """What the start of a path remembers of how the gear came there."""
+    """How far the start of a path depends on how the gear came there."""
 
     unsettled: float  # by how much the drive's force depends on it, over its largest
     settles_in: float  # time of steady motion after which it does not any more [s]
@@ -58,9 +65,10 @@ class EquilibriumPath:
     lost_at: float | None  # the first instant without an equilibrium [s]
     begun: float  # the first instant of all [s]
     start: Start = SETTLED
-    # (n, 2, .) what friction remembered at the begin and the end of each step
+    # (n, 2, .) state of the bristles at start and end of each step
     kept: np.ndarray = field(default_factory=lambda: np.zeros((0, 2, 0)))
-    outputs: np.ndarray | None = None  # (n, 73) of the force elements, where all are known
+    outputs: np.ndarray = field(default_factory=lambda: np.zeros((0, OUTPUTS)))  # of all parts
+    wheel: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))  # (n, 1) its coordinate, if any
 
     @property
     def converged(self) -> bool:
@@ -82,9 +90,9 @@ class EquilibriumPath:
         """The path's last instant alone."""
         rows = {
             name: getattr(self, name)[-1:]
-            for name in ("time", "coordinates", "rates", "forces", "applied", "kept")
+            for name in ("time", "coordinates", "rates", "forces", "applied", "kept", "outputs", "wheel")
         }
-        return replace(self, **rows, outputs=None)
+        return replace(self, **rows)
 
 
 class PathInterrupted(KeyboardInterrupt):
@@ -131,23 +139,62 @@ def inertia_forces(balance: Balance, pair: GearPair, drive: Drive, time: np.ndar
     """
     turning = drive.acceleration(time) / travel_per_radian(drive.body, pair.gain)
     forces = np.zeros((len(time), balance.size))
-    forces[:, COORDINATE_BLOCKS["pinion"].start] = balance.inertia[0] * turning
-    forces[:, COORDINATE_BLOCKS["rack"].start] = -balance.inertia[1] * pair.gain * turning
+    forces[:, PINION] = balance.inertia[0] * turning
+    forces[:, RACK] = -balance.inertia[1] * pair.gain * turning
     return forces
 
 
+def rigid_motion(pair: GearPair, drive: Drive, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return about where rigid bodies would be at times [s], and their rates, shape (t, 8): gain and
+    runout."""
+    scale = travel_per_radian(drive.body, pair.gain)
+    angle, speed = np.asarray(drive.place(time)) / scale, np.asarray(drive.rate(time)) / scale
+    phase, share = angle + pair.runout_angle, np.cos(pair.beta_p) / np.cos(pair.beta_r)
+    across, lift = pair.runout * share * np.sin(phase), pair.runout * np.cos(phase)
+    places, rates = np.zeros((len(time), RIGID)), np.zeros((len(time), RIGID))
+    if drive.body == "rack":
+        places[:, RACK], rates[:, RACK] = pair.gain * angle, pair.gain * speed
+        places[:, PINION] = across / pair.gain - angle
+        rates[:, PINION] = (share * lift / pair.gain - 1) * speed
+    else:
+        places[:, PINION], rates[:, PINION] = -angle, -speed
+        places[:, RACK], rates[:, RACK] = pair.gain * angle + across, (pair.gain + share * lift) * speed
+    places[:, RACK + 1] = places[:, PLUNGER] = lift
+    rates[:, RACK + 1] = rates[:, PLUNGER] = -pair.runout * np.sin(phase) * speed
+    return places, rates
+
+
+def instants_per_pitch(pair: GearPair, drive: Drive, time: np.ndarray) -> int:
+    """Return the number of even instants of steady motion in a tooth pitch; 0 if they are uneven or no whole
+    number."""
+    if len(time) < 3 or type(drive) is not Steady or not drive.speed:
+        return 0
+    steps = np.diff(time)
+    if np.ptp(steps) > 1e-6 * steps[0]:
+        return 0
+    pitch = 2 * np.pi / pair.teeth / abs(drive.pinion_speed(pair.gain, float(time[0])))
+    whole = round(pitch / steps[0])
+    return whole if whole and abs(pitch / steps[0] - whole) < 1e-6 * whole else 0
+
+
 def equilibrium_path(
-    balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray, led: EquilibriumPath | None = None
+    balance: Balance,
+    pair: GearPair,
+    drive: Drive,
+    time: np.ndarray,
+    led: EquilibriumPath | None = None,
+    column: SteeringColumn | None = None,
 ) -> EquilibriumPath:
     """Follow the equilibria at rising times [s] of a drive's motion.
 
     Where none is found from the instant before, one halfway to it is looked for first. `led` is a path along
-    the first of these times, which is not followed again; what it cost is counted.
+    the first of these times, which is not followed again; what it cost is counted. With a column the drive is
+    that of its upper end.
 
     Raises:
         PathInterrupted: Ctrl-C; it carries the path until then.
     """
-    following = _Following.of(balance, pair, drive, np.asarray(time, dtype=float), led)
+    following = _Following.of(balance, pair, drive, np.asarray(time, dtype=float), led, column)
     interrupted = False
     try:
         following.to_the_end()
@@ -170,6 +217,8 @@ class _Following:
     drive: Drive
     rows: "_Rows"
     free: np.ndarray  # coordinates that are unknown
+    lengths: np.ndarray  # of all coordinates
+    column: np.ndarray  # of `follower.Column`
     led: EquilibriumPath | None  # path along the first instants
     found: int = 0  # instants
     counts: np.ndarray = field(
@@ -178,29 +227,44 @@ class _Following:
     rescues: int = 0
     unbalanced: float = 0.0  # largest force left at the instants found [N]
     residual: float = 0.0  # at the last one looked for [N]
-    outputs: np.ndarray | None = None  # of the force elements, where all are known
 
     @classmethod
     def of(
-        cls, balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray, led: EquilibriumPath | None
+        cls,
+        balance: Balance,
+        pair: GearPair,
+        drive: Drive,
+        time: np.ndarray,
+        led: EquilibriumPath | None,
+        column: SteeringColumn | None,
     ) -> "_Following":
         """Begin with the guess for the first instant, or behind a path that leads along the first ones."""
-        free = balance.free(drive.coordinate)
-        rows = _Rows.along(balance, pair, drive, time)
-        following = cls(balance, pair, drive, rows, free, led if led and len(led.time) > 1 else None)
-        guess = starting_guess(pair, drive.pinion_angle(pair.gain, time[0]), balance.size)
-        guess[list(balance.locked)] = 0.0
-        steady = steady_rates(pair, following.speed, balance.size)
-        rows.coordinates[0, free], rows.rates[0, free] = guess[free], steady[free]
-        forget(balance.memory)
-        balance.memory[1, :1] = time[0]
-        if led := following.led:
-            following.found, following.unbalanced, following.rescues = (
-                rows.follow(led),
-                led.residual,
-                led.rescues,
-            )
+        rows = _Rows.along(balance, pair, drive, time, column)
+        free, lengths, numbers = balance.free(drive.coordinate), balance.lengths, NO_COLUMN
+        if column is not None:
+            wheel = drive.wheel if isinstance(drive, BehindColumn) else drive
+            tyre = wheel.tyre if isinstance(wheel, WheelTorque) else None
+            free = np.union1d(free, [PINION])
+            free = np.append(free, balance.size) if tyre is not None else free
+            lengths = np.append(lengths, WHEEL_LENGTH)
+            springs = (tyre.stiffness, tyre.relaxed) if tyre is not None else (0.0, 0.0)
+            given = column.stiffness, column.damping, column.bend, column.phase
+            numbers = np.array([1.0, *given, *springs])
+        following = cls(balance, pair, drive, rows, free, lengths, numbers, led)
+        reset(balance.memory)
+        balance.memory[1, TIME] = time[0]
+        if led is not None and (len(led.time) > 1 or column is not None):
+            following.found, following.unbalanced = rows.take_over(led), led.residual
+            following.rescues = led.rescues
             following.counts += led.evaluations, led.iterations, led.tangents
+            return following
+        following.led = None
+        first = rows.coordinates[0].copy()
+        first[: balance.size] = starting_guess(pair, drive.pinion_angle(pair.gain, time[0]), balance.size)
+        first[RACK + 1] += TYPICAL_APPROACH - pair.axis_offset - balance.approach
+        steady = np.zeros(len(first))
+        steady[: balance.size] = steady_rates(pair, following.speed, balance.size)
+        rows.coordinates[0, free], rows.rates[0, free] = first[free], steady[free]
         return following
 
     @property
@@ -213,107 +277,114 @@ class _Following:
         """Tell whether all instants are found."""
         return self.found == len(self.rows.time)
 
-    @property
-    def state(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Coordinates, rates, forces and what is applied, one row per instant."""
-        return self.rows.coordinates, self.rows.rates, self.rows.forces, self.rows.applied
-
     def to_the_end(self) -> None:
         """Find what can be found."""
-        if self.balance.newton is not None and _is_plain(self.balance, self.drive, self.rows):
-            self.by_newton()
         while not self.whole and (self.advance() or self.whole or self.rescued()):
             pass
 
-    def by_newton(self) -> None:
-        """Go as far as Newton's method leads; where it does not begin, the guess stays."""
-        balance, rows, guess = self.balance, self.rows, self.rows.coordinates[0].copy()
-        assert balance.newton is not None
-        by_newton = newton_path(
-            balance.newton,
-            self.pair,
-            self.drive,
-            rows.time,
-            self.found,
-            self.free,
-            balance.lengths,
-            self.state[:3],
-            balance.data,
-        )
-        if by_newton.rows == 0:
-            rows.coordinates[0] = guess
-        self.outputs = _joined_outputs(self.led, self.found, by_newton)
-        self.counts, self.found = self.counts + by_newton.costs, by_newton.rows
-        if self.whole:
-            self.unbalanced = max(self.unbalanced, by_newton.residual)
-
     def advance(self) -> bool:
         """Follow one piece of the path; tell whether all of it was found."""
-        time = self.rows.time
+        rows, balance = self.rows, self.balance
+        time = rows.time
         end = min(self.found + PIECE, len(time))
-        self.found, *more, self.residual = follower(self.balance.force)(
+        known, known_rates = (each[None] for each in rigid_motion(self.pair, self.drive, time[:end]))
+        ended, counts = np.zeros(1, dtype=np.int64), np.zeros((1, 5))
+        state = rows.coordinates, rows.rates, rows.forces, rows.outputs, rows.kept
+        ready(follow)(
+            ready(balance.law),
             self.found,
             time[:end],
-            self.drive.coordinate,
+            instants_per_pitch(self.pair, self.drive, time),
+            known,
+            known_rates,
             self.free,
-            self.balance.lengths,
-            *self.state,
-            self.rows.kept,
-            self.balance.memory,
-            self.balance.data,
+            self.lengths,
+            rows.applied[:end],
+            self.column,
+            rows.hand[:end],
+            ACCEPT,
+            *(each[None, :end] for each in state),
+            balance.gears,
+            balance.pool,
+            balance.works,
+            ended,
+            counts,
         )
-        self.counts += more
+        self.found, self.residual = int(ended[0]), float(counts[0, 4])
+        self.counts += counts[0, :3].astype(int)
         if self.found and time[-1] > 0:
-            reached(time[self.found - 1] / time[-1], partial(self.drive.shown, time[self.found - 1]))
-        if self.whole:
-            self.unbalanced = max(self.unbalanced, self.residual)
+            shown = self.drive.wheel if isinstance(self.drive, BehindColumn) else self.drive
+            reached(time[self.found - 1] / time[-1], partial(shown.shown, time[self.found - 1]))
+        self.unbalanced = max(self.unbalanced, float(counts[0, 3]))
         return self.found == end
+
+    def settling(self, k: int, base: np.ndarray, per_time: float) -> Settling:
+        """The search for a balance at instant k, its rates (place - base) per_time."""
+        balance, rows, size = self.balance, self.rows, self.balance.size
+
+        def evaluate(q: np.ndarray, v: np.ndarray, factor_v: float) -> tuple[np.ndarray, np.ndarray]:
+            forces, slopes = balance.force_and_tangent(q[:size], v[:size], 1.0, factor_v)
+            forces += rows.applied[k, :size]
+            if not self.column[0]:
+                return forces, slopes
+            total, tangent = np.append(forces, 0.0), np.zeros((size + 1, size + 1))
+            tangent[:size, :size] = slopes
+            ready(add_column_to)(q, v, self.column, rows.hand[k], factor_v, total, tangent)
+            return total, tangent
+
+        return Settling(
+            evaluate, self.free, self.lengths, rows.coordinates[k], rows.rates[k], base[self.free], per_time
+        )
 
     def rescued(self) -> bool:
         """Look further for the next instant; tell whether there is something to go on from."""
-        if self.rescues == MAX_RESCUES or (self.found == 0 and self.rescues > 0):
+        rows, k = self.rows, self.found
+        most = max(MAX_RESCUES, int(rows.asked.sum())) * (4 if self.column[0] else 1)
+        if self.rescues == most or (k == 0 and self.rescues > 0):
             return False
         self.rescues += 1
-        balance, rows, k = self.balance, self.rows, self.found
         if k == 0:
-            begin = Beginning(balance, self.free, rows.coordinates[0], rows.rates[0], rows.applied[0])
-            pitch = 2 * np.pi / self.pair.teeth / abs(self.speed) if self.speed else 0
-            rows.coordinates[0], rows.rates[0] = begin.found(pitch)
+            pitch = 2 * np.pi / self.pair.teeth / abs(self.speed) if self.speed else 0.0
+            settling = self.settling(0, rows.coordinates[0], 0.0)
+            rows.coordinates[0], rows.rates[0] = beginning(settling, pitch, SETTLING_STEPS)
             return True
-        begin_step(balance.memory, rows.kept[k - 1, 1], rows.time[k])
-        self.residual = search(balance, self.free, rows.time, k, *self.state)
-        rows.kept[k] = balance.memory
-        if self.residual <= JUMP:
+        if self.searched(k):
             self.unbalanced = max(self.unbalanced, self.residual)
             self.found += 1
             return True
-        return rows.halve(k, balance, self.pair, self.drive)
+        shortest = SHORTEST_BEHIND_COLUMN if self.column[0] else SHORTEST
+        return rows.halve(k, shortest, self.balance, self.pair, self.drive)
+
+    def searched(self, k: int) -> bool:
+        """Let the gear creep to the equilibrium at instant k; tell whether it was found."""
+        rows, time, free = self.rows, self.rows.time, self.free
+        balance, places = self.balance, rows.coordinates
+        step, base, per_time = time[k] - time[k - 1], places[k - 1].copy(), 1 / (time[k] - time[k - 1])
+        ahead = places[k - 1] + step * rows.rates[k - 1]
+        if k > 1:
+            before = time[k - 1] - time[k - 2]
+            per_time = (2 * step + before) / (step * (step + before))
+            base = (step + before) / (step * before) * places[k - 1]
+            base -= step / (before * (step + before)) * places[k - 2]
+            base /= per_time
+            ahead = places[k - 1] + step / before * (places[k - 1] - places[k - 2])
+        if balance.has_bristles:
+            balance.memory[0], balance.memory[1, TIME] = rows.kept[k - 1, 1], time[k]
+        settling = self.settling(k, base, per_time)
+        place, self.residual = search(settling, [ahead[free], places[k - 1, free]])
+        rows.coordinates[k], rows.rates[k] = settling.at(place)
+        size = balance.size
+        forces = balance.force(rows.coordinates[k, :size], rows.rates[k, :size])
+        rows.forces[k, :size] = forces + rows.applied[k, :size]
+        rows.outputs[k] = balance.works[0]["out"]
+        if balance.has_bristles:
+            rows.kept[k] = balance.memory
+        return self.residual <= JUMP
 
     def path(self) -> EquilibriumPath:
         """Return what was found."""
-        path = self.rows.path(
-            self.found, self.counts, self.rescues, self.unbalanced if self.whole else self.residual
-        )
-        if self.outputs is not None and len(self.outputs) == len(path.time):
-            return replace(path, outputs=self.outputs)
-        return path
-
-
-def _is_plain(balance: Balance, drive: Drive, rows: "_Rows") -> bool:
-    """Tell whether a path is steady motion under the gear's own forces."""
-    moves = type(drive) is Steady and drive.body != "wheel" and drive.speed != 0
-    return moves and balance.outside is None and not any(balance.inertia) and len(rows.time) <= LONGEST
-
-
-def _joined_outputs(led: EquilibriumPath | None, first: int, by_newton: Found) -> np.ndarray | None:
-    """The outputs of all instants, those of a path that led there too; None where some are not known."""
-    outputs = by_newton.outputs[: by_newton.rows]
-    if led is None or not first:
-        return outputs
-    if led.outputs is None or len(led.outputs) != first:
-        return None
-    outputs[:first] = led.outputs
-    return outputs
+        left = self.unbalanced if self.whole else self.residual
+        return self.rows.path(self.found, self.counts, self.rescues, left, self.balance.size, self.column)
 
 
 @dataclass
@@ -326,42 +397,68 @@ class _Rows:
     rates: np.ndarray
     forces: np.ndarray
     applied: np.ndarray  # what acts besides the gear's forces, and counts among them
-    kept: np.ndarray  # (n, 2, .) what friction remembers
+    outputs: np.ndarray  # of all parts
+    kept: np.ndarray  # (n, 2, .) state of the bristles
+    hand: np.ndarray  # torque on the wheel [N m]
+    column: SteeringColumn | None
 
     @classmethod
-    def along(cls, balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray) -> "_Rows":
+    def along(
+        cls, balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray, column: SteeringColumn | None
+    ) -> "_Rows":
         """The driven coordinate at its places, all others at zero."""
-        coordinates, rates, forces = (np.zeros((len(time), balance.size)) for _ in range(3))
-        coordinates[:, drive.coordinate] = drive.sign * drive.place(time)
-        rates[:, drive.coordinate] = drive.sign * drive.rate(time)
-        applied = inertia_forces(balance, pair, drive, time)
+        n, t = balance.size + (column is not None), len(time)
+        coordinates, rates, forces, applied = (np.zeros((t, n)) for _ in range(4))
+        hand, wheel = np.zeros(t), drive.wheel if isinstance(drive, BehindColumn) else None
+        if column is None or wheel is None:
+            coordinates[:, drive.coordinate] = drive.sign * drive.place(time)
+            rates[:, drive.coordinate] = drive.sign * drive.rate(time)
+        elif isinstance(wheel, WheelTorque):
+            hand = np.asarray(wheel.torque(time))
+        else:
+            coordinates[:, -1], rates[:, -1] = -wheel.place(time), -wheel.rate(time)
+        applied[:, : balance.size] = inertia_forces(balance, pair, drive, time)
         if balance.outside is not None:
-            applied += balance.outside(time)
-        kept = np.zeros((len(time), *balance.memory.shape))
-        return cls(time, np.ones(len(time), dtype=bool), coordinates, rates, forces, applied, kept)
+            applied[:, : balance.size] += balance.outside(time)
+        kept, outputs = np.zeros((t, 2, balance.kept)), np.zeros((t, OUTPUTS))
+        asked = np.ones(t, dtype=bool)
+        return cls(time, asked, coordinates, rates, forces, applied, outputs, kept, hand, column)
 
-    def follow(self, led: EquilibriumPath) -> int:
+    def take_over(self, led: EquilibriumPath) -> int:
         """Take over the instants of a path; return how many."""
-        found = len(led.time)
-        for name in ("coordinates", "rates", "forces", "kept"):
-            getattr(self, name)[:found] = getattr(led, name)
+        found, size = len(led.time), led.coordinates.shape[1]
+        self.coordinates[:found, :size], self.rates[:found, :size] = led.coordinates, led.rates
+        self.forces[:found, :size] = led.forces
+        self.outputs[:found], self.kept[:found] = led.outputs, led.kept
         return found
 
     @property
     def filled(self) -> int:
-        """Number of instants found, known from the forces there."""
+        """Number of instants found, which have forces."""
         return int(self.forces.any(axis=1).sum())
 
-    def path(self, found: int, counts: np.ndarray, rescues: int, residual: float) -> EquilibriumPath:
+    def path(
+        self,
+        found: int,
+        counts: np.ndarray,
+        rescues: int,
+        residual: float,
+        size: int,
+        column: np.ndarray,
+    ) -> EquilibriumPath:
         """Return the path up to instant `found`; `counts` are evaluations, iterations and tangents."""
         evaluations, iterations, tangents = counts.tolist()
         asked = np.flatnonzero(self.asked[:found])
+        applied = self.applied[asked, :size]
+        if column[5]:  # the tyres
+            applied[:, RACK] -= column[5] * (self.coordinates[asked, RACK] - column[6])
+        forces = self.forces[asked, :size]
         return EquilibriumPath(
             self.time[asked],
-            self.coordinates[asked],
-            self.rates[asked],
-            self.forces[asked],
-            self.applied[asked],
+            self.coordinates[asked, :size],
+            self.rates[asked, :size],
+            forces,
+            applied,
             evaluations,
             iterations,
             tangents,
@@ -370,15 +467,20 @@ class _Rows:
             float(self.time[found]) if found < len(self.time) else None,
             float(self.time[0]),
             kept=self.kept[asked],
+            outputs=self.outputs[asked],
+            wheel=self.coordinates[asked, size:],
         )
 
-    def halve(self, k: int, balance: Balance, pair: GearPair, drive: Drive) -> bool:
-        """Put an instant before the k-th; false if those there are as close as makes sense."""
+    def halve(self, k: int, shortest: float, balance: Balance, pair: GearPair, drive: Drive) -> bool:
+        """Put an instant before the k-th; false if those there are as close as makes sense: `shortest` of
+        the steps asked for."""
         between = self.time[k] - self.time[k - 1]
-        if between < SHORTEST * np.diff(self.time[self.asked]).min():
+        if between < shortest * np.diff(self.time[self.asked]).min():
             return False
-        new = _Rows.along(balance, pair, drive, np.array([self.time[k] - between / 2]))
+        middle = np.array([self.time[k] - between / 2])
+        new = _Rows.along(balance, pair, drive, middle, self.column)
         new.asked[:] = False
         for name, values in vars(new).items():
-            setattr(self, name, np.insert(getattr(self, name), k, values, axis=0))
+            if name != "column":
+                setattr(self, name, np.insert(getattr(self, name), k, values, axis=0))
         return True

@@ -5,14 +5,13 @@ An eigenvalue's real part is the rate at which its vibration grows, its imaginar
 
 import numpy as np
 
-from rps_exudyn.solvers.gear_forces import GearForces
+from rps_exudyn.solvers.balance import Balance
 
 
-def slopes(forces: GearForces, places: np.ndarray, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def slopes(balance: Balance, places: np.ndarray, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the forces' slopes by places and by rates, (k, n, n) each, at k places and rates (k, n)."""
-    tangent, (_, data) = forces.dynamics_tangent, forces.dynamics
     by_place, by_rate = (
-        np.array([tangent(q, v, data, *factors) for q, v in zip(places, rates, strict=True)])
+        np.array([balance.difference_tangent(q, v, *factors) for q, v in zip(places, rates, strict=True)])
         for factors in ((1.0, 0.0), (0.0, 1.0))
     )
     return by_place, by_rate

@@ -1,283 +1,353 @@
-"""Equilibria of many gears of one design: a reference gear, how its motion responds, and the compiled loop.
+"""Many gears along the same pinion angles: their records, what is known of their motion, and the follower.
 
-A few gears are followed at close angles: the reference, and two for each parameter that varies. What they do
-is known of all others to first order; the loop finds the rest of their motion at angles further apart. That
-rest is smooth, so that a spline carries it to the angles between.
+A few gears are followed first: a reference, and two for each parameter that varies. What they do is known of
+all others to first order; the follower finds the rest of their motion by the equations of single runs, mostly
+with one evaluation of the forces at each instant.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
+from rps_exudyn.base.compiled import ready
+from rps_exudyn.forces.friction import PLAIN
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.flank_element import flank_force_and_tangent
-from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
+from rps_exudyn.gears.report import check_gear
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.closed_form import GRAVITY
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
 from rps_exudyn.solvers.drive import DrivenBody
-from rps_exudyn.solvers.gear_forces import GearForces
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
-from rps_exudyn.solvers.gear_loop import FOUND, KEPT, Grid, Motion, gear_loop
-from rps_exudyn.solvers.gear_numbers import AXIS_OFFSET, COLUMN, LOAD, PRELOAD, REST_GAP
-from rps_exudyn.solvers.newton_approach import newton_approach
+from rps_exudyn.solvers.follower import ACCEPT, NO_COLUMN, RIGID, follow
+from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
+from rps_exudyn.solvers.gear_model import GEAR, OUTPUTS
+from rps_exudyn.solvers.record import Record
+from rps_exudyn.solvers.settling import CLOSE, TYPICAL_APPROACH, find_approach
 
-if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
+RUNOUT, RUNOUT_ANGLE = "pinion.runout", "pinion.runout_angle"
+COUNTERS = "force_evaluations", "newton_iterations", "jacobians"
+DEGREE = 4  # of the polynomials
+EXACT, ZONES = 1e-10, 1e-4  # allowed error of a record's numbers over their size; of friction zones
+CHECKED = 5  # gears packed to confirm
+Y, Z, YAW, PITCH = RACK + 1, RACK + 2, RACK + 4, RACK + 5
 
-# Residual [N] from which a last step is not evaluated: of all gears; of the known, the next one where the
-# contact's quadrature jumps by more at an angle, so that none below it is found
-COARSE, FINE = 5.0, (0.05, 0.5, 5.0)
-PINION, RACK = (COORDINATE_BLOCKS[body].start for body in ("pinion", "rack"))
+Table = Mapping[str, np.ndarray]
+"""Path of a parameter -> values, SI."""
 
 
+# --- records ---------------------------------------------------------------------------------------
+def _columns(name: str, dtype: np.dtype = GEAR, first: int = 0) -> list[int]:
+    """Places of all numbers of a name in a record seen as numbers of eight bytes."""
+    found: list[int] = []
+    for key in dtype.names or ():
+        kind, offset = dtype.fields[key][:2]  # type: ignore[index]
+        place = first + offset // 8
+        if key == name:
+            found += range(place, place + kind.itemsize // 8)
+        elif kind.names:
+            found += _columns(name, kind, place)
+    return found
+
+
+ZONE_COLUMNS = _columns("zone")
+REST_GAP = _columns("rest_gap")
+
+
+def as_numbers(records: np.ndarray) -> np.ndarray:
+    """Return records (n,) as numbers of eight bytes each, shape (n, .); whole numbers are none of them."""
+    return records.view(np.float64).reshape(len(records), -1)
+
+
+def packed(gears: Sequence[SteeringGear], fidelity: Fidelity, weighted: bool = False) -> np.ndarray:
+    """Return the records of gears, packed one by one; each under the weight of its load test if asked for.
+
+    Raises:
+        InputError: a gear that cannot exist.
+    """
+    records = np.zeros(len(gears), GEAR)
+    for i, gear in enumerate(gears):
+        check_gear(gear)
+        load = gear.test.direction * GRAVITY * gear.test.load_mass if weighted else 0.0
+        records[i] = gear_forces(gear, fidelity, load).statics.gears[0]
+    return records
+
+
+def packed_table(
+    reference: SteeringGear,
+    fidelity: Fidelity,
+    table: Table,
+    ranges: Table | None = None,
+    weighted: bool = False,
+) -> np.ndarray:
+    """Return the records of gears that differ from the reference in a table: path -> values (n,), SI.
+
+    Of one parameter alone each number is a short polynomial over the range of its values, and the changes by
+    several parameters add up; where exactly packed gears confirm that, no other gear need be packed.
+
+    Args:
+        reference: what all have in common.
+        fidelity: how they are modelled.
+        table: the values.
+        ranges: values between whose ends all others lie, by path; those of the table without it.
+        weighted: each gear stands under the weight of its load test.
+
+    Raises:
+        InputError: a value that is not allowed, or a gear that cannot exist.
+    """
+    count = len(next(iter(table.values())))
+
+    def gear(row: int) -> SteeringGear:
+        return reference.replace({path: float(values[row]) for path, values in table.items()})
+
+    some = sorted({*np.linspace(0, count - 1, CHECKED).astype(int).tolist()})
+    exact = packed([gear(row) for row in some], fidelity, weighted)
+    quick = _by_polynomials(reference, fidelity, table, table if ranges is None else ranges, weighted)
+    if quick is not None and _alike(quick[some], exact):
+        return quick
+    return packed([gear(row) for row in range(count)], fidelity, weighted)
+
+
+def _alike(quick: np.ndarray, exact: np.ndarray) -> bool:
+    """Tell whether records are those of gears packed one by one."""
+    numbers, right = as_numbers(quick), as_numbers(exact)
+    allowed = np.full(numbers.shape[1], EXACT)
+    allowed[ZONE_COLUMNS], allowed[REST_GAP] = ZONES, np.inf  # which `adjust` finds
+    finite = np.isfinite(right).all(axis=0)
+    size = np.abs(right[:, finite]).max(axis=0)
+    error = np.abs(numbers[:, finite] - right[:, finite])
+    within = error <= np.maximum(allowed[finite] * size, 1e-300)
+    return bool(within.all() and np.array_equal(numbers[:, ~finite], right[:, ~finite]))
+
+
+def _by_polynomials(
+    reference: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table, weighted: bool
+) -> np.ndarray | None:
+    """Records as sums of polynomials of single parameters; None where other things than numbers change."""
+    count = len(next(iter(table.values())))
+    base = packed([reference], fidelity, weighted)
+    records = np.repeat(base, count)
+    numbers, here = as_numbers(records), as_numbers(base)
+    for path, values in table.items():
+        if path in (RUNOUT, RUNOUT_ANGLE):
+            continue
+        ends = float(ranges[path].min()), float(ranges[path].max())
+        probed = _probed(reference, fidelity, path, *ends, weighted)
+        if probed is None:
+            return None
+        places, of_probes, moving = probed
+        if moving.size:
+            numbers[:, moving] += _polynomials(places, of_probes[:, moving] - here[:, moving], values)
+    if RUNOUT in table or RUNOUT_ANGLE in table:
+        pair = GearPair.of(reference)
+        e = table.get(RUNOUT, np.full(count, pair.runout))
+        angle = table.get(RUNOUT_ANGLE, np.full(count, pair.runout_angle))
+        for each, turned in ((e.max(), angle[0]), (e.min(), angle[-1])):  # both can exist
+            packed([reference.replace({RUNOUT: float(each), RUNOUT_ANGLE: float(turned)})], fidelity)
+        flank = records["mesh"]["flank"]
+        for i, (size, turned) in enumerate(zip(e.tolist(), angle.tolist(), strict=True)):
+            centre = replace(pair, runout=size, runout_angle=turned).eccentricity
+            flank["eccentric_e"][i], flank["eccentric_y"][i] = centre[0], centre[1]
+    return records
+
+
+@lru_cache(maxsize=256)
+def _probed(
+    reference: SteeringGear, fidelity: Fidelity, path: str, low: float, high: float, weighted: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Values of a parameter, the numbers of gears with them, and which of these change; None where other
+    things than numbers change. Kept for the parts of one table."""
+    nodes = chebyshev.chebpts1(DEGREE + 1)
+    places = np.unique(np.append((low + high) / 2 + (high - low) / 2 * nodes, (low, high)))
+    probes = [reference.replace({path: float(value)}) for value in places]
+    of_probes = packed(probes, fidelity, weighted)
+    if GearPair.of(probes[0]).design is not GearPair.of(reference).design:
+        return None
+    numbers = as_numbers(of_probes)
+    moving = np.flatnonzero(
+        (of_probes.view(np.int64).reshape(numbers.shape) != of_probes[:1].view(np.int64)).any(axis=0)
+    )
+    return (places, numbers, moving) if np.isfinite(numbers[:, moving]).all() else None
+
+
+def _polynomials(places: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Polynomials through values (m, columns) at places (m,), at other places (n,); shape (n, columns)."""
+    middle, half = (places[-1] + places[0]) / 2, (places[-1] - places[0]) / 2
+    if not half:
+        return np.repeat(values[:1], len(at), axis=0)
+    terms = chebyshev.chebvander((places - middle) / half, min(DEGREE, len(places) - 1))
+    coefficients = np.linalg.lstsq(terms, values, rcond=None)[0]
+    return np.asarray(chebyshev.chebvander((at - middle) / half, terms.shape[1] - 1) @ coefficients)
+
+
+# --- motion ----------------------------------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
-class Rows:
-    """Gears as rows of numbers, see `gear_numbers`."""
+class Known:
+    """Places at the mesh beside what rigid bodies do: of a reference gear, and what features add to them."""
 
-    numbers: np.ndarray  # (n, COUNT)
-    references: np.ndarray  # (n or 1, 3)
-    points: np.ndarray  # (n or 1, ., 4)
-    stiffnesses: np.ndarray  # (n or 1, 4, 4)
-    seat_stiffness: np.ndarray  # (n,) [N/m]
+    places: np.ndarray  # (1 + f, k, 8), per feature from the second on
+    rates: np.ndarray  # the same, by the follower's differences
 
-    def __len__(self) -> int:
-        return len(self.numbers)
+    @classmethod
+    def of(cls, places: np.ndarray, time_step: float) -> "Known":
+        """From places at even instants."""
+        rates = np.empty(places.shape)
+        rates[:, 1:] = np.diff(places, axis=1) / time_step
+        rates[:, 0] = rates[:, 1]
+        rates[:, 2:] += (rates[:, 2:] - rates[:, 1:-1]) / 2
+        return cls(places, rates)
 
-    def of(self, rows: np.ndarray) -> "Rows":
-        """Return some of the gears."""
-        arrays = (self.references, self.points, self.stiffnesses)
-        reference, points, stiffness = (each if len(each) == 1 else each[rows] for each in arrays)
-        return Rows(self.numbers[rows], reference, points, stiffness, self.seat_stiffness[rows])
+    def since(self, first: int) -> "Known":
+        """Return the same from an instant on."""
+        return Known(self.places[:, first:], self.rates[:, first:])
+
+    def of_gears(self, features: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return places and rates of gears with features (n, f); shape (n, k, 8)."""
+        weights = np.column_stack([np.ones(len(features)), features])
+        places, rates = (np.tensordot(weights, values, 1) for values in (self.places, self.rates))
+        return places, rates
 
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What became of the gears: the columns of `gear_loop` at each angle."""
+    """What became of gears at even angles; arrays have one row for each gear."""
 
-    out: np.ndarray  # (n, angles, KEPT)
-    ended: np.ndarray  # (n,)
-    evaluations: np.ndarray  # (n,) of the forces
-    adjusted: np.ndarray  # (n,) place of the rack under the preload, along Y [m]
-
-    @property
-    def found(self) -> np.ndarray:
-        """Which gears were found at all angles, shape (n,)."""
-        return np.asarray(self.ended == FOUND)
+    record: Record  # of all of them
+    found: np.ndarray  # (n,) whether there is an equilibrium at all angles
+    resting: np.ndarray  # (n,) place of the rack under the preload along Y [m]
+    counts: dict[str, np.ndarray]  # what it took, by the names of `quantities`, (n,) each
 
 
 @dataclass(frozen=True, eq=False)
-class Loop:
-    """One compiled loop over gears that share laws, drive and angles.
+class GearSeries:
+    """Gears of one design under one motion of the rig; a driven rack moves as the pinion would move it.
 
-    A driven rack moves as the pinion would move it: the angles are those of a pinion without errors.
+    Attributes:
+        forces: of the reference gear.
+        pair: its geometry.
+        speed: of the pinion, with its sense [rad/s].
+        body: that the rig moves.
     """
 
-    forces: GearForces  # of the reference gear
+    forces: GearForces
     pair: GearPair
-    speed: float  # of the pinion, with its sense [rad/s]
+    speed: float
     body: DrivenBody = "pinion"
-    weighted: bool = False  # whether each gear's weight pulls at its rack
-    place: tuple[float, float] = field(init=False)  # of the reference rack under its preload [m]
 
-    def __post_init__(self) -> None:
-        data, spring = self.forces.ideal.data, self.forces.spring
-        assert spring is not None  # the loop knows gears with a plunger
-        x, y, _ = newton_approach(flank_force_and_tangent)(
-            spring.data.preload, 0.0, self.pair.axis_offset - self.forces.approach, data
-        )
-        object.__setattr__(self, "place", (float(x), float(y)))
+    @property
+    def share(self) -> float:
+        """Share of the runout across the pinion's axis that the rack follows along X."""
+        return float(np.cos(self.pair.beta_p) / np.cos(self.pair.beta_r))
+
+    def rigid(self, records: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return places of gears (n,) by gain and runout at angles (k,) of the pinion, and their rates; shape
+        (n, k, 8)."""
+        flank, speed = records["mesh"]["flank"], self.speed
+        towards_e, towards_y, gain = (flank[name][:, None] for name in ("eccentric_e", "eccentric_y", "gain"))
+        sin, cos = np.sin(angles), np.cos(angles)
+        across, lift = towards_y * sin + towards_e * cos, towards_y * cos - towards_e * sin
+        places, rates = (np.zeros((len(records), len(angles), RIGID)) for _ in range(2))
+        places[..., RACK], rates[..., RACK] = gain * angles, gain * speed
+        places[..., PINION], rates[..., PINION] = -angles, -speed
+        if self.body == "rack":
+            places[..., PINION] += self.share * across / gain
+            rates[..., PINION] += self.share * lift / gain * speed
+        else:
+            places[..., RACK] += self.share * across
+            rates[..., RACK] += self.share * lift * speed
+        places[..., Y] = places[..., PLUNGER] = lift
+        rates[..., Y] = rates[..., PLUNGER] = -across * speed
+        return places, rates
+
+    def adjusted(self, records: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return records whose yokes are adjusted so that the preload acts at rest, the places of their racks
+        along Y there (n,) [m], and which teeth carry the preload (n,)."""
+        ideal, n = records.copy(), len(records)
+        flank, spring = ideal["mesh"]["flank"], records["spring"]
+        flank["friction"], flank["law"] = 0.0, PLAIN
+        flank["eccentric_e"] = flank["eccentric_y"] = 0.0
+        x, y, residual = np.zeros(n), flank["axis_offset"] - TYPICAL_APPROACH, np.zeros(n)
+        loads, works = np.ascontiguousarray(spring["preload"]), self.forces.works
+        ready(find_approach)(ready(self.forces.law), loads, x, y, ideal, self.forces.pool, works, residual)
+        seat, made = records["seat"], records.copy()
+        half = seat["half_angle"]
+        stiffness = seat["density"] * (half + np.sin(half) * np.cos(half)) * 2 * seat["half_length"]
+        made["seat"]["rest_gap"] = loads / stiffness - y
+        return made, y, residual <= CLOSE
 
     def follow(
         self,
-        rows: Rows,
+        records: np.ndarray,
         angles: np.ndarray,
         per_pitch: int,
-        known: "Known",
+        known: Known,
         features: np.ndarray,
-        accepted: float,
     ) -> Found:
-        """Follow gears over even angles (k,) [rad]; the known motion responds to `features` (n, f)."""
-        balance, n = self.forces.statics, len(rows)
-        numbers = rows.numbers.copy()
-        numbers[:, REST_GAP] = rows.seat_stiffness
-        if not self.weighted:
-            numbers[:, LOAD] = 0.0
+        """Follow gears (n,) with features (n, f) over even angles (k,) [rad] at which motion is known."""
+        balance, n, k = self.forces.statics, len(records), len(angles)
+        gears, resting, carried = self.adjusted(records)
+        places, rates = self.rigid(gears, angles)
+        beside, turning = known.of_gears(features)
+        places += beside
+        places[..., Y] += (resting + self.forces.approach)[:, None]
+        rates += turning
         driven = COORDINATE_BLOCKS[self.body].start
-        out = np.zeros((n, len(angles), KEPT))
-        ended, evaluations = np.zeros((2, n), dtype=np.int64)
-        x, y = self.place
-        aside = rows.numbers[:, AXIS_OFFSET] - self.pair.axis_offset
-        near = np.column_stack([np.full(n, x), y + aside + features @ known.resting])
-        free, swing = balance.free(driven), swing_of(self.pair)
-        grid = Grid(driven, free, CHARACTERISTIC_LENGTHS, swing, angles, per_pitch, accepted)
-        gear_loop(self.forces.mesh.tangent, self.forces.seat.kernel)(
-            balance.data,
-            numbers,
-            rows.references,
-            rows.points,
-            rows.stiffnesses,
-            np.full(n, self.speed),
-            near,
-            y,
-            grid,
-            known.at(angles),
-            np.ascontiguousarray(features),
-            out,
+        coordinates, speeds = places.copy(), rates.copy()
+        x, yaw, pitch = (places[..., i] for i in (RACK, YAW, PITCH))
+        coordinates[..., Y] += x * pitch
+        coordinates[..., Z] -= x * yaw
+        speeds[..., Y] += rates[..., RACK] * pitch + x * rates[..., PITCH]
+        speeds[..., Z] -= rates[..., RACK] * yaw + x * rates[..., YAW]
+        time = np.abs(angles - angles[0]) / abs(self.speed)
+        forces, outputs = np.zeros((n, k, RIGID)), np.zeros((n, k, OUTPUTS))
+        ended, counts = np.zeros(n, dtype=np.int64), np.zeros((n, 5))
+        ready(follow)(
+            ready(self.forces.law),
+            0,
+            time,
+            per_pitch,
+            places,
+            rates,
+            balance.free(driven),
+            balance.lengths,
+            np.zeros((k, RIGID)),
+            NO_COLUMN,
+            np.zeros(k),
+            ACCEPT,
+            coordinates,
+            speeds,
+            forces,
+            outputs,
+            np.zeros((n, k, 2, 0)),
+            gears,
+            self.forces.pool,
+            self.forces.works,
             ended,
-            evaluations,
+            counts,
         )
-        adjusted = numbers[:, PRELOAD] / rows.seat_stiffness - numbers[:, REST_GAP]
-        return Found(out, ended, evaluations, adjusted)
-
-
-@dataclass(frozen=True, eq=False)
-class Known:
-    """A reference gear's coordinates at the mesh beside gain and runout, and their response."""
-
-    motion: "CubicSpline"  # -> (8,)
-    response: "CubicSpline | None" = None  # -> (f, 8) per feature
-    resting: np.ndarray = field(
-        default_factory=lambda: np.zeros(0)
-    )  # of the rest's place beside the axis (f,)
-
-    def at(self, angles: np.ndarray) -> Motion:
-        """Return both and their derivatives at angles (k,)."""
-        places, rates = (np.ascontiguousarray(self.motion(angles, order)) for order in (0, 1))
-        if self.response is None:
-            none = np.zeros((len(angles), 0, 8))
-            return Motion(places, rates, none, none)
-        return Motion(
-            places, rates, *(np.ascontiguousarray(self.response(angles, order)) for order in (0, 1))
+        sense = 1.0 if self.body == "rack" else -1.0
+        record = Record(
+            self.forces,
+            time,
+            coordinates,
+            speeds,
+            -sense * forces[..., driven],
+            self.body,
+            np.zeros((n, k)),
+            known=outputs,
         )
+        taken = {"steps": ended} | dict(zip(COUNTERS, counts.T, strict=False))
+        return Found(record, carried & (ended == k), resting, taken)
 
-
-def swing_of(pair: GearPair) -> float:
-    """Return the share of the runout across the pinion's axis that the rack follows along X."""
-    return float(np.cos(pair.beta_p) / np.cos(pair.beta_r))
-
-
-def motion_at_mesh(
-    angles: np.ndarray, coordinates: np.ndarray, rows: Rows, loop: Loop, shift: np.ndarray
-) -> np.ndarray:
-    """Return coordinates (n, k, 8) at the mesh, beside gain, runout and a shift (n,) along Y [m]."""
-    at = coordinates.copy()
-    x, yaw, pitch = (coordinates[..., i] for i in (RACK, RACK + 4, RACK + 5))
-    at[..., RACK + 1] -= x * pitch
-    at[..., RACK + 2] += x * yaw
-    towards_e, towards_y, gain = (
-        rows.numbers[:, COLUMN["mesh", name], None] for name in ("eccentric_e", "eccentric_y", "gain")
-    )
-    across = towards_y * np.sin(angles) + towards_e * np.cos(angles)
-    lift = towards_y * np.cos(angles) - towards_e * np.sin(angles)
-    swing = across * swing_of(loop.pair)
-    at[..., PINION] += angles
-    at[..., RACK] -= gain * angles
-    if loop.body == "rack":
-        at[..., PINION] -= swing / gain
-    else:
-        at[..., RACK] -= swing
-    at[..., RACK + 1] -= lift + shift[:, None]
-    at[..., RACK + 6] -= lift
-    return at
-
-
-@dataclass(frozen=True, eq=False)
-class Between:
-    """What is known of gears over a record, from what the loop found at its own angles.
-
-    Columns are those of the loop; each is a gear's known part and the spline of the rest.
-    """
-
-    nodes: np.ndarray  # the loop's angles [rad]
-    record: np.ndarray  # the record's, (m,) [rad]
-    weights: np.ndarray  # (nodes, m) of the spline from one to the other
-    beside: np.ndarray  # (KEPT, 1 + f, m) what a spline of the known part misses: at 1, and per feature
-
-    @classmethod
-    def of(
-        cls, columns: "CubicSpline", response: "CubicSpline", nodes: np.ndarray, record: np.ndarray
-    ) -> "Between":
-        """From columns of the reference gear and their response over the angle; nodes (k,), record (m,)."""
-        order = np.argsort(nodes)
-        weights = np.empty((len(nodes), len(record)))
-        weights[order] = rising(nodes[order], np.eye(len(nodes)))(record).T
-
-        def known(angles: np.ndarray) -> np.ndarray:
-            return np.concatenate([columns(angles)[:, None], response(angles)], axis=1).T.copy()
-
-        return cls(nodes, record, weights, known(record) - known(nodes) @ weights)
-
-    def over_record(self, out: np.ndarray, features: np.ndarray, which: Sequence[int]) -> np.ndarray:
-        """Return columns of the loop's `out` (n, nodes, KEPT) over the record, shape (columns, n, m)."""
-        return self._summed(out, features, which, self.weights, self.beside)
-
-    def weighed(
-        self, out: np.ndarray, features: np.ndarray, which: Sequence[int], weights: np.ndarray
-    ) -> np.ndarray:
-        """Return sums of columns over the record with weights (m, s): integrals, ends; (columns, n, s)."""
-        return self._summed(out, features, which, self.weights @ weights, self.beside @ weights)
-
-    def _summed(
-        self,
-        out: np.ndarray,
-        features: np.ndarray,
-        which: Sequence[int],
-        of_nodes: np.ndarray,
-        of_known: np.ndarray,
-    ) -> np.ndarray:
-        """Columns at the nodes, times weights (nodes, s), and what is known beside, (KEPT, 1 + f, s)."""
-        known = np.column_stack([np.ones(len(out)), features])
-        found = np.empty((len(which), len(out), of_nodes.shape[1]))
-        for row, column in zip(found, which, strict=True):
-            np.matmul(np.ascontiguousarray(out[:, :, column]), of_nodes, out=row)
-            row += known @ of_known[column]
-        return found
-
-
-def rising(angles: np.ndarray, values: np.ndarray) -> "CubicSpline":
-    """Return the spline of values (k, ...) over angles (k,) that rise or fall."""
-    from scipy.interpolate import CubicSpline  # half a second, for the loop over gears alone
-
-    order = slice(None) if angles[-1] > angles[0] else slice(None, None, -1)
-    return CubicSpline(angles[order], values[order])
-
-
-def learned(
-    loop: Loop, rows: Rows, steps: np.ndarray, angles: np.ndarray, per_pitch: int, known: Known
-) -> "tuple[Known, CubicSpline, CubicSpline] | None":
-    """Follow the reference gear and two for each feature, `steps` (f,) above and below it.
-
-    `rows` are these gears in this order; returns what is known then, and the reference gear's columns and
-    their response over the angle; None if one of them was not found.
-    """
-    found = _finely(loop, rows, angles, per_pitch, known)
-    if not found.found.all():
-        return None
-    shift = found.adjusted - loop.place[1]
-    motion = motion_at_mesh(angles, found.out[..., :8], rows, loop, shift)
-
-    def slope(values: np.ndarray) -> np.ndarray:
-        difference = (values[1::2] - values[2::2]) / (2 * steps[:, None, None])
-        return np.moveaxis(difference, 0, 1)
-
-    beside = found.adjusted - rows.numbers[:, AXIS_OFFSET]
-    resting = (beside[1::2] - beside[2::2]) / (2 * steps)
-    responding = Known(rising(angles, motion[0]), rising(angles, slope(motion)), resting)
-    return responding, rising(angles, found.out[0]), rising(angles, slope(found.out))
-
-
-def _finely(loop: Loop, rows: Rows, angles: np.ndarray, per_pitch: int, known: Known) -> Found:
-    """Follow gears, each by the smallest residual of `FINE` by which it is found."""
-
-    def followed(some: Rows, accepted: float) -> Found:
-        return loop.follow(some, angles, per_pitch, known, np.zeros((len(some), 0)), accepted)
-
-    found = followed(rows, FINE[0])
-    for accepted in FINE[1:]:
-        lost = np.flatnonzero(~found.found)
-        if not lost.size:
-            break
-        again = followed(rows.of(lost), accepted)
-        for each in fields(found):
-            getattr(found, each.name)[lost] = getattr(again, each.name)
-    return found
+    def beside_rigid(self, found: Found, records: np.ndarray, angles: np.ndarray) -> np.ndarray:
+        """Return the places (n, k, 8) at the mesh of gears that were found, beside gain, runout and where the
+        preload presses the rack."""
+        at, (rigid, _) = found.record.coordinates.copy(), self.rigid(records, angles)
+        x = at[..., RACK].copy()
+        at[..., Y] -= x * at[..., PITCH]
+        at[..., Z] += x * at[..., YAW]
+        at -= rigid
+        at[..., Y] -= (found.resting + self.forces.approach)[:, None]
+        return at

@@ -1,11 +1,11 @@
 """A recorded motion, of whatever solver, and its signals: places, forces, works, energy.
 
-From coordinates and rates the force elements (see `parts.force_element`) give normal forces, stored energy
-and what each contact dissipates, independently of the sums that the solver used: a balance that closes is
-therefore evidence.
+From coordinates and rates the parts' force laws (`gear_model`) give normal forces, stored energy and what
+each contact dissipates, independently of the sums that the solver used: a balance that closes is therefore
+evidence.
 """
 
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,14 +16,15 @@ from rps_exudyn.forces.force_element import (
     ELASTIC_ENERGY,
     ENERGY_TERMS,
     FRICTION_POWER,
-    ForceElement,
+    Part,
 )
-from rps_exudyn.forces.memory import NO_MEMORY, PLACES, TIME
+from rps_exudyn.forces.memory import PLACES, TIME
 from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, stacked
 from rps_exudyn.solvers.drive import OVERCOME, Drive, DrivenBody
 from rps_exudyn.solvers.equilibrium import SETTLED, EquilibriumPath, Start
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, along, stacked
-from rps_exudyn.solvers.newton_tangent import OUTPUTS
+from rps_exudyn.solvers.gear_forces import GearForces
+from rps_exudyn.solvers.gear_model import COLUMNS
 from rps_exudyn.solvers.record_of_column import driven_rate, of_column
 from rps_exudyn.solvers.steering_column import SteeringColumn
 from rps_exudyn.solvers.wheel_torque import TyreSpring
@@ -35,6 +36,7 @@ WORK = {
     "work_bush_friction",
     "work_bearing_friction",
 }
+MESH_ENERGY, LOAD_ENERGY = "mesh_energy", "load_energy"  # of `instant_signals`: no signals of a result
 AT_MESH = (0.0, ALONG_BAR)  # where mesh and yoke stand
 # Signals of what is not prescribed, in the order of the coordinates
 COORDINATES = ("rack_y", "rack_z", "rack_roll", "rack_yaw", "rack_pitch", "plunger_displacement")
@@ -53,11 +55,12 @@ SHOWN = {
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """A recorded motion; arrays have one row per step."""
+    """A recorded motion; arrays have one row per step. Those of many gears over the same instants have one
+    more axis, the first, but for the time."""
 
-    elements: list[ForceElement]
+    forces: GearForces
     time: np.ndarray  # [s]
-    coordinates: np.ndarray  # (n, .) stacked as in `gear_kernel` or `flexible_kernel`
+    coordinates: np.ndarray  # (n, .) stacked as in `gear_model`
     rates: np.ndarray  # the same
     # torque on the pinion or the wheel [N m] or force on the rack [N], in the sense of travel along +X
     drive: np.ndarray
@@ -66,14 +69,12 @@ class Record:
     contact: np.ndarray | None = None  # the solver's own contact forces on pinion and rack, (n, 7)
     pulse_power: np.ndarray | None = None  # of what shakes the rack [W]
     settled: bool = False  # whether a tooth pitch was turned before
-    start: Start = SETTLED  # what it remembers of how the gear came there
-    bar: BentBar | None = None  # of the rack, where it bends or is not straight
-    begun: np.ndarray | None = None  # (n, .) what friction remembered at the begin of the steps that end here
-    memory: np.ndarray = field(default_factory=lambda: NO_MEMORY)  # where the elements look for it
+    start: Start = SETTLED  # how far it depends on how the gear came there
+    begun: np.ndarray | None = None  # (n, .) state of the bristles at the start of the steps that end here
     wheel: np.ndarray | None = None  # (n, 2) angle and rate of the wheel, where the rig turns it [rad, rad/s]
     column: SteeringColumn | None = None  # behind it
     tyre: TyreSpring | None = None  # at the rack, where a torque turns the wheel
-    known: np.ndarray | None = None  # (n, 73) the elements' outputs, where found together
+    known: np.ndarray | None = None  # (n, .) outputs of all parts, if they are known already
 
     def since(self, time: float) -> "Record":
         """Return what comes after a time [s]: the part that begins with the last step until then.
@@ -82,30 +83,35 @@ class Record:
         """
         kept = self.time >= self.time[self.time <= time].max(initial=-np.inf)
         values = {item.name: getattr(self, item.name) for item in fields(self)}
-        rows = {
-            name: each for name, each in values.items() if isinstance(each, np.ndarray) and name != "memory"
-        }
+        rows = {name: each for name, each in values.items() if isinstance(each, np.ndarray)}
         return replace(self, **{name: each[kept] for name, each in rows.items()})
 
     def of(self, body: str) -> np.ndarray:
         """Return the coordinates of one body, shape (n, .)."""
-        return self.coordinates[:, COORDINATE_BLOCKS[body]]
+        return self.coordinates[..., COORDINATE_BLOCKS[body]]
 
     def of_rates(self, body: str) -> np.ndarray:
         """Return the rates of one body, shape (n, .)."""
-        return self.rates[:, COORDINATE_BLOCKS[body]]
+        return self.rates[..., COORDINATE_BLOCKS[body]]
 
-    def outputs(self, element: ForceElement) -> np.ndarray:
-        """Return an element's output at every step: forces, energy terms, own values; shape (n, .).
+    @property
+    def bar(self) -> BentBar | None:
+        """Return the rack's bar, where it bends or is not straight."""
+        return self.forces.bar
+
+    @cached_property
+    def all_outputs(self) -> np.ndarray:
+        """Outputs of all parts at every step, shape (n, `gear_model.OUTPUTS`)."""
+        if self.known is not None:
+            return self.known
+        return self.forces.outputs(self.coordinates, self.rates, self.time, self.begun)
+
+    def outputs(self, part: Part) -> np.ndarray:
+        """Return a part's output at every step: forces, energy terms, own values; shape (n, .).
 
         Forces on a rack that bends are those on the local pose.
         """
-        if self.known is not None:
-            first, count = OUTPUTS[element.name]
-            return self.known[:, first : first + count]
-        q, v = (np.ascontiguousarray(rows) for rows in self.seen_by(element))
-        begun = np.zeros((len(self.time), 0)) if self.begun is None else self.begun
-        return np.asarray(along(element.kernel)(q, v, element.data, self.time, begun, self.memory))
+        return self.all_outputs[..., COLUMNS[part.name]]
 
     @cached_property
     def slip_rates(self) -> np.ndarray:
@@ -117,15 +123,15 @@ class Record:
         even = (step > 0) & np.isfinite(step)
         return np.where(even, (self.coordinates - before) / np.where(even, step, 1.0), self.rates)
 
-    def seen_by(self, element: ForceElement) -> tuple[np.ndarray, np.ndarray]:
-        """Return coordinates and rates of an element's bodies, (n, .) each: of a rack that bends those of a
+    def seen_by(self, part: Part) -> tuple[np.ndarray, np.ndarray]:
+        """Return coordinates and rates of a part's bodies, (n, .) each: of a rack that bends those of a
         straight one that touches it there."""
-        place = self.bar.places.get(element.name) if self.bar is not None else None
+        place = self.bar.places.get(part.name) if self.bar is not None else None
         coordinates, rates = (
             (self.coordinates, self.slip_rates) if place is None else self.straightened(place)
         )
-        columns = stacked(element.bodies)
-        return coordinates[:, columns], rates[:, columns]
+        columns = stacked(part.bodies)
+        return coordinates[..., columns], rates[..., columns]
 
     def straightened(self, place: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
         """Return coordinates and rates with those of a straight rack that touches the bar at a place."""
@@ -136,96 +142,113 @@ class Record:
         return coordinates, rates
 
 
-def record_of_path(
-    elements: list[ForceElement],
-    path: EquilibriumPath,
-    drive: Drive,
-    bar: BentBar | None = None,
-    memory: np.ndarray = NO_MEMORY,
-) -> Record:
+def record_of_path(forces: GearForces, path: EquilibriumPath, drive: Drive) -> Record:
     """Return the record of equilibria along a drive's motion.
 
     Their kinetic energy is the work that was done against the inertia of what follows the drive.
     """
     overcome = -drive.sign * path.forces[:, drive.coordinate]
     energy = _work(-np.einsum("ti,ti->t", path.applied, path.rates), path.time)
-    if bar is not None:
-        energy = energy + bar.elastic_energy(path.coordinates)
-    record = Record(
-        elements,
+    if forces.bar is not None:
+        energy = energy + forces.bar.elastic_energy(path.coordinates)
+    return Record(
+        forces,
         path.time,
         path.coordinates,
         path.rates,
         overcome,
         drive.body,
         energy,
-        bar=bar,
+        begun=np.ascontiguousarray(path.kept[:, 0]) if path.kept.shape[2] else None,
         known=path.outputs,
     )
-    if not memory.size:
-        return record
-    return replace(record, begun=np.ascontiguousarray(path.kept[:, 0]), memory=memory)
 
 
 def signals_of(record: Record) -> dict[str, np.ndarray]:
     """Return all signals of a run, by the names of `quantities`."""
-    time, (places, _) = record.time, record.straightened(AT_MESH)
-    rack = places[:, COORDINATE_BLOCKS["rack"]]
+    signals = integrated(instant_signals(record), record.time)
+    return signals | _of_bent_bar(record)
+
+
+def instant_signals(record: Record) -> dict[str, np.ndarray]:
+    """Return the signals that follow from each instant by itself; powers by the names of their works, and
+    `stored_energy` and `work_mesh_edges` as `integrated` takes them."""
+    places, _ = record.straightened(AT_MESH)
+    rack = places[..., COORDINATE_BLOCKS["rack"]]
     lift = axis_at_pitch_point(rack)
     signals = {
-        "time": time - time[0],
-        "pinion_angle": -record.of("pinion")[:, 0],
+        "pinion_angle": -record.of("pinion")[..., 0],
         OVERCOME[record.driven]: record.drive,
-        "rack_displacement": rack[:, 0],
-        "rack_y": lift[:, 0],
-        "rack_z": lift[:, 1],
-        "rack_roll": rack[:, 3],
-        "rack_yaw": rack[:, 4],
-        "rack_pitch": rack[:, 5],
-        "plunger_displacement": record.of("plunger")[:, 0],
-        "work_drive": _work(record.drive * driven_rate(record), time),
+        "rack_displacement": rack[..., 0],
+        "rack_y": lift[..., 0],
+        "rack_z": lift[..., 1],
+        "rack_roll": rack[..., 3],
+        "rack_yaw": rack[..., 4],
+        "rack_pitch": rack[..., 5],
+        "plunger_displacement": record.of("plunger")[..., 0],
+        "work_drive": record.drive * driven_rate(record),
     }
     in_column = of_column(record)
     signals |= in_column
     if record.tyre is not None:
         signals["tyre_force"] = record.tyre.force(record.of("rack")[:, 0])
     if record.pulse_power is not None:
-        signals["work_load"] = _work(record.pulse_power, time)
+        signals["work_load"] = record.pulse_power
     energy = record.energy + in_column.get("column_energy", 0.0)
-    for element in record.elements:
-        out = record.outputs(element)
-        if element.name == "mesh":
-            signals["work_mesh_edges"] = _over_edges(record, element, out)
-        energy_terms = out[:, element.size : element.size + ENERGY_TERMS]
-        own = dict(zip(element.outputs, out[:, element.size + ENERGY_TERMS :].T, strict=True))
-        if element.name == "load":
-            raised = energy_terms[:, ELASTIC_ENERGY] - energy_terms[0, ELASTIC_ENERGY]
-            signals["work_load"] = signals.get("work_load", 0.0) - raised
+    for part in record.forces.parts:
+        out = record.outputs(part)
+        energy_terms = out[..., part.size : part.size + ENERGY_TERMS]
+        values = np.moveaxis(out[..., part.size + ENERGY_TERMS :], -1, 0)
+        own = dict(zip(part.outputs, values, strict=False))
+        if part.name == "mesh":
+            signals["work_mesh_edges"] = _over_edges(record, part, out)
+            signals[MESH_ENERGY] = energy_terms[..., ELASTIC_ENERGY]
+        if part.name == "load":
+            signals[LOAD_ENERGY] = energy_terms[..., ELASTIC_ENERGY]
         else:
-            energy += energy_terms[:, ELASTIC_ENERGY]
+            energy = energy + energy_terms[..., ELASTIC_ENERGY]
         for loss, column in (("friction", FRICTION_POWER), ("damping", DAMPING_POWER)):
-            if f"work_{element.name}_{loss}" in WORK:
-                signals[f"work_{element.name}_{loss}"] = _work(energy_terms[:, column], time)
+            if f"work_{part.name}_{loss}" in WORK:
+                signals[f"work_{part.name}_{loss}"] = energy_terms[..., column]
         signals |= {name: own[source] for name, source in SHOWN.items() if source in own}
-    if not np.any(signals.get("mesh_pressure", 1.0)):  # a contact of samples, which knows no lines
+    if not np.any(signals.get("mesh_pressure", 1.0)):  # a contact of spheres has no lines
         del signals["mesh_pressure"]
     if "mesh_normal_force_drive" in signals:
         signals["mesh_normal_force"] = signals["mesh_normal_force_drive"] + signals["mesh_normal_force_coast"]
-    signals["stored_energy"] = energy - energy[0]
-    return signals | _of_bent_bar(record)
+    return signals | {"stored_energy": energy}
 
 
-def _over_edges(record: Record, mesh: ForceElement, out: np.ndarray) -> np.ndarray:
-    """Work [J] that loaded material takes along where it passes the edges of the rack.
+def integrated(signals: dict[str, np.ndarray], time: np.ndarray) -> dict[str, np.ndarray]:
+    """Return signals of `instant_signals` with works [J] in place of powers, energies from the start, and the
+    time from 0; `time` (n,) [s]."""
+    whole = {"time": time - time[:1]}
+    for name, values in signals.items():
+        if name in (MESH_ENERGY, LOAD_ENERGY):
+            continue
+        if name == "stored_energy":
+            whole[name] = values - values[..., :1]
+        else:
+            whole[name] = _work(values, time) if name.startswith("work_") else values
+    if MESH_ENERGY in signals:
+        stored = signals[MESH_ENERGY]
+        whole["work_mesh_edges"] = whole["work_mesh_edges"] - (stored - stored[..., :1])
+    if LOAD_ENERGY in signals:
+        raised = signals[LOAD_ENERGY] - signals[LOAD_ENERGY][..., :1]
+        whole["work_load"] = whole.get("work_load", 0.0) - raised
+    return whole
 
-    What the teeth's forces take from the bodies, and neither store, rub off nor damp: the contact laws press
-    along the normal only, so that material which enters or leaves loaded does so without a force.
+
+def _over_edges(record: Record, mesh: Part, out: np.ndarray) -> np.ndarray:
+    """Power [W] that loaded material takes along where it passes the edges of the rack, and that goes into
+    the mesh's own energy.
+
+    What the teeth's forces take from the bodies, and neither rub off nor damp: the contact laws press along
+    the normal only, so that material which enters or leaves loaded does so without a force.
     """
     rates = record.seen_by(mesh)[1]
-    taken = -np.einsum("ti,ti->t", out[:, : mesh.size], rates)
-    energy_terms = out[:, mesh.size : mesh.size + ENERGY_TERMS]
-    lost = taken - energy_terms[:, FRICTION_POWER] - energy_terms[:, DAMPING_POWER]
-    return _work(lost, record.time) - (energy_terms[:, ELASTIC_ENERGY] - energy_terms[0, ELASTIC_ENERGY])
+    taken = -np.einsum("...i,...i->...", out[..., : mesh.size], rates)
+    energy_terms = out[..., mesh.size : mesh.size + ENERGY_TERMS]
+    return np.asarray(taken - energy_terms[..., FRICTION_POWER] - energy_terms[..., DAMPING_POWER])
 
 
 def _of_bent_bar(record: Record) -> dict[str, np.ndarray]:
@@ -252,15 +275,15 @@ def _displaced(record: Record, station: np.ndarray | float, place: tuple[float, 
 
 
 def axis_at_pitch_point(rack: np.ndarray) -> np.ndarray:
-    """Return Y and Z of the bar's axis above the pitch point, shape (n, 2) [m], from coordinates (n, 6).
+    """Return Y and Z of the bar's axis above the pitch point, shape (..., 2) [m], from coordinates (..., 6).
 
     The reference point travels with the rack, and with it along a tilted axis.
     """
-    a, b, c = rack[:, 3:].T
+    a, b, c = np.moveaxis(rack[..., 3:], -1, 0)
     along = np.cos(b) * np.cos(c)
     rise = np.cos(a) * np.sin(c) + np.sin(a) * np.sin(b) * np.cos(c)
     swing = np.sin(a) * np.sin(c) - np.cos(a) * np.sin(b) * np.cos(c)
-    return rack[:, 1:3] - rack[:, :1] * np.column_stack([rise, swing]) / along[:, None]
+    return np.asarray(rack[..., 1:3] - rack[..., :1] * np.stack([rise, swing], axis=-1) / along[..., None])
 
 
 def repeated(signals: dict[str, np.ndarray], times: int) -> dict[str, np.ndarray]:
@@ -268,9 +291,10 @@ def repeated(signals: dict[str, np.ndarray], times: int) -> dict[str, np.ndarray
     grows = {"time", "pinion_angle", "rack_displacement"}
     whole = {}
     for name, values in signals.items():
-        rise = values[-1] - values[0] if name in grows or name.startswith("work_") else 0.0
-        periods = values[:-1] + rise * np.arange(times)[:, None]
-        whole[name] = np.append(periods.ravel(), values[-1] + rise * (times - 1))
+        grown = values[..., -1:] - values[..., :1]
+        rise = grown if name in grows or name.startswith("work_") else np.zeros_like(grown)
+        periods = [values[..., :-1] + rise * number for number in range(times)]
+        whole[name] = np.concatenate([*periods, values[..., -1:] + rise * (times - 1)], axis=-1)
     return whole
 
 
@@ -279,13 +303,11 @@ def contact_disagreement(record: Record) -> float:
     or 0."""
     if record.contact is None:
         return 0.0
-    mesh = next(element for element in record.elements if element.name == "mesh")
+    mesh = next(part for part in record.forces.parts if part.name == "mesh")
     ours = record.outputs(mesh)[:, : mesh.size]
     return float(np.abs(ours - record.contact).max() / np.abs(ours).max())
 
 
 def _work(power: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """Integral of a power [W] from the start [J]; of an empty record an empty one."""
-    if not time.size:
-        return np.zeros(0)
-    return integral_from_start(power, time)
+    """Integral of a power (..., n) [W] from the start [J]; of an empty record an empty one."""
+    return integral_from_start(power, time) if time.size else np.zeros(0)

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rps_exudyn.base.quadrature import integral_from_start
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.steering_column import SteeringColumn
 from rps_exudyn.solvers.wheel_torque import WheelTorque
@@ -17,15 +16,16 @@ if TYPE_CHECKING:
 def driven_rate(record: "Record") -> np.ndarray:
     """Return the rate of the driven body in the sense of travel along +X, shape (n,) [rad/s or m/s]."""
     if record.driven == "rack":
-        return record.of_rates("rack")[:, 0]
+        return record.of_rates("rack")[..., 0]
     if record.driven == "wheel":
         assert record.wheel is not None
         return record.wheel[:, 1]
-    return -record.of_rates("pinion")[:, 0]
+    return -record.of_rates("pinion")[..., 0]
 
 
 def of_column(record: "Record") -> dict[str, np.ndarray]:
-    """Return the signals of wheel and column; {} where the rig does not turn the wheel."""
+    """Return the signals of wheel and column at each instant, the power lost by the name of its work; {}
+    where the rig does not turn the wheel."""
     column = record.column
     if column is None or record.wheel is None:
         return {}
@@ -41,7 +41,7 @@ def of_column(record: "Record") -> dict[str, np.ndarray]:
         "column_torque": ratio * torque,
         "column_twist": twist,
         "column_energy": 0.5 * column.stiffness * twist**2,
-        "work_column_damping": integral_from_start(lost, record.time) if lost.size else lost,
+        "work_column_damping": lost,
     }
 
 

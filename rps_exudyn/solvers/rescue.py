@@ -1,160 +1,152 @@
 """Equilibria that Newton's method does not find: the gear settles, or creeps, to them."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import root
 
-from rps_exudyn.solvers.balance import Balance
-from rps_exudyn.solvers.path_follower import TOLERANCE, backward_difference, inverse_tangent_of
-from rps_exudyn.solvers.settling import Tangent, differences, settled
+from rps_exudyn.solvers.settling import TOLERANCE, Tangent, differences, settled
 
-At = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # free coordinates -> all, and their rates
-Outside = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # coordinates -> forces (n,), tangent (n, n)
+Evaluate = Callable[[np.ndarray, np.ndarray, float], tuple[np.ndarray, np.ndarray]]
+"""(q, v, factor of the rates' derivative) -> forces (n,), their tangent (n, n)."""
 
+JUMP = 0.5  # of the contact's forces where its quadrature changes [N]
 RESCUING_STEPS = 100  # most rescues take 30 to 80
 CREEP_PARTS, CREEP_STEPS = 12, 3  # of a tooth pitch, of which a gear that finds no rest makes steps
-JUMP = 0.5  # of the contact's forces where its quadrature changes [N]: an equilibrium may lie on one
 
 
-@dataclass(frozen=True)
-class Beginning:
-    """The search for the first instant of a path where the guess is too far off."""
+@dataclass(frozen=True, eq=False)
+class Settling:
+    """The search for a balance of the free coordinates, from which the rates follow.
 
-    balance: Balance
+    Attributes:
+        evaluate: the forces that are to be balanced, and their tangent.
+        free: numbers of the unknown coordinates (m,).
+        lengths: turn all coordinates into lengths [m].
+        q: all coordinates (n,), those that are not free as given.
+        v: their rates, likewise.
+        base: of the rates of the free ones, (place - base) per_time (m,).
+        per_time: factor of these rates [1/s]; 0 if the rates are those given.
+    """
+
+    evaluate: Evaluate
     free: np.ndarray
-    guess: np.ndarray  # (8,)
-    rates: np.ndarray  # (8,) of steady motion
-    applied: np.ndarray  # (8,)
+    lengths: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    base: np.ndarray
+    per_time: float
 
-    def found(self, pitch: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return coordinates and rates of a gear that rests beside its steady motion, or else creeps.
-
-        `pitch` is the time in which a tooth pitch is turned [s], 0 of a gear that stands still.
-        """
-        place, residual = self.settled(self.guess[self.free], 0.0)
-        if residual > TOLERANCE and pitch:
-            return self.crept(pitch / CREEP_PARTS)
-        return self.at(place, self.guess[self.free], 0.0)
-
-    def crept(self, step: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the same after implicit Euler steps [s] from the guess, while the drive slides on the spot.
-
-        A rack that is put somewhere askew need not rest anywhere near: friction lets it roll and creep away.
-        What slides across damps it, the more the shorter the step, so that each step has a solution.
-        """
-        before = place = self.guess[self.free]
-        for _ in range(CREEP_STEPS):
-            before = place
-            place, residual = self.settled(before, 1 / step)
-            if residual > TOLERANCE:
-                break
-        return self.at(place, before, 1 / step)
-
-    def settled(self, start: np.ndarray, per_time: float) -> tuple[np.ndarray, float]:
-        """Return the free coordinates that balance, with the rates of coming there from the start, and the
-        residual [N]."""
-        levers, tangent = self.balance.lengths[self.free], self.tangent(start, per_time)
-        return settled(lambda place: self.unbalanced(place, start, per_time), start, levers, tangent=tangent)
-
-    def tangent(self, start: np.ndarray, per_time: float) -> Tangent:
-        """Return the tangent of `unbalanced` by the free coordinates."""
-
-        def at(place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            return self.at(place, start, per_time)
-
-        base = start - self.rates[self.free] / per_time if per_time else start
-        return _compiled_tangent(self.balance, self.free, base, per_time, self.applied, at)
-
-    def unbalanced(self, place: np.ndarray, before: np.ndarray, per_time: float) -> np.ndarray:
-        q, v = self.at(place, before, per_time)
-        return np.asarray(self.balance.force(q, v, self.balance.data) + self.applied)[self.free]
-
-    def at(self, place: np.ndarray, before: np.ndarray, per_time: float) -> tuple[np.ndarray, np.ndarray]:
-        q, v = self.guess.copy(), self.rates.copy()
+    def at(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return coordinates and rates with the free ones at a place (m,)."""
+        q, v = self.q.copy(), self.v.copy()
         q[self.free] = place
-        v[self.free] += (place - before) * per_time
+        if self.per_time:
+            v[self.free] = (place - self.base) * self.per_time
         return q, v
 
+    def unbalanced(self, place: np.ndarray) -> np.ndarray:
+        """Return the forces on the free coordinates there."""
+        return self.evaluate(*self.at(place), 0.0)[0][self.free]
 
-def _compiled_tangent(
-    balance: Balance, free: np.ndarray, base: np.ndarray, per_time: float, applied: np.ndarray, at: At
-) -> Tangent:
-    """The tangent by free coordinates from differences in compiled code; from Python where it is singular,
-    as of a gear that yields without resistance.
+    def tangent(self, place: np.ndarray) -> np.ndarray:
+        """Return their tangent; by differences where the gear yields without resistance."""
+        slope = self.evaluate(*self.at(place), self.per_time)[1][np.ix_(self.free, self.free)]
+        if np.isfinite(slope).all() and np.linalg.matrix_rank(slope) == len(slope):
+            return slope
+        by_differences: Tangent = differences(self.unbalanced, self.lengths[self.free])
+        return by_differences(place)
 
-    `base` (m,) and `per_time` give the rates, see `path_follower.rates_from`; `at` coordinates and rates.
+    def settled(self, start: np.ndarray, steps: int) -> tuple[np.ndarray, float]:
+        """Return where the free coordinates settle from a start (m,), and the residual [N].
+
+        Raises:
+            LinAlgError: the forces are not finite.
+        """
+        return settled(self.unbalanced, start, self.lengths[self.free], steps, self.tangent)
+
+
+def beginning(settling: Settling, pitch: float, steps: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return coordinates and rates of a gear that rests beside its steady motion, or else creeps.
+
+    `settling` starts from a guess, its rates are those of steady motion. `pitch` is the time in which a tooth
+    pitch is turned [s], 0 of a gear that stands still.
+
+    A tilted rack may have no equilibrium nearby: friction lets it roll and creep away. What slides across
+    damps it, the more the shorter the step, so that each implicit Euler step has a solution.
     """
-    inverse_tangent, lengths = inverse_tangent_of(balance.force), balance.lengths
-    bases = np.zeros(balance.size)
-    bases[free] = base
-
-    def force(place: np.ndarray) -> np.ndarray:
-        return (np.asarray(balance.force(*at(place), balance.data)) + applied)[free]
-
-    by_python = differences(force, lengths[free])
-
-    def tangent(place: np.ndarray) -> np.ndarray:
-        q, v = at(place)
-        v, here = v.copy(), np.asarray(balance.force(q, v, balance.data)) + applied
-        try:
-            inverse = inverse_tangent(q, v, bases, per_time, free, lengths, balance.data, applied, here)
-            return np.asarray(np.linalg.inv(inverse))
-        except np.linalg.LinAlgError:
-            return by_python(place)
-
-    return tangent
-
-
-def search(
-    balance: Balance,
-    free: np.ndarray,
-    time: np.ndarray,
-    k: int,
-    coordinates: np.ndarray,
-    rates: np.ndarray,
-    forces: np.ndarray,
-    applied: np.ndarray,
-    outside: Outside | None = None,
-) -> float:
-    """Let the gear creep to the equilibrium that Newton's method did not find: from where the path leads, or
-    else from where it was.
-
-    Fills row k and returns the residual [N]. What acts from `outside`, such as a spring on the coordinate
-    that is driven otherwise, is balanced too; the row's forces are those without it.
-    """
-    base, levers = coordinates[0].copy(), balance.lengths[free]
-    per_time, ahead = 1 / (time[1] - time[0]), coordinates[0] + (time[1] - time[0]) * rates[0]
-    if k > 1:
-        per_time = backward_difference(time, coordinates, k, base)
-        stretch = (time[k] - time[k - 1]) / (time[k - 1] - time[k - 2])
-        ahead = coordinates[k - 1] + stretch * (coordinates[k - 1] - coordinates[k - 2])
-
-    def at(place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        coordinates[k, free], rates[k, free] = place, (place - base[free]) * per_time
-        return coordinates[k], rates[k]
-
-    def force(place: np.ndarray) -> np.ndarray:
-        return np.asarray(balance.force(*at(place), balance.data)) + applied[k]
-
-    def unbalanced(place: np.ndarray) -> np.ndarray:
-        left = force(place)
-        return (left if outside is None else left + outside(coordinates[k])[0])[free]
-
-    own = _compiled_tangent(balance, free, base[free], per_time, applied[k], at)
-
-    def tangent(place: np.ndarray) -> np.ndarray:
-        slope = own(place)
-        return slope if outside is None else slope + outside(coordinates[k])[1][np.ix_(free, free)]
-
-    residual = np.inf
-    for start in (ahead, coordinates[k - 1]):
-        with np.errstate(all="ignore"):  # far from an equilibrium the forces may be of any size
-            try:
-                place, residual = settled(unbalanced, start[free], levers, RESCUING_STEPS, tangent)
-            except np.linalg.LinAlgError:  # not finite there
-                continue
-        forces[k] = force(place)
-        if residual <= JUMP:
+    guess = settling.q[settling.free]
+    place, residual = settling.settled(guess, steps)
+    if residual > TOLERANCE:
+        with suppress(np.linalg.LinAlgError):
+            nearer = by_hybrid_method(settling, place)
+            place, residual = min((place, residual), nearer, key=lambda each: each[1])
+    if residual <= TOLERANCE or not pitch:
+        return settling.at(place)
+    before, per_time = guess, CREEP_PARTS / pitch
+    for _ in range(CREEP_STEPS):
+        # rates beside those of steady motion
+        base = before - settling.v[settling.free] / per_time
+        creeping = Settling(
+            settling.evaluate, settling.free, settling.lengths, settling.q, settling.v, base, per_time
+        )
+        place, residual = creeping.settled(before, steps)
+        if residual > TOLERANCE:
             break
-    return residual
+        before = place
+    return creeping.at(place)
+
+
+def search(settling: Settling, starts: list[np.ndarray]) -> tuple[np.ndarray, float]:
+    """Find the equilibrium that Newton's method did not find, from one start (m,) after the other; return the
+    place and the residual [N].
+
+    First by Powell's hybrid method, whose trust region and updated tangent pass corners of friction and
+    contact, then the gear creeps there: a residual up to `JUMP` is left where the contact's forces jump.
+    """
+    best, least = starts[-1], np.inf
+    for method in (by_hybrid_method, by_creeping):
+        for start in starts:
+            with np.errstate(all="ignore"):  # far from an equilibrium the forces may be of any size
+                try:
+                    place, residual = method(settling, start)
+                except np.linalg.LinAlgError:  # not finite there
+                    continue
+            if residual < least:
+                best, least = place, residual
+            if least <= TOLERANCE:
+                return best, least
+        if method is by_creeping and least <= JUMP:
+            break
+    return best, least
+
+
+def by_hybrid_method(settling: Settling, start: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return place and residual [N] by Powell's hybrid method (MINPACK) from a start (m,).
+
+    Its tangent is of differences: they see a corner within their step.
+
+    Raises:
+        LinAlgError: the forces are not finite.
+    """
+    lengths = settling.lengths[settling.free]
+
+    def scaled(place: np.ndarray) -> np.ndarray:
+        forces = settling.unbalanced(place / lengths) / lengths
+        if not np.isfinite(forces).all():
+            raise np.linalg.LinAlgError("the force is not finite")
+        return forces
+
+    found = root(scaled, start * lengths, jac=differences(scaled, np.ones(len(start))), method="hybr")
+    return found.x / lengths, float(np.abs(found.fun).max())
+
+
+def by_creeping(settling: Settling, start: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return place and residual [N] where the gear settles from a start (m,).
+
+    Raises:
+        LinAlgError: the forces are not finite.
+    """
+    return settling.settled(start, RESCUING_STEPS)

@@ -14,9 +14,10 @@ import numpy as np
 
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS, Balance
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, Start, equilibrium_path
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
+from rps_exudyn.solvers.steering_column import SteeringColumn, pinion_at_start
 
 DISTANCES = (1, 2, 4, 8, 16, 32)  # tooth pitches before the start at which equilibria begin
 COARSE, FINE = 12, 48  # equilibria in a tooth pitch
@@ -28,6 +29,7 @@ MOST_LOST = 4  # beginnings from which no equilibria lead to the start, until no
 HALF_CYCLES = (1, 2, 4, 8, 16)  # before the start of a swing at which equilibria begin
 SHORT = 1e-3  # of a pitch: last steps before motion with inertia, for the rates there ...
 SHARE = 1 / 16  # ... and of its own steps: over shorter ones what an equilibrium is off by would be a rate
+TWISTS = 3  # times that the start is found behind a column: the torque hardly changes with its twist
 ODD_PARTS = (0.0, 0.3, 0.6)  # of a pitch further back, where no rest is found at the phase of the start
 
 
@@ -143,6 +145,24 @@ def path_from(
     return replace(path, start=led.start)
 
 
+def settled_behind(
+    balance: Balance, pair: GearPair, wheel: Drive, column: SteeringColumn, approach: Approach | None
+) -> EquilibriumPath:
+    """Return the equilibrium at the start of a motion of the wheel, the column twisted by its torque.
+
+    Raises:
+        LinAlgError: the gear yields without resistance.
+    """
+    twist = 0.0
+    for _ in range(TWISTS):
+        followed = pinion_at_start(wheel, column, twist)
+        start = settled_path(balance, pair, followed, approach, np.zeros(1)).last
+        if not start.converged:
+            break
+        twist = -followed.sign * float(start.forces[-1, followed.coordinate]) / column.stiffness
+    return start
+
+
 @dataclass(frozen=True, eq=False)
 class _Search:
     """The search for a beginning that is far enough back."""
@@ -180,7 +200,8 @@ class _Search:
         path = None
         for more in ODD_PARTS if distance else ODD_PARTS[:1]:
             instants = self.approach.instants(distance + more) if distance else np.zeros(0)
-            time = np.concatenate([instants, self.start])
+            before = instants < self.start - 1e-9 * self.approach.unit
+            time = np.concatenate([instants[before], self.start])
             try:
                 path = equilibrium_path(self.balance, self.pair, self.drive, time)
             except np.linalg.LinAlgError:

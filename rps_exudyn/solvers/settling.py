@@ -5,9 +5,12 @@ from typing import Any
 
 import numpy as np
 
+from rps_exudyn.base.compiled import VECTOR, kernel_of, ready
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.solvers.newton_approach import CLOSE, newton_approach
-from rps_exudyn.solvers.path_follower import TOLERANCE
+from rps_exudyn.solvers.balance import Balance
+from rps_exudyn.solvers.gear_model import GEAR_TYPE, LAW_POINTER, WORK_TYPE
+
+TOLERANCE = 1e-3  # largest unbalanced force accepted [N], moments over 10 mm: 1e-5 of the torque
 
 Force = Callable[[np.ndarray], np.ndarray]  # of coordinates (n,) -> (n,)
 Tangent = Callable[[np.ndarray], np.ndarray]  # -> (n, n)
@@ -18,41 +21,83 @@ PATIENCE, PROGRESS = 150, 0.9  # steps over which the least force must fall to t
 TYPICAL_APPROACH = 15e-6  # of the rack under the yoke's preload [m]
 
 
-def static_approach(
-    load: float,
-    mesh_force: Callable[..., Any],
-    data: Any,
-    offset: float,
-    tangent: Callable[..., Any] | None = None,
-) -> float:
+MAX_STEPS = 60
+FARTHEST = 20e-6  # of one step [m]
+CLOSE = 1e-4  # largest unbalanced force accepted [N]
+SMALLEST_FRACTION = 1e-3
+
+
+@kernel_of(LAW_POINTER, VECTOR, VECTOR, VECTOR, GEAR_TYPE[::1], VECTOR, WORK_TYPE[::1], VECTOR)
+def find_approach(law, loads, x, y, gears, pool, works, residuals):  # type: ignore[no-untyped-def]
+    """Move the racks of gears, which keep their direction, to where the teeth carry loads [N] along -Y and no
+    force along X, by Newton's method from places x and y (g,) [m]; fills the residuals (g,) [N]."""
+    work, q, v, total, tangent = works[0], np.zeros(8), np.zeros(8), np.empty(8), np.empty((8, 8))
+    for g in range(gears.shape[0]):
+        norm, fraction, move_x, move_y = np.inf, 1.0, 0.0, 0.0
+        for _ in range(MAX_STEPS):
+            q[1], q[2] = x[g] + fraction * move_x, y[g] + fraction * move_y
+            law(q, v, gears, g, pool, works, 1.0, 0.0, total, tangent)
+            along, across = work.out[1], work.out[2] - loads[g]
+            residual = max(abs(along), abs(across))
+            if not residual < norm:  # too far along the last step
+                fraction *= 0.5
+                if fraction < SMALLEST_FRACTION:
+                    break
+                continue
+            x[g], y[g], norm, fraction = q[1], q[2], residual, 1.0
+            if norm <= CLOSE:
+                break
+            slope = work.of_mesh
+            a, b, c, d = slope[0, 0], slope[0, 1], slope[1, 0], slope[1, 1]
+            size = a * d - b * c
+            if not abs(size) > 0:
+                break
+            move_x, move_y = (b * across - d * along) / size, (c * along - a * across) / size
+            largest = max(abs(move_x), abs(move_y))
+            if not np.isfinite(largest):
+                break
+            if largest > FARTHEST:
+                move_x, move_y = move_x * FARTHEST / largest, move_y * FARTHEST / largest
+        residuals[g] = norm
+
+
+def static_approach(load: float, law: Any, ideal: np.ndarray, pool: np.ndarray, offset: float) -> float:
     """Return how far a load [N] along -Y presses the guided rack into a frictionless mesh at pinion angle 0
     [m].
 
-    The rack keeps its direction; it finds its place along X between the flanks by itself. `offset` [m] is
-    where it would stand without load; `tangent` gives the same forces with their tangent, if that is known.
+    The rack keeps its direction; it finds its place along X between the flanks by itself.
+
+    Args:
+        load: of the yoke.
+        law: of `gear_model`.
+        ideal: record of the gear with a mesh without friction and runout, shape (1,).
+        pool: numbers that the record points to.
+        offset: where the rack would stand without load [m].
 
     Raises:
         InputError: the teeth cannot carry the load within the range of their contact law.
     """
     if load == 0:
         return -offset
-    if tangent is not None:
-        _, y, rest = newton_approach(tangent)(load, 0.0, offset - TYPICAL_APPROACH, data)
-        if rest <= CLOSE:
-            return -float(y)
-    q, still = np.zeros(7), np.zeros(7)
+    balance = Balance(law, ideal, pool)
+    x, y, rest = np.zeros(1), np.array([offset - TYPICAL_APPROACH]), np.zeros(1)
+    ready(find_approach)(ready(law), np.array([load]), x, y, ideal, pool, balance.works, rest)
+    if rest[0] <= CLOSE:
+        return -float(y[0])
+    q, still = np.zeros(8), np.zeros(8)
 
     def unbalanced(place: np.ndarray) -> np.ndarray:
         q[1:3] = place
-        return np.asarray(mesh_force(q, still, data)[1:3] - np.array([0.0, load]))
+        balance.force(q, still)
+        return np.asarray(balance.works[0]["out"][1:3] - np.array([0.0, load]))
 
-    place, rest = settled(unbalanced, np.array([0.0, offset - TYPICAL_APPROACH]), np.ones(2))
-    if rest > 1e-3 * max(load, 1.0):
+    place, residual = settled(unbalanced, np.array([0.0, offset - TYPICAL_APPROACH]), np.ones(2))
+    if residual > 1e-3 * max(load, 1.0):
         raise InputError(
             f"yoke.preload is {load:g} N, more than the teeth carry within the range of their contact law, "
             "by mesh.law and its stiffness."
         )
-    return float(-place[1])
+    return -float(place[1])
 
 
 def settled(

@@ -19,9 +19,9 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import SIZE
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
 from rps_exudyn.solvers.linearised_motion import eigenvalues, slopes
 from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
 from rps_exudyn.solvers.settled_start import SteadyApproach, settled_path
@@ -99,7 +99,7 @@ class Vibration:
         path = settled_path(forces.statics, GearPair.of(gear), drive, approach, time)
         if not path.converged:
             return None
-        by_place, by_rate = slopes(forces, path.coordinates, path.rates)
+        by_place, by_rate = slopes(forces.dynamics, path.coordinates, path.rates)
         by_place[:, 0, 0] -= model.stiffness
         free = np.array([i for i in range(by_place.shape[1]) if i not in forces.locked])
         mass, at = masses(gear, forces, path.coordinates[0]), np.ix_(free, free)

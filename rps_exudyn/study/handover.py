@@ -19,7 +19,7 @@ from rps_exudyn.study.ways import ways_of
 SECONDS = 2.0  # of work in a group
 LARGEST = 1024  # cases of a group
 SMALLEST, SHARES = 8, 4  # least cases of a group; and of what is left, for each worker, one share is the most
-SMALLEST_OF_LOOP, SHARES_OF_LOOP = 256, 2  # the loop over many gears begins each time by learning from some
+SMALLEST_TOGETHER, SHARES_TOGETHER = 256, 2  # each group of gears begins by following some to learn from
 OF_LIMIT = 4  # groups that fit into one case's time limit: a group has no more time than a case
 
 
@@ -52,16 +52,16 @@ class Handover(Iterator[Task]):
         ways = ways_of(study, store.description, len(missing))
         self._grouped, self._ranges = ways.grouped, ways.ranges
         self.alone = ways.alone
-        """Why none goes through the loop over many gears; or ""."""
-        self._looped = self._ranges is not None
-        self._smallest = SMALLEST_OF_LOOP if self._looped else SMALLEST
-        self._shares = (SHARES_OF_LOOP if self._looped else SHARES) * workers
+        """Why no gears are followed together; or ""."""
+        self._together = self._ranges is not None
+        self._smallest = SMALLEST_TOGETHER if self._together else SMALLEST
+        self._shares = (SHARES_TOGETHER if self._together else SHARES) * workers
         self._seconds = min(seconds, study.time_limit / OF_LIMIT)
         self._cost: float | None = None  # of a case in a group [s]
         self.through_batch = 0
         """Cases that were answered in groups; all others were done singly."""
         self.in_loop = 0
-        """Those of them that the loop over many gears found."""
+        """Those of them that were followed together."""
 
     def __next__(self) -> Task:
         if self._alone:
@@ -78,7 +78,7 @@ class Handover(Iterator[Task]):
         if self._cost is None:
             return self._smallest
         most = min(LARGEST, max(self._smallest, len(self._left) // self._shares))
-        least = self._smallest if self._looped else 1  # fewer would be simulated one by one
+        least = self._smallest if self._together else 1  # fewer would be simulated one by one
         return max(least, min(most, int(self._seconds / self._cost)))
 
     def answers(self, done: Done) -> list[tuple[Case, Done]]:
@@ -126,6 +126,6 @@ class Handover(Iterator[Task]):
             for case in cases
         ]
         name = f"{cases[0].hash} and {len(cases) - 1} more"
-        of_loop = {} if self._ranges is None else {"ranges": self._ranges}
+        ranges = {} if self._ranges is None else {"ranges": self._ranges}
         about = {"hash": name, "gear": gear, "fidelity": fidelity, "members": members}
-        return self._common() | about | of_loop
+        return self._common() | about | ranges

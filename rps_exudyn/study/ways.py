@@ -1,4 +1,4 @@
-"""Which way the cases of a study go: singly, in groups, or most of them through the loop over many gears."""
+"""Which way the cases of a study go: singly, in groups, or in groups whose gears are followed together."""
 
 from collections import deque
 from collections.abc import Mapping
@@ -9,15 +9,12 @@ import numpy as np
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.simulate.case_group import torque_alone
-from rps_exudyn.simulate.loop_knows import LEFT_TO_SINGLE_RUNS, why_not
-from rps_exudyn.simulate.loop_legs import SIGNALS
-from rps_exudyn.simulate.looped import can_exist, fewest
+from rps_exudyn.simulate.together import UNSUPPORTED, can_exist, fewest, unsupported_reason
 from rps_exudyn.study.definition import FIDELITY, Study
 from rps_exudyn.study.description import Description, settings_of
 
 FEWEST = 64  # missing cases, from which groups pay
-QUANTILES = 65  # of a parameter's values, by which groups are told how it varies
+QUANTILES = 65  # of a parameter's values, which say how it varies
 
 
 @dataclass(frozen=True)
@@ -26,10 +23,9 @@ class Ways:
 
     Attributes:
         grouped: in groups, by `batch`; else singly.
-        ranges: path -> over what it varies in the whole design, for the loop over many gears; None where none
-            of the groups goes through it. All groups are given the same, so that a case ends the same in
-            whichever group it is.
-        alone: why none goes through the loop; "" if they do, or for so few cases or such a model that they
+        ranges: path -> over what it varies in the whole design; None where no gears are followed together.
+            All groups are given the same, so that a case ends the same in whichever group it is.
+        alone: why none are followed together; "" if they are, or for so few cases or such a model that they
             are done singly.
     """
 
@@ -43,18 +39,15 @@ def ways_of(study: Study, description: Description, missing: int) -> Ways:
     if not in_groups(study, description, missing):
         return Ways(False)
     gear, fidelity, scene = study.base.steering_gear, study.base.fidelity, description.scene
-    if reason := why_not(scene, gear, fidelity, {}):
+    if reason := unsupported_reason(scene, gear, fidelity, {}):
         return Ways(True, alone=reason)
-    if not torque_alone(scene, description.signals.signals):
-        known = ", ".join(SIGNALS[scene])
-        return Ways(True, alone=LEFT_TO_SINGLE_RUNS["signals"].format(signals=known))
     settings = [settings_of(study.axes, case.values) for case in description.cases]
     table = {path: np.array([each[path] for each in settings]) for path in settings[0]}
-    if reason := why_not(scene, gear, fidelity, table):
+    if reason := unsupported_reason(scene, gear, fidelity, table):
         return Ways(True, alone=reason)
     ranges = {path: _allowed(gear, fidelity, path, values) for path, values in table.items()}
     if not all(ranges.values()) or len(settings) < fewest(table):
-        return Ways(True, alone=LEFT_TO_SINGLE_RUNS["few"])
+        return Ways(True, alone=UNSUPPORTED["few"])
     return Ways(True, ranges)
 
 

@@ -11,9 +11,9 @@ from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.batch import Batch, batch
-from rps_exudyn.simulate.loop_knows import why_not
+from rps_exudyn.simulate.together import unsupported_reason
 
-TOGETHER, IN_LOOP = 32, 1024  # runs between which Ctrl-C loses nothing: single ones, those of one loop
+TOGETHER, MANY = 32, 1024  # runs between which Ctrl-C loses nothing: single ones, those found together
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,11 +51,12 @@ class Samples:
 
 
 def runs_at(scene: str, gear: SteeringGear, fidelity: Fidelity, points: Samples) -> Iterator[Batch]:
-    """Yield the runs of the scene at the points, part by part, whatever their outcome; in one compiled loop
-    where it knows them."""
+    """Yield the runs of the scene at the points, part by part, whatever their outcome; together where the
+    scene does so."""
     values = points.values
-    keep: Literal["signals", "torque"] = "signals" if why_not(scene, gear, fidelity, values) else "torque"
-    together = IN_LOOP if keep == "torque" else TOGETHER
+    singly = bool(unsupported_reason(scene, gear, fidelity, values))
+    keep: Literal["signals", "torque"] = "signals" if singly else "torque"
+    together = TOGETHER if singly else MANY
     for begin in range(0, len(points), together):
         part = {path: column[begin : begin + together] for path, column in values.items()}
         yield batch(scene, gear, part, fidelity=fidelity, keep=keep)

@@ -16,9 +16,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rps_exudyn.forces.memory import TIME
+from rps_exudyn.forces.memory import PLACES, TIME
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.scenes.stick_slip import set_off
+from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.drive import Steady, Swing
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
@@ -47,13 +48,11 @@ class Wheel(NamedTuple):
 
 @dataclass(eq=False)
 class Behind:
-    """The gear's state while it is integrated behind a moved wheel; coordinates as in `gear_kernel`."""
+    """The gear's state while it is integrated behind a moved wheel; coordinates as in `gear_model`."""
 
     wheel: Wheel
     column: SteeringColumn
-    force: Callable[..., np.ndarray]
-    tangent: Callable[..., np.ndarray]
-    memory: np.ndarray
+    balance: Balance
     mass: np.ndarray  # (m, m) of the moving coordinates
     moving: np.ndarray
     time: float
@@ -75,17 +74,15 @@ class Behind:
             raise NotFoundError("no equilibrium at the start")
         motion = FreeMotion.of(gear, fidelity, Steady("pinion", float(still.start), 0.0))
         moving = np.array([i for i in range(8) if i not in forces.locked])
-        (kernel, data), slope, memory = forces.dynamics, forces.dynamics_tangent, forces.memory.array
-        if memory.size:
-            memory[0] = memory[1]
-            memory[0, TIME] = 0.0
-            memory[0, 1:9] = path.coordinates[0]
+        balance = forces.dynamics
+        if balance.has_bristles:
+            balance.memory[0] = balance.memory[1]
+            balance.memory[0, TIME] = 0.0
+            balance.memory[0, PLACES : PLACES + 8] = path.coordinates[0]
         return cls(
             wheel,
             column,
-            lambda q, v: kernel(q, v, data)[:8],
-            lambda q, v, of_q, of_v: slope(q, v, data, of_q, of_v),
-            memory,
+            balance,
             motion.mass[np.ix_(moving, moving)],
             moving,
             0.0,
@@ -106,17 +103,15 @@ class Behind:
         return ratio * self.torque(self.time, self.place, self.rate)
 
     def _forces(self, time: float, place: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        if self.memory.size:
-            self.memory[1, TIME] = time
-        total = np.array(self.force(place, rate))
+        self.balance.memory[1, TIME] = time
+        total = self.balance.force(place, rate)
         total[0] -= self.torque(time, place, rate)
         return total[self.moving]
 
     def _slope(self, time: float, h: float, place: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """Derivative of a stage's residual by its rates."""
-        if self.memory.size:
-            self.memory[1, TIME] = time
-        by_rate = self.tangent(place, rate, h, 1.0)
+        self.balance.memory[1, TIME] = time
+        by_rate = self.balance.tangent(place, rate, h, 1.0)
         by_rate[0, 0] -= h * self.column.stiffness + self.column.damping
         return np.asarray(self.mass / h - by_rate[np.ix_(self.moving, self.moving)])
 
@@ -166,9 +161,9 @@ class Behind:
         if last is None:
             return False
         self.time, self.place, self.rate = begin + h, *last
-        if self.memory.size:
+        if self.balance.has_bristles:
             self._forces(self.time, self.place, self.rate)
-            self.memory[0] = self.memory[1]
+            self.balance.memory[0] = self.balance.memory[1]
         return True
 
     def go(self, end: float, halvings: int = HALVINGS) -> None:

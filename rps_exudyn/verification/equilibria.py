@@ -19,7 +19,7 @@ def equilibria(gear: SteeringGear, forces: GearForces, maneuver: Maneuver) -> Sc
     inertia = (0.0, 0.0) if isinstance(maneuver.drive, Steady) else following_inertia(gear)
     start = process_time()
     path = settled_path(
-        forces.statics._replace(inertia=inertia),
+        forces.statics.with_(inertia=inertia),
         GearPair.of(gear),
         maneuver.drive,
         maneuver.approach,
@@ -30,9 +30,7 @@ def equilibria(gear: SteeringGear, forces: GearForces, maneuver: Maneuver) -> Sc
         reached = float(path.time[-1]) if path.time.size else 0.0
         message = f"no equilibrium after {reached:.4g} s: {path.residual:.3g} N remain unbalanced"
         return SceneRun(Outcome(Status.NO_CONVERGENCE, message, reached, cpu, path.counters))
-    record = record_of_path(forces.elements, path, maneuver.drive, forces.bar, forces.memory.array).since(
-        maneuver.record_start
-    )
+    record = record_of_path(forces, path, maneuver.drive).since(maneuver.record_start)
     signals = signals_of(record)
     outcome = Outcome(Status.OK, time_reached=float(path.time[-1]), cpu_s=cpu, counters=path.counters)
     zone = forces.friction_zone if maneuver.is_steady else None

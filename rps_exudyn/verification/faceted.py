@@ -14,12 +14,12 @@ from functools import cache
 
 import numpy as np
 
-from rps_exudyn.forces import yoke as plunger
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pinion_mesh import pinion_mesh
 from rps_exudyn.gears.shaping import shaped_pinion
 from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
+from rps_exudyn.mesh_contact.sampled_contact import pooled
 from rps_exudyn.mesh_contact.samples import FlankSamples, mesh_distance, sample_flank
 from rps_exudyn.mesh_contact.spheres import borders, contact_data, sphere_radius
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -27,6 +27,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
+from rps_exudyn.solvers.gear_model import GEAR, LAWS
 from rps_exudyn.solvers.settling import static_approach
 from rps_exudyn.verification.equilibria import equilibria
 
@@ -75,12 +76,14 @@ def faceted_forces(gear: SteeringGear, fidelity: Fidelity, surface: Surface | No
     profile, axial, zone = fidelity.profile_samples, fidelity.axial_samples, forces.friction_zone
     mesh = contact_data(gear, profile=profile, axial=axial, friction_zone=zone)
     on_facets = mesh._replace(centres=_centres(gear, fidelity, surface))
-    smooth = on_facets._replace(friction=0.0)
+    gears, smooth = forces.gears.copy(), np.zeros(1, GEAR)
+    gears["mesh"]["spheres"], numbers = pooled(on_facets, forces.pool.size)
+    pool, smooth["mesh"] = np.concatenate([forces.pool, numbers]), gears["mesh"]
+    smooth["mesh"]["spheres"]["friction"] = 0.0
     offset = GearPair.of(gear).axis_offset
-    approach = static_approach(gear.yoke.preload, forces.mesh.kernel, smooth, offset)
-    rest_gap = approach + gear.yoke.preload / gear.yoke.seat_stiffness
-    seat = plunger.seat(gear, friction_zone=forces.friction_zone, rest_gap=rest_gap)
-    return replace(forces, mesh=replace(forces.mesh, data=on_facets), seat=seat)
+    approach = static_approach(gear.yoke.preload, LAWS["spheres", False], smooth, pool, offset)
+    gears["seat"]["rest_gap"] = approach + gear.yoke.preload / gear.yoke.seat_stiffness
+    return replace(forces, gears=gears, pool=pool, approach=approach, ideal=smooth, spheres=on_facets)
 
 
 def _centres(gear: SteeringGear, fidelity: Fidelity, surface: Surface | None) -> np.ndarray:

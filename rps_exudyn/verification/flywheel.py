@@ -21,7 +21,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 from rps_exudyn.solvers.record import Record, signals_of
 
 STAGES = {"ExplicitEuler": 1, "VelocityVerlet": 1, "ExplicitMidpoint": 2, "RK44": 4}
@@ -128,8 +128,7 @@ class _Kept:
         places, rates = (
             np.ascontiguousarray(np.array(each)[:, columns]) for each in (self.places, self.rates)
         )
-        force, data = model.forces.dynamics
-        column = model.drive.coordinate
-        torque = [-model.drive.sign * force(q, v, data)[column] for q, v in zip(places, rates, strict=True)]
+        balance, column = model.forces.dynamics, model.drive.coordinate
+        torque = [-model.drive.sign * balance.force(q, v)[column] for q, v in zip(places, rates, strict=True)]
         time, no_energy = np.array(self.time), np.zeros(len(self.time))
-        return Record(model.forces.elements, time, places, rates, np.array(torque), "pinion", no_energy)
+        return Record(model.forces, time, places, rates, np.array(torque), "pinion", no_energy)

@@ -127,7 +127,7 @@ def equilibria_at(
     Raises:
         NotFoundError: there is none at one of them.
     """
-    path = equilibrium_path(forces.statics._replace(inertia=inertia), GearPair.of(gear), drive, time)
+    path = equilibrium_path(forces.statics.with_(inertia=inertia), GearPair.of(gear), drive, time)
     if not path.converged:
         raise NotFoundError(f"no equilibrium at {path.lost_at:.4g} s, {path.residual:.3g} N remain")
     return path

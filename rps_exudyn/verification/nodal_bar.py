@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag, eigh
 
-from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.forces.force_element import Part
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
@@ -21,8 +21,11 @@ from rps_exudyn.gears.rack_beam import RackBeam
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.yoke_impact import shaken
+from rps_exudyn.solvers.balance import SIZE, Balance
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, stacked
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
+from rps_exudyn.solvers.gear_model import COLUMNS, LAWS
 
 ELEMENTS = 52
 X, ROLL, PLUNGER, Y_PLANE = 0, 1, 2, 3  # where coordinates begin; those of the plane z follow the plane y
@@ -41,15 +44,14 @@ class ShakenBar:
 class NodalBar:
     """Equations of motion over x, roll, plunger, and (deflection, rotation) of all nodes in both planes."""
 
-    forces: GearForces
+    straight: Balance  # the gear's forces on a rack that is straight and rigid
     angle: float  # of the pinion, held
-    stations: dict[str, float]  # of what acts on the bar
+    acting: list[tuple[np.ndarray, list[Part]]]  # parts, and what `carry` returns where they act
     nodes: np.ndarray
     size: int
     inverse_mass: np.ndarray
     stiffness: np.ndarray
     damping: np.ndarray
-    plunger_mass: float
 
     @classmethod
     def of(cls, gear: SteeringGear, forces: GearForces, x: float) -> "NodalBar":
@@ -66,17 +68,24 @@ class NodalBar:
                 strict=True,
             )
         )
-        return cls(
-            forces,
+        bush = float(forces.gear.fit.station)
+        stations = {"mesh": -x, "seat": -x, "yoke_spring": -x, "yokenut": -x, "bush": bush - x}
+        parts = [part for part in forces.parts if part.name != "bearing"]
+        straight = next(LAWS[name, False] for (name, _), law in LAWS.items() if law is forces.law)
+        bar = cls(
+            forces.statics.with_(law=straight, modes=0),
             gear.test.start_angle,
-            {"mesh": -x, "seat": -x, "bush": forces.fit.data.station - x},
+            [],
             beams[0].nodes,
             2 * beams[0].nodes.size,
             np.linalg.inv(mass),
             stiffness,
             damping,
-            gear.yoke.plunger_mass,
         )
+        for station in {stations.get(part.name, 0.0) for part in parts}:
+            there = [part for part in parts if stations.get(part.name, 0.0) == station]
+            bar.acting.append((bar.carry(station), there))
+        return bar
 
     def carry(self, station: float) -> np.ndarray:
         """Coordinates of a straight rack that touches the bar at a station, over those of the bar, (6, n)."""
@@ -94,23 +103,18 @@ class NodalBar:
             by[across, place], by[about, place] = cubic - station * turn, sense * turn
         return by
 
-    def law(self, element: ForceElement, by: np.ndarray, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Forces of an element on the bar's coordinates."""
-        own = {
-            "pinion": (np.array([-self.angle]), np.zeros(1)),
-            "rack": (by @ q, by @ v),
-            "plunger": (q[PLUNGER : PLUNGER + 1], v[PLUNGER : PLUNGER + 1]),
-        }
-        place, rate = (np.concatenate([own[body][which] for body in element.bodies]) for which in (0, 1))
-        out = element.evaluate(place, rate)
-        total, begin = np.zeros(q.size), 0
-        for body in element.bodies:
-            part = out[begin : begin + own[body][0].size]
-            begin += part.size
-            if body == "rack":
-                total += by.T @ part
-            elif body == "plunger":
-                total[PLUNGER] += part[0]
+    def laws(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Forces of all parts on the bar's coordinates."""
+        total = np.zeros(q.size)
+        for by, parts in self.acting:
+            place = np.concatenate([[-self.angle], by @ q, q[PLUNGER : PLUNGER + 1]])
+            rate = np.concatenate([[0.0], by @ v, v[PLUNGER : PLUNGER + 1]])
+            self.straight.force(place, rate)
+            out, forces = self.straight.works[0]["out"], np.zeros(SIZE)
+            for part in parts:
+                forces[stacked(part.bodies)] += out[COLUMNS[part.name]][: part.size]
+            total += by.T @ forces[COORDINATE_BLOCKS["rack"]]
+            total[PLUNGER] += forces[-1]
         return total
 
 
@@ -133,19 +137,13 @@ def shaken_bar(gear: SteeringGear, fidelity: Fidelity, *, step: float, end: floa
         q[Y_PLANE + 2 * i : Y_PLANE + 2 * i + 2] = pose[1] + station * pose[5], pose[5]
         z = Y_PLANE + bar.size + 2 * i
         q[z : z + 2] = pose[2] - station * pose[4], -pose[4]
-    elements = [item for item in forces.elements if item.name != "bearing"]
-    carried = [
-        (item, bar.carry(bar.stations.get(item.name, 0.0)), item.name in bar.stations) for item in elements
-    ]
     on_end = np.zeros((q.size, 3))
     on_end[X, 0] = on_end[Y_PLANE, 1] = on_end[Y_PLANE + bar.size, 2] = 1.0
     assert bar.nodes[0] == RackBar.of(gear).x_min
     pulse = maneuver.pulse
 
     def acceleration(t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        total = on_end @ pulse.force(t) - bar.stiffness @ q - bar.damping @ v
-        for item, by, _ in carried:
-            total += bar.law(item, by, q, v)
+        total = on_end @ pulse.force(t) - bar.stiffness @ q - bar.damping @ v + bar.laws(q, v)
         return np.asarray(bar.inverse_mass @ total)
 
     v, clearance, stop = np.zeros(q.size), gear.yoke.clearance, gear.yoke.nut_stiffness

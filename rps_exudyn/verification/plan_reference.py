@@ -20,10 +20,11 @@ from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.solvers.closed_form import GRAVITY
+from rps_exudyn.solvers.coordinates import PLUNGER
 from rps_exudyn.solvers.drive import Drive, Steady, Swing
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, tangent
+from rps_exudyn.solvers.linearised_motion import eigenvalues
 from rps_exudyn.verification.led_ways import (
     Way,
     equilibria_at,
@@ -35,7 +36,7 @@ from rps_exudyn.verification.led_ways import (
 )
 from rps_exudyn.verification.refined_steps import NotFiniteError, NotFoundError, confirmed
 from rps_exudyn.verification.runge_kutta import FreeMotion, runge_kutta
-from rps_exudyn.verification.seat_cells import cell_seat
+from rps_exudyn.verification.seat_cells import by_cells
 from rps_exudyn.verification.stability import ScenePlan
 
 RUN_IN = 0.5  # pitches by Runge-Kutta before the record
@@ -91,8 +92,7 @@ def reference_forces(plan: ScenePlan, load: float = 0.0) -> GearForces:
     forces = gear_forces(gear, fidelity, load)
     if fidelity.yoke != "body":
         return forces
-    seat = cell_seat(gear, friction_zone=forces.friction_zone, rest_gap=forces.seat.data.rest_gap)
-    return replace(forces, seat=seat)
+    return by_cells(forces)
 
 
 # --- steady scenes ---------------------------------------------------------------------------------
@@ -184,37 +184,28 @@ def _motion(
 ) -> FreeMotion:
     """The gear where equilibria from far before have led it, with the reference's forces."""
     path = equilibria_at(plan.gear, forces, drive, before)
-    condensed = plan.fidelity.replace({"bush": "condensed"} if "segment" in forces.fit.bodies else {})
+    condensed = plan.fidelity.replace({"bush": "condensed"} if forces.has_chain else {})
     motion = FreeMotion.of(plan.gear, condensed, Steady("pinion", 0.0, 0.0), pulse)
-    kernel, data = forces.statics.force, forces.statics.data
-    held = {drive.coordinate, *forces.locked}
-    moving = np.array([i for i in range(forces.statics.size) if i not in held])
     return replace(
         motion,
-        elements=[],
+        forces=forces,
         drive=drive,
         place=path.coordinates[-1],
         rate=path.rates[-1],
-        moving=moving,
-        force=kernel,
-        data=data,
+        moving=forces.statics.free(drive.coordinate),
+        balance=forces.statics,
     )
 
 
 def _explicit_step(motion: FreeMotion) -> float:
     """Step in which Runge-Kutta resolves the fastest mode where the motion starts [s]."""
-    return PER_FASTEST / float(np.abs(_modes(motion, motion.place, motion.rate)).max())
+    return PER_FASTEST / float(np.abs(_eigenvalues(motion, motion.place, motion.rate)).max())
 
 
-def _modes(motion: FreeMotion, place: np.ndarray, rate: np.ndarray) -> np.ndarray:
+def _eigenvalues(motion: FreeMotion, place: np.ndarray, rate: np.ndarray) -> np.ndarray:
     """Eigenvalues of the motion linearised at a place and rate [1/s], (2m,)."""
-    inverse, moving = motion.inverse_mass(place), np.ix_(motion.moving, motion.moving)
-    slope = tangent(motion.force)
-    stiffness, damping = (
-        inverse @ slope(place, rate, motion.data, *factors)[moving] for factors in ((1.0, 0.0), (0.0, 1.0))
-    )
-    n = len(stiffness)
-    return np.linalg.eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [stiffness, damping]]))
+    by_place, by_rate = motion.moving_slopes(place, rate)
+    return eigenvalues(motion.moving_mass(place), by_place[None], by_rate[None])[0]
 
 
 def _check_steady(motion: FreeMotion, path: EquilibriumPath, duration: float) -> None:
@@ -224,7 +215,7 @@ def _check_steady(motion: FreeMotion, path: EquilibriumPath, duration: float) ->
         NotFoundError: one does, fed by friction: the motion is another one.
     """
     some = np.linspace(0, len(path.coordinates) - 1, INSTANTS).astype(int)
-    values = np.array([_modes(motion, path.coordinates[i], path.rates[i]) for i in some])
+    values = np.array([_eigenvalues(motion, path.coordinates[i], path.rates[i]) for i in some])
     rates = np.where(values.imag != 0, values.real, 0.0).max(axis=1)
     if (grown := float(np.maximum(rates, 0).mean() * duration)) > GROWN:
         raise NotFoundError(f"friction feeds a vibration, which grows by e^{grown:.2g}: nothing is slow")
@@ -306,11 +297,9 @@ def _shaken(plan: ScenePlan) -> Expected:
     steps = ceil(maneuver.steps * maneuver.time_step / step)
     if steps > MOST_EXPLICIT:
         raise NotFoundError(f"{steps} steps of Runge-Kutta")
-    nut, plunger = forces.nut, COORDINATE_BLOCKS["plunger"].start
-    assert nut is not None
 
     def moved(parts: int) -> tuple[float, float]:
-        depth = explicit(motion, step, steps, parts)[1][:, plunger] - plan.gear.yoke.clearance
+        depth = explicit(motion, step, steps, parts)[1][:, PLUNGER] - plan.gear.yoke.clearance
         return float(plan.gear.yoke.nut_stiffness * max(depth.max(), 0.0)), nan
 
     return Expected(*confirmed(moved), method="Runge-Kutta")

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rps_exudyn.forces.external_load import DeadForceData, TimedForce, dead_force
-from rps_exudyn.forces.force_element import ForceElement
+from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears.masses import rack_masses
 from rps_exudyn.gears.polyhedron import MassProperties
@@ -19,10 +18,11 @@ from rps_exudyn.multibody.solve import SolverPlan, solve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.scene_run import Signals
-from rps_exudyn.solvers.balance import SIZE
-from rps_exudyn.solvers.bent_bar import BentBar
+from rps_exudyn.solvers.balance import SIZE, Balance
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 from rps_exudyn.solvers.drive import Drive, Steady
-from rps_exudyn.solvers.gear_kernel import COORDINATE_BLOCKS, GearData, Kernel
+from rps_exudyn.solvers.gear_forces import GearForces
+from rps_exudyn.solvers.linearised_motion import slopes
 from rps_exudyn.solvers.record import Record, signals_of
 
 
@@ -34,17 +34,15 @@ class FreeMotion:
     rate.
     """
 
-    elements: list[ForceElement]
+    forces: GearForces
     drive: Drive
     place: np.ndarray  # at time 0, in equilibrium
     rate: np.ndarray
     moving: np.ndarray  # coordinates that nothing prescribes
     mass: np.ndarray  # (n, n) at the start
-    force: Kernel  # (q, v, data) -> (n,)
-    data: GearData
+    balance: Balance
     bar: MassProperties
     pulse: TimedForce | None = None
-    bent: BentBar | None = None
 
     @classmethod
     def of(
@@ -58,31 +56,34 @@ class FreeMotion:
         model = build_model(gear, fidelity, drive, pulse=pulse)
         if not model.start.converged:
             raise np.linalg.LinAlgError("the gear finds no equilibrium in which its masses could be taken")
-        force, data = model.forces.dynamics
+        forces = model.forces
         q, v = model.start.coordinates[0].copy(), model.start.rates[0].copy()
         model.mbs.Assemble()
         solve(model.mbs, SolverPlan(end_time=1e-6, steps=1))  # so that the masses are there
         mass = np.array(model.mbs.sys["dynamicSolver"].GetSystemMassMatrix())
-        moving = np.array([i for i in range(q.size) if i not in (drive.coordinate, *model.forces.locked)])
-        elements, bent = model.forces.elements, model.forces.bar
+        moving = np.array([i for i in range(q.size) if i not in (drive.coordinate, *forces.locked)])
         model.release()
-        bar = rack_masses(gear)
-        return cls(elements, drive, q, v, moving, mass, force, data, bar, pulse, bent)
+        return cls(forces, drive, q, v, moving, mass, forces.dynamics, rack_masses(gear), pulse)
 
-    def inverse_mass(self, q: np.ndarray) -> np.ndarray:
-        """Inverse mass matrix of the moving coordinates, (m, m); the rack's masses turn with it."""
+    def moving_mass(self, q: np.ndarray) -> np.ndarray:
+        """Mass matrix of the moving coordinates, (m, m); the rack's masses turn with it."""
         turned, rack = self.mass.copy(), COORDINATE_BLOCKS["rack"]
         turned[rack, rack] = rigid_mass(q[rack][3:], self.bar)
-        return np.asarray(np.linalg.inv(turned[np.ix_(self.moving, self.moving)]))
+        return turned[np.ix_(self.moving, self.moving)]
+
+    def moving_slopes(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Slopes of the forces on the moving coordinates by their places and by their rates, (m, m) each."""
+        moving = np.ix_(self.moving, self.moving)
+        by_place, by_rate = (each[0][moving] for each in slopes(self.balance, q[None], v[None]))
+        return by_place, by_rate
 
     def acceleration(self, t: float, q: np.ndarray, v: np.ndarray, inverse: np.ndarray) -> np.ndarray:
         """Accelerations of all coordinates, (n,); those of the drive for the prescribed ones."""
-        forces, rack = np.array(self.force(q, v, self.data)), COORDINATE_BLOCKS["rack"]
+        forces, rack = self.balance.force(q, v), COORDINATE_BLOCKS["rack"]
         if self.pulse is not None and (shake := self.pulse.force(t)).any():
-            dead = DeadForceData((shake[0], shake[1], shake[2]), self.pulse.place)
-            forces[rack] += dead_force(q[rack], v[rack], dead)[:6]
-            if self.bent is not None:
-                forces[SIZE:] += self.bent.on_modes(self.pulse.place) @ shake
+            forces[rack] += on_axis(shake, self.pulse.place, q[rack][3:])
+            if self.forces.bar is not None:
+                forces[SIZE:] += self.forces.bar.on_modes(self.pulse.place) @ shake
         forces[rack] -= centrifugal(q[rack][3:], v[rack][3:], self.bar)
         a, short = np.zeros(q.size), 1e-6  # [s]
         if not isinstance(self.drive, Steady):
@@ -94,12 +95,10 @@ class FreeMotion:
     def recorded(self, times: np.ndarray, places: np.ndarray, rates: np.ndarray) -> Record:
         """Record of a motion with the drive's torque or force."""
         states = zip(places, rates, strict=True)
-        driven = np.array([self.force(*state, self.data)[self.drive.coordinate] for state in states])
+        driven = np.array([self.balance.force(*state)[self.drive.coordinate] for state in states])
         no_energy = np.zeros(times.size)  # kinetic energy is not needed
         overcome = -self.drive.sign * driven
-        return Record(
-            self.elements, times, places, rates, overcome, self.drive.body, no_energy, bar=self.bent
-        )
+        return Record(self.forces, times, places, rates, overcome, self.drive.body, no_energy)
 
 
 def explicit_motion(
@@ -118,6 +117,12 @@ def explicit_motion(
     """
     motion = FreeMotion.of(gear, fidelity, drive, pulse)
     return signals_of(motion.recorded(*runge_kutta(motion, motion.rate, step, steps, keep)))
+
+
+def on_axis(force: np.ndarray, place: float, angles: np.ndarray) -> np.ndarray:
+    """Generalised forces (6,) on a rigid bar of a force (3,) [N] on a point of its axis [m]."""
+    lever = place * rotation_matrix(angles)[:, 0]
+    return np.concatenate([force, spin_map(angles).T @ np.cross(lever, force)])
 
 
 def rigid_mass(angles: np.ndarray, body: MassProperties) -> np.ndarray:
@@ -147,7 +152,7 @@ def runge_kutta(
     acceleration, q, v = motion.acceleration, motion.place, rate
     kept = [(0.0, q, v)]
     for k in range(steps):
-        t, half, inverse = k * step, step / 2, motion.inverse_mass(q)
+        t, half, inverse = k * step, step / 2, np.linalg.inv(motion.moving_mass(q))
         a1 = acceleration(t, q, v, inverse)
         v2 = v + half * a1
         a2 = acceleration(t + half, q + half * v, v2, inverse)

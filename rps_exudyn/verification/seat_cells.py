@@ -1,72 +1,85 @@
 """The yoke's seat as a sum over many small cells: no clipping, no Gauss points, no symmetry.
 
+    by_cells(forces)        the same gear with such a seat
+
 The law is that of `forces.yoke`: pressure proportional to depth, Coulomb friction of the bar's surface. Its
 integral is made otherwise, by cells that touch or do not, as a reference that shares no quadrature with what
 it judges. The error falls with the square of the cells' size; 160 by 16 cells keep
 the torque to 1e-4, to 4e-3 where a thirtieth of the arc touches.
 """
 
-from typing import NamedTuple
+from dataclasses import replace
 
 import numpy as np
 
-from rps_exudyn.base.compiled import kernel
-from rps_exudyn.forces.force_element import ForceElement
-from rps_exudyn.forces.friction import coulomb
-from rps_exudyn.forces.rigid_motion import (
-    cross,
-    dot,
-    minus,
-    plus,
-    rotation_matrix,
-    scaled,
-    spin_map,
-    times,
-    times_transposed,
-    vector,
+from rps_exudyn.base.compiled import inline, kernel, kernel_of
+from rps_exudyn.forces.friction import COULOMB, coulomb
+from rps_exudyn.forces.rigid_motion import cross, dot, minus, on_angles, plus, scaled, spin_of, turn_of
+from rps_exudyn.solvers.bent_rack import add_to_bar, bar_sections, fill_pose
+from rps_exudyn.solvers.gear_forces import GearForces
+from rps_exudyn.solvers.gear_model import (
+    COLUMNS,
+    LAW,
+    LAWS,
+    area_gear,
+    area_gear_on_bent_rack,
+    line_gear,
+    line_gear_on_bent_rack,
+    ratio_gear,
+    teeth_gear,
+    teeth_gear_on_bent_rack,
 )
-from rps_exudyn.parameters.gear import SteeringGear
 
 ARC_CELLS, LENGTH_CELLS = 160, 16
+SEAT_SIZE = 12  # outputs of the seat
+_SEAT = COLUMNS["seat"].start
 
 
-class CellData(NamedTuple):
-    """Cells of a seat fixed to the plunger."""
+def by_cells(forces: GearForces) -> GearForces:
+    """Return the forces with the seat of the plunger as a sum over cells; its tangent stays as it is.
 
-    normals: np.ndarray  # (n, 2) of the cells, Y and Z
-    stations: np.ndarray  # along the rack [m]
-    stiffness: float  # of a cell [N/m]
-    bar_radius: float
-    friction: float
-    zone: float  # friction zone [m/s]
-    rest_gap: float  # see `SeatData`
-    tilt: float  # likewise
+    Raises:
+        ValueError: the yoke is a force, or its friction is not Coulomb's.
+    """
+    if not forces.gear.has_plunger or forces.gear.seat.law.kind != COULOMB:
+        raise ValueError("cells need a plunger, whose friction is Coulomb's")
+    return replace(forces, law=_BY_CELLS[next(name for name, law in LAWS.items() if law is forces.law)])
 
 
 @kernel
-def seat_by_cells(q, v, data):  # type: ignore[no-untyped-def]
-    """Forces of the seat on q = rack (6), plunger (1), energy terms, and the outputs of `seat_force`."""
-    out = np.zeros(7 + 3 + 2)
-    map_ = spin_map(q[3:6])
-    axis, omega = vector(rotation_matrix(q[3:6])[:, 0]), vector(times(map_, v[3:6]))
+def seat_by_cells(q, v, seat, out):  # type: ignore[no-untyped-def]
+    """Fill the forces of the seat on q = rack (6), plunger (1), energy terms, and the outputs of
+    `seat_force`; `seat` is a record `SEAT`."""
+    for i in range(SEAT_SIZE):
+        out[i] = 0.0
+    phi, weight = seat.half_angle, 0.0
+    for i in range(ARC_CELLS):
+        weight += np.cos(phi * ((2 * i + 1) / ARC_CELLS - 1)) ** 2
+    # of the whole seat along the yoke, spread evenly over the cells
+    stiffness = seat.density * (phi + np.sin(phi) * np.cos(phi)) * 2 * seat.half_length
+    stiffness /= LENGTH_CELLS * weight
+    turn = turn_of(q[3:6])
+    axis, omega = turn.axis, spin_of(turn, v[3:6])
     travels = (v[0], v[1] - v[6], v[2])  # of the bar's reference point against the plunger
-    tilt = min(max(axis[1] / axis[0], -data.tilt), data.tilt)  # of the plunger in its bore, with the bar
+    tilt = min(max(axis[1] / axis[0], -seat.tilt), seat.tilt)  # of the plunger in its bore, with the bar
     force, moment = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    for station in data.stations:
-        # where the bar's axis passes the cells' plane
-        arm = scaled((station - q[0]) / axis[0], axis)
-        place_y, place_z = q[1] + arm[1] - station * tilt - q[6] + data.rest_gap, q[2] + arm[2]
-        for i in range(data.normals.shape[0]):
-            cos, sin = data.normals[i, 0], data.normals[i, 1]
+    for i in range(ARC_CELLS):
+        angle = phi * ((2 * i + 1) / ARC_CELLS - 1)
+        cos, sin = np.cos(angle), np.sin(angle)
+        for j in range(LENGTH_CELLS):
+            station = seat.half_length * ((2 * j + 1) / LENGTH_CELLS - 1)
+            # where the bar's axis passes the cells' plane
+            arm = scaled((station - q[0]) / axis[0], axis)
+            place_y, place_z = q[1] + arm[1] - station * tilt - q[6] + seat.rest_gap, q[2] + arm[2]
             depth = place_y * cos + place_z * sin
             if depth <= 0:
                 continue
             normal = (-(axis[1] * cos + axis[2] * sin) / axis[0], cos, sin)
-            surface = plus(arm, (0.0, data.bar_radius * cos, data.bar_radius * sin))
+            surface = plus(arm, (0.0, seat.bar_radius * cos, seat.bar_radius * sin))
             slip = plus(travels, cross(omega, surface))
             slip = minus(slip, scaled(dot(slip, normal) / dot(normal, normal), normal))
-            load, speed = data.stiffness * depth, np.sqrt(dot(slip, slip))
-            drag = scaled(-coulomb(load, data.friction, speed, data.zone), slip)
+            load, speed = stiffness * depth, np.sqrt(dot(slip, slip))
+            drag = scaled(-coulomb(load, seat.friction, speed, seat.zone), slip)
             push = scaled(-load, normal)
             force = plus(force, plus(drag, push))
             moment = plus(moment, plus(cross(surface, drag), cross(arm, push)))
@@ -75,30 +88,98 @@ def seat_by_cells(q, v, data):  # type: ignore[no-untyped-def]
             out[10] += load
             out[11] += load * cos
     out[0], out[1], out[2] = force
-    out[3:6] = times_transposed(map_, moment)
+    out[3], out[4], out[5] = on_angles(turn, moment)
     out[6] = -out[1]
-    return out
 
 
-def cell_seat(gear: SteeringGear, *, friction_zone: float, rest_gap: float) -> ForceElement:
-    """The seat of `forces.yoke` with its whole stiffness spread evenly over cells."""
-    yoke = gear.yoke
-    angles = yoke.seat_angle * _middles(ARC_CELLS)
-    cells = LENGTH_CELLS * float(np.sum(np.cos(angles) ** 2))
-    data = CellData(
-        np.column_stack([np.cos(angles), np.sin(angles)]),
-        yoke.seat_length / 2 * _middles(LENGTH_CELLS),
-        yoke.seat_stiffness / cells,
-        gear.rack.bar_diameter / 2,
-        yoke.friction,
-        friction_zone,
-        rest_gap,
-        yoke.bore_clearance / yoke.plunger_length,
-    )
-    outputs = ("seat_normal_force", "seat_force")
-    return ForceElement("seat", ("rack", "plunger"), seat_by_cells, data, outputs)
+@inline
+def _exchanged(gear, work, more):  # type: ignore[no-untyped-def]
+    """Fill what the cells exert on rack and plunger more than the seat (7,); its outputs are theirs."""
+    own = np.empty(SEAT_SIZE)
+    seat_by_cells(work.place[1:8], work.rate[1:8], gear.seat, own)
+    for i in range(7):
+        more[i] = own[i] - work.out[_SEAT + i]
+    for i in range(SEAT_SIZE):
+        work.out[_SEAT + i] = own[i]
 
 
-def _middles(cells: int) -> np.ndarray:
-    """Middles of equal cells of -1 .. 1."""
-    return (np.arange(cells) + 0.5) / cells * 2 - 1
+@kernel
+def exchange_seat(gear, work, total):  # type: ignore[no-untyped-def]
+    """Put the cells in the place of the seat of a gear, whose forces are known."""
+    more = np.empty(7)
+    _exchanged(gear, work, more)
+    for i in range(7):
+        total[1 + i] += more[i]
+
+
+@kernel
+def exchange_seat_on_bent_rack(q, gear, pool, work, total):  # type: ignore[no-untyped-def]
+    """The same where the rack bends or is not straight."""
+    more, bar = np.empty(7), gear.bar
+    pose, sections = np.empty((3, 6)), np.empty((4, bar.modes + 2))
+    _exchanged(gear, work, more)
+    bar_sections(-q[1], bar, pool, sections)
+    fill_pose(q, work.slip, sections, -1.0, bar, pose)
+    add_to_bar(total, more, pose, sections, -1.0, bar)
+    total[7] += more[6]
+
+
+# --- laws, as those of `gear_model` --------------------------------------------------------------------
+@kernel_of(*LAW)
+def line_by_cells(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """A gear with the contact law "line"."""
+    line_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
+    exchange_seat(gears[g], works[0], total)
+
+
+@kernel_of(*LAW)
+def line_by_cells_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The same whose rack bends or is not straight."""
+    line_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
+    exchange_seat_on_bent_rack(q, gears[g], pool, works[0], total)
+
+
+@kernel_of(*LAW)
+def teeth_by_cells(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """A gear with the contact law "teeth"."""
+    teeth_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
+    exchange_seat(gears[g], works[0], total)
+
+
+@kernel_of(*LAW)
+def teeth_by_cells_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The same whose rack bends or is not straight."""
+    teeth_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
+    exchange_seat_on_bent_rack(q, gears[g], pool, works[0], total)
+
+
+@kernel_of(*LAW)
+def area_by_cells(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """A gear with the contact law "area"."""
+    area_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
+    exchange_seat(gears[g], works[0], total)
+
+
+@kernel_of(*LAW)
+def area_by_cells_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The same whose rack bends or is not straight."""
+    area_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
+    exchange_seat_on_bent_rack(q, gears[g], pool, works[0], total)
+
+
+@kernel_of(*LAW)
+def ratio_by_cells(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """A gear with a ratio in place of its mesh."""
+    ratio_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
+    exchange_seat(gears[g], works[0], total)
+
+
+_BY_CELLS = {
+    ("line", False): line_by_cells,
+    ("line", True): line_by_cells_on_bent_rack,
+    ("teeth", False): teeth_by_cells,
+    ("teeth", True): teeth_by_cells_on_bent_rack,
+    ("area", False): area_by_cells,
+    ("area", True): area_by_cells_on_bent_rack,
+    ("ratio", False): ratio_by_cells,
+}

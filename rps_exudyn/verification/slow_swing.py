@@ -6,7 +6,7 @@ does. Nothing in a slow reversal but rack and pinion is accelerated enough to be
 
 from dataclasses import replace
 
-from rps_exudyn.mesh_contact.flank_data import pack
+from rps_exudyn.mesh_contact.flank_data import MOST_POINTS, pack
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import swing_maneuver
@@ -14,7 +14,7 @@ from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.verification.equilibria import equilibria
 
-ON_GENERATOR = 16  # Gauss points along each: teeth that hardly move rub one way here and another way there
+ON_GENERATOR = MOST_POINTS  # Gauss points on each: teeth that hardly move rub one way here, another there
 
 
 def slow_swing(gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
@@ -30,5 +30,8 @@ def _well_integrated(gear: SteeringGear, fidelity: Fidelity) -> GearForces:
     forces = gear_forces(gear, fidelity)
     if fidelity.mesh != "flank-generators":
         return forces
-    data = pack(gear, zone=forces.friction_zone, generators=fidelity.generators, along=ON_GENERATOR)
-    return replace(forces, mesh=replace(forces.mesh, data=data))
+    gears = forces.gears.copy()
+    gears["mesh"]["flank"] = pack(
+        gear, zone=forces.friction_zone, generators=fidelity.generators, along=ON_GENERATOR
+    )
+    return replace(forces, gears=gears)

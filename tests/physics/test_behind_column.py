@@ -1,17 +1,20 @@
 """The reference of plans that turn the wheel: its integrator against a closed form, its figures against the
 scene's."""
 
+from typing import cast
+
 import numpy as np
 import pytest
 
 import rps_exudyn as rps
 from benchmarks.stability.wheel_plans import errors, plan_of
-from rps_exudyn.forces.memory import NO_MEMORY
+from rps_exudyn.forces.memory import MEMORY_SIZE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.simulate.checked_run import run_unchecked
+from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.steering_column import SteeringColumn
 from rps_exudyn.verification.behind_column import Behind, Wheel, figures
 from rps_exudyn.verification.stability import ScenePlan
@@ -20,14 +23,27 @@ STIFFNESS, INERTIA = 100.0, 6e-5
 PARTS = ("mesh", "yoke", "bush", "bearing")
 
 
+class NoForces:
+    """The forces of no gear."""
+
+    has_bristles = False
+
+    def __init__(self) -> None:
+        self.memory = np.zeros((2, MEMORY_SIZE))
+
+    def tangent(self, q: np.ndarray, *rest: object) -> np.ndarray:
+        return np.zeros((q.size, q.size))
+
+    def force(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return np.zeros(q.size)
+
+
 def alone(turned: float) -> Behind:
     """An inertia without a gear behind a column whose wheel was turned by an angle [rad]."""
     return Behind(
         wheel=Wheel(lambda time: np.full_like(time, turned), np.zeros_like),
         column=SteeringColumn(0.04, STIFFNESS, 0.0, 0.0, 0.0),
-        force=lambda q, v: np.zeros(8),
-        tangent=lambda q, v, of_q, of_v: np.zeros((8, 8)),
-        memory=NO_MEMORY,
+        balance=cast(Balance, NoForces()),
         mass=np.diag([INERTIA, *[1.0] * 7]),
         moving=np.arange(8),
         time=0.0,

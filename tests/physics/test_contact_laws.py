@@ -8,14 +8,12 @@ from scipy.spatial.transform import Rotation
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.elastic_teeth import teeth_contact
-from rps_exudyn.mesh_contact.flank_contact import flank_contact
 from rps_exudyn.mesh_contact.flank_data import pack
-from rps_exudyn.mesh_contact.teeth_data import teeth_data
 from rps_exudyn.mesh_contact.wrench import NORMAL_COAST, NORMAL_DRIVE, PENETRATION, TORQUE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.run import run
+from rps_exudyn.verification.contact_at import elastic_contact, flank_contact, mesh_of_teeth
 
 LAWS = ("line", "area", "teeth")
 NORMALS = [NORMAL_DRIVE, NORMAL_COAST]
@@ -30,7 +28,7 @@ Contact = Callable[..., np.ndarray]
 def contact_of(gear: SteeringGear) -> Contact:
     """The contact of a gear's flanks by its law, the rack near its place."""
     pair, flank = GearPair.of(gear), pack(gear, zone=1e-5)
-    elastic = teeth_data(gear, flank) if gear.mesh.law == "teeth" else None
+    elastic = mesh_of_teeth(gear, flank) if gear.mesh.law == "teeth" else None
 
     def contact(
         angle: float, x: float, y: float, turn: tuple[float, ...] = GUIDED, parting: float = 0.0
@@ -39,8 +37,7 @@ def contact_of(gear: SteeringGear) -> Contact:
         to_mesh = np.array([0, pair.reference_radius - pair.bar_axis_height, 0])
         place = np.array([pair.gain * angle + x, pair.bar_axis_height + y, 0]) + to_mesh - rotation @ to_mesh
         state = -angle, -1.0, place, rotation, np.array([pair.gain, parting, 0]), np.zeros(3)
-        out = flank_contact(*state, flank) if elastic is None else teeth_contact(*state, elastic)
-        return np.asarray(out)
+        return flank_contact(*state, flank) if elastic is None else elastic_contact(*state, elastic)
 
     return contact
 
@@ -98,5 +95,5 @@ def test_depth_is_geometry() -> None:
 def test_generators_say_which_law_they_know() -> None:
     generators = Fidelity.preset("quasi-static").replace({"mesh": "flank-generators"})
     for law in ("line", "teeth"):
-        with pytest.raises(InputError, match=r"knows only area: set mesh\.law = area"):
+        with pytest.raises(InputError, match=r"has only area: set mesh\.law = area"):
             run("free-pinion-torque", gear_by(law), fidelity=generators)

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from rps_exudyn.forces.force_element import ForceElement
+from part_law import alone
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.flank_element import flank_element
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
+from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 
 LENGTHS = CHARACTERISTIC_LENGTHS[:7]  # of pinion (1), rack (6)
 STEP = 1e-8  # of differences [m]: their error is below 1e-6 of the largest entry
@@ -28,36 +29,35 @@ def poses(count: int) -> list[tuple[np.ndarray, np.ndarray]]:
     for _ in range(count):
         angle = rng.uniform(0, 2 * np.pi)
         lift = GEAR.pinion.runout * np.cos(angle) - rng.uniform(4e-6, 9e-6)
-        q = np.array([-angle, gain * angle, lift, 0.0, *rng.uniform(-2e-4, 2e-4, 3)])
-        v = np.array([-1.5, 1.5 * gain, *rng.uniform(-1e-5, 1e-5, 2), *rng.uniform(-1e-3, 1e-3, 3)])
+        q = np.array([-angle, gain * angle, lift, 0.0, *rng.uniform(-2e-4, 2e-4, 3), 0.0])
+        v = np.array([-1.5, 1.5 * gain, *rng.uniform(-1e-5, 1e-5, 2), *rng.uniform(-1e-3, 1e-3, 3), 0.0])
         found.append((q, v))
     return found
 
 
-def forces(element: ForceElement, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """The forces alone, by the kernel that gives the tangent too: one to compile instead of two."""
-    assert element.tangent is not None
-    return np.asarray(element.tangent(q, v, element.data, 0.0, 0.0, np.zeros((7, 7)))[:7])
+def mesh_of(gear: SteeringGear, along: int, across: int) -> GearForces:
+    """The contact of a gear's flanks with some points, all else without force."""
+    points = {"strip_stations": along, "strip_points": across}
+    forces = gear_forces(gear, Fidelity.preset("quasi-static").replace(points))
+    forces.gears["mesh"]["flank"]["zone"] = 1e-5
+    return alone(forces, "mesh")
 
 
 @pytest.mark.parametrize("law", ["line", "teeth", "area"])
 def test_tangent_is_the_derivative_of_the_forces(law: str) -> None:
     """Along paths on which rates follow places, as the equilibria's: dF/dq + per_time dF/dv."""
-    along, across = POINTS[law]
-    gear = GEAR.replace({"mesh.law": law})
-    element = flank_element(gear, friction_zone=1e-5, along=along, across=across)
-    assert element.tangent is not None
+    balance = mesh_of(GEAR.replace({"mesh.law": law}), *POINTS[law]).statics
     errors = []
     for q, v in poses(10):
         for per_time in (0.0, 500.0):
-            tangent, by_differences = np.zeros((7, 7)), np.empty((7, 7))
-            element.tangent(q, v, element.data, 1.0, per_time, tangent)
+            tangent = balance.force_and_tangent(q, v, 1.0, per_time)[1][:7, :7]
+            by_differences = np.empty((7, 7))
             for j in range(7):
-                step = np.zeros(7)
+                step = np.zeros(8)
                 step[j] = STEP / LENGTHS[j]
-                after = forces(element, q + step, v + per_time * step)
-                before = forces(element, q - step, v - per_time * step)
-                by_differences[:, j] = (after - before) / (2 * step[j])
+                after = balance.force(q + step, v + per_time * step)
+                before = balance.force(q - step, v - per_time * step)
+                by_differences[:, j] = (after - before)[:7] / (2 * step[j])
             scale = np.outer(LENGTHS, LENGTHS)
             error = np.abs((tangent - by_differences) / scale).max()
             errors.append(error / np.abs(by_differences / scale).max())
@@ -71,10 +71,8 @@ def test_unmodified_flanks_are_the_limit_of_modified_ones(law: str) -> None:
 
     Both begin the solution of the loads at the same place: what rounding makes of it is below 1e-7.
     """
-    plain = flank_element(GEAR.replace({"mesh.law": law}), friction_zone=1e-5, along=4, across=2)
     crowned = GEAR.replace({"mesh.law": law, "pinion.crowning": 1e-16})
-    modified = flank_element(crowned, friction_zone=1e-5, along=4, across=2)
+    plain, modified = (mesh_of(gear, 4, 2).statics for gear in (GEAR.replace({"mesh.law": law}), crowned))
     for q, v in poses(10):
-        found, expected = forces(plain, q, v), forces(modified, q, v)
-        largest = np.abs(expected / LENGTHS).max()
-        assert found / LENGTHS == pytest.approx(expected / LENGTHS, abs=1e-7 * largest)
+        found, expected = (each.force(q, v)[:7] / LENGTHS for each in (plain, modified))
+        assert found == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())

@@ -11,11 +11,11 @@ from scipy.spatial.transform import Rotation
 
 from flank_points import wrench_by_points
 from flank_poses import ANGLES, FINE, PAPER, POSES, PRESS, ZONE, changed, difference, state
+from rps_exudyn.base.compiled import changed as changed_record
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
-from rps_exudyn.mesh_contact.flank_contact import flank_contact
 from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.mesh_contact.wrench import (
     DAMPING_POWER,
@@ -28,10 +28,8 @@ from rps_exudyn.mesh_contact.wrench import (
     PENETRATION,
     TORQUE,
 )
-from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.solvers.gear_kernel import tangent
+from rps_exudyn.verification.contact_at import flank_contact
 
 
 # --- three ways to one integral ----------------------------------------------------------------
@@ -236,23 +234,6 @@ def test_reversed_motion_reverses_friction_only() -> None:
 
 
 # --- other views ----------------------------------------------------------------------------------
-@pytest.mark.parametrize(("factor_q", "factor_v"), [(1.0, 0.0), (0.0, 1.0)])
-@pytest.mark.parametrize("chain", [False, True])
-def test_tangent_agrees_with_central_differences(factor_q: float, factor_v: float, chain: bool) -> None:
-    """Of the whole gear's forces, by coordinates and by rates: 1 % of the largest entry in a column."""
-    forces, pair = gear_forces(PAPER, Fidelity(bush="chain" if chain else "condensed")), GearPair.of(PAPER)
-    force, data = forces.dynamics
-    q, v = np.zeros(14 if chain else 8), np.zeros(14 if chain else 8)
-    q[0:3], q[4:7], q[7] = (-0.2, 0.2 * pair.gain, -10e-6), (5e-4, 1e-4, -1e-4), -8e-6
-    v[0:2], v[4] = (-1.0, pair.gain), 1e-3
-    found = tangent(force)(q, v, data, factor_q, factor_v)
-    for i, e in enumerate(np.eye(len(q))):
-        h = 2e-9 if 1 <= i <= 3 or 7 <= i <= 10 else 2e-8
-        dq, dv = factor_q * h * e, 100 * factor_v * h * e
-        column = (force(q + dq, v + dv, data) - force(q - dq, v - dv, data)) / (2 * (dq + dv)[i])
-        assert np.max(np.abs(found[:, i] - column)) <= 0.01 * np.max(np.abs(column))
-
-
 def test_line_law_is_stiffness_times_depth_times_length() -> None:
     """Law: an aligned line is equally deep all along, between the limits of flank and rack. The lengths are
     counted here on 20 000 sections of the face: 1e-3."""
@@ -313,7 +294,7 @@ def test_pitch_error_is_a_turn_of_one_tooth() -> None:
     for normal, away in ((NORMAL_DRIVE, 0.01), (NORMAL_COAST, -0.01)):
 
         def of_tooth_0(angle: float, normal: int = normal, away: float = away) -> float:
-            data = plain, plain._replace(pitch_error=away)
+            data = plain, changed_record(plain, pitch_error=away)
             every, others = (flank_contact(angle, w, p, r, v, s, one)[normal] for one in data)
             return float(every - others)
 

@@ -19,6 +19,7 @@ from rps_exudyn.solvers.equilibrium import starting_guess, steady_rates
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.record import Record
 from rps_exudyn.verification.nodal_bar import shaken_bar
+from rps_exudyn.verification.seat_cells import by_cells
 
 GEAR = SteeringGear()
 PITCH = 1 / GEAR.pinion.teeth  # [turns]
@@ -77,40 +78,46 @@ def scattered(forces: GearForces, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("factors", [(1.0, 0.0), (0.0, 1.0)])
 def test_chain_rule_gives_the_tangent(bent: GearForces, factors: tuple[float, float]) -> None:
-    """Against central differences of the whole force. Entries count over the square root of the diagonal's,
-    so that each coordinate has its own size; forward differences of a contact with kinks leave 1e-3."""
-    (force, data), tangent = bent.dynamics, bent.dynamics_tangent
+    """Against central differences of the whole force: that of the laws, which leaves out what turns with the
+    bar's small angles, to 1e-3 of the largest entry; that by forward differences, which a contact with kinks
+    leaves 1e-3, with each coordinate's own size: over the square root of the diagonal's."""
+    balance = bent.dynamics
     for seed in range(3):
         q, v = scattered(bent, seed)
-        found = tangent(q, v, data, *factors)
+        found = balance.tangent(q, v, *factors)
         expected = np.empty_like(found)
-        steps = 1e-9 / bent.statics.lengths
+        steps = 1e-9 / balance.lengths
         for j, step in enumerate(steps):
             dq, dv = factors[0] * np.eye(len(q))[j] * step, factors[1] * np.eye(len(q))[j] * 100 * step
-            rise = force(q + dq, v + dv, data) - force(q - dq, v - dv, data)
+            rise = balance.force(q + dq, v + dv) - balance.force(q - dq, v - dv)
             expected[:, j] = rise / (2 * (factors[0] + 100 * factors[1]) * step)
+        scale = np.outer(balance.lengths, balance.lengths)
+        assert np.abs((found - expected) / scale).max() < 1e-3 * np.abs(expected / scale).max()
         size = np.sqrt(np.abs(np.diag(expected)))
         size = np.maximum(size, 1e-3 * size.max())
-        assert np.abs((found - expected) / np.outer(size, size)).max() < 2e-3
+        by_differences = balance.difference_tangent(q, v, *factors)
+        assert np.abs((by_differences - expected) / np.outer(size, size)).max() < 2e-3
 
 
-def test_forces_are_the_work_of_the_laws_on_the_local_pose(bent: GearForces) -> None:
+@pytest.mark.parametrize("cells", [False, True])
+def test_forces_are_the_work_of_the_laws_on_the_local_pose(bent: GearForces, cells: bool) -> None:
     """Power of the generalised forces = power of each law at the bar's pose where it acts, of the bar's
-    elasticity and damping: what the chain rule to the modes, and along the bar, must keep. To rounding."""
-    force, data = bent.dynamics
+    elasticity and damping: what the chain rule to the modes, and along the bar, must keep. To rounding, also
+    where cells stand in the place of the seat."""
+    bent = by_cells(bent) if cells else bent
     assert bent.bar is not None
     for seed in range(5):
         q, v = scattered(bent, seed)
         v[1:8] += np.random.default_rng(seed).standard_normal(7) * 1e-3
         rows = q[None], v[None]
-        record = Record(bent.elements, np.zeros(1), *rows, np.zeros(1), "pinion", np.zeros(1), bar=bent.bar)
+        record = Record(bent, np.zeros(1), *rows, np.zeros(1), "pinion", np.zeros(1))
         power = 0.0
-        for element in bent.elements:
-            _, rates = record.seen_by(element)
-            power += float(record.outputs(element)[0, : element.size] @ rates[0])
-        elastic = float((bent.bar.data.stiffness * q[8:]) @ v[8:])
+        for part in bent.parts:
+            _, rates = record.seen_by(part)
+            power += float(record.outputs(part)[0, : part.size] @ rates[0])
+        elastic = float((bent.bar.stiffness * q[8:]) @ v[8:])
         power -= elastic + float(bent.bar.damping_power(rows[1])[0])
-        assert float(force(q, v, data) @ v) == pytest.approx(power, rel=1e-9)
+        assert float(bent.dynamics.force(q, v) @ v) == pytest.approx(power, rel=1e-9)
 
 
 def test_local_pose_moves_as_its_rates_say(bent: GearForces) -> None:

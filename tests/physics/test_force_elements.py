@@ -1,4 +1,4 @@
-"""Laws of the single force elements: action and reaction, energy, Coulomb.
+"""Laws of the single parts of a gear: action and reaction, energy, Coulomb.
 
 Random states around the working point: micrometres, tenths of a milliradian, the test's speeds. Positions are
 taken from the rack's reference point at rest; rotation coordinates turn generalised moments into moments
@@ -8,14 +8,17 @@ by G^-T (`parts.motion`).
 import numpy as np
 import pytest
 
-from rps_exudyn.forces.force_element import ELASTIC_ENERGY, FRICTION_POWER, ForceElement
+from part_law import PartLaw, with_records
+from rps_exudyn.forces.force_element import ELASTIC_ENERGY, FRICTION_POWER
 from rps_exudyn.forces.rigid_motion import spin_map
-from rps_exudyn.forces.yoke import seat, seat_wedge_factor
+from rps_exudyn.forces.yoke import seat_record, seat_wedge_factor
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 from rps_exudyn.solvers.equilibrium import starting_guess, steady_rates
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
+from rps_exudyn.solvers.gear_model import COLUMNS
 
 GEAR = SteeringGear()
 PAIR = GearPair.of(GEAR)
@@ -41,16 +44,14 @@ def frictionless() -> GearForces:
     return gear_forces(GEAR.replace({**PRESSED, "mesh.friction": 0}), FULL)
 
 
-def state_near(
-    element: ForceElement, angle: float, rng: np.random.Generator
-) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates and rates of an element's bodies, scattered around steady turning at a pinion angle."""
+def state_near(bodies: tuple[str, ...], angle: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates and rates of some bodies, scattered around steady turning at a pinion angle."""
+    rng, still = np.random.default_rng(seed), np.zeros(6)
     middle, rates = starting_guess(PAIR, angle), steady_rates(PAIR, GEAR.test.speed)
-    still = np.zeros(6)
     bodies_q = {"pinion": middle[:1], "rack": middle[1:7], "plunger": middle[7:], "segment": still}
     bodies_v = {"pinion": rates[:1], "rack": rates[1:7], "plunger": rates[7:], "segment": still}
-    q, v = (np.concatenate([source[body] for body in element.bodies]) for source in (bodies_q, bodies_v))
-    spread_q, spread_v = (np.concatenate([SPREAD[body][i] for body in element.bodies]) for i in (0, 1))
+    q, v = (np.concatenate([source[body] for body in bodies]) for source in (bodies_q, bodies_v))
+    spread_q, spread_v = (np.concatenate([SPREAD[body][i] for body in bodies]) for i in (0, 1))
     return q + spread_q * rng.standard_normal(q.size), v + spread_v * rng.standard_normal(v.size)
 
 
@@ -62,14 +63,14 @@ def moment(generalised: np.ndarray, angles: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("angle", ANGLES)
 def test_sliding_fit_acts_as_it_is_acted_upon(forces: GearForces, angle: float) -> None:
     """Rack and segment: forces and moments about one point cancel, to round-off (moments of 10 N m)."""
-    fit = forces.fit
-    q, v = state_near(fit, angle, np.random.default_rng(1))
-    out = fit.evaluate(q, v)
-    on_segment, on_rack = out[0:6], out[6:12]
-    segment_at = q[0:3] + np.array([fit.data.station - fit.data.lever, 0, 0])
+    q, v = state_near(("pinion", "rack", "plunger", "segment"), angle, 1)
+    on_segment = forces.dynamics.force(q, v)[COORDINATE_BLOCKS["segment"]]
+    fit, rack, segment = forces.gear.fit, q[COORDINATE_BLOCKS["rack"]], q[COORDINATE_BLOCKS["segment"]]
+    on_rack = forces.outputs(q[None], v[None], np.zeros(1))[0, COLUMNS["bush"]][:6]
+    segment_at = segment[0:3] + np.array([fit.station - fit.lever, 0, 0])
     about_origin = [
         moment(on_body[3:], angles) + np.cross(place, on_body[:3])
-        for on_body, angles, place in ((on_segment, q[3:6], segment_at), (on_rack, q[9:12], q[6:9]))
+        for on_body, angles, place in ((on_segment, segment[3:], segment_at), (on_rack, rack[3:], rack[:3]))
     ]
     assert np.abs(on_rack[:3]).max() > 1
     assert on_segment[:3] == pytest.approx(-on_rack[:3], rel=1e-14)
@@ -79,10 +80,9 @@ def test_sliding_fit_acts_as_it_is_acted_upon(forces: GearForces, angle: float) 
 @pytest.mark.parametrize("angle", ANGLES)
 def test_teeth_act_as_they_are_acted_upon(forces: GearForces, angle: float) -> None:
     """The pinion's torque is minus the moment about its axis of what acts on the rack."""
-    mesh = forces.mesh
-    q, v = state_near(mesh, angle, np.random.default_rng(2))
-    out = mesh.evaluate(q, v)
-    from_axis = mesh.data.rack_reference + q[1:4] - PAIR.pinion_origin
+    q, v = state_near(("pinion", "rack"), angle, 2)
+    out = PartLaw.of(forces, "mesh").evaluate(q, v)
+    from_axis = forces.gear.mesh.spheres.rack_reference + q[1:4] - PAIR.pinion_origin
     about_axis = PAIR.pinion_frame[:, 2] @ (moment(out[4:7], q[4:7]) + np.cross(from_axis, out[1:4]))
     assert abs(out[0]) > 0.01
     assert out[0] == pytest.approx(-about_axis, abs=1e-11)
@@ -91,7 +91,7 @@ def test_teeth_act_as_they_are_acted_upon(forces: GearForces, angle: float) -> N
 @pytest.mark.parametrize("angle", ANGLES)
 def test_seat_acts_as_it_is_acted_upon(forces: GearForces, angle: float) -> None:
     """Along the yoke's axis; the plunger's guide takes the rest."""
-    out = forces.seat.evaluate(*state_near(forces.seat, angle, np.random.default_rng(3)))
+    out = PartLaw.of(forces, "seat").evaluate(*state_near(("rack", "plunger"), angle, 3))
     assert out[1] < -10
     assert out[6] == -out[1]
 
@@ -100,8 +100,8 @@ def test_seat_acts_as_it_is_acted_upon(forces: GearForces, angle: float) -> None
 def test_teeth_without_friction_are_conservative(frictionless: GearForces, angle: float) -> None:
     """Forces are minus the gradient of the stored energy, by central differences of a nanometre. Pressure
     grows from zero, so that samples which touch or part in between change it by 1e-6 only."""
-    mesh = frictionless.mesh
-    q, v = state_near(mesh, angle, np.random.default_rng(4))
+    mesh = PartLaw.of(frictionless, "mesh")
+    q, v = state_near(("pinion", "rack"), angle, 4)
 
     def energy(q: np.ndarray) -> float:
         return float(mesh.evaluate(q, v)[mesh.size + ELASTIC_ENERGY])
@@ -114,14 +114,14 @@ def test_teeth_without_friction_are_conservative(frictionless: GearForces, angle
 
 
 @pytest.mark.parametrize(
-    ("name", "share"), [("mesh", 1e-5), ("bearing", 1e-9), ("seat", 3 * TILT), ("fit", 3 * TILT)]
+    ("name", "share"), [("mesh", 1e-5), ("bearing", 1e-9), ("seat", 3 * TILT), ("bush", 3 * TILT)]
 )
 def test_friction_takes_what_the_forces_do(forces: GearForces, name: str, share: float) -> None:
     """Power of the forces = - friction - d/dt of the stored energy, by differences along the motion: two ways
     through each law. Seat and fit press in the housing's directions, not in those of the tilted bar, so that
     they conserve energy only up to the tilt (0.1 mrad here, less in a gear)."""
-    element = getattr(forces, name)
-    q, v = state_near(element, 0.0, np.random.default_rng(5))
+    element = PartLaw.of(forces, name)
+    q, v = state_near(element.part.bodies, 0.0, 5)
     out = element.evaluate(q, v)
     dt = 1e-7
     later, earlier = (
@@ -140,7 +140,7 @@ def test_seat_rubs_by_its_wedge_factor(half_angle: str) -> None:
     """A bar that slides in a seat it touches everywhere: friction = kappa mu times the load along the yoke,
     kappa = 2 sin(phi) / (phi + sin(phi) cos(phi)); the points' quadrature is good to 1e-9."""
     gear = GEAR.replace({"yoke.seat_angle": half_angle})
-    seat = gear_forces(gear, FULL.replace({"profile_samples": 2, "axial_samples": 2})).seat
+    seat = PartLaw.of(gear_forces(gear, FULL.replace({"profile_samples": 2, "axial_samples": 2})), "seat")
     q, v = np.array([0, 2e-6, 0, 0, 0, 0, 0.0]), np.array([0.01, 0, 0, 0, 0, 0, 0])
     out = seat.evaluate(q, v)
     load = -out[1]
@@ -151,6 +151,12 @@ def test_seat_rubs_by_its_wedge_factor(half_angle: str) -> None:
 
 # --- the seat's patch of contact ---------------------------------------------------------------------
 CELLS = 4000, 400  # of the seat along the arc and along the rack
+
+
+def seat(gear: SteeringGear, *, friction_zone: float, rest_gap: float) -> PartLaw:
+    """The gear's seat with a friction zone and a gap of its own."""
+    record = seat_record(gear, friction_zone=friction_zone, rest_gap=rest_gap)
+    return PartLaw.of(with_records(gear_forces(gear, Fidelity()), seat=record), "seat")
 
 
 def summed_seat(gear: SteeringGear, q: np.ndarray, rest_gap: float) -> tuple[float, float, float, float]:

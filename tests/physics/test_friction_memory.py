@@ -4,12 +4,14 @@ from functools import cache
 
 import numpy as np
 import pytest
+from numba import njit
 
 import rps_exudyn as rps
 from rps_exudyn.analysis.stick_slip import Oscillator, Rubbing
+from rps_exudyn.base.compiled import record
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.forces.friction import ACROSS, ALONG, BRISTLE, LOAD, Law, bristle, clear, stored
-from rps_exudyn.forces.memory import PATCHES, PLACES, TIME, Memory
+from rps_exudyn.forces.friction import ACROSS, ALONG, BRISTLE, LAW, LOAD, bristle, clear, stored
+from rps_exudyn.forces.memory import MEMORY_SIZE, PATCHES, PLACES, TIME, Patches
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -30,25 +32,47 @@ def with_law(gear: SteeringGear = GEAR, **law: object) -> SteeringGear:
     return gear.replace({f"{part}.{name}": value for part in PARTS for name, value in law.items()})
 
 
+@njit(error_model="numpy")  # type: ignore[untyped-decorator]
+def press(loads, slips, friction, laws, rows, out):  # type: ignore[no-untyped-def]
+    """Press points with loads (n,) and slips (n, 2) on a patch; fill the friction and power of the last
+    one, and the energy stored."""
+    law = laws[0]
+    clear(law.place, rows)
+    for i in range(loads.size):
+        out[0], out[1], out[2] = bristle(loads[i], slips[i, 0], slips[i, 1], law.place, friction, law, rows)
+    out[3] = stored(law.place, friction, law, rows)
+
+
 class Patch:
     """One patch of bristles moved step by step."""
 
     def __init__(
         self, presliding: float, ratio: float = 1.0, speed: float = 1.0, damping: float = 0.0
     ) -> None:
-        memory = Memory()
-        place = memory.taken(3)
-        self.law = Law(BRISTLE, ratio - 1, speed, 2.0, 1.0, 1.0, presliding, damping, memory.rows, place)
-        self.place = place
+        self.place, self.rows = Patches().taken(3), np.zeros((2, MEMORY_SIZE))
+        law = record(
+            LAW,
+            kind=BRISTLE,
+            surplus=ratio - 1,
+            speed=speed,
+            exponent=2.0,
+            load_exponent=1.0,
+            usual_load=1.0,
+            presliding=presliding,
+            damping=damping,
+            place=self.place,
+        )
+        self.laws = np.array([law], dtype=LAW)
 
-    def slide(self, friction: float, velocity: tuple[float, float], step: float) -> np.ndarray:
-        """Friction against the slip under a unit load, the power lost, and the energy stored."""
-        rows, law = self.law.memory, self.law
-        rows[0] = rows[1]
-        rows[1, TIME] += step
-        clear(self.place, law)
-        out = bristle(1.0, *velocity, self.place, friction, law)
-        return np.array([*out, stored(self.place, friction, law)])
+    def slide(
+        self, friction: float, *slips: tuple[float, float], step: float, loads: tuple[float, ...] = (1.0,)
+    ) -> np.ndarray:
+        """Friction against the slip of the last point, its power lost, and the energy stored."""
+        self.rows[0] = self.rows[1]
+        self.rows[1, TIME] += step
+        out = np.empty(4)
+        press(np.array(loads), np.array(slips), friction, self.laws, self.rows, out)
+        return out
 
 
 # --- one patch ---------------------------------------------------------------------------------------
@@ -59,7 +83,7 @@ def test_a_mass_on_a_belt_sticks_and_slips() -> None:
     patch = Patch(presliding=1e-7, ratio=4 / 3, speed=2e-4, damping=1e-4)
     place, speed, states = 0.0, belt, np.empty((80000, 2))
     for i in range(len(states)):
-        pull = -load * patch.slide(0.3, (speed - belt, 0.0), step)[0]
+        pull = -load * patch.slide(0.3, (speed - belt, 0.0), step=step)[0]
         speed += step / mass * (pull - stiffness * place)
         place += step * speed
         states[i] = place, speed
@@ -92,7 +116,7 @@ def test_loops_before_sliding(reach: float, steps: int) -> None:
     for cycle in range(40):
         for way in (1.0, -1.0):
             for _ in range(steps):
-                force = patch.slide(friction, (way * 2 * a / steps, 0.0), 1.0)[0]
+                force = patch.slide(friction, (way * 2 * a / steps, 0.0), step=1.0)[0]
                 if cycle == 39:
                     forces.append(force)
                     slips.append(way * 2 * a / steps)
@@ -116,7 +140,7 @@ def test_bristles_never_gain(damping: float) -> None:
     for _ in range(40):
         velocity = rng.normal(size=2) * 10.0 ** rng.uniform(-4, -2)
         for _ in range(50):
-            now = patch.slide(friction, (float(velocity[0]), float(velocity[1])), step)
+            now = patch.slide(friction, (float(velocity[0]), float(velocity[1])), step=step)
             assert now[2] >= 0
             work += float((now[:2] + before[:2]) / 2 @ velocity) * step
             lost += (now[2] + before[2]) / 2 * step
@@ -128,12 +152,8 @@ def test_bristles_never_gain(damping: float) -> None:
 def test_two_points_share_a_patch() -> None:
     """The mean deflection, weighed with the load, is what the next step begins with."""
     patch = Patch(5e-6)
-    rows = patch.law.memory
-    rows[1, TIME] = 1.0
-    clear(patch.place, patch.law)
-    for load, velocity in ((3.0, 1.0), (1.0, -1.0)):
-        bristle(load, velocity, 0.0, patch.place, 0.1, patch.law)
-    assert rows[1, patch.place + np.array([ALONG, ACROSS, LOAD])] == pytest.approx([2.0, 0.0, 4.0])
+    patch.slide(0.1, (1.0, 0.0), (-1.0, 0.0), step=1.0, loads=(3.0, 1.0))
+    assert patch.rows[1, patch.place + np.array([ALONG, ACROSS, LOAD])] == pytest.approx([2.0, 0.0, 4.0])
     assert patch.place >= PATCHES
 
 
@@ -184,22 +204,21 @@ def test_tangent_within_the_friction_zone(remembering: tuple[str, ...]) -> None:
     0.1 ms: entries to 2 % of the diagonal's."""
     gear = GEAR.replace({f"{part}.friction_law": "bristle" for part in remembering} | {"test.speed": "1 rpm"})
     forces = gear_forces(gear, Fidelity.preset("flank"))
-    (force, data), memory, h = forces.dynamics, forces.memory.array, 1e-4
+    balance, h = forces.dynamics, 1e-4
     q = equilibrium_path(
         forces.statics, GearPair.of(gear), Steady("pinion", 0.0, gear.test.speed), np.zeros(1)
     ).coordinates[0]
     v = np.zeros(8)
     v[1] = 0.3 * forces.friction_zone
     if remembering:
-        memory[0, PLACES : PLACES + 8] = q - h * v
-        memory[:, TIME] = 0.0, h
-    found = forces.dynamics_tangent(q, v, data, 1.0, 1 / h)
+        balance.memory[0, PLACES : PLACES + 8] = q - h * v
+        balance.memory[:, TIME] = 0.0, h
+    found = balance.tangent(q, v, 1.0, 1 / h)
     expected, step = np.empty((8, 8)), 0.01 * forces.friction_zone * np.where(np.arange(8) % 4, 1, 10)
     for j in range(8):
         dv = step * (np.arange(8) == j)
-        expected[:, j] = (force(q + h * dv, v + dv, data)[:8] - force(q - h * dv, v - dv, data)[:8]) / (
-            2 * h * step[j]
-        )
+        rise = balance.force(q + h * dv, v + dv) - balance.force(q - h * dv, v - dv)
+        expected[:, j] = rise / (2 * h * step[j])
     size = np.sqrt(np.abs(np.diag(expected)))
     assert np.abs((found - expected) / np.outer(size, size)).max() < 0.02
 
@@ -310,5 +329,5 @@ def test_laws_that_a_model_does_not_know() -> None:
     with pytest.raises(InputError, match="friction_law is bristle"):
         rps.run("free-pinion-torque", with_law(friction_law="bristle"), fidelity="full", turns=0.01)
     ratio = Fidelity.preset("flank").replace({"mesh": "ratio"})
-    with pytest.raises(InputError, match="knows only coulomb"):
+    with pytest.raises(InputError, match="has only coulomb"):
         rps.run("free-pinion-torque", GEAR.replace({"mesh.friction_law": "stribeck"}), fidelity=ratio)

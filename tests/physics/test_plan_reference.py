@@ -6,6 +6,7 @@ from typing import cast
 import numpy as np
 import pytest
 
+from part_law import PartLaw
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -17,7 +18,7 @@ from rps_exudyn.verification.plan_reference import expected, explicit, reference
 from rps_exudyn.verification.refined_steps import NotFiniteError, NotFoundError, confirmed
 from rps_exudyn.verification.runge_kutta import FreeMotion
 from rps_exudyn.verification.runs import run_scene
-from rps_exudyn.verification.seat_cells import cell_seat
+from rps_exudyn.verification.seat_cells import by_cells
 from rps_exudyn.verification.stability import ScenePlan
 
 GEAR = SteeringGear().replace({"mesh.law": "line", "test.turns": 1 / 6})
@@ -31,11 +32,9 @@ def test_seat_by_cells_is_the_seat(aside: float, tilt: float, play: float) -> No
     """Touching everywhere, at one edge, or at a corner, by a plunger that follows the bar as far as its play
     lets it; cells end within half a cell: 1 % of what touches."""
     gear = GEAR.replace({"yoke.bore_clearance": play})
-    forces = gear_forces(gear, Fidelity())
-    exact = forces.seat
-    cells = cell_seat(gear, friction_zone=forces.friction_zone, rest_gap=exact.data.rest_gap)
+    exact = gear_forces(gear, Fidelity())
     place = np.array([0.01, 0.0, aside, 0.0, tilt, tilt, 0.0])
-    ours, theirs = (seat.evaluate(place, SLIDING) for seat in (cells, exact))
+    ours, theirs = (PartLaw.of(each, "seat").evaluate(place, SLIDING) for each in (by_cells(exact), exact))
     scale = np.array([1, 1, 1, 0.01, 0.01, 0.01, 1]) * np.abs(theirs[:3]).max()
     assert np.abs((ours - theirs)[:7] / scale).max() < 0.01
 
@@ -65,7 +64,7 @@ class Oscillator:
     place: np.ndarray
     rate: np.ndarray
 
-    def inverse_mass(self, q: np.ndarray) -> np.ndarray:
+    def moving_mass(self, q: np.ndarray) -> np.ndarray:
         return np.eye(1)
 
     def acceleration(self, t: float, q: np.ndarray, v: np.ndarray, inverse: np.ndarray) -> np.ndarray:

@@ -16,10 +16,9 @@ from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.drive import Swing
 from rps_exudyn.solvers.equilibrium import SETTLED, Start, equilibrium_path, starting_guess, steady_rates
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.solvers.path_follower import TOLERANCE
-from rps_exudyn.solvers.rescue import Beginning
+from rps_exudyn.solvers.rescue import Settling
 from rps_exudyn.solvers.settled_start import settled_path, settled_start, start_of_motion
-from rps_exudyn.solvers.settling import differences
+from rps_exudyn.solvers.settling import TOLERANCE, differences
 from rps_exudyn.verification.stability import ScenePlan, unchecked
 
 CASES = bad_cases()
@@ -92,16 +91,36 @@ def test_refined_steps_share_one_search_for_the_start(monkeypatch: pytest.Monkey
 
 @pytest.mark.parametrize("per_time", [0.0, 5.0])
 def test_the_tangent_of_a_beginning_is_that_of_its_forces(per_time: float) -> None:
-    """Compiled differences of 1 and 10 nm beside those of 1 nm: 1 % of the largest entry, as Newton needs."""
+    """That of the laws beside differences of 1 nm, along which rates follow places: 1 % of the largest entry,
+    as Newton's method needs."""
     balance, pair = gear_forces(SteeringGear(), FIDELITY).statics, GearPair.of(SteeringGear())
-    free, none = balance.free(0), np.zeros(balance.size)
-    begin = Beginning(balance, free, starting_guess(pair, 0.2), steady_rates(pair, 1.0), none)
-    start = begin.guess[free]
-    levers = balance.lengths[free]
-    found = begin.tangent(start, per_time)(start)
-    true = differences(lambda place: begin.unbalanced(place, start, per_time), levers)(start)
+    free, guess, steady = balance.free(0), starting_guess(pair, 0.2), steady_rates(pair, 1.0)
+    start, levers = guess[free], balance.lengths[free]
+    base = start - steady[free] / per_time if per_time else start
+
+    def evaluate(q: np.ndarray, v: np.ndarray, factor_v: float) -> tuple[np.ndarray, np.ndarray]:
+        return balance.force_and_tangent(q, v, 1.0, factor_v)
+
+    begin = Settling(evaluate, free, balance.lengths, guess, steady, base, per_time)
+    found = begin.tangent(start)
+    true = differences(begin.unbalanced, levers)(start)
     scale = np.outer(levers, levers)
     assert found / scale == pytest.approx(true / scale, abs=1e-2 * np.abs(true / scale).max())
+
+
+def test_instants_of_a_beginning_rise() -> None:
+    """Also before a start to which steps as long as those of the way there lead, for 20 degrees and more."""
+    gear = SteeringGear().replace({"test.turns": 1.0})
+    maneuver = maneuvers_of_test(gear, "pinion", np.deg2rad(30))[0]
+    course = gear_forces(gear, FIDELITY).statics, GearPair.of(gear), maneuver.drive, maneuver.approach
+    for step in (20.0, 30.0):
+        assert start_of_motion(*course, step=np.deg2rad(step)).converged
+        assert maneuver.approach is not None
+        start = -4 * np.deg2rad(step) * gear.pinion.teeth / (2 * np.pi) / 16 * maneuver.approach.unit
+        led = settled_start(*course, np.array([start]))
+        assert led is not None
+        assert (np.diff(led.time) > 0).all()
+        assert led.time[-1] == start
 
 
 def test_an_ordinary_gear_settles_at_once() -> None:
@@ -145,7 +164,7 @@ def test_a_gear_that_rests_nowhere_begins_creeping() -> None:
     assert path.converged
     free = [i for i in range(8) if i != drive.coordinate]
     for i in range(len(time)):
-        unbalanced = balance.force(path.coordinates[i], path.rates[i], balance.data)[free]
+        unbalanced = balance.force(path.coordinates[i], path.rates[i])[free]
         assert np.abs(unbalanced / CHARACTERISTIC_LENGTHS[free]).max() <= TOLERANCE
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, sampled_wrench
+from rps_exudyn.mesh_contact.sampled_contact import SampledContactData
 from rps_exudyn.mesh_contact.spheres import contact_data
 from rps_exudyn.mesh_contact.wrench import PENETRATION
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -17,6 +17,7 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.run import run
 from rps_exudyn.solvers import gear_forces
 from rps_exudyn.solvers.sphere_groups import by_touching_angle
+from rps_exudyn.verification.contact_at import sampled_wrench
 
 WITH_ERRORS: dict[str, Any] = {
     "pinion.runout": "40 um",

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from functools import cache
-from itertools import count
 
 import numpy as np
 import pytest
@@ -17,8 +16,6 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.headline import curve_of
-from rps_exudyn.solvers import column_path
-from rps_exudyn.solvers.column_path import March, root
 from rps_exudyn.solvers.steering_column import SteeringColumn
 
 GEAR = SteeringGear()
@@ -160,13 +157,6 @@ def test_figures_of_a_made_up_loop() -> None:
     assert figures["breakaway_ratio"] == pytest.approx(1.0, rel=1e-6)
 
 
-def test_root_of_a_steep_corner_and_of_none() -> None:
-    """A function that jumps by a million times its slope is found; one without a root within reach is not."""
-    place, _ = root(lambda x: 100 * x - 1 + 1e8 * min(x, 0.0), -0.5, 100.0, 10.0, lambda: 1e-9)
-    assert place == pytest.approx(0.01, abs=1e-9)
-    assert np.isnan(root(lambda x: -1.0, 0.0, 100.0, 0.5, lambda: 1e-9)[0])
-
-
 def test_formulas_know_no_column() -> None:
     with pytest.raises(InputError, match="knows no steering column"):
         rps.run("steering-feel", fidelity="closed-form")
@@ -179,40 +169,6 @@ def test_column_at_rest_changes_no_other_scene() -> None:
         rps.run("reversal", gear, fidelity=Fidelity.preset("quasi-static")) for gear in (GEAR, other)
     )
     assert first.summary == second.summary
-
-
-def test_an_instant_without_equilibrium_is_reached_in_shorter_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One is put before it; the work of a cycle stays the same to 0.1 %."""
-    whole, find, lost = feel(), March.find, [20]
-
-    def found(self: March, k: int) -> bool:
-        if k in lost:
-            lost.remove(k)
-            return False
-        return find(self, k)
-
-    monkeypatch.setattr(March, "find", found)
-    divided = rps.run("steering-feel", GEAR, fidelity="quasi-static")
-    assert divided.status is Status.OK
-    assert divided.findings["angles"] == whole.findings["angles"] + 1
-    assert divided.summary["feel_area"] == pytest.approx(whole.summary["feel_area"], rel=1e-3)
-
-
-def test_pinion_and_rack_are_found_together_where_the_torque_is_too_steep(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Instants whose root is not found alone have the same torque and place by the spring on the pinion, to
-    the tolerances of both (1e-4 of the largest torque)."""
-    whole, calls = feel(), count()
-    monkeypatch.setattr(
-        column_path, "root", lambda *given: (np.nan, 1.0) if next(calls) in (40, 80, 160) else root(*given)
-    )
-    together = rps.run("steering-feel", GEAR, fidelity="quasi-static")
-    assert together.status is Status.OK
-    assert together.findings["angles"] == whole.findings["angles"]
-    largest = np.abs(whole["column_torque"]).max()
-    assert together["column_torque"] == pytest.approx(whole["column_torque"], abs=3e-4 * largest)
-    assert next(calls) > 200
 
 
 def test_a_way_that_ends_before_the_torque_turns_about_has_no_breakaway() -> None:

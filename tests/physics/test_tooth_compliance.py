@@ -17,7 +17,7 @@ from benchmarks.rack_tooth_elements import (
     finite_elements,
     stiffness,
 )
-from benchmarks.rack_tooth_law import flattening, half_thickness
+from benchmarks.rack_tooth_law import add_compliance, flattening, half_thickness, places_of
 from benchmarks.tooth_compliance import extrapolated
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.basic_rack import half_angle
@@ -25,12 +25,8 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.mesh_contact.tooth_compliance import (
     PINION,
-    PLACE_SIZE,
     RACK,
     Spread,
-    ToothData,
-    add_block,
-    fill_place,
     pinion_tooth,
     rack_tooth,
 )
@@ -43,18 +39,15 @@ Station = tuple[float, float, float, float]
 """cos(alpha), cos(alpha) y, cos(alpha) tan(alpha), and s."""
 
 
-def places_of(stations: list[Station], half_length: float, tooth: ToothData) -> np.ndarray:
-    """What the law keeps of stations."""
-    places = np.empty((PLACE_SIZE, len(stations)))
-    for i, station in enumerate(stations):
-        fill_place(places, i, *station, half_length, tooth)
-    return places
+def stations_on(stations: list[Station], half_length: float, tooth: np.record) -> np.ndarray:
+    """What the law keeps of stations on a tooth of some half length."""
+    return np.asarray(places_of(np.array(stations), np.full(len(stations), half_length), tooth))
 
 
-def compliance(stations: list[Station], half_length: float, tooth: ToothData) -> np.ndarray:
+def compliance(stations: list[Station], half_length: float, tooth: np.record) -> np.ndarray:
     """Compliance of stations on one flank [m/N]."""
     matrix = np.zeros((len(stations),) * 2)
-    add_block(matrix, places_of(stations, half_length, tooth), 0, 0, len(stations), 1.0, tooth)
+    add_compliance(matrix, stations_on(stations, half_length, tooth), 0, 0, len(stations), 1.0, tooth)
     return matrix
 
 
@@ -73,7 +66,7 @@ def on_pinion(pair: GearPair, q: float, s: float = 0.0) -> Station:
     return cos, cos * (pair.base_radius / np.cos(alpha) - pinion_tooth(pair).root), cos * tan, s
 
 
-def kappa(station: Station, tooth: ToothData, spread: Spread) -> float:
+def kappa(station: Station, tooth: np.record, spread: Spread) -> float:
     """Weber and Banaschek's foundation of a long tooth [nm/(N/mm)]: yield without its spread."""
     (yields,) = compliance([station], 1.0, tooth)[0]  # both ends a metre away
     return float(1e12 * yields * 2 * tooth.length / spread.strength)
@@ -121,7 +114,7 @@ def test_local_yield_is_hertzs_line_contact(load: float, radius: float) -> None:
         slope = np.hypot(a, z) * np.arcsinh(h / a) / 2
         integrated -= weights @ (strain_below(z, a, 2 * load / np.pi / a) * slope)
     top = np.log(depths[0] * depths[1] * np.pi * modulus / radius) - POISSON_RATIO / (1 - POISSON_RATIO)
-    found, _ = local_yield(load, top, 2 * (1 - POISSON_RATIO**2) / np.pi / YOUNGS_MODULUS)
+    found, _ = local_yield.py_func(load, top, 2 * (1 - POISSON_RATIO**2) / np.pi / YOUNGS_MODULUS)
     assert found == pytest.approx(integrated, rel=0.1 * (a / min(depths)) ** 2)
 
 
@@ -164,12 +157,13 @@ def lines_in_a_row(pair: GearPair, random: np.random.Generator) -> np.ndarray:
     return np.stack([tangents, heights, along])
 
 
-def add_tooth(matrix: np.ndarray, places: np.ndarray, drive: int, coast: int, tooth: ToothData) -> None:
+def add_tooth(matrix: np.ndarray, places: np.ndarray, drive: int, coast: int, tooth: np.record) -> None:
     """Add one body's compliance of two lines that lie on the two flanks of one tooth."""
     rows = [drive * COUNT, coast * COUNT]
     for i in rows:
         for j in rows:
-            add_block(matrix, places, i, j, COUNT, 1.0 if i == j else -tooth.coupling, tooth)
+            sigma = 1.0 if i == j else -float(tooth.coupling)
+            add_compliance(matrix, places, i, j, COUNT, sigma, tooth)
 
 
 def compliance_of_row(pair: GearPair, random: np.random.Generator) -> np.ndarray:
@@ -179,14 +173,14 @@ def compliance_of_row(pair: GearPair, random: np.random.Generator) -> np.ndarray
     """
     tangents, heights, along = lines_in_a_row(pair, random)
     half, pinion, rack = pair.face_width / 2, pinion_tooth(pair), rack_tooth(pair)
-    rolled = places_of([on_pinion(pair, *at) for at in zip(tangents, along, strict=True)], half, pinion)
-    milled = places_of([on_rack(pair, *at) for at in zip(heights, along, strict=True)], half, rack)
+    rolled = stations_on([on_pinion(pair, *at) for at in zip(tangents, along, strict=True)], half, pinion)
+    milled = stations_on([on_rack(pair, *at) for at in zip(heights, along, strict=True)], half, rack)
     matrix = np.zeros((4 * COUNT,) * 2)
     add_tooth(matrix, rolled, 0, 1, pinion)
     add_tooth(matrix, rolled, 2, 3, pinion)
     add_tooth(matrix, milled, 1, 2, rack)
     for line in (0, 3):  # alone on its tooth of the rack
-        add_block(matrix, milled, line * COUNT, line * COUNT, COUNT, 1.0, rack)
+        add_compliance(matrix, milled, line * COUNT, line * COUNT, COUNT, 1.0, rack)
     return matrix
 
 

@@ -3,20 +3,17 @@
 Each test takes a sound record and spoils one thing in it, as the failure would.
 """
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from rps_exudyn.checks import after_run
-from rps_exudyn.forces.force_element import ForceElement
-from rps_exudyn.mesh_contact.sampled_contact import sampled_force
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 
 DEEPEST = 50e-6
-MESH = ForceElement("mesh", ("pinion", "rack"), np.add, None, (), {"mesh_penetration": DEEPEST})
+VALID_TO = {"mesh_penetration": DEEPEST}
 
 
 @pytest.fixture
@@ -39,7 +36,7 @@ def test_sound_signals_pass(signals: dict[str, np.ndarray]) -> None:
     assert not list(after_run.finite(signals))
     assert not list(after_run.rack_in_mesh(signals, 0.0, 1e-3))
     assert not list(after_run.teeth_loaded(signals))
-    assert not list(after_run.law_valid(MESH, signals))
+    assert not list(after_run.law_valid(VALID_TO, signals))
     assert not list(after_run.contact_agreed(1e-9))
     assert not list(after_run.work_balanced(signals, 2e-3))
 
@@ -66,7 +63,7 @@ def test_teeth_without_load(signals: dict[str, np.ndarray]) -> None:
 
 def test_teeth_deeper_than_their_law_allows(signals: dict[str, np.ndarray]) -> None:
     signals["mesh_penetration"][3] = 1.1 * DEEPEST
-    ((status, message),) = after_run.law_valid(MESH, signals)
+    ((status, message),) = after_run.law_valid(VALID_TO, signals)
     assert status is Status.INVALID
     assert "µm" in message
 
@@ -116,12 +113,11 @@ def test_rack_that_hardly_rolls_is_followed(signals: dict[str, np.ndarray]) -> N
 
 def test_spheres_on_a_rack_that_stands_elsewhere(signals: dict[str, np.ndarray]) -> None:
     """The path of contact is 1.9 mm high: 16 um of preload's approach are 0.8 % of it, 200 um above 11 %."""
-    spheres = replace(MESH, kernel=sampled_force)
-    record, gear = SimpleNamespace(elements=[spheres]), SteeringGear()
+    record, gear = SimpleNamespace(forces=SimpleNamespace(spheres="some")), SteeringGear()
     assert not list(after_run.spheres_in_place(record, gear, signals))
     signals["rack_y"] += 200e-6
     ((status, message),) = after_run.spheres_in_place(record, gear, signals)
     assert status is Status.INVALID
     assert "moves its tips by" in message
-    record.elements = [MESH]  # other contacts have their ends where the rack is
+    record.forces.spheres = None  # other contacts have their ends where the rack is
     assert not list(after_run.spheres_in_place(record, gear, signals))

@@ -1,0 +1,337 @@
+"""Gears of one table over one maneuver: what they have in common, and the records of some of them.
+
+A family is followed over the first period of the maneuver, at the instants of single runs. Only gears that
+pass all checks of a finished run well within their bounds are the family's; all others are run singly.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from rps_exudyn.analysis.many import spread
+from rps_exudyn.analysis.resolution import every_second, lag, missed
+from rps_exudyn.analysis.torque import mean
+from rps_exudyn.analysis.work_balance import losses
+from rps_exudyn.checks.after_run import (
+    LAG_BOUND,
+    MISSED_TORQUE,
+    ROUNDING,
+    UNSETTLED_BOUND,
+    edge_bound,
+    hidden_share,
+)
+from rps_exudyn.checks.needs_finer import MEAN, PEAK, ROLLING
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.maneuver import Maneuver, largest_angle
+from rps_exudyn.scenes.run_maneuver import CLOSED
+from rps_exudyn.scenes.scene_run import Signals
+from rps_exudyn.solvers.coordinates import RACK
+from rps_exudyn.solvers.drive import Steady, travel_per_radian
+from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.many_gears import (
+    PITCH,
+    RUNOUT,
+    RUNOUT_ANGLE,
+    YAW,
+    GearSeries,
+    Known,
+    Table,
+    Y,
+    Z,
+    packed,
+)
+from rps_exudyn.solvers.record import instant_signals, integrated, repeated
+from rps_exudyn.solvers.settled_start import settled_path
+
+LEAD = 1 / 4  # of a tooth pitch before the record: what the guess at its start was off by is forgotten
+NEAR_LOCK = 0.99  # of the angle at the lock: teeth for that all gears have
+SINGLE_OUT = (RUNOUT, "pinion.pitch_error")  # a tooth or a direction: the curve repeats with the turn
+STEADY = 2e-3  # of torque and travel: what drifts more over a period is left to a single run
+SAFE = 0.95  # of a bound, from which on a single run judges
+
+Ends = tuple[tuple[str, tuple[float, float]], ...]
+"""Paths, each with the values of the gear above the reference and of that below."""
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """What all gears of a table have in common over one maneuver."""
+
+    gear: SteeringGear  # the reference
+    fidelity: Fidelity
+    series: GearSeries
+    maneuver: Maneuver  # over one period
+    periods: int
+    nodes: np.ndarray  # pinion angles at which the gears are followed [rad]
+    lead: int  # of them before the record
+    per_pitch: int  # of them in a tooth pitch, 0 if no whole number
+    known: Known
+    features: np.ndarray  # (n, f)
+
+    @classmethod
+    def of(
+        cls,
+        maneuver: Maneuver,
+        gear: SteeringGear,
+        fidelity: Fidelity,
+        table: Table,
+        ranges: Table | None = None,
+    ) -> "Family | None":
+        """Follow the reference gear, and those from which the others' motion is learned.
+
+        What only the ranges say is learned once for all parts of a table.
+
+        Args:
+            maneuver: of the reference gear, over as many periods as its pitches are alike.
+            gear: the reference.
+            fidelity: how all are modelled.
+            table: path -> values (n,) of the gears, SI.
+            ranges: path -> values over which the parameter varies; those of the table without it.
+        """
+        whole = table if ranges is None else ranges
+        steps, features = _features(gear, table, whole)
+        family = cls._learned(maneuver, gear, fidelity, tuple(steps))
+        return None if family is None else replace(family, features=features)
+
+    @classmethod
+    @lru_cache(maxsize=12)
+    def _learned(
+        cls,
+        whole: Maneuver,
+        gear: SteeringGear,
+        fidelity: Fidelity,
+        steps: tuple[tuple[Ends, float], ...],
+    ) -> "Family | None":
+        """Learn from gears `steps` above and below the reference."""
+        pair, maneuver, drive = GearPair.of(gear), whole.one_period(), whole.drive
+        record = _angles(maneuver, pair)
+        pitch = 2 * np.pi / gear.pinion.teeth
+        lock = gear.rack.travel / 2 / pair.gain * (1 if gear.test.path == "lock-to-lock" else NEAR_LOCK)
+        if np.abs(record).max() > max(lock * (1 + 1e-9), largest_angle(gear) - pitch):
+            return None
+        step = record[1] - record[0]
+        in_pitch = pitch / abs(step)
+        before, per_pitch = int(np.ceil(in_pitch)), round(in_pitch)
+        if abs(in_pitch - per_pitch) > 1e-9 * in_pitch:
+            per_pitch = 0
+        lead = max(2, int(np.ceil(LEAD * in_pitch)))
+        angles = np.concatenate([record[0] + step * np.arange(-before - lead, 0), record])
+        weighted = bool(maneuver.rack_load)
+        gears = [gear, *_perturbed(gear, steps)]
+        records = packed(gears, fidelity, weighted)
+        forces = gear_forces(gear, fidelity, maneuver.rack_load)
+        series = GearSeries(forces, pair, drive.pinion_speed(float(pair.gain), 0.0), drive.body)
+        first = _singly(maneuver, series, records[:1], angles)
+        if first is None:
+            return None
+        alike = Known.of(first[None], maneuver.time_step)
+        found = series.follow(records, angles, per_pitch, alike, np.zeros((len(records), 0)))
+        motion = series.beside_rigid(found, records, angles)
+        motion[0] = first
+        for i in np.flatnonzero(~found.found[1:]) + 1:  # as where a contact's quadrature jumps
+            own = replace(
+                series,
+                forces=gear_forces(gears[i], fidelity, maneuver.rack_load),
+                pair=GearPair.of(gears[i]),
+            )
+            alone = _singly(maneuver, own, records[i : i + 1], angles)
+            if alone is None:
+                return None
+            motion[i] = alone
+            motion[i, :, Y] -= found.resting[i] + forces.approach
+        sizes = np.array([each for _, each in steps])[:, None, None]
+        known = Known.of(
+            np.concatenate([motion[:1], (motion[1::2] - motion[2::2]) / (2 * sizes)]), maneuver.time_step
+        )
+        nodes, known = angles[before:], known.since(before)
+        given = gear, fidelity, series, maneuver, whole.periods, nodes, lead, per_pitch, known
+        return cls(*given, np.zeros((0, len(steps))))
+
+    @property
+    def angles(self) -> np.ndarray:
+        """Pinion angles of the record's first period, of a gear without errors [rad]."""
+        return self.nodes[self.lead :]
+
+    @property
+    def time(self) -> np.ndarray:
+        """Instants of the record's first period from its start [s]."""
+        time = self.maneuver.time[self.maneuver.lead :]
+        return np.asarray(time - time[0])
+
+
+def is_alike(gear: SteeringGear, table: Table) -> bool:
+    """Tell whether all tooth pitches of all gears are alike."""
+    return not any(np.any(table.get(path, gear.value_at(path))) for path in SINGLE_OUT)
+
+
+def _angles(maneuver: Maneuver, pair: GearPair) -> np.ndarray:
+    """Pinion angles of the record, of a gear without errors [rad]."""
+    places = np.asarray(maneuver.drive.place(maneuver.time[maneuver.lead :]))
+    return places / travel_per_radian(maneuver.drive.body, float(pair.gain))
+
+
+def _features(gear: SteeringGear, table: Table, ranges: Table) -> tuple[list[tuple[Ends, float]], np.ndarray]:
+    """What the motion responds to: for each feature the parameters above and below the reference and half
+    their distance, and its values (n, f)."""
+    steps: list[tuple[Ends, float]] = []
+    columns: list[np.ndarray] = []
+    for path, values in ranges.items():
+        if path in (RUNOUT, RUNOUT_ANGLE) or not np.ptp(values):
+            continue
+        here = float(gear.value_at(path))
+        size = _rounded(float(np.std(values)))
+        above, below = min(here + size, float(values.max())), max(here - size, float(values.min()))
+        steps.append((((path, (above, below)),), (above - below) / 2))
+        columns.append(table[path] - here)
+    if RUNOUT in table or RUNOUT_ANGLE in table:
+        count = len(next(iter(table.values())))
+        e = np.asarray(table.get(RUNOUT, np.full(count, gear.pinion.runout)), dtype=float)
+        angle = np.asarray(table.get(RUNOUT_ANGLE, np.full(count, gear.pinion.runout_angle)), dtype=float)
+        usual = np.asarray(ranges.get(RUNOUT, gear.pinion.runout), dtype=float)
+        if size := _rounded(float(np.sqrt(np.mean(usual**2) / 2))):
+            for turn, share in ((0.0, np.cos(angle)), (np.pi / 2, np.sin(angle))):
+                steps.append((((RUNOUT, (size, size)), (RUNOUT_ANGLE, (turn, turn + np.pi))), size))
+                columns.append(e * share)
+    return steps, np.column_stack(columns) if columns else np.zeros((len(next(iter(table.values()))), 0))
+
+
+def _rounded(size: float) -> float:
+    """A size to one digit, so that parts of a study learn from the same gears."""
+    return float(f"{size:.0e}")
+
+
+def _perturbed(gear: SteeringGear, steps: Sequence[tuple[Ends, float]]) -> list[SteeringGear]:
+    """The gears above and below the reference, feature by feature."""
+    return [
+        gear.replace({path: ends[which] for path, ends in settings})
+        for settings, _ in steps
+        for which in (0, 1)
+    ]
+
+
+def _singly(
+    maneuver: Maneuver, series: GearSeries, record: np.ndarray, angles: np.ndarray
+) -> np.ndarray | None:
+    """Places (k, 8) at the mesh, beside what rigid bodies do, of the gear of a series from a settled start,
+    by the path of single runs; None where it is not found or does not settle."""
+    travel = travel_per_radian(series.body, float(series.pair.gain))
+    drive = Steady(series.body, travel * angles[0], travel * series.speed)
+    time = maneuver.time_step * np.arange(len(angles))
+    path = settled_path(series.forces.statics, series.pair, drive, maneuver.approach, time)
+    if not path.converged or max(path.start.unsettled, path.start.unsettled_behind) > SAFE * UNSETTLED_BOUND:
+        return None
+    places = path.coordinates[path.time >= 0]
+    x = places[:, RACK].copy()
+    places[:, Y] -= x * places[:, PITCH]
+    places[:, Z] += x * places[:, YAW]
+    return np.asarray(places - series.rigid(record, angles)[0][0])
+
+
+# --- records of some gears -------------------------------------------------------------------------
+@dataclass(frozen=True, eq=False)
+class FamilyRecord:
+    """Some gears of a family over its maneuver; arrays have one row for each gear.
+
+    Attributes:
+        family: they are of.
+        records: their constants.
+        found: whether there is an equilibrium at all instants, (n,).
+        period: signals over the record's first period, (n, m), time (m,).
+        counts: what it took to follow them, name -> (n,), by the names of `quantities`.
+    """
+
+    family: Family
+    records: np.ndarray
+    found: np.ndarray
+    period: Signals
+    counts: dict[str, np.ndarray]
+
+    @classmethod
+    def of(cls, family: Family, records: np.ndarray, chosen: np.ndarray) -> "FamilyRecord":
+        """Follow the chosen gears of a table's records."""
+        some, features = records[chosen], family.features[chosen]
+        if not family.maneuver.rack_load:  # in a table's records the weight may pull
+            some["load"] = family.series.forces.gears["load"]
+            some["has_load"] = family.series.forces.gears["has_load"]
+        found = family.series.follow(some, family.nodes, family.per_pitch, family.known, features)
+        signals = instant_signals(found.record)
+        instants = {name: values[..., family.lead :] for name, values in signals.items()}
+        if family.maneuver.drive.body == "pinion":
+            instants["pinion_angle"] = family.angles
+        return cls(family, some, found.found, integrated(instants, family.time), found.counts)
+
+    def some(self, kept: np.ndarray) -> "FamilyRecord":
+        """Return the record of those gears that a mask (n,) keeps."""
+        period = {name: each[kept] if each.ndim > 1 else each for name, each in self.period.items()}
+        counts = {name: each[kept] for name, each in self.counts.items()}
+        return FamilyRecord(self.family, self.records[kept], self.found[kept], period, counts)
+
+    @property
+    def force(self) -> str:
+        """Signal of the drive's torque or force."""
+        return self.family.maneuver.drive.signal
+
+    def whole(self) -> Signals:
+        """Signals over all periods."""
+        return repeated(self.period, self.family.periods) if self.family.periods > 1 else self.period
+
+    @property
+    def _path(self) -> np.ndarray:
+        """Places of the driven body over the first period, (m,) [rad] or (n, m) [m]."""
+        gain = self.records["mesh"]["flank"]["gain"][:, None]
+        return self.family.angles * (gain if self.force == "rack_force" else 1.0)
+
+    def surely_ok(self) -> np.ndarray:
+        """Which gears were found and pass all checks of a finished run well within their bounds, (n,)."""
+        family, signals = self.family, self.period
+        gear, angle, force = family.gear, family.angles, signals[self.force]
+        valid_to = family.series.forces.valid_to
+        in_mesh = gear.basic_rack.addendum * gear.pinion.normal_module / 2
+        lifted = np.abs(signals["rack_y"] - self.records["mesh"]["flank"]["axis_offset"][:, None])
+        late = lag(angle, signals["rack_roll"]) * gear.rack.bar_diameter / 2
+        late = late / spread(signals["rack_displacement"])
+        drift = np.abs(force[:, -1] - force[:, 0]) / np.maximum(np.abs(force).max(axis=-1), ROUNDING)
+        allowed_drift = SAFE * CLOSED if family.periods > 1 else STEADY
+        checks = (
+            self.found,
+            np.isfinite(force).all(axis=-1),
+            (lifted < SAFE * in_mesh).all(axis=-1),
+            (signals["mesh_normal_force"] > 0).all(axis=-1),
+            *(signals[name].max(axis=-1) < SAFE * bound for name, bound in valid_to.items()),
+            late < SAFE * min(ROLLING, LAG_BOUND),
+            missed(angle, force).max(axis=-1) < SAFE * PEAK * self._size(),
+            (drift * family.periods < allowed_drift) | (not family.maneuver.closes),
+            self._works_ok(),
+            self._turns_on(),
+            # else finer strips must confirm it
+            (signals["yokenut_force"].max(axis=-1) <= 0) | (gear.mesh.law != "teeth"),
+        )
+        return np.asarray(np.logical_and.reduce(checks))
+
+    def _size(self) -> np.ndarray:
+        """Size of the drive's force [N m or N], (n,): its mean, or that of friction, of which a weight may
+        leave little to the drive."""
+        lost = sum(losses(self.period).values()) / np.ptp(self._path, axis=-1)
+        return np.maximum(np.abs(mean(self.family.angles, self.period[self.force])), lost)
+
+    def _works_ok(self) -> np.ndarray:
+        """Whether the mean is resolved, and little work goes over the rack's edges, (n,)."""
+        family, signals = self.family, self.period
+        turned, force = np.ptp(family.angles), signals[self.force]
+        work, hidden = every_second(family.angles, force)
+        hidden = np.maximum(hidden, hidden_share(force.shape[-1]) * np.ptp(force, axis=-1) * turned)
+        scale = np.ptp(self._path, axis=-1) / turned
+        least = MISSED_TORQUE * turned + ROUNDING
+        done = [np.abs(signals[name][:, -1]) for name in ("work_drive", "work_load") if name in signals]
+        edges = SAFE * edge_bound(family.gear) * np.max(done, axis=0)
+        resolved = scale * hidden < np.maximum(SAFE * MEAN * np.abs(scale * work), least)
+        return np.asarray(resolved & (np.abs(signals["work_mesh_edges"][:, -1]) < np.maximum(edges, least)))
+
+    def _turns_on(self) -> np.ndarray:
+        """Whether the pinion never turns back, (n,)."""
+        steps = np.diff(self.period["pinion_angle"]) * np.sign(self.family.series.speed)
+        return np.broadcast_to((steps > 0).all(axis=-1), len(self.records))

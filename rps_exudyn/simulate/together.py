@@ -1,0 +1,311 @@
+"""Many gears of a steady scene at once: the same signals and metrics as single runs, found together.
+
+A row that is given is one that a single run ends ok; what cannot be judged here, gears without an
+equilibrium, limits of the contact laws, records that ask for shorter steps, is left to single runs.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.checks.before_run import refused
+from rps_exudyn.gears.report import check_gear
+from rps_exudyn.mesh_contact.steel import BEARABLE_PRESSURE
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.maneuver import StepLimits
+from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.scene_run import Signals, one_after_another
+from rps_exudyn.scenes.steady_test import SteadyTest, Turned
+from rps_exudyn.simulate.family import Family, FamilyRecord, is_alike
+from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
+
+FEWEST = 2  # gears for each that is followed to learn from: with fewer single runs are quicker
+AT_ONCE = 100_000  # instants of gears whose signals are held at once
+WEIGHT = "test.load_mass"
+TABLES = ("basic_rack", "pinion", "rack", "installation", "yoke", "bush", "bearing", "mesh")
+NOT_NUMBERS = ("rack.bow", "rack.side_force", "rack.side_angle", "rack.travel", "installation.gravity")
+GAIN = ("pinion.normal_module", "rack.tooth_angle")  # from lock to lock each gear turns by its own angle
+
+UNSUPPORTED = {
+    "scene": "only the scenes free-pinion-torque, load-test and rack-push follow many gears together",
+    "fidelity": "many gears are followed together only by the fidelity quasi-static",
+    "parts": "a bow, a side force or the weight of the rack asks for single runs",
+    "friction": "bristles ask for single runs",
+    "parameter": "gears that differ in {path} are run singly",
+    "text": "the values of {path} are no plain numbers",
+    "few": "the table has too few gears to be followed together, or its middle gear is not found",
+}
+"""All reasons for which no gears of a table are followed together."""
+
+
+def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, values: Mapping[str, Any]) -> str:
+    """Return why the gears of a table cannot be followed together, or ""."""
+    usual = Fidelity.preset("quasi-static")
+    same = fidelity.replace({"step_angle": usual.step_angle, "strip_stations": usual.strip_stations})
+    parts = gear.rack.bow or gear.rack.side_force or gear.installation.gravity
+    reasons = {
+        "scene": scene_named(scene).test is None,
+        "fidelity": same != usual,
+        "parts": bool(parts),
+        "friction": any(getattr(gear, part).friction_law == "bristle" for part in RUBBING_PARTS),
+    }
+    if reason := next((name for name, holds in reasons.items() if holds), ""):
+        return UNSUPPORTED[reason]
+    for path, column in values.items():
+        number = SteeringGear.declared_at(path)[0]
+        known = path == WEIGHT or (path.partition(".")[0] in TABLES and path not in NOT_NUMBERS)
+        known &= gear.test.path != "lock-to-lock" or path not in GAIN
+        if not known or not isinstance(gear.value_at(path), float) or not hasattr(number, "show"):
+            return UNSUPPORTED["parameter"].format(path=path)
+        if np.asarray(column).dtype.kind not in "fiu":
+            return UNSUPPORTED["text"].format(path=path)
+    return ""
+
+
+@dataclass(frozen=True, eq=False)
+class Together:
+    """Gears found together; rows that are left to single runs have nan, and no message."""
+
+    ended: np.ndarray  # (n,) whether the row was found
+    summary: dict[str, np.ndarray]  # metric -> (n,)
+    counters: dict[str, np.ndarray]  # what it took -> (n,)
+    messages: list[str]
+    signals: dict[str, np.ndarray]  # by time, (m,) where all gears have the same, else (n, m)
+
+    def signals_of(self, row: int) -> dict[str, np.ndarray]:
+        """Return the signals of one gear, (m,) each."""
+        return {name: values if values.ndim == 1 else values[row] for name, values in self.signals.items()}
+
+
+def together(
+    scene: str,
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    table: Table,
+    ranges: Table | None = None,
+    signals: Sequence[str] | None = None,
+) -> Together | None:
+    """Find the signals and metrics of gears that differ in a table; None if that cannot begin.
+
+    Args:
+        scene: one that follows many gears together.
+        gear: what they have in common.
+        fidelity: how they are modelled.
+        table: path -> values (n,) in SI.
+        ranges: path -> values over which the parameters of a larger table vary of which this is a part: then
+            its gears end as in any other part. Without it the table is whole.
+        signals: names of those that are kept; None keeps all.
+    """
+    count = len(next(iter(table.values())))
+    if ranges is None and count < fewest(table):
+        return None
+    common = Common.of(scene, gear, fidelity, table, ranges)
+    if common is None:
+        return None
+    at_once = max(1, AT_ONCE // sum(len(family.nodes) for family in common.families))
+    parts = []
+    for begin in range(0, len(common.records), at_once):
+        each = np.arange(begin, min(begin + at_once, len(common.records)))
+        gears = [_existing(gear, _settings(table, row)) for row in common.rows[each].tolist()]
+        exist = np.array([one is not None for one in gears], dtype=bool)
+        parts.append(_Part.of(common, each[exist], [one for one in gears if one is not None], signals))
+    return _joined(parts, count)
+
+
+@dataclass(frozen=True, eq=False)
+class Common:
+    """What the gears of a table have in common in a scene, and the constants of each.
+
+    Attributes:
+        test: of the scene.
+        families: one for each maneuver.
+        recorded: how many of them make the record; the others go beside.
+        rows: of the table, of gears that can exist, (n,).
+        records: their constants, (n,).
+    """
+
+    test: SteadyTest
+    families: list[Family]
+    recorded: int
+    rows: np.ndarray
+    records: np.ndarray
+
+    @classmethod
+    def of(
+        cls, scene: str, gear: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table | None = None
+    ) -> "Common | None":
+        """Learn it; arguments as of `together`. None if the gear in the middle is not found."""
+        test = scene_named(scene).test
+        assert test is not None
+        try:
+            weighted = _is_weighted(test, gear)
+            rows, records, reference = _records(gear, fidelity, table, ranges, weighted)
+            if records is None or refused(reference, fidelity, steady=True):
+                return None
+            some = {path: values[rows] for path, values in table.items()}
+            whole = some if ranges is None else ranges
+            shaped = reference if is_alike(reference, whole) else reference.replace({RUNOUT: 1e-6})
+            maneuvers, beside = test.maneuvers(shaped, fidelity.step_angle, StepLimits())
+        except InputError:  # a test that leaves the rack's teeth
+            return None
+        if weighted and not reference.test.load_mass > 0:
+            return None
+        families = []
+        for maneuver in [*maneuvers, *([beside] if beside else [])]:
+            if (family := Family.of(maneuver, reference, fidelity, some, ranges)) is None:
+                return None
+            families.append(family)
+        return cls(test, families, len(maneuvers), rows, records)
+
+    def followed(self, chosen: np.ndarray) -> list[FamilyRecord]:
+        """Follow the chosen ones of the gears over each maneuver."""
+        return [FamilyRecord.of(family, self.records, chosen) for family in self.families]
+
+
+def fewest(table: Table) -> int:
+    """Return the number of gears from which following a table's gears together is quicker."""
+    return FEWEST * (2 * sum(np.ptp(values) > 0 for values in table.values()) + 1)
+
+
+def _is_weighted(test: SteadyTest, gear: SteeringGear) -> bool:
+    """Tell whether a weight pulls at the rack in some maneuver of a test."""
+    heavy = gear.replace({WEIGHT: 1.0, "test.path": "one-way"})
+    maneuvers, _ = test.maneuvers(heavy, float(np.deg2rad(20)), StepLimits())
+    return any(maneuver.rack_load for maneuver in maneuvers)
+
+
+def _records(
+    gear: SteeringGear, fidelity: Fidelity, table: Table, ranges: Table | None, weighted: bool
+) -> tuple[np.ndarray, np.ndarray | None, SteeringGear]:
+    """Which gears can exist, their records, and the reference gear."""
+    valid = _within(table, table if ranges is None else ranges)
+    for attempt in range(2 if valid.size else 0):
+        part = {path: np.asarray(values, dtype=float)[valid] for path, values in table.items()}
+        try:
+            centre = {path: float(np.median(values)) for path, values in (ranges or part).items()}
+            reference = gear.replace(centre | ({RUNOUT: 0.0} if {RUNOUT, RUNOUT_ANGLE} & {*part} else {}))
+            fixed = RUNOUT_ANGLE in part and RUNOUT not in part
+            full = part | ({RUNOUT: np.full(len(valid), gear.pinion.runout)} if fixed else {})
+            return valid, packed_table(reference, fidelity, full, ranges, weighted), reference
+        except InputError:
+            if attempt:
+                break
+            exist = [row for row in valid.tolist() if can_exist(gear, fidelity, _settings(table, row))]
+            valid = np.array(exist, dtype=np.intp)
+            if not valid.size:
+                break
+    return valid, None, gear
+
+
+def _within(table: Table, ranges: Table) -> np.ndarray:
+    """Rows of a table within the ranges; none without its weight."""
+    inside = [(ranges[path].min() <= each) & (each <= ranges[path].max()) for path, each in table.items()]
+    weighted = np.greater(table.get(WEIGHT, 1.0), 0.0)
+    return np.flatnonzero(np.logical_and.reduce(inside) & weighted)
+
+
+def _settings(table: Table, row: int) -> dict[str, float]:
+    return {path: float(values[row]) for path, values in table.items()}
+
+
+def _existing(gear: SteeringGear, settings: Mapping[str, float]) -> SteeringGear | None:
+    """Return a gear with other settings; None if it cannot be built."""
+    try:
+        made = gear.replace(settings)
+        check_gear(made)
+    except InputError:
+        return None
+    return made
+
+
+def can_exist(gear: SteeringGear, fidelity: Fidelity, settings: Mapping[str, float]) -> bool:
+    """Tell whether a gear with other settings can be built."""
+    try:
+        packed([gear.replace(settings)], fidelity)
+    except InputError:
+        return False
+    return True
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """Some gears of a table, described."""
+
+    rows: np.ndarray  # of the table, of the gears found, (n,)
+    summary: dict[str, np.ndarray]  # (n,) each
+    counters: dict[str, np.ndarray]
+    messages: list[str]
+    signals: dict[str, np.ndarray]
+
+    @classmethod
+    def of(
+        cls, common: Common, chosen: np.ndarray, gears: list[SteeringGear], signals: Sequence[str] | None
+    ) -> "_Part":
+        """Follow the chosen gears over all maneuvers, and describe those found in each."""
+        test, families, recorded = common.test, common.families, common.recorded
+        ways = common.followed(chosen)
+        kept = np.logical_and.reduce([way.surely_ok() for way in ways])
+        rows = common.rows[chosen[kept]]
+        if not kept.any():
+            return cls(rows, {}, {}, [], {})
+        if not kept.all():
+            ways = [way.some(kept) for way in ways]
+        n, gear = int(kept.sum()), families[0].gear
+        joined = one_after_another([way.whole() for way in ways[:recorded]])
+        beside = ways[recorded].whole() if len(ways) > recorded else {}
+        gain, load = ways[0].records["mesh"]["flank"]["gain"], ways[0].records["load"]["force"][:, 0]
+        turned = Turned(gear, joined, beside, gain, np.abs(load), families[0].fidelity.step_angle)
+        metrics = {name: np.broadcast_to(values, n) for name, values in test.metrics(turned).items()}
+        own_gears = [gears[i] for i in np.flatnonzero(kept).tolist()]
+        of_limits = _remarks(own_gears, joined)
+        messages = [
+            "; ".join(remark for remark in (limits, *own) if remark)
+            for limits, own in zip(of_limits, test.remarks(turned), strict=True)
+        ]
+        names = joined if signals is None else [name for name in signals if name in joined]
+        counters = {
+            name: np.sum([way.counts[name] for way in ways[:recorded]], axis=0) for name in ways[0].counts
+        }
+        if test.formulas is not None:
+            figures = [test.formulas(each) for each in own_gears]
+            for name in dict.fromkeys(name for own in figures for name in own):
+                metrics[name] = np.array([own.get(name, np.nan) for own in figures])
+        return cls(rows, metrics, counters, messages, {name: joined[name] for name in names})
+
+
+def _remarks(gears: list[SteeringGear], signals: Signals) -> list[str]:
+    """Remarks on each gear by the function that remarks on single runs, where there is a cause."""
+    pressed = np.minimum(signals["mesh_normal_force_drive"], signals["mesh_normal_force_coast"]).min(axis=1)
+    overloaded = signals["mesh_pressure"].max(axis=1) > BEARABLE_PRESSURE
+    said = (pressed <= 0) | overloaded | (signals["yokenut_force"].max(axis=1) > 0)
+    messages = [""] * len(gears)
+    for i in np.flatnonzero(said).tolist():
+        own = {name: each[i] if each.ndim > 1 else each for name, each in signals.items()}
+        messages[i] = "; ".join(remarks(gears[i], own))
+    return messages
+
+
+def _joined(parts: list[_Part], count: int) -> Together:
+    """The parts one after the other, in the rows of the table."""
+    ended, messages = np.zeros(count, dtype=bool), [""] * count
+    summary: dict[str, np.ndarray] = {}
+    counters: dict[str, np.ndarray] = {}
+    signals: dict[str, np.ndarray] = {}
+    for part in parts:
+        ended[part.rows] = True
+        for whole, own in ((summary, part.summary), (counters, part.counters), (signals, part.signals)):
+            for name, values in own.items():
+                if whole is signals and values.ndim == 1:
+                    whole[name] = values
+                else:
+                    whole.setdefault(name, np.full((count, *values.shape[1:]), np.nan))[part.rows] = values
+        for row, message in zip(part.rows.tolist(), part.messages, strict=True):
+            messages[row] = message
+    found = {name: values for name, values in summary.items() if not np.isnan(values).all()}
+    return Together(ended, found, counters, messages, signals)

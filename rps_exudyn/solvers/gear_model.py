@@ -1,0 +1,489 @@
+"""All forces of a gear with their tangent: one function for each law of the teeth's contact.
+
+Coordinates are stacked [pinion (about k), rack (6), plunger]. Behind them stand the modes of a rack that
+bends (`bent_rack`), or the last segment (6) of a bush that is a chain. The constants of a gear are a record
+`GEAR`, one of an array, so that many gears differ by their place in it; `pool` holds what has no fixed size,
+and `work` is a record `WORK` that no evaluation needs to allocate.
+
+    law(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
+
+fills the generalised forces `total` (n,) on the coordinates q with rates v, and the outputs of all parts
+`works[0].out`, see `COLUMNS`. Unless both factors are 0 it fills `tangent` (n, n) with factor_q dF/dq +
+factor_v dF/dv, to a few per cent of its largest entry or better: what turns with the bar's small angles is
+left out.
+
+Friction with a state takes the slip from what the coordinates moved over a step (`forces.memory`): a step of
+a coordinate is then one of its rate too.
+"""
+
+from typing import Any
+
+import numba
+import numpy as np
+
+from rps_exudyn.base.compiled import (
+    MATRIX,
+    NUMBER,
+    VECTOR,
+    WHOLE,
+    inline,
+    kernel_of,
+    pointer,
+    ready,
+    record_type,
+)
+from rps_exudyn.forces import bearing, external_load, sliding_fit, yoke, yoke_without_plunger
+from rps_exudyn.forces.bearing import BEARING, bearing_force, bearing_slope
+from rps_exudyn.forces.external_load import DEAD_FORCE, add_dead_tangent, dead_force
+from rps_exudyn.forces.force_element import Part
+from rps_exudyn.forces.memory import MOST_COORDINATES, PLACES, TIME, begin_step, duration
+from rps_exudyn.forces.sliding_fit import FIT, add_fit_tangent, carried_fit_force, held_fit_force
+from rps_exudyn.forces.yoke import (
+    MOST_POINTS,
+    NUT,
+    SEAT,
+    SPRING,
+    add_seat_tangent,
+    nut_force,
+    seat_force,
+    spring_force,
+)
+from rps_exudyn.forces.yoke_without_plunger import YOKE_FORCE, add_yoke_tangent, yoke_force
+from rps_exudyn.mesh_contact import wrench
+from rps_exudyn.mesh_contact.laws import area_law, line_law, sphere_law, teeth_law
+from rps_exudyn.mesh_contact.mesh_record import MESH
+from rps_exudyn.mesh_contact.ratio import ratio_law
+from rps_exudyn.mesh_contact.scratch import SCRATCH
+from rps_exudyn.solvers.bent_rack import (
+    BAR,
+    POSE,
+    RATE,
+    add_elasticity,
+    add_elasticity_tangent,
+    add_geometric,
+    add_products,
+    add_to_bar,
+    bar_sections,
+    fill_pose,
+    fill_pose_by_bar,
+)
+
+# Parts in the order of their outputs; `seat` is the yoke's, with a plunger or as a force
+PARTS = (
+    wrench.PART,
+    yoke_without_plunger.PART,
+    yoke.SPRING_PART,
+    yoke.NUT_PART,
+    bearing.PART,
+    sliding_fit.PART,
+    external_load.LOAD,
+    external_load.WEIGHT,
+)
+COLUMNS: dict[str, slice] = {}
+"""Part -> its columns of the outputs."""
+for _part in PARTS:
+    _first = max((each.stop for each in COLUMNS.values()), default=0)
+    COLUMNS[_part.name] = slice(_first, _first + _part.columns)
+OUTPUTS = _first + _part.columns
+_MESH, _SEAT, _SPRING, _NUT, _BEARING, _BUSH, _LOAD, _WEIGHT = (each.start for each in COLUMNS.values())
+SEAT_LOADS = _SEAT + 10  # first of the seat's own outputs
+
+GEAR = record_type(
+    [
+        ("mesh", MESH),
+        ("seat", SEAT),
+        ("yoke_force", YOKE_FORCE),
+        ("spring", SPRING),
+        ("nut", NUT),
+        ("bearing", BEARING),
+        ("fit", FIT),
+        ("load", DEAD_FORCE),  # at the rack's end
+        ("weight", DEAD_FORCE),  # of the rack
+        ("bar", BAR),
+        ("has_plunger", "i8"),  # else the yoke is a force
+        ("has_load", "i8"),
+        ("has_weight", "i8"),
+        ("is_carried", "i8"),  # the rack slides in a segment of a chain, else in the housing
+        ("has_bristles", "i8"),
+    ]
+)
+"""Record of a gear: the constants of all its force laws."""
+
+WORK = record_type(
+    [
+        ("contact", SCRATCH),
+        ("out", "f8", (OUTPUTS,)),
+        ("place", "f8", (8,)),  # of pinion, of a straight rack that touches the bar at the mesh, of plunger
+        ("rate", "f8", (8,)),
+        ("near", "f8", (8, 8)),  # tangent by these
+        ("of_mesh", "f8", (2, 2)),  # part of it: of the mesh's forces along X and Y, by the same
+        ("of_loads", "f8", (2, 7)),  # tangent of the seat's own outputs, by rack and plunger
+        ("points", "f8", (MOST_POINTS, 4)),  # of the seat
+        ("slip", "f8", (MOST_COORDINATES,)),  # rates with which contacts slip
+        ("on_carrier", "f8", (6,)),
+    ]
+)
+"""Record of the work space."""
+
+GEAR_TYPE, WORK_TYPE = numba.from_dtype(GEAR), numba.from_dtype(WORK)
+LAW = (VECTOR, VECTOR, GEAR_TYPE[::1], WHOLE, VECTOR, WORK_TYPE[::1], NUMBER, NUMBER, VECTOR, MATRIX)
+LAW_POINTER = pointer(*LAW)
+
+
+# --- assembly --------------------------------------------------------------------------------------
+@inline
+def begin(q, v, gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    """Fill where the laws find the bodies and how these slip; return the factor of the rates' derivative."""
+    memory, h = work.contact.memory, 0.0
+    if gear.has_bristles:
+        h = duration(memory)
+        for i in range(q.size):
+            memory[1, PLACES + i] = q[i]
+    for i in range(q.size):
+        work.slip[i] = (q[i] - memory[0, PLACES + i]) / h if h > 0 else v[i]
+    for i in range(8):
+        work.place[i], work.rate[i] = q[i], work.slip[i]
+        for j in range(8):
+            work.near[i, j] = 0.0
+    return factor_q / h if h > 0 else factor_v
+
+
+@inline
+def begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    """The same with the pose of a straight rack that touches the bar where mesh and yoke stand, at X = 0."""
+    factor_v = begin(q, v, gear, work, factor_q, factor_v)
+    pose, sections = np.empty((3, 6)), np.empty((4, gear.bar.modes + 2))
+    bar_sections(-q[1], gear.bar, pool, sections)
+    fill_pose(q, work.slip, sections, -1.0, gear.bar, pose)
+    for i in range(6):
+        work.place[1 + i], work.rate[1 + i] = pose[POSE, i], pose[RATE, i]
+    return factor_v
+
+
+@inline
+def _add_others(gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    """Fill the outputs of yoke and bearing, and their tangents if they are wanted."""
+    place, rate, out, near, memory = work.place, work.rate, work.out, work.near, work.contact.memory
+    wanted = factor_q != 0 or factor_v != 0
+    for i in range(2):
+        for j in range(2):
+            work.of_mesh[i, j] = near[1 + i, 1 + j]
+    if gear.has_plunger:
+        seat_force(place[1:8], rate[1:8], gear.seat, memory, work.points, out[_SEAT : _SEAT + 12])
+        spring_force(place[7], gear.spring, out[_SPRING : _SPRING + 5])
+        nut_force(place[7], gear.nut, out[_NUT : _NUT + 5])
+    else:
+        yoke_force(place[1:8], rate[1:8], gear.yoke_force, memory, out[_SEAT : _SEAT + 13])
+        for i in range(_SPRING, _BEARING):
+            out[i] = 0.0
+    bearing_force(rate[0], gear.bearing, memory, out[_BEARING : _BEARING + 5])
+    if wanted:
+        _add_yoke_and_bearing(gear, work, factor_q, factor_v)
+
+
+@inline
+def _add_yoke_and_bearing(gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    """Add the tangents of seat, spring, nut and bearing."""
+    place, rate, near, memory = work.place, work.rate, work.near, work.contact.memory
+    q, v, on_rack = place[1:8], rate[1:8], near[1:8, 1:8]
+    if gear.has_plunger:
+        add_seat_tangent(q, v, gear.seat, memory, work.points, factor_q, factor_v, on_rack, work.of_loads)
+        near[7, 7] -= factor_q * gear.spring.rate
+        if place[7] > gear.nut.clearance:
+            near[7, 7] -= factor_q * gear.nut.stiffness
+    else:
+        add_yoke_tangent(q, v, gear.yoke_force, memory, factor_q, factor_v, on_rack, work.of_loads)
+    near[0, 0] += factor_v * bearing_slope(rate[0], gear.bearing, memory)
+
+
+@inline
+def _near_force(i, work):  # type: ignore[no-untyped-def]
+    """The force of mesh, yoke and bearing on a coordinate of `place`."""
+    out, force = work.out, 0.0
+    if i < 7:
+        force += out[_MESH + i]
+    if i > 0:
+        force += out[_SEAT + i - 1]
+    if i == 7:
+        force += out[_SPRING] + out[_NUT]
+    if i == 0:
+        force += out[_BEARING]
+    return force
+
+
+@inline
+def _add_loads(q, gear, out):  # type: ignore[no-untyped-def]
+    """Fill the outputs of load and weight on a rigid rack."""
+    if gear.has_load:
+        dead_force(q, gear.load, out[_LOAD : _LOAD + 10])
+    if gear.has_weight:
+        dead_force(q, gear.weight, out[_WEIGHT : _WEIGHT + 10])
+
+
+@inline
+def finish(q, gear, work, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """Add the forces of all other parts to those of the teeth; of a rack that is straight and rigid."""
+    _add_others(gear, work, factor_q, factor_v)
+    rack, rate, out, memory = q[1:7], work.rate[1:7], work.out, work.contact.memory
+    bush = out[_BUSH : _BUSH + 11]
+    for i in range(8):
+        total[i] = _near_force(i, work)
+    if gear.is_carried:
+        on_carrier = work.on_carrier
+        carried_fit_force(rack, rate, q[8:14], work.slip[8:14], gear.fit, memory, bush, on_carrier)
+        for i in range(6):
+            total[8 + i] = on_carrier[i]
+    else:
+        held_fit_force(rack, rate, gear.fit, memory, bush)
+    _add_loads(rack, gear, out)
+    for i in range(6):
+        total[1 + i] += out[_BUSH + i]
+        if gear.has_load:
+            total[1 + i] += out[_LOAD + i]
+        if gear.has_weight:
+            total[1 + i] += out[_WEIGHT + i]
+    if factor_q == 0 and factor_v == 0:
+        return
+    if gear.has_load:
+        add_dead_tangent(rack, gear.load, factor_q, work.near[1:7, 1:7])
+    if gear.has_weight:
+        add_dead_tangent(rack, gear.weight, factor_q, work.near[1:7, 1:7])
+    if gear.is_carried:
+        _carried_tangent(q, gear, work, factor_q, factor_v, tangent)
+    else:
+        add_fit_tangent(rack, rate, gear.fit, memory, factor_q, factor_v, work.near[1:7, 1:7])
+        for i in range(8):
+            for j in range(8):
+                tangent[i, j] = work.near[i, j]
+
+
+@inline
+def _carried_tangent(q, gear, work, factor_q, factor_v, tangent):  # type: ignore[no-untyped-def]
+    """Fill the tangent of a rack in a segment (14, 14): the fit moves with the rack against the segment."""
+    rack, relative, fit = np.empty(6), np.empty(6), np.zeros((6, 6))
+    for i in range(6):
+        rack[i], relative[i] = q[1 + i], work.slip[1 + i] - work.slip[8 + i]
+    add_fit_tangent(rack, relative, gear.fit, work.contact.memory, factor_q, factor_v, fit)
+    for i in range(14):
+        for j in range(14):
+            tangent[i, j] = work.near[i, j] if i < 8 and j < 8 else 0.0
+    # the segment's motion seen as one of the rack: between the reference points lie both levers
+    carry, along = np.zeros((6, 6)), gear.fit.station - q[1] - gear.fit.lever
+    for i in range(6):
+        carry[i, i] = 1.0
+    carry[1, 5], carry[2, 4] = -along, along
+    for i in range(6):
+        for j in range(6):
+            tangent[1 + i, 1 + j] += fit[i, j]
+            for k in range(6):
+                tangent[1 + i, 8 + j] -= fit[i, k] * carry[k, j]
+                tangent[8 + i, 1 + j] -= carry[k, i] * fit[k, j]
+                for m in range(6):
+                    tangent[8 + i, 8 + j] += carry[k, i] * fit[k, m] * carry[m, j]
+
+
+@inline
+def finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The same of a rack that bends or is not straight, see `bent_rack`."""
+    _add_others(gear, work, factor_q, factor_v)
+    bar, out, memory, n = gear.bar, work.out, work.contact.memory, q.size
+    wanted = factor_q != 0 or factor_v != 0
+    pose, sections, forces = np.empty((3, 6)), np.empty((4, bar.modes + 2)), np.empty(6)
+    by, local = np.empty((8, n)), np.zeros((6, 6))
+    for i in range(n):
+        total[i] = 0.0
+    if wanted:
+        for i in range(n):
+            for j in range(n):
+                tangent[i, j] = 0.0
+        add_elasticity_tangent(bar, pool, factor_q, factor_v, tangent)
+    add_elasticity(total, q, work.slip, bar, pool)
+
+    bar_sections(-q[1], bar, pool, sections)
+    fill_pose(q, work.slip, sections, -1.0, bar, pose)
+    for i in range(6):
+        forces[i] = _near_force(1 + i, work)
+    total[0] += _near_force(0, work)
+    total[7] += _near_force(7, work)
+    add_to_bar(total, forces, pose, sections, -1.0, bar)
+    if wanted:
+        fill_pose_by_bar(pose, sections, -1.0, bar, by)
+        add_products(by, 8, work.near, tangent)
+        add_geometric(tangent, forces, sections, -1.0, factor_q, bar)
+
+    bar_sections(gear.fit.station - q[1], bar, pool, sections)
+    fill_pose(q, work.slip, sections, -1.0, bar, pose)
+    held_fit_force(pose[POSE], pose[RATE], gear.fit, memory, out[_BUSH : _BUSH + 11])
+    for i in range(6):
+        forces[i] = out[_BUSH + i]
+    add_to_bar(total, forces, pose, sections, -1.0, bar)
+    if wanted:
+        add_fit_tangent(pose[POSE], pose[RATE], gear.fit, memory, factor_q, factor_v, local)
+        fill_pose_by_bar(pose, sections, -1.0, bar, by)
+        add_products(by[1:7], 6, local, tangent)
+        add_geometric(tangent, forces, sections, -1.0, factor_q, bar)
+
+    if gear.has_load:
+        bar_sections(gear.load.place, bar, pool, sections)
+        fill_pose(q, work.slip, sections, 0.0, bar, pose)
+        dead_force(pose[POSE], gear.load, out[_LOAD : _LOAD + 10])
+        for i in range(6):
+            forces[i] = out[_LOAD + i]
+        add_to_bar(total, forces, pose, sections, 0.0, bar)
+    if gear.has_weight:
+        dead_force(q[1:7], gear.weight, out[_WEIGHT : _WEIGHT + 10])
+        for i in range(6):  # on the rigid body: it bends no mode of a free bar
+            total[1 + i] += out[_WEIGHT + i]
+
+
+# --- laws ------------------------------------------------------------------------------------------
+@kernel_of(*LAW)
+def line_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """A gear with the contact law "line"."""
+    gear, work = gears[g], works[0]
+    factor_v = begin(q, v, gear, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    line_law(*at, factor_q, factor_v, work.out, work.near)
+    finish(q, gear, work, factor_q, factor_v, total, tangent)
+
+
+@kernel_of(*LAW)
+def line_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The same whose rack bends or is not straight."""
+    gear, work = gears[g], works[0]
+    factor_v = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    line_law(*at, factor_q, factor_v, work.out, work.near)
+    finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
+
+
+@kernel_of(*LAW)
+def teeth_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """A gear with the contact law "teeth"."""
+    gear, work = gears[g], works[0]
+    factor_v = begin(q, v, gear, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    teeth_law(*at, factor_q, factor_v, work.out, work.near)
+    finish(q, gear, work, factor_q, factor_v, total, tangent)
+
+
+@kernel_of(*LAW)
+def teeth_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The same whose rack bends or is not straight."""
+    gear, work = gears[g], works[0]
+    factor_v = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    teeth_law(*at, factor_q, factor_v, work.out, work.near)
+    finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
+
+
+@kernel_of(*LAW)
+def area_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """A gear with the contact law "area"."""
+    gear, work = gears[g], works[0]
+    factor_v = begin(q, v, gear, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    area_law(*at, factor_q, factor_v, work.out, work.near)
+    finish(q, gear, work, factor_q, factor_v, total, tangent)
+
+
+@kernel_of(*LAW)
+def area_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The same whose rack bends or is not straight."""
+    gear, work = gears[g], works[0]
+    factor_v = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    area_law(*at, factor_q, factor_v, work.out, work.near)
+    finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
+
+
+@kernel_of(*LAW)
+def sphere_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """A gear with teeth that touch by spheres, as in general contact."""
+    gear, work = gears[g], works[0]
+    factor_v = begin(q, v, gear, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    sphere_law(*at, factor_q, factor_v, work.out, work.near)
+    finish(q, gear, work, factor_q, factor_v, total, tangent)
+
+
+@kernel_of(*LAW)
+def sphere_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """The same whose rack bends or is not straight."""
+    gear, work = gears[g], works[0]
+    factor_v = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    sphere_law(*at, factor_q, factor_v, work.out, work.near)
+    finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
+
+
+@kernel_of(*LAW)
+def ratio_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
+    """A gear with a ratio in place of its mesh."""
+    gear, work = gears[g], works[0]
+    factor_v = begin(q, v, gear, work, factor_q, factor_v)
+    at = work.place, work.rate, gear.mesh, pool, work.contact
+    ratio_law(*at, factor_q, factor_v, work.out, work.near)
+    finish(q, gear, work, factor_q, factor_v, total, tangent)
+
+
+LAWS = {
+    ("line", False): line_gear,
+    ("line", True): line_gear_on_bent_rack,
+    ("teeth", False): teeth_gear,
+    ("teeth", True): teeth_gear_on_bent_rack,
+    ("area", False): area_gear,
+    ("area", True): area_gear_on_bent_rack,
+    ("spheres", False): sphere_gear,
+    ("spheres", True): sphere_gear_on_bent_rack,
+    ("ratio", False): ratio_gear,
+}
+"""Law of the teeth's contact, whether the rack bends or is not straight -> the forces of such a gear."""
+
+
+# --- along a motion --------------------------------------------------------------------------------
+@kernel_of(LAW_POINTER, MATRIX, MATRIX, VECTOR, MATRIX, GEAR_TYPE[::1], VECTOR, WORK_TYPE[::1], MATRIX)
+def fill_outputs(law, coordinates, rates, time, begun, gears, pool, works, outputs):  # type: ignore[no-untyped-def]
+    """Fill the outputs (t, OUTPUTS) of all parts at states (t, n) of one gear.
+
+    `begun` is the state of its bristles at the start of the steps that end there, (t, 0) without any.
+    """
+    work, n = works[0], coordinates.shape[1]
+    total, tangent = np.empty(n), np.empty((0, 0))
+    for k in range(coordinates.shape[0]):
+        begin_step(work.contact.memory, begun[k], time[k])
+        law(coordinates[k], rates[k], gears, 0, pool, works, 0.0, 0.0, total, tangent)
+        for i in range(OUTPUTS):
+            outputs[k, i] = work.out[i]
+
+
+def parts_of(gear: np.record) -> list[Part]:
+    """Return the parts of a gear, in the order of their outputs."""
+    having = {
+        "load": "has_load",
+        "weight": "has_weight",
+        "yoke_spring": "has_plunger",
+        "yokenut": "has_plunger",
+    }
+    parts = [yoke.SEAT_PART if each.name == "seat" and gear["has_plunger"] else each for each in PARTS]
+    return [each for each in parts if each.name not in having or gear[having[each.name]]]
+
+
+def outputs_along(
+    law: Any,
+    gears: np.ndarray,
+    pool: np.ndarray,
+    works: np.ndarray,
+    coordinates: np.ndarray,
+    rates: np.ndarray,
+    time: np.ndarray,
+    begun: np.ndarray | None,
+) -> np.ndarray:
+    """Return the outputs of all parts at states of a gear, (t, n) each; shape (t, OUTPUTS)."""
+    n = len(coordinates)
+    outputs, state = np.zeros((n, OUTPUTS)), np.zeros((n, 0)) if begun is None else begun
+    rows = (np.ascontiguousarray(each, dtype=float) for each in (coordinates, rates, time, state))
+    if state.shape[1] == 0:
+        works[0]["contact"]["memory"][:, TIME] = 0.0
+    ready(fill_outputs)(ready(law), *rows, gears, pool, works, outputs)
+    return outputs

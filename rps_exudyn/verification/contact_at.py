@@ -1,0 +1,51 @@
+"""The wrench of a contact of the teeth at a pose, see `mesh_contact.wrench`; no gear around it."""
+
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.forces.memory import reset
+from rps_exudyn.mesh_contact.elastic_teeth import teeth_contact
+from rps_exudyn.mesh_contact.flank_contact import area_contact, line_contact
+from rps_exudyn.mesh_contact.mesh_record import MESH
+from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, pooled, sphere_contact
+from rps_exudyn.mesh_contact.scratch import SCRATCH
+from rps_exudyn.mesh_contact.teeth_data import teeth_data
+from rps_exudyn.parameters.gear import SteeringGear
+
+
+def flank_contact(*at: Any) -> np.ndarray:
+    """The wrench of laws "line" and "area" at angle, rate, position, rotation, velocity, spin of a record
+    `FLANK`, the last argument."""
+    *pose, flank = at
+    return _wrench(line_contact if flank.line_stiffness > 0 else area_contact, pose, flank)
+
+
+def mesh_of_teeth(gear: SteeringGear, flank: np.record) -> np.void:
+    """The record `MESH` of law "teeth"."""
+    mesh = np.zeros(1, MESH)
+    mesh["flank"], mesh["teeth"] = flank, teeth_data(gear, flank)
+    return mesh[0]
+
+
+def elastic_contact(*at: Any) -> np.ndarray:
+    """The same of law "teeth", of a record `MESH`."""
+    *pose, mesh = at
+    return _wrench(teeth_contact, pose, mesh)
+
+
+def sampled_wrench(*at: Any) -> np.ndarray:
+    """The same of spheres."""
+    *pose, spheres = at
+    assert isinstance(spheres, SampledContactData)
+    record, pool = pooled(spheres, 0)
+    return _wrench(sphere_contact, pose, record, pool)
+
+
+def _wrench(contact: Any, pose: list[Any], *constants: Any) -> np.ndarray:
+    angle, rate, *places = pose
+    works = np.zeros(1, SCRATCH)
+    reset(works[0]["memory"])
+    rows = [np.ascontiguousarray(each, dtype=float) for each in places]
+    contact(float(angle), float(rate), *rows, *constants, works[0], 0.0, 0.0)
+    return np.array(works[0]["wrench"])
