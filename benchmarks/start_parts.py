@@ -34,9 +34,7 @@ PARTS = {
     "compiled kernels loaded, and the simulation": "result = simulate('free-pinion-torque', gear)",
     "the same simulation once more": "simulate('free-pinion-torque', gear)",
     "the HDF5 file": "result.save('result.h5')",
-    "matplotlib": (
-        "import matplotlib.figure, rps_exudyn.charts.scene"
-    ),
+    "matplotlib": ("import matplotlib.figure, rps_exudyn.charts.scene"),
     "the picture": "rps_exudyn.charts.scene.draw(result, 'result.png')",
 }
 NOT_IN_RUN = ("the same simulation once more",)
