@@ -105,7 +105,12 @@ def oriented(signals: Signals, gear: SteeringGear) -> Signals:
     }
 
 
-TEST = SteadyTest(maneuvers=_maneuvers, metrics=_metrics, force="pinion_torque", remarks=_remarks)
+TEST = SteadyTest(
+    maneuvers=_maneuvers,
+    metrics=_metrics,
+    curve=("time", "pinion_angle", "pinion_torque"),
+    remarks=_remarks,
+)
 
 SCENE = Scene(
     name="load-test",

@@ -72,4 +72,5 @@ SCENE = Scene(
     chart="play",
     at_rest=True,
     revolutions=None,
+    at_test_speed=False,
 )

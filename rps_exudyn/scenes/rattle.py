@@ -171,6 +171,13 @@ def _thinned(signals: Signals, maneuvers: list[Maneuver]) -> Signals:
     return {name: np.concatenate([run[name] for run in kept]) for name in kept[0]} if kept else signals
 
 
+def _unpromised(gear: SteeringGear) -> str:
+    """Why no accuracy is promised of a test: a threshold is another quantity than the table's."""
+    if gear.test.road_shape != GROWING:
+        return ""
+    return f"test.road_shape is {GROWING}, which finds a threshold; known are sine and half-sine"
+
+
 SCENE = Scene(
     name="rattle",
     title="Rattle: yokenut's force under a road's",
@@ -180,4 +187,6 @@ SCENE = Scene(
     chart="rattle",
     needs_inertia=True,
     revolutions=None,
+    at_test_speed=False,
+    unpromised=_unpromised,
 )

@@ -110,4 +110,6 @@ SCENE = Scene(
     figure="feel_area",
     chart="steering_feel",
     revolutions=None,
+    at_test_speed=False,
+    unpromised=lambda gear: "it has a fixed number of steps per cycle, which no setting changes",
 )

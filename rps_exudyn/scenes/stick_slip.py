@@ -162,4 +162,5 @@ SCENE = Scene(
     chart="stick_slip",
     needs_inertia=True,
     revolutions=None,
+    unpromised=lambda gear: "it has steps of its own, which no setting changes",
 )

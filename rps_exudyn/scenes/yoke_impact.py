@@ -118,4 +118,5 @@ SCENE = Scene(
     chart="impact",
     needs_inertia=True,
     revolutions=None,
+    at_test_speed=False,
 )

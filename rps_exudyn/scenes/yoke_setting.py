@@ -10,6 +10,7 @@ import numpy as np
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import figures_of_turning
+from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_PINION_TORQUE
 from rps_exudyn.scenes.maneuver import largest_angle, maneuvers_of_test
 from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.run_maneuver import run_maneuvers
@@ -55,4 +56,6 @@ SCENE = Scene(
     chart="torque",
     steady=True,
     revolutions=_revolutions,
+    short_path="there-and-back",
+    promised_as=FREE_PINION_TORQUE.name,  # the pinion is turned in the same way, the yoke set anew
 )

@@ -83,12 +83,12 @@ def kept_by(run: Run, wanted: Wanted, gear: SteeringGear, first: Fidelity) -> Re
 def vibrating(run: Run, wanted: Wanted, gear: SteeringGear, fidelity: Fidelity) -> str:
     """Compare equilibria of a fast steady test with dynamics over its first pitches; return what was found,
     empty for other runs."""
+    scene = scene_named(wanted.scene)
     slow = gear.test.speed <= SLOW * (wanted.percent / SLOW_AT) ** GROWTH
-    if fidelity.solver != "equilibrium" or slow or not scene_named(wanted.scene).steady:
+    if fidelity.solver != "equilibrium" or slow or not scene.steady:
         return ""
     turns = min(gear.test.turns, PITCHES / gear.pinion.teeth)
-    path = "there-and-back" if wanted.scene == "yoke-setting" else "one-way"
-    part = gear.replace({"test.turns": turns, "test.path": path})
+    part = gear.replace({"test.turns": turns, "test.path": scene.short_path})
     moving = Fidelity.preset("flank").replace({"step_angle": gear.test.speed * VIBRATION_STEP})
     try:
         still, moved = run(part, fidelity), run(part, moving)

@@ -33,7 +33,7 @@ NOT_NUMBERS = ("rack.bow", "rack.side_force", "rack.side_angle", "rack.travel", 
 GAIN = ("pinion.normal_module", "rack.tooth_angle")  # from lock to lock each gear turns by its own angle
 
 UNSUPPORTED = {
-    "scene": "only the scenes free-pinion-torque, load-test and rack-push follow many gears together",
+    "scene": "the gears of this scene are run singly",
     "fidelity": "many gears are followed together only by the fidelity quasi-static",
     "parts": "a bow, a side force or the weight of the rack asks for single runs",
     "friction": "bristles ask for single runs",
