@@ -13,7 +13,6 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes import scene_named
 from rps_exudyn.verification.references import (
     Method,
     as_run,
