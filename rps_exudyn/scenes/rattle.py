@@ -17,6 +17,7 @@ from rps_exudyn.forces.external_load import RoadForce
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import RATIOS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.maneuver import Maneuver, check_travel
 from rps_exudyn.scenes.run_maneuver import run_maneuvers
@@ -30,9 +31,10 @@ STEPS_PER_SWING = 7  # of the plunger between seat and yokenut, the fastest moti
 STEPS_PER_BAND = 20  # of the fastest vibration in the band of the acceleration
 KEPT = 4  # of so many instants one stays in the result, whose figures come from all of them
 GROWING = "growing-sine"
-RIGID = (
+RIGID = Remark(
+    Code.RACK_RIGID,
     "the rack is rigid (fidelity.rack): forces of impacts are up to twice too large and softer roads rattle; "
-    "choose flexible"
+    "choose flexible",
 )
 
 
@@ -96,7 +98,7 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
         of_cycles = describe_rattle(signals, 1 / test.road_frequency, gear.yoke.plunger_mass, band)
         return of_cycles | balance(signals)
 
-    described = run.described(figures).noting("" if chosen.rack == "flexible" else RIGID)
+    described = run.described(figures).noting(None if chosen.rack == "flexible" else RIGID)
     if growing:
         described = described.noting(_threshold_remark(gear, described.summary))
     return replace(described, signals=_thinned(described.signals, maneuvers))
@@ -120,12 +122,14 @@ def threshold(signals: Signals, maneuvers: Sequence[Maneuver]) -> dict[str, floa
     }
 
 
-def _threshold_remark(gear: SteeringGear, figures: Mapping[str, float]) -> str:
+def _threshold_remark(gear: SteeringGear, figures: Mapping[str, float]) -> Remark:
     test = gear.test
     if "rattle_threshold_force" not in figures:
-        return f"the yokenut is not hit up to test.road_force = {test.road_force:.4g} N"
+        not_hit = f"the yokenut is not hit up to test.road_force = {test.road_force:.4g} N"
+        return Remark(Code.NOT_HIT, not_hit)
     growth = test.road_force / test.road_cycles
-    return f"the force grows by {growth:.3g} N per cycle, by which the threshold may be too high"
+    too_high = f"the force grows by {growth:.3g} N per cycle, by which the threshold may be too high"
+    return Remark(Code.THRESHOLD_RESOLUTION, too_high)
 
 
 def shaken_by_road(gear: SteeringGear, steps_per_swing: int = STEPS_PER_SWING) -> Iterator[Maneuver]:

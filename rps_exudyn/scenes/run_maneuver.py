@@ -13,8 +13,6 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import begin_part
-from rps_exudyn.checks.after_run import LAW_LEFT, UNSETTLED
-from rps_exudyn.checks.free_inertia import TOO_FAST
 from rps_exudyn.checks.memory import check_memory
 from rps_exudyn.checks.needs_finer import (
     finer_strips,
@@ -26,7 +24,7 @@ from rps_exudyn.checks.needs_finer import (
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Interrupted, Outcome, Status
+from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Remark, Status
 from rps_exudyn.scenes.by_formula import by_formula
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_options import DEFAULT, RunOptions
@@ -49,7 +47,7 @@ LEAST_FORCE = 10.0  # of which a tolerance is a fraction [N]
 STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drifts less is settled
 UNDER_TORQUE = 0.1  # of the tolerance where a torque is given, for what is left over would hold the gear
 UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
-INCURABLE = TOO_FAST, LAW_LEFT, UNSETTLED  # by shorter steps: causes why a swing is invalid
+NOT_CURED_BY_STEPS = {Code.SWING_TOO_FAST, Code.BEYOND_LAW, Code.START_MATTERS}  # of an invalid swing
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
 JUMPS = (
     "; where the gear's torque falls by more than column.stiffness = {:.4g} N*m/rad, or the rack snaps "
@@ -76,7 +74,7 @@ def run_maneuver(
         return SOLVERS[fidelity.solver](gear, fidelity, maneuver, options)
     except np.linalg.LinAlgError as error:
         message = f"the gear yields without resistance at its start: {error}"
-        return SceneRun(Outcome(Status.NO_CONVERGENCE, message))
+        return SceneRun(Outcome(Status.NO_CONVERGENCE, message, (Code.NO_RESISTANCE,)))
 
 
 def run_maneuvers(
@@ -138,7 +136,8 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
     try:
         outcome = solve_one_after_another(model.mbs, plans)
     except KeyboardInterrupt:
-        outcome = Outcome(Status.TIMEOUT, f"interrupted at {recorder.reached:.4g} s of {recorder.end:.4g} s")
+        message = f"interrupted at {recorder.reached:.4g} s of {recorder.end:.4g} s"
+        outcome = Outcome(Status.TIMEOUT, message, (Code.INTERRUPTED,))
         interrupted = True
     record = recorder.record()
     if maneuver.is_steady and outcome.status is Status.OK:
@@ -192,8 +191,8 @@ def _by_finer_strips(
     while run.ok and not confirmed and (finer := finer_strips(fidelity, gear)):
         better = _settled(gear, finer, period, options)
         if not better.ok:
-            why = better.outcome.message
-            return run.noting(f"strips of {finer.strip_stations} stations do not confirm it: {why}"), fidelity
+            why = f"strips of {finer.strip_stations} stations do not confirm it: {better.outcome.message}"
+            return run.noting(Remark(Code.STRIPS_NOT_CONFIRMED, why)), fidelity
         confirmed = strips_agree(run.signals, better.signals)
         found = {**better.outcome.findings, "strip_stations": finer.strip_stations}
         run, fidelity = replace(better, outcome=replace(better.outcome, findings=found)), finer
@@ -205,8 +204,8 @@ def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver) -> bool:
     if run.outcome.status not in (Status.OK, Status.INVALID) or not run.signals:
         return False
     if isinstance(maneuver.drive, Swing):
-        incurable = any(cause in run.outcome.message for cause in INCURABLE) and not run.ok
-        return not incurable and rolls_over_late(run.signals, gear)
+        cured = run.ok or NOT_CURED_BY_STEPS.isdisjoint(run.outcome.codes)
+        return cured and rolls_over_late(run.signals, gear)
     return maneuver.is_steady and needs_finer(run.signals, gear)
 
 
@@ -242,7 +241,7 @@ def _along_equilibria(
     outcome = replace(outcome, findings={**outcome.findings, "angles": path.time.size})
     if interrupted:
         message = f"interrupted at {drive.shown(path.time[-1])}"
-        outcome = replace(outcome, status=Status.TIMEOUT, message=message)
+        outcome = replace(outcome, status=Status.TIMEOUT, codes=(Code.INTERRUPTED,), message=message)
     elif not path.converged:
         outcome = _lost(maneuver, path, outcome)
         if column is not None:
@@ -317,7 +316,7 @@ def _lost(maneuver: Maneuver, path: EquilibriumPath, outcome: Outcome) -> Outcom
     """The outcome of a maneuver whose path ends where it found no equilibrium."""
     place = maneuver.drive.shown(path.lost_at or 0.0)
     message = f"no equilibrium was found at {place}, {path.residual:.3g} N remain unbalanced"
-    return replace(outcome, status=Status.NO_CONVERGENCE, message=message)
+    return replace(outcome, status=Status.NO_CONVERGENCE, codes=(Code.NO_EQUILIBRIUM,), message=message)
 
 
 SOLVERS: dict[str, Callable[[SteeringGear, Fidelity, Maneuver, RunOptions], SceneRun]] = {

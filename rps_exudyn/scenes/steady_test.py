@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits
 from rps_exudyn.scenes.scene_run import Signals
 
@@ -49,5 +50,5 @@ class SteadyTest:
     maneuvers: Callable[[SteeringGear, float, StepLimits], tuple[list[Maneuver], Maneuver | None]]
     metrics: Callable[[Turned], dict[str, Any]]
     curve: tuple[str, ...]
-    remarks: Callable[[Turned], list[list[str]]] = lambda turned: [[] for _ in range(np.size(turned.gain))]
+    remarks: Callable[[Turned], list[list[Remark]]] = lambda turned: [[] for _ in range(np.size(turned.gain))]
     formulas: Callable[[SteeringGear], dict[str, float]] | None = None

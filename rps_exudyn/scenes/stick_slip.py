@@ -19,6 +19,7 @@ from rps_exudyn.analysis.stick_slip import describe_stick_slip, sticking_speed, 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.maneuver import Maneuver, check_travel
 from rps_exudyn.scenes.remarks import remarks, wide_zone
@@ -55,8 +56,8 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
         )
     model = reduced_gear(gear)
     run = _resolved(gear, fidelity, options)
-    nothing = "" if model.surplus > 0 else NOTHING_FALLS
-    zone = wide_zone(fidelity, "sticking depends", WIDEST_ZONE) if model.surplus > 0 else ""
+    nothing = None if model.surplus > 0 else NOTHING_FALLS
+    zone = wide_zone(fidelity, "sticking depends", WIDEST_ZONE) if model.surplus > 0 else None
     return run.noting(*remarks(gear, run.signals), nothing, zone).described(
         lambda signals: {**_seen(signals, gear), **predictions(gear, fidelity), **balance(signals)}
     )
@@ -74,7 +75,8 @@ def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         cpu = run.outcome.cpu_s + finer.outcome.cpu_s
         if not finer.ok:
             return run.invalid(
-                f"steps half as long, which should confirm the figures, fail: {finer.outcome.message}"
+                Code.STEPS_NOT_CONFIRMED,
+                f"steps half as long, which should confirm the figures, fail: {finer.outcome.message}",
             )
         changed = _change(_seen(run.signals, gear), _seen(finer.signals, gear))
         findings = {**finer.outcome.findings, "halvings": halved}
@@ -83,8 +85,9 @@ def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
             return run
     if halvings and run.ok:
         return run.invalid(
+            Code.STEPS_TOO_COARSE,
             f"the steps are too coarse: near the sticking speed steps half as long change the torque by "
-            f"{changed:.1%} of its peak"
+            f"{changed:.1%} of its peak",
         )
     return run
 
@@ -101,9 +104,10 @@ def _change(coarse: Mapping[str, float], fine: Mapping[str, float]) -> float:
     return max(abs(fine[name] - coarse[name]) for name in COMPARED) / peak if peak and coarse else 0.0
 
 
-NOTHING_FALLS = (
+NOTHING_FALLS = Remark(
+    Code.FRICTION_NEVER_FALLS,
     "no part's friction is larger at rest than in motion, so that the gear cannot stick and slip: choose "
-    "friction_law stribeck or bristle and a static_ratio above 1 for mesh, yoke, bush or bearing"
+    "friction_law stribeck or bristle and a static_ratio above 1 for mesh, yoke, bush or bearing",
 )
 
 

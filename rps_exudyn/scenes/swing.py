@@ -9,6 +9,7 @@ import numpy as np
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.run_options import RunOptions
@@ -32,9 +33,10 @@ def run_swing(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, option
         run = run_maneuver(gear, fidelity, maneuver.begun_earlier(cycles), options)
     if run.ok and (beyond := unclosed(run.signals, maneuver)) > 1:
         return run.invalid(
+            Code.SWING_NOT_SETTLED,
             f"the swing does not settle: after {cycles} cycles the next one still ends {beyond:.2g} times as "
             f"far from where it began as is allowed, {CLOSED:.0%} of the torque and {IN_PLACE:.1%} of the "
-            "rack's travel"
+            "rack's travel",
         )
     return run
 

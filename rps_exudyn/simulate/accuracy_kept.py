@@ -15,7 +15,7 @@ from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Interrupted, Status
+from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.promised_quantity import error_between, is_signal
@@ -71,38 +71,46 @@ def kept_by(run: Run, wanted: Wanted, gear: SteeringGear, first: Fidelity) -> Re
         except Interrupted:
             raise Interrupted(result) from None
         if truer.status is not Status.OK:
-            return _finding(result, f"not confirmed: in finer steps it ends {truer.status}, {truer.message}")
+            ends = f"not confirmed: in finer steps it ends {truer.status}, {truer.message}"
+            return _finding(result, ends, Code.ACCURACY_NOT_CONFIRMED)
         error = wanted.error(gear, (result, fidelity), (truer, finer))
         found = f"in half the steps and finer strips {_named(wanted)} differs by {error:.2g} %{_rms(wanted)}"
         if error <= AGREED * wanted.percent:
-            return _finding(result, found + vibrating(run, wanted, gear, fidelity))
+            text, *codes = vibrating(run, wanted, gear, fidelity)
+            return _finding(result, found + text, *codes)
         result, fidelity = truer, finer
-    return _finding(result, f"NOT reached: {found} from this one")
+    return _finding(result, f"NOT reached: {found} from this one", Code.ACCURACY_NOT_REACHED)
 
 
-def vibrating(run: Run, wanted: Wanted, gear: SteeringGear, fidelity: Fidelity) -> str:
+def vibrating(
+    run: Run, wanted: Wanted, gear: SteeringGear, fidelity: Fidelity
+) -> tuple[str] | tuple[str, Code]:
     """Compare equilibria of a fast steady test with dynamics over its first pitches; return what was found,
-    empty for other runs."""
+    empty for other runs, and the code of a promise that does not hold."""
     scene = scene_named(wanted.scene)
     slow = gear.test.speed <= SLOW * (wanted.percent / SLOW_AT) ** GROWTH
     if fidelity.solver != "equilibrium" or slow or not scene.steady:
-        return ""
+        return ("",)
     turns = min(gear.test.turns, PITCHES / gear.pinion.teeth)
     part = gear.replace({"test.turns": turns, "test.path": scene.short_path})
     moving = Fidelity.preset("flank").replace({"step_angle": gear.test.speed * VIBRATION_STEP})
     try:
         still, moved = run(part, fidelity), run(part, moving)
     except InputError as beyond:  # the first pitches of a way from lock to lock may lie elsewhere
-        return f"; NOT promised: whether the gear vibrates at this speed is not known, {beyond}"
+        return _not_promised(f"whether the gear vibrates at this speed is not known, {beyond}")
     if not (still.status is Status.OK and moved.status is Status.OK):
-        return f"; NOT promised: dynamics, which would show vibration, end {moved.status}, {moved.message}"
+        return _not_promised(f"dynamics, which would show vibration, end {moved.status}, {moved.message}")
     error = wanted.error(part, (still, fidelity), (moved, moving))
     if error <= AGREED * wanted.percent:
-        return f", dynamics by {error:.2g} %"
-    return (
-        f"; NOT promised: at this speed the gear vibrates, dynamics differ by {error:.2g} % RMS from "
+        return (f", dynamics by {error:.2g} %",)
+    return _not_promised(
+        f"at this speed the gear vibrates, dynamics differ by {error:.2g} % RMS from "
         "equilibria, and by more in shorter steps"
     )
+
+
+def _not_promised(why: str) -> tuple[str, Code]:
+    return f"; NOT promised: {why}", Code.ACCURACY_NOT_PROMISED
 
 
 def taken_step(result: Result, scene: str, fidelity: Fidelity) -> float:
@@ -136,5 +144,6 @@ def _rms(wanted: Wanted) -> str:
     return " RMS" if is_signal(wanted.scene, wanted.quantity) else ""
 
 
-def _finding(result: Result, text: str) -> Result:
-    return replace(result, findings={**result.findings, "accuracy_checked": text})
+def _finding(result: Result, text: str, *codes: Code) -> Result:
+    findings = {**result.findings, "accuracy_checked": text}
+    return replace(result, findings=findings, codes=each_once([*result.codes, *codes]))

@@ -18,7 +18,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.interrupts import raise_wrapped
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Status, joined_text
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
@@ -71,10 +71,10 @@ class Batch:
     @property
     def messages(self) -> tuple[str, ...]:
         """Cause of each failure, or remarks on a gear that ended ok."""
-        together = [""] * len(self) if self.found is None else self.found.messages
+        together = [[]] * len(self) if self.found is None else self.found.remarks
         return tuple(
-            said if result is None else result.message
-            for result, said in zip(self.results, together, strict=True)
+            joined_text(remarks) if result is None else result.message
+            for result, remarks in zip(self.results, together, strict=True)
         )
 
     @property

@@ -92,6 +92,7 @@ class Choice:
     quantity: str  # whose error is promised
     why: str
     beside: str  # what the promise leaves out: the error of the contact law
+    promised: bool  # False of a gear for which the table promises nothing
 
 
 def choose(
@@ -122,9 +123,10 @@ def choose(
         if enough and wanted >= table.floor:
             break
     taken = min(enough, key=lambda each: each.cost_for(gear))
-    why = _why(taken, table, gear, wanted, len(enough)) + _instead_of(tables[0], table) + beyond_promise(gear)
+    why, beyond = _why(taken, table, gear, wanted, len(enough)), beyond_promise(gear)
+    why += _instead_of(tables[0], table) + beyond
     fidelity = taken.for_gear(gear)
-    return Choice(fidelity, taken, table.quantity, why, _beside(gear, fidelity))
+    return Choice(fidelity, taken, table.quantity, why, _beside(gear, fidelity), not beyond)
 
 
 def _check_reach(

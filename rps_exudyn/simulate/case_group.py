@@ -13,7 +13,7 @@ import numpy as np
 from rps_exudyn.gears.report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Status, each_once, joined_text
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.batch import Batch, batch
@@ -65,7 +65,8 @@ class CaseGroup:
                 solver={"name": "equilibrium", "tolerance": TOLERANCE},
                 findings={"together": FINDING},
                 status=Status.OK,
-                message=found.messages[row],
+                message=joined_text(found.remarks[row]),
+                codes=each_once(remark.code for remark in found.remarks[row]),
                 signals=found.signals_of(row),
                 summary=own,
                 counters={name: int(count) for name, count in counted.items()},

@@ -14,7 +14,7 @@ from typing import Any
 from rps_exudyn.checks.before_run import breaches
 from rps_exudyn.parameters.fidelity import CHAINS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Code, Status, each_once
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.scene import Scene
@@ -62,7 +62,7 @@ def _safer(scene: Scene, gear: SteeringGear, fidelity: Fidelity) -> Iterator[Cha
 
 def _reported(result: Result, tries: list[dict[str, Any]]) -> Result:
     """The result with its tries, and with a message if the plan was not the one given."""
-    findings = {**result.findings, "tries": tries}
+    findings, codes = {**result.findings, "tries": tries}, result.codes
     last, failures = (
         tries[-1],
         [f"{_shown(each)}: {each['status']} ({each['message']})" for each in tries[:-1]],
@@ -71,10 +71,11 @@ def _reported(result: Result, tries: list[dict[str, Any]]) -> Result:
         message = result.message
     elif result.status is Status.OK:
         remarks = [result.message] if result.message else []
+        codes = each_once([Code.OTHER_SETTINGS, *codes])
         message = "; ".join([*failures, f"ok with {_shown(last)}", *remarks])
     else:
         message = f"{result.message}; nor did {len(failures)} safer settings"
-    return replace(result, findings=findings, message=message)
+    return replace(result, findings=findings, codes=codes, message=message)
 
 
 def _shown(tried: dict[str, Any]) -> str:

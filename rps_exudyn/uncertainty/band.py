@@ -7,7 +7,6 @@ Beside the band stand what it is made of (contributions) and what it does not co
 solution, by the same gear in half the steps, and that of the contact law.
 """
 
-import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -22,7 +21,7 @@ from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import LawError, law_error
-from rps_exudyn.results.outcome import Interrupted, Status
+from rps_exudyn.results.outcome import Interrupted, Status, alike
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.headline import curve_of
@@ -34,7 +33,6 @@ from rps_exudyn.uncertainty.samples import Samples, runs_at
 
 LEAST_OK = 8  # samples with a number, for quantiles
 FEWEST, MOST = LEAST_OK, 100_000  # samples that may be asked for
-NUMBER = re.compile(r"\d[\d.]*(?:e[-+]?\d+)?")  # in which messages of one cause differ
 LEFT_OUT = ("energy_residual",)  # figures that say nothing about the gear
 Told = Callable[[int, int], None]
 """Told how many samples of how many are done."""
@@ -224,7 +222,7 @@ class _Seen:
     rows: list[list[float]] = field(default_factory=list)
     curves: list[np.ndarray] | None = field(default_factory=list)
     causes: Counter[str] = field(default_factory=Counter)
-    examples: dict[str, str] = field(default_factory=dict)
+    examples: dict[tuple[str, ...], str] = field(default_factory=dict)
 
     @property
     def ok(self) -> int:
@@ -247,8 +245,8 @@ class _Seen:
         ):
             if status is not Status.OK:
                 self.rows.append([np.nan] * len(self.names))
-                cause = f"{status}: {message}"
-                self.causes[self.examples.setdefault(NUMBER.sub("", cause), cause)] += 1
+                kind = alike(status, () if result is None else result.codes, message)
+                self.causes[self.examples.setdefault(kind, f"{status}: {message}")] += 1
             elif result is None:
                 self.rows.append(
                     [float(summary[name][i]) if name in summary else np.nan for name in self.names]
