@@ -67,8 +67,8 @@ class Fidelity(Table):
     )
     torque_tolerance: Number = parameter(
         0.0,
-        "equilibrium: angles are added until the torque is known between them to this share of its mean; "
-        "0 keeps the even steps",
+        "equilibrium: steps of a steady motion are halved until the torque is known between them to this "
+        "share of its mean; 0 halves them only where its mean or its peaks ask for it",
         "choice",
         ge=0,
         lt=1,

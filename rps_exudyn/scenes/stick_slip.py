@@ -22,6 +22,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.maneuver import Maneuver, check_travel
+from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import remarks, wide_zone
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.run_options import RunOptions
@@ -66,28 +67,29 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
 def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
     """Make the motion, near the sticking speed in steps that decide nothing; it is invalid if none are."""
     maneuver = set_off(gear)
-    run = run_maneuver(gear, fidelity, maneuver, options)
-    halvings = min(MOST_HALVED, options.least_steps.halvings) if _near_sticking(gear) else 0
-    for halved in range(1, halvings + 1):
-        if not run.ok:
-            break
-        finer = run_maneuver(gear, fidelity, maneuver.halved(halved), options)
-        cpu = run.outcome.cpu_s + finer.outcome.cpu_s
-        if not finer.ok:
-            return run.invalid(
-                Code.STEPS_NOT_CONFIRMED,
-                f"steps half as long, which should confirm the figures, fail: {finer.outcome.message}",
-            )
-        changed = _change(_seen(run.signals, gear), _seen(finer.signals, gear))
-        findings = {**finer.outcome.findings, "halvings": halved}
-        run = replace(finer, outcome=replace(finer.outcome, cpu_s=cpu, findings=findings))
-        if changed <= SAME:
-            return run
-    if halvings and run.ok:
+    refined = refine(
+        run_maneuver(gear, fidelity, maneuver, options),
+        lambda _, times: run_maneuver(gear, fidelity, maneuver.halved(times), options),
+        min(MOST_HALVED, options.least_steps.halvings) if _near_sticking(gear) else 0,
+        usable=lambda run: run.ok,
+        change=lambda coarse, fine: _change(_seen(coarse.signals, gear), _seen(fine.signals, gear)),
+        allowed=SAME,
+    )
+    run = refined.finest
+    if refined.times:
+        cpu = sum(each.outcome.cpu_s for each in refined.runs)
+        findings = {**run.outcome.findings, "halvings": refined.times}
+        run = replace(run, outcome=replace(run.outcome, cpu_s=cpu, findings=findings))
+    if refined.failed is not None:
+        return run.invalid(
+            Code.STEPS_NOT_CONFIRMED,
+            f"steps half as long, which should confirm the figures, fail: {refined.failed.outcome.message}",
+        )
+    if refined.times and not refined.confirmed:
         return run.invalid(
             Code.STEPS_TOO_COARSE,
             f"the steps are too coarse: near the sticking speed steps half as long change the torque by "
-            f"{changed:.1%} of its peak",
+            f"{refined.change:.1%} of its peak",
         )
     return run
 

@@ -8,6 +8,7 @@ compared with dynamics as well, in which each tooth that enters sets the rack vi
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.refine import refine
 from rps_exudyn.simulate.promised_quantity import error_between, is_signal
 
 AGREED = 0.5  # of the wanted error: what is left is at most as much again, where a curve has jumps
@@ -31,6 +33,7 @@ VIBRATION_STEP = 5e-5  # of dynamics that show it [s]
 PITCHES = 2  # over which it is looked for
 
 Run = Callable[[SteeringGear, Fidelity], Result]
+Modelled = tuple[Result, Fidelity]
 
 
 @dataclass(frozen=True)
@@ -60,26 +63,36 @@ def kept_by(run: Run, wanted: Wanted, gear: SteeringGear, first: Fidelity) -> Re
     Raises:
         Interrupted: Ctrl-C; it carries the last whole run, or else what was recorded.
     """
-    result, fidelity = run(gear, first), first
     own_steps = scene_named(wanted.scene).needs_inertia and not first.swing_steps
-    if result.status is not Status.OK or own_steps or first.solver not in MOST_FINER:
-        return result
-    for _ in range(MOST_FINER[first.solver]):
-        finer = finer_than(fidelity, taken_step(result, wanted.scene, fidelity))
+
+    def finer(coarse: Modelled, _: int) -> Modelled:
+        model = finer_than(coarse[1], taken_step(coarse[0], wanted.scene, coarse[1]))
         try:
-            truer = run(gear, finer)
+            return run(gear, model), model
         except Interrupted:
-            raise Interrupted(result) from None
-        if truer.status is not Status.OK:
-            ends = f"not confirmed: in finer steps it ends {truer.status}, {truer.message}"
-            return _finding(result, ends, Code.ACCURACY_NOT_CONFIRMED)
-        error = wanted.error(gear, (result, fidelity), (truer, finer))
-        found = f"in half the steps and finer strips {_named(wanted)} differs by {error:.2g} %{_rms(wanted)}"
-        if error <= AGREED * wanted.percent:
-            text, *codes = vibrating(run, wanted, gear, fidelity)
-            return _finding(result, found + text, *codes)
-        result, fidelity = truer, finer
-    return _finding(result, f"NOT reached: {found} from this one", Code.ACCURACY_NOT_REACHED)
+            raise Interrupted(coarse[0]) from None
+
+    refined = refine(
+        (run(gear, first), first),
+        finer,
+        0 if own_steps else MOST_FINER.get(first.solver, 0),
+        usable=lambda each: each[0].status is Status.OK,
+        change=partial(wanted.error, gear),
+        allowed=AGREED * wanted.percent,
+    )
+    if (failed := refined.failed) is not None:
+        ends = f"not confirmed: in finer steps it ends {failed[0].status}, {failed[0].message}"
+        return _finding(refined.finest[0], ends, Code.ACCURACY_NOT_CONFIRMED)
+    if not refined.times:
+        return refined.finest[0]
+    found = (
+        f"in half the steps and finer strips {_named(wanted)} differs by {refined.change:.2g} %{_rms(wanted)}"
+    )
+    if not refined.confirmed:
+        return _finding(refined.finest[0], f"NOT reached: {found} from this one", Code.ACCURACY_NOT_REACHED)
+    result, fidelity = refined.runs[-2]
+    text, *codes = vibrating(run, wanted, gear, fidelity)
+    return _finding(result, found + text, *codes)
 
 
 def vibrating(

@@ -25,6 +25,7 @@ from rps_exudyn.results.outcome import Interrupted, Status, alike
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.headline import curve_of
+from rps_exudyn.scenes.refine import refine
 from rps_exudyn.simulate.batch import Batch
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.uncertainty.contributions import Contributions, Polynomials
@@ -314,14 +315,17 @@ def numerical_error(nominal: Result, fidelity: Fidelity) -> dict[str, float]:
     """Return how far half the steps move each figure of the nominal run; {} of a model without steps."""
     if fidelity.solver == "closed-form":
         return {}
-    finer = simulate(nominal.scene, nominal.gear, fidelity.replace({"step_angle": fidelity.step_angle / 2}))
-    if finer.status is not Status.OK:
+    halved = fidelity.replace({"step_angle": fidelity.step_angle / 2})
+    refined = refine(
+        nominal,
+        lambda coarse, _: simulate(coarse.scene, coarse.gear, halved),
+        1,
+        usable=lambda result: result.status is Status.OK,
+    )
+    if not refined.times:
         return {}
-    return {
-        name: abs(finer.summary[name] - value)
-        for name, value in nominal.summary.items()
-        if name in finer.summary
-    }
+    finer = refined.finest.summary
+    return {name: abs(finer[name] - value) for name, value in nominal.summary.items() if name in finer}
 
 
 def _plain(column: Iterable[float]) -> list[float | None]:
