@@ -67,8 +67,8 @@ class Fidelity(Table):
     )
     torque_tolerance: Number = parameter(
         0.0,
-        "equilibrium: steps of a steady motion are halved until the torque is known between them to this "
-        "share of its mean; 0 halves them only where its mean or its peaks ask for it",
+        "equilibrium: steps of a steady motion are halved until they show the torque to this share of its mean; "
+        "0: as its record asks",
         "choice",
         ge=0,
         lt=1,
