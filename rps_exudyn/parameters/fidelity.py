@@ -67,8 +67,8 @@ class Fidelity(Table):
     )
     torque_tolerance: Number = parameter(
         0.0,
-        "equilibrium: steps of a steady motion are halved until they show the torque to this share of its mean; "
-        "0: as its record asks",
+        "equilibrium: steps of a steady motion are halved until they show the torque to this share of its "
+        "mean; 0: as its record asks",
         "choice",
         ge=0,
         lt=1,
