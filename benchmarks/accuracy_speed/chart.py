@@ -20,7 +20,7 @@ from rps_exudyn.parameters.fidelity import PRESETS
 from rps_exudyn.results.law_error import LawError
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.verification.work_precision import pareto_front, power_law
+from verification.work_precision import pareto_front, power_law
 
 STYLES = {
     "general contact": ("#b00020", "s"),

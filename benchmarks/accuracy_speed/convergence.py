@@ -13,7 +13,7 @@ import numpy as np
 
 from benchmarks.accuracy_speed.measurement import Measurement, Order, Point
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.verification.work_precision import FAR_ABOVE, observed_order
+from verification.work_precision import FAR_ABOVE, observed_order
 
 
 @dataclass(frozen=True)

@@ -36,11 +36,11 @@ from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Axis, Value
 from rps_exudyn.study.study_file import read_study
 from rps_exudyn.study.table import axis_quantity
-from rps_exudyn.verification.faceted import Surface, faceted_run, largest_deviation, meshed, shaped, spheres
-from rps_exudyn.verification.flywheel import explicit_run
-from rps_exudyn.verification.references import Method, as_run, by_generators, by_strips, reference_of
-from rps_exudyn.verification.runs import SceneReference, run_scene
-from rps_exudyn.verification.work_precision import Reference
+from verification.faceted import Surface, faceted_run, largest_deviation, meshed, shaped, spheres
+from verification.flywheel import explicit_run
+from verification.references import Method, as_run, by_generators, by_strips, reference_of
+from verification.runs import SceneReference, run_scene
+from verification.work_precision import Reference
 
 PLANS = Path(__file__).parent / "plans"
 OF_TORQUE = (

@@ -20,8 +20,8 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.verification.runs import SceneReference, revolutions, run_scene
-from rps_exudyn.verification.work_precision import Reference
+from verification.runs import SceneReference, revolutions, run_scene
+from verification.work_precision import Reference
 
 FILETYPE = "rps_exudyn-work-precision"
 VERSION = (1, 1)

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from benchmarks.peers.scene import GEAR, GUIDED
-from rps_exudyn.verification.references import Method, as_run, by_generators, by_strips, moving, reference_of
-from rps_exudyn.verification.work_precision import Reference
+from verification.references import Method, as_run, by_generators, by_strips, moving, reference_of
+from verification.work_precision import Reference
 
 SCENE = "free-pinion-torque"
 FINE: dict[str, Method] = {

@@ -33,9 +33,9 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.checked_run import run_unchecked
-from rps_exudyn.verification.plan_reference import Expected, expected
-from rps_exudyn.verification.sampler import random_plan, usual_plan
-from rps_exudyn.verification.stability import ScenePlan
+from verification.plan_reference import Expected, expected
+from verification.sampler import random_plan, usual_plan
+from verification.stability import ScenePlan
 
 SEED = 20261122
 PLANS, GEARS = 1000, 300

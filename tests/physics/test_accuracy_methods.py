@@ -9,9 +9,9 @@ from rps_exudyn.multibody.general_contact import flank_triangle
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.verification.faceted import faceted_run, largest_deviation, meshed, shaped, spheres
-from rps_exudyn.verification.flywheel import explicit_run
-from rps_exudyn.verification.references import as_run, by_generators, by_strips, moving, reference_of, slowly
+from verification.faceted import faceted_run, largest_deviation, meshed, shaped, spheres
+from verification.flywheel import explicit_run
+from verification.references import as_run, by_generators, by_strips, moving, reference_of, slowly
 
 GEAR = SteeringGear().replace({"mesh.law": "area"})  # the law that generators know
 PITCH = GEAR.replace({"test.turns": 1 / 6})

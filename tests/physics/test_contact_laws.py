@@ -13,7 +13,7 @@ from rps_exudyn.mesh_contact.wrench import NORMAL_COAST, NORMAL_DRIVE, PENETRATI
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.run import run
-from rps_exudyn.verification.contact_at import elastic_contact, flank_contact, mesh_of_teeth
+from verification.contact_at import elastic_contact, flank_contact, mesh_of_teeth
 
 LAWS = ("line", "area", "teeth")
 NORMALS = [NORMAL_DRIVE, NORMAL_COAST]

@@ -9,9 +9,9 @@ from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.headline import curve_of
-from rps_exudyn.verification.references import by_generators, by_strips
-from rps_exudyn.verification.runs import run_scene
-from rps_exudyn.verification.work_precision import Reference, curve_errors, power_law
+from verification.references import by_generators, by_strips
+from verification.runs import run_scene
+from verification.work_precision import Reference, curve_errors, power_law
 
 SCENE = "free-pinion-torque"
 GEAR = SteeringGear().replace({"test.turns": 1 / 6, "mesh.law": "area"})

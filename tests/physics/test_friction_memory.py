@@ -21,7 +21,7 @@ from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.verification.stick_slip import event_based
+from verification.stick_slip import event_based
 
 PARTS = ("mesh", "yoke", "bush", "bearing")
 GEAR = SteeringGear()

@@ -28,9 +28,9 @@ from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.maneuver import check_travel, largest_angle, maneuvers_of_test, swing_maneuver
 from rps_exudyn.scenes.stick_slip import set_off
 from rps_exudyn.scenes.yoke_impact import shaken
-from rps_exudyn.verification.ranges import Range, range_of, scaled, within
-from rps_exudyn.verification.stability import ScenePlan
-from rps_exudyn.verification.stated_ranges import (
+from verification.ranges import Range, range_of, scaled, within
+from verification.stability import ScenePlan
+from verification.stated_ranges import (
     FIDELITY,
     GEAR,
     OF_OTHER_SCENES,

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.verification.ranges import Choice, Drawn, Even, Logarithmic, Range, Seldom, Share, Whole
+from verification.ranges import Choice, Drawn, Even, Logarithmic, Range, Seldom, Share, Whole
 
 DEG = np.pi / 180
 RPM = np.pi / 30

@@ -25,7 +25,7 @@ from rps_exudyn.solvers.drive import Drive, Steady, Swing
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
 from rps_exudyn.solvers.linearised_motion import eigenvalues
-from rps_exudyn.verification.led_ways import (
+from verification.led_ways import (
     Way,
     equilibria_at,
     followed,
@@ -34,10 +34,10 @@ from rps_exudyn.verification.led_ways import (
     room_before,
     ways_of,
 )
-from rps_exudyn.verification.refined_steps import NotFiniteError, NotFoundError, confirmed
-from rps_exudyn.verification.runge_kutta import FreeMotion, runge_kutta
-from rps_exudyn.verification.seat_cells import by_cells
-from rps_exudyn.verification.stability import ScenePlan
+from verification.refined_steps import NotFiniteError, NotFoundError, confirmed
+from verification.runge_kutta import FreeMotion, runge_kutta
+from verification.seat_cells import by_cells
+from verification.stability import ScenePlan
 
 RUN_IN = 0.5  # pitches by Runge-Kutta before the record
 PER_CYCLE = 600  # equilibria of a swing

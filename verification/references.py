@@ -17,10 +17,10 @@ from rps_exudyn.scenes.headline import curve_of
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.scenes.yoke_impact import WIDEST_ZONE, shaken
-from rps_exudyn.verification.runge_kutta import explicit_motion
-from rps_exudyn.verification.runs import SceneReference, run_scene
-from rps_exudyn.verification.slow_swing import slow_swing
-from rps_exudyn.verification.work_precision import agreed_reference
+from verification.runge_kutta import explicit_motion
+from verification.runs import SceneReference, run_scene
+from verification.slow_swing import slow_swing
+from verification.work_precision import agreed_reference
 
 STRIPS = {"strip_stations": 12, "strip_points": 6}  # finer than any error seen
 

@@ -12,7 +12,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import swing_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
-from rps_exudyn.verification.equilibria import equilibria
+from verification.equilibria import equilibria
 
 ON_GENERATOR = MOST_POINTS  # Gauss points on each: teeth that hardly move rub one way here, another there
 
