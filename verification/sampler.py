@@ -153,10 +153,8 @@ def random_plan(rng: np.random.Generator) -> ScenePlan:
     gear = random_gear(rng, scene)
     fixed: dict[str, Any] = {}
     if scene_named(scene).needs_inertia:
-        fixed = {"solver": "generalized-alpha", "yoke": "body"}
+        fixed = {"solver": "generalized-alpha"}
     fidelity = random_fidelity(rng, fixed)
-    if fidelity.mesh == "flank-generators":
-        gear = gear.replace({"mesh.law": "area"})  # the law that knows generators
     stations = max(fidelity.strip_stations, LEAST_STATIONS[gear.mesh.law])
     fidelity = fidelity.replace({"strip_stations": stations})
     return ScenePlan(scene, gear, affordable(gear, scene, fidelity))

@@ -102,15 +102,6 @@ OF_SPHERES = (
 OF_FACETS = "RMS against the same spheres on the analytic flank", lambda p: p.rms
 RULES += [
     Rule(
-        "generators",
-        "distance of the generators",
-        lambda p: 1 / p.fidelity.generators,
-        "RMS",
-        lambda p: p.rms,
-        2.0,
-        "midpoint rule over an area with corners",
-    ),
-    Rule(
         "spheres_at_rest",
         *OF_SPHERES,
         "midpoint rule over a strip; beyond 54 along the profile 0.06 % stay, the spheres' radius",

@@ -52,7 +52,6 @@ MODELS = {
     "quasi_static_bristles": ("step_angle 1 °", "step_angle 5 °"),
     "loop": ("step_angle 2 °", "step_angle 5 °", "step_angle 7.5 °"),
     "closed_form": ("",),
-    "ratio": ("",),
 }
 """Study -> beginnings of the labels that stand for the package's models."""
 
