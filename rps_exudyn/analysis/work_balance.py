@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from rps_exudyn.analysis.many import number_of
+from rps_exudyn.analysis.passes import number_of
 
 NO_LOSS = ("work_drive", "work_load")
 """Signals of the work put in: by the drive, and by the forces on the rack's end."""

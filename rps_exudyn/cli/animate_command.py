@@ -5,8 +5,8 @@ from pathlib import Path
 from rps_exudyn.animation.camera import VIEWS
 from rps_exudyn.animation.film import FILMS, STILLS, write_film, write_still
 from rps_exudyn.animation.page import write_page
-from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import check_writable
 from rps_exudyn.cli.progress import shown_progress
 from rps_exudyn.study.blocks import beside, load
 

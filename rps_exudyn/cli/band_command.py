@@ -6,9 +6,8 @@ from contextlib import redirect_stdout
 from dataclasses import replace
 from pathlib import Path
 
-from rps_exudyn.base.atomic import number_existing, write_json
-from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.sentence import as_sentence
+from rps_exudyn.base.errors import InputError, as_sentence
+from rps_exudyn.base.files import number_existing, write_json
 from rps_exudyn.cli.app import DONE, INTERRUPTED
 from rps_exudyn.cli.kept import naming, say
 from rps_exudyn.cli.options import SetupOptions, parse_settings
@@ -16,7 +15,7 @@ from rps_exudyn.cli.printed import print_json, result_as_dict
 from rps_exudyn.cli.progress import shown_progress
 from rps_exudyn.cli.text_table import put, put_table
 from rps_exudyn.parameters.carried import carried
-from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.uncertainty.band import Band, band_of_runs

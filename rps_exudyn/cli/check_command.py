@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from math import isnan
 from pathlib import Path
 
-from rps_exudyn.base.atomic import check_writable, write_json
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import check_writable, write_json
 from rps_exudyn.base.units import to_si
 from rps_exudyn.cli.options import GearOptions, parse_settings
 from rps_exudyn.cli.printed import print_json

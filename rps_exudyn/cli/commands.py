@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import CycloptsError, Parameter, UnusedCliTokensError
 
 import rps_exudyn.cli.tools  # noqa: F401 (registers its commands)
-from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import check_writable
 from rps_exudyn.base.interrupts import unwrapped_interrupts
 from rps_exudyn.cli.app import DONE, FAILED, INTERRUPTED, PAPER_GEAR, PAPER_SETUP, WRONG_INPUT, Flag, app
 from rps_exudyn.cli.kept import keep, naming, say
@@ -109,7 +109,7 @@ def run(
     from rps_exudyn.simulate.time_limit import TimeLimit
 
     limit = replace(TimeLimit.of(time_limit), begun=began) if time_limit is not None else None
-    from rps_exudyn.charts.file_types import PICTURES
+    from rps_exudyn.base.files import PICTURES
     from rps_exudyn.cli.measured_options import read_measured
     from rps_exudyn.results.outcome import Interrupted
     from rps_exudyn.simulate.run import simulate
@@ -191,7 +191,7 @@ def show(file: Path, /, *, plot: Path | None = None, from_zero: Flag = False, js
     from rps_exudyn.study.blocks import load
 
     if plot:
-        from rps_exudyn.charts.file_types import PICTURES
+        from rps_exudyn.base.files import PICTURES
 
         check_writable(plot, PICTURES)
     result = load(file)
@@ -214,8 +214,8 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Flag =
         json: print the comparison as JSON.
     """
     from rps_exudyn.analysis.comparison import compare
-    from rps_exudyn.charts.comparison import draw_comparison
-    from rps_exudyn.charts.file_types import PICTURES
+    from rps_exudyn.base.files import PICTURES
+    from rps_exudyn.charts.analyses import draw_comparison
     from rps_exudyn.cli import printed
     from rps_exudyn.study.blocks import load
 
@@ -242,7 +242,7 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Flag = False) -> int:
         out: HDF5 file of the new result; without it none is written.
         json: print the new summary and the numbers that differ as JSON.
     """
-    from rps_exudyn.analysis.rerun import differing_numbers, largest_difference
+    from rps_exudyn.analysis.comparison import differing_numbers, largest_difference
     from rps_exudyn.cli import printed
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.simulate.run import simulate
@@ -277,11 +277,11 @@ def geometry(
         force: build the gear even if it is undercut.
         json: print the report as JSON.
     """
-    from rps_exudyn.charts.file_types import PICTURES
+    from rps_exudyn.base.files import PICTURES
     from rps_exudyn.charts.geometry import draw_geometry
     from rps_exudyn.cli import printed
-    from rps_exudyn.gears.export import FORMATS, export_solids
-    from rps_exudyn.gears.report import geometry_report
+    from rps_exudyn.gears.assembly import FORMATS, export_solids
+    from rps_exudyn.gears.geometry_report import geometry_report
 
     chosen = gear.load()
     if out:
@@ -308,7 +308,7 @@ def describe(path: str = "", /, *, setup: SetupOptions = PAPER_SETUP, json: Flag
         json: print them as JSON.
     """
     from rps_exudyn.cli import printed
-    from rps_exudyn.parameters.setup import Setup
+    from rps_exudyn.parameters.gear import Setup
 
     items = Setup.declared_at(path)
     if json:

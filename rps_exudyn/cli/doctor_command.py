@@ -7,8 +7,8 @@ from importlib import import_module
 from pathlib import Path
 from time import perf_counter, process_time
 
-from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import check_writable
 from rps_exudyn.cli.progress import shown_progress
 
 PUBLISHED = 0.6196

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rps_exudyn.base import units
-from rps_exudyn.base.atomic import check_writable, number_existing, replacing
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import check_writable, number_existing, replacing
 from rps_exudyn.cli.kept import named_if_interrupted, say
 from rps_exudyn.cli.progress import shown_progress
 
 if TYPE_CHECKING:
-    from rps_exudyn.fitting.estimate import Fit
+    from rps_exudyn.fitting.fitted import Fit
     from rps_exudyn.parameters.gear import SteeringGear
 
 PAGES = (".html", ".htm")
@@ -107,7 +107,7 @@ def _written_files(
 ) -> Iterator[Path]:
     """Write the files one after the other, the gear first and the pictures last."""
     from rps_exudyn.fitting.findings import gear_text, headline
-    from rps_exudyn.parameters.gear_file import gear_file
+    from rps_exudyn.parameters.gear import gear_file
 
     if older := number_existing(out):
         say(f"an older file is kept: {older}.")
@@ -154,7 +154,7 @@ def do_fit(
     Raises:
         InputError: files, priors or parameters that cannot be, or a file that cannot be written.
     """
-    from rps_exudyn.charts.file_types import PICTURES
+    from rps_exudyn.base.files import PICTURES
     from rps_exudyn.fitting.fit import fit
     from rps_exudyn.fitting.series import read_series
     from rps_exudyn.fitting.unknowns import USUAL

@@ -4,8 +4,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import replacing
 
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable

@@ -27,7 +27,7 @@ def keep(result: "Result", out: Path, plot: Path) -> tuple[list[Path], bool]:
     Raises:
         KeyboardInterrupt: while the picture is drawn; it names the file that is written.
     """
-    from rps_exudyn.base.atomic import number_existing
+    from rps_exudyn.base.files import number_existing
     from rps_exudyn.results.outcome import Status
 
     try:

@@ -10,7 +10,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.kept import say
 
 if TYPE_CHECKING:
-    from rps_exudyn.results.measured_torque import MeasuredTorque
+    from rps_exudyn.results.result import MeasuredTorque
 
 Columns = Annotated[
     tuple[str, ...],

@@ -12,8 +12,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import short
 
 if TYPE_CHECKING:
-    from rps_exudyn.parameters.gear import SteeringGear
-    from rps_exudyn.parameters.setup import Setup
+    from rps_exudyn.parameters.gear import Setup, SteeringGear
 
 
 @Parameter(name="*")
@@ -75,7 +74,7 @@ class SetupOptions(GearOptions):
     def load(self) -> "Setup":
         """Gear and fidelity, or an InputError with everything that is wrong with both."""
         from rps_exudyn.parameters.fidelity import PRESETS, preset_table, unknown_preset
-        from rps_exudyn.parameters.setup import Setup
+        from rps_exudyn.parameters.gear import Setup
 
         settings, problems = parse_settings(self.settings)
         settings |= {f"fidelity.{part}": choice for part, choice in self._parts().items()}

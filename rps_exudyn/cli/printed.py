@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from rps_exudyn.base.units import words
 from rps_exudyn.cli.text_table import put, put_table
 from rps_exudyn.parameters.declaration import Declared
-from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, SIGNALS, SUMMARY
@@ -17,7 +17,7 @@ from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, SIGNALS, SUMMARY
 if TYPE_CHECKING:
     from rps_exudyn.analysis.comparison import Comparison, SignalPair
     from rps_exudyn.analysis.measured import AgainstMeasured
-    from rps_exudyn.gears.report import GeometryReport
+    from rps_exudyn.gears.geometry_report import GeometryReport
     from rps_exudyn.results.result import Result
 
 

@@ -48,7 +48,7 @@ class _Compiling:
     """The row about kernels."""
 
     def __init__(self, screen: Screen) -> None:
-        from rps_exudyn.base.compiling_progress import CompilingProgress
+        from rps_exudyn.base.compiling import CompilingProgress
 
         self._screen, self._row, self._shown = screen, CompilingProgress(), False
 

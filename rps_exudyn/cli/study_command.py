@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import check_writable
 from rps_exudyn.base.progress import duration
 from rps_exudyn.cli.progress import shown_progress
 from rps_exudyn.results.outcome import Status

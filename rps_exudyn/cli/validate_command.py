@@ -3,8 +3,8 @@
 from collections import Counter
 from pathlib import Path
 
-from rps_exudyn.base.atomic import check_writable, replacing, write_json
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import check_writable, replacing, write_json
 from rps_exudyn.cli.kept import naming
 from rps_exudyn.cli.printed import print_json
 from rps_exudyn.cli.progress import shown_progress

@@ -10,8 +10,7 @@ import numpy as np
 from rps_exudyn.analysis.stick_slip import Oscillator, Rubbing
 from rps_exudyn.base.quadrature import gauss_legendre
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters.friction_law import FrictionLaw
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import FrictionLaw, SteeringGear
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.gear_forces import following_inertia
 

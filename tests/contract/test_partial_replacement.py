@@ -10,8 +10,7 @@ from scipy.stats import qmc
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.hypercube import latin_hypercube
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.parameters.gear import Setup, SteeringGear
 from rps_exudyn.study.cases import MODEL_VERSION, case_hash
 
 BASE = Setup().replace({"pinion.teeth": 7, "yoke.preload": "320 N"})

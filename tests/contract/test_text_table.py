@@ -8,7 +8,7 @@ from rich.table import Table as Grid
 
 from rps_exudyn.cli import text_table
 from rps_exudyn.cli.text_table import GAP, put, put_table
-from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.parameters.gear import Setup
 
 HEADS = ("parameter", "value", "meaning", "source")
 

@@ -12,8 +12,7 @@ import pytest
 
 import rps_exudyn.base.compiling
 from rps_exudyn.base.compiled import NUMBER, kernel, kernel_of, ready
-from rps_exudyn.base.compiling import Step, called, listening, publish
-from rps_exudyn.base.compiling_progress import CompilingProgress
+from rps_exudyn.base.compiling import CompilingProgress, Step, called, listening, publish
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Progress, passed_on
 from rps_exudyn.base.screen import TextRow, open_screen

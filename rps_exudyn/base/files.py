@@ -1,4 +1,4 @@
-"""Writing files so that they are complete or absent: beside the target, then renamed onto it."""
+"""Files: written so that they are complete or absent, read as tables of JSON, checked by a checksum."""
 
 import json
 import os
@@ -10,6 +10,9 @@ from typing import Any
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import short
+
+PICTURES = (".png", ".svg", ".pdf")
+"""Suffixes of the files that a chart can be saved as, without loading the library that draws."""
 
 
 @contextmanager
@@ -120,3 +123,69 @@ def _flush_to_disk(path: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+# --- Tables written as JSON in files of others: read to a depth that all their readers can bear
+
+DEEPEST = 50
+"""Levels of lists and tables within each other; our own files have six. Python refuses some hundreds."""
+
+
+def read_json_tables(text: str, what: str) -> dict[str, Any]:
+    """Return the table that a text holds as JSON; `what` names the text in messages.
+
+    Raises:
+        ValueError: it is no JSON, no table, or nested too deep.
+    """
+    too_deep = f"{what} is nested more than {DEEPEST} levels deep"
+    try:
+        tables = json.loads(text)
+    except RecursionError:
+        raise ValueError(too_deep) from None
+    if not isinstance(tables, dict):
+        raise ValueError(f"{what} is no set of tables")
+    level: list[Any] = [tables]
+    for _ in range(DEEPEST):
+        containers = [each for each in level if isinstance(each, dict | list)]
+        level = [item for each in containers for item in (each.values() if isinstance(each, dict) else each)]
+        if not level:
+            return tables
+    raise ValueError(too_deep)
+
+
+# --- A checksum in front of an HDF5 file, by which any byte that was changed later is noticed
+#
+# HDF5 allows 512 bytes of any kind in front of its own, and all its readers skip them. Here they hold the
+# SHA-256 of all bytes that follow, so that numbers, attributes and structure are covered alike:
+#
+#     rps-exudyn: sha256 of the bytes after the first 512
+#     4f1c...
+#
+# Files of earlier versions begin with HDF5's own first bytes; they have no checksum and are read as they are.
+
+HDF5_BEGIN = b"\x89HDF\r\n\x1a\n"
+CHECKSUM_SIZE = 512
+HEADING = b"rps-exudyn: sha256 of the bytes after the first 512\n"
+
+
+def with_checksum(content: bytes) -> bytes:
+    """Return the bytes of an HDF5 file with its checksum before them."""
+    return _checksum(content) + content
+
+
+def fits_checksum(content: bytes) -> bool:
+    """Tell whether the bytes of a file fit its checksum, or are those of an HDF5 file that has none."""
+    if content.startswith(HDF5_BEGIN):
+        return True
+    return content[:CHECKSUM_SIZE] == _checksum(memoryview(content)[CHECKSUM_SIZE:])
+
+
+def without_checksum(content: bytes) -> bytes:
+    """Return the bytes of a file as HDF5 itself would have written them, without a checksum."""
+    return content if content.startswith(HDF5_BEGIN) else content[CHECKSUM_SIZE:]
+
+
+def _checksum(content: bytes | memoryview) -> bytes:
+    import hashlib
+
+    return (HEADING + hashlib.sha256(content).hexdigest().encode()).ljust(CHECKSUM_SIZE, b"\n")

@@ -7,13 +7,14 @@ mesh, the parts around it. `report.check_gear` puts the sentences before the use
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 
 from rps_exudyn.base import units
 from rps_exudyn.base.units import factor
-from rps_exudyn.gears import basic_rack, clearance
+from rps_exudyn.gears import basic_rack
+from rps_exudyn.gears.basic_rack import cutter_tip_centre, half_angle, straight_depth
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.trochoid import form_point
@@ -68,7 +69,7 @@ def _cutter(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
             "basic_rack.fillet_radius",
             _inward(gear, "basic_rack.fillet_radius", rho, -1) if rho >= 0 else None,
         )
-    if clearance.rack_tip_interference(pair) > STANDARD_ROUNDING * m:
+    if rack_tip_interference(pair) > STANDARD_ROUNDING * m:
         needed = (pair.rack_addendum + pair.fillet_radius * (1 - np.sin(pair.alpha_n))) / m
         yield Violation(
             "The cutter does not reach: its straight flank ends "
@@ -147,8 +148,8 @@ def _crest(gear: SteeringGear, pair: GearPair, form: float) -> Iterator[Violatio
 
 def _mesh(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
     yield from _contact(gear, pair)
-    at_rack, at_pinion = clearance.rack_root_clearance(pair), clearance.pinion_root_clearance(pair)
-    room, cut = min(at_rack, at_pinion), clearance.pinion_tip_interference(pair)
+    at_rack, at_pinion = rack_root_clearance(pair), pinion_root_clearance(pair)
+    room, cut = min(at_rack, at_pinion), pinion_tip_interference(pair)
     if at_rack < 0:
         yield Violation(
             f"The pinion's tips reach {mm(-at_rack)} into the rack's root",
@@ -178,8 +179,8 @@ def _mesh(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
 
 
 def _contact(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
-    q0, qa = clearance.path_on_involute(pair)
-    transverse = clearance.transverse_contact_ratio(pair)
+    q0, qa = path_on_involute(pair)
+    transverse = transverse_contact_ratio(pair)
     total = transverse + pair.overlap_ratio
     if qa <= q0:
         contact = q0 + pair.reference_radius * np.sin(pair.alpha_t)
@@ -235,10 +236,10 @@ def _parts(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
 # --- nearest values --------------------------------------------------------------------------------
 def _largest_tip_radius(pair: GearPair) -> float:
     """Bisection for the largest tip circle that keeps out of the rack's root and fillets [m]."""
-    inside, outside = form_point(pair).radius, pair.tip_radius + min(clearance.rack_root_clearance(pair), 0)
+    inside, outside = form_point(pair).radius, pair.tip_radius + min(rack_root_clearance(pair), 0)
     while outside - inside > ROUNDING:
         middle = (inside + outside) / 2
-        if clearance.pinion_tip_interference(replace(pair, tip_radius=middle)) > 0:
+        if pinion_tip_interference(replace(pair, tip_radius=middle)) > 0:
             outside = middle
         else:
             inside = middle
@@ -260,3 +261,63 @@ def _inward(gear: SteeringGear, path: str, value: float, sense: int) -> float | 
     except ValueError:
         return None
     return shown * scale
+
+
+# --- Clearances of pinion and rack away from the flanks, and where they would cut into each other
+#
+# All in the pinion's transverse section: the rack's section there is the basic rack, stretched by
+# 1 / cos beta_p along X, for any shaft angle. Runout takes away from every clearance.
+
+
+def pinion_root_clearance(pair: GearPair) -> float:
+    """Clearance of the rack's tips from the pinion's root circle [m]."""
+    return pair.rack_dedendum - pair.rack_addendum
+
+
+def rack_root_clearance(pair: GearPair) -> float:
+    """Clearance of the pinion's tip circle from the rack's root [m]."""
+    return pair.reference_line_height + pair.rack_dedendum - pair.tip_radius
+
+
+def rack_tip_interference(pair: GearPair) -> float:
+    """Reach of the rack's tips beyond the end of the cutter's straight flank, if positive [m].
+
+    A rack tooth inside the cutter's outline only sweeps room that the cutter swept before. Beyond C1 the
+    cutter is rounded and the rack is not: its corners then cut into the pinion's root.
+    """
+    return pair.rack_addendum - straight_depth(pair)
+
+
+def pinion_tip_interference(pair: GearPair, positions: int = 2001) -> float:
+    """Depth to which the pinion's tip corners cut into the rack's root fillets, across the teeth [m].
+
+    Negative: the least room; minus infinity if the corners never come as deep as the fillets.
+    """
+    return _pinion_tip_interference(pair.design, positions)
+
+
+@lru_cache(maxsize=64)
+def _pinion_tip_interference(pair: GearPair, positions: int) -> float:
+    r, ra, half = pair.reference_radius, pair.tip_radius, half_angle(pair, pair.tip_radius)
+    from_centre = np.linspace(-0.5, 0.5, positions) * np.pi  # of the corner, from the line pinion to rack
+    turn = from_centre + half  # of its tooth; the rack's space is at X = -r turn
+    depth = ra * np.cos(from_centre) - pair.reference_line_height
+    across = np.abs(-ra * np.sin(from_centre) + r * turn) * np.cos(pair.beta_p)
+    u, y = cutter_tip_centre(pair)
+    in_fillet = (depth > straight_depth(pair)) & (depth < pair.rack_dedendum)
+    if not in_fillet.any():
+        return -np.inf
+    half_space = u + np.sqrt(pair.fillet_radius**2 - (depth[in_fillet] + y) ** 2)
+    return float((across[in_fillet] - half_space).max())
+
+
+def path_on_involute(pair: GearPair) -> tuple[float, float]:
+    """q0, qa: ends from the pitch point of the active path of contact where the involute exists [m]."""
+    q0, qa = pair.active_path
+    return max(q0, form_point(pair).tangent_length - pair.reference_radius * float(np.sin(pair.alpha_t))), qa
+
+
+def transverse_contact_ratio(pair: GearPair) -> float:
+    """Transverse contact ratio epsilon_alpha; negative if the teeth do not meet."""
+    q0, qa = path_on_involute(pair)
+    return (qa - q0) * float(np.cos(pair.beta_b)) / pair.normal_base_pitch

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.gears import clearance
+from rps_exudyn.gears import geometry_limits as limits
 from rps_exudyn.gears.basic_rack import crest_width, pointed_radius, undercut_limit
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.limits import Violation, violations
+from rps_exudyn.gears.geometry_limits import Violation, violations
 from rps_exudyn.gears.polyhedron import MassProperties
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.solids import gear_solids
@@ -122,8 +122,8 @@ def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:
     """
     forgiven = _forgiven(gear, force)
     pair, bar = GearPair.of(gear), RackBar.of(gear)
-    start, end = clearance.path_on_involute(pair)
-    transverse = clearance.transverse_contact_ratio(pair)
+    start, end = limits.path_on_involute(pair)
+    transverse = limits.transverse_contact_ratio(pair)
     limit = undercut_limit(pair)
     pitch_line = -pair.profile_shift * pair.module - pair.reference_height  # Y in the rack frame
     return GeometryReport(
@@ -143,9 +143,9 @@ def geometry_report(gear: SteeringGear, force: bool = False) -> GeometryReport:
         contact_end=end,
         undercut_limit=limit,
         undercut_margin=pair.profile_shift - limit,
-        pinion_root_clearance=clearance.pinion_root_clearance(pair),
-        rack_root_clearance=clearance.rack_root_clearance(pair),
-        interference=max(clearance.rack_tip_interference(pair), clearance.pinion_tip_interference(pair), 0.0),
+        pinion_root_clearance=limits.pinion_root_clearance(pair),
+        rack_root_clearance=limits.rack_root_clearance(pair),
+        interference=max(limits.rack_tip_interference(pair), limits.pinion_tip_interference(pair), 0.0),
         rack_face_width=2 * float(bar.flank(0, 1).half_chord(pitch_line)),
         rack_tip_face_width=2 * float(bar.flank(0, 1).half_chord(bar.tip_height)),
         toothed_length=bar.toothed_ends[1] - bar.toothed_ends[0],
@@ -165,7 +165,7 @@ def _warnings(gear: SteeringGear, pair: GearPair, bar: RackBar) -> Iterator[str]
         )
     chord = 2 * float(bar.flank(0, 1).half_chord(bar.tip_height))
     if chord < pair.face_width:
-        total = clearance.transverse_contact_ratio(pair) + pair.overlap_ratio * chord / pair.face_width
+        total = limits.transverse_contact_ratio(pair) + pair.overlap_ratio * chord / pair.face_width
         yield (
             f"The round bar is narrower at the rack's tips ({chord * 1e3:.3g} mm) than the pinion's face "
             f"({pair.face_width * 1e3:.3g} mm); with that width the total contact ratio is {total:.3g}."
