@@ -80,3 +80,11 @@ def _change(signals: Mapping[str, np.ndarray], name: str) -> float:
     """Change of a signal (..., n) over the whole record; 0 if it was not recorded."""
     values = signals.get(name, np.zeros(0))
     return number_of(values[..., -1] - values[..., 0]) if values.size else 0.0
+
+
+def integral_from_start(values: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Integrate values (..., n) from the first of some places (n,) to each of them by the trapezoidal
+    rule."""
+    whole = np.zeros(values.shape)
+    np.cumsum(np.diff(place) * (values[..., 1:] + values[..., :-1]) / 2.0, axis=-1, out=whole[..., 1:])
+    return whole
