@@ -11,6 +11,9 @@ from typing import Any
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import short
 
+RESULT_FILES = (".h5", ".hdf5")
+"""Suffixes of the files that hold a result."""
+
 PICTURES = (".png", ".svg", ".pdf")
 """Suffixes of the files that a chart can be saved as, without loading the library that draws."""
 

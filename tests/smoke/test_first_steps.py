@@ -8,7 +8,7 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.analysis.passes import passes
-from rps_exudyn.cli import doctor_command
+from rps_exudyn.cli import doctor
 from rps_exudyn.study.study_file import read_study
 from shell import Command, in_fresh_process
 
@@ -53,7 +53,7 @@ def test_doctor_runs_a_reference(command: Command, monkeypatch: pytest.MonkeyPat
     assert answer.status == 0
     assert re.search(r"ok  reference run +0\.6196\d N m, published 0\.6196 N m", answer.out)
     assert f"ok  folder is writable {tmp_path}" in answer.out
-    monkeypatch.setattr(doctor_command, "PUBLISHED", 0.62)
+    monkeypatch.setattr(doctor, "PUBLISHED", 0.62)
     wrong = command(["doctor"])
     assert (wrong.status, "NO  reference run" in wrong.out) == (1, True)
 
@@ -83,10 +83,10 @@ def test_doctor_finds_the_cache_in_a_fresh_process(tmp_path: Path) -> None:
 def test_doctor_removes_its_own_cache_only(tmp_path: Path) -> None:
     (tmp_path / "rps_exudyn" / "kernels").mkdir(parents=True)
     (tmp_path / "other").mkdir()
-    doctor_command._clear(tmp_path / "rps_exudyn")
+    doctor._clear(tmp_path / "rps_exudyn")
     assert list((tmp_path / "rps_exudyn").iterdir()) == []
     with pytest.raises(rps.InputError, match="it is no cache of this package"):
-        doctor_command._clear(tmp_path / "other")
+        doctor._clear(tmp_path / "other")
 
 
 def test_viewer_needs_a_display(

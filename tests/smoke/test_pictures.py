@@ -19,7 +19,7 @@ from made_up_study import FRICTION, PRELOAD, description, grid_points, make_stud
 from picture_album import Album, figure_functions
 from rps_exudyn.charts import style
 from rps_exudyn.charts.analyses import losses_figure, spectrum_figure, torques_figure
-from rps_exudyn.cli import commands
+from rps_exudyn.cli.main import main
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.blocks import load
@@ -67,7 +67,7 @@ def album(place: Path) -> Album:
 def do(album: Album, *arguments: str, status: Iterable[int] = (0,)) -> None:
     """Run a command that draws."""
     with album.looking(" ".join(arguments)):
-        assert commands.main([*arguments]) in status
+        assert main([*arguments]) in status
     assert album.pages[" ".join(arguments)]
 
 
@@ -170,7 +170,7 @@ def validations(album: Album) -> None:
     none = [each for each in compared if each.row.not_comparable]
     for rows in (compared, compared[:1], none[:1]):
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("rps_exudyn.cli.validate_command.compare_rows", lambda *_, rows=rows: iter(rows))
+            patch.setattr("rps_exudyn.validation.comparison.compare_rows", lambda *_, rows=rows: iter(rows))
             do(album, "validate", "--out", f"validation_{len(rows)}.html")
 
 

@@ -1,13 +1,24 @@
-"""Text and tables on standard output: in bold or dim, and broken between words, where that is a terminal.
+"""What commands print, and the exit statuses: sentences, tables, JSON, names of files.
 
-The library that prints the help does this too, but takes longer for the list of all parameters than Python
-takes to begin.
+In a terminal text and tables are in bold or dim, and broken between words. The library that prints the help
+does this too, but takes longer for the list of all parameters than Python takes to begin.
 """
 
+import json
+import math
 import os
 import sys
 import textwrap
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.interrupts import unwrapped_interrupts
+
+DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
+"""Exit statuses."""
 
 UNBROKEN = ("quantity", "parameter", "value")
 """Columns that stay on one line, by their heads."""
@@ -17,6 +28,11 @@ NARROWEST = 8  # letters in a line of a column that is broken
 IN_FILES = 200  # letters in a line of a table that goes to a file or a pipe
 
 _CODES = {"bold": "1", "dim": "2"}
+
+
+def say(sentence: str) -> None:
+    """Print a sentence that is no result on standard error."""
+    print(f"rps-exudyn: {sentence}", file=sys.stderr)
 
 
 def put(text: str = "", style: str = "") -> None:
@@ -83,3 +99,59 @@ def _width() -> int:
     import shutil  # for terminals alone
 
     return shutil.get_terminal_size().columns
+
+
+def print_json(content: Mapping[str, Any]) -> None:
+    """Print strict JSON on standard output; numbers that are not finite become null."""
+    print(json.dumps(_finite(content), indent=2, default=str))
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def print_files(files: Iterable[Path]) -> None:
+    """Print the paths of the files that were written."""
+    for file in files:
+        put(f"written: {file}")
+
+
+@contextmanager
+def named_if_interrupted(files: Sequence[Path]) -> Iterator[None]:
+    """Name the files that are written by then where the block is interrupted; it may add to them.
+
+    Raises:
+        KeyboardInterrupt: it is.
+    """
+    try:
+        with unwrapped_interrupts():
+            yield
+    except KeyboardInterrupt as interrupt:
+        if str(interrupt) or not files:
+            raise
+        verb = "is" if len(files) == 1 else "are"
+        names = ", ".join(map(str, files))
+        raise KeyboardInterrupt(f"interrupted; {names} {verb} written, the rest is not.") from None
+
+
+@contextmanager
+def naming(files: Sequence[Path]) -> Iterator[None]:
+    """Name the files of a result where its printing fails: it is not lost with what was printed of it.
+
+    Raises:
+        InputError: the output cannot be written.
+        KeyboardInterrupt: the printing is interrupted.
+    """
+    try:
+        with named_if_interrupted(files):
+            yield
+            sys.stdout.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        where = f" The result is kept in {files[0]}." if files else ""
+        raise InputError(f"the output cannot be written: {error.strerror}.{where}") from None

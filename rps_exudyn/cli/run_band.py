@@ -8,13 +8,10 @@ from pathlib import Path
 
 from rps_exudyn.base.errors import InputError, as_sentence
 from rps_exudyn.base.files import number_existing, write_json
-from rps_exudyn.cli.app import DONE, INTERRUPTED
-from rps_exudyn.cli.kept import naming, say
-from rps_exudyn.cli.options import SetupOptions, parse_settings
-from rps_exudyn.cli.printed import print_json, result_as_dict
-from rps_exudyn.cli.progress import shown_progress
-from rps_exudyn.cli.text_table import put, put_table
-from rps_exudyn.parameters.carried import carried
+from rps_exudyn.base.screen import shown_progress
+from rps_exudyn.cli.options import SetupOptions
+from rps_exudyn.cli.output import DONE, INTERRUPTED, naming, print_files, print_json, put, put_table, say
+from rps_exudyn.cli.printed import result_as_dict
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes import scene_named
@@ -44,8 +41,7 @@ def do_band(
     from rps_exudyn.charts.band import band_figure
     from rps_exudyn.charts.style import save
 
-    settings, _ = parse_settings(options.settings)
-    own = carried(options.tables(), settings)
+    own = options.carried()
     setup = _with_cheap_model(options)
     gear = setup.steering_gear
     chosen = uncertain_inputs(gear, inputs, own)
@@ -103,8 +99,7 @@ def print_band(band: Band, files: Iterable[Path]) -> None:
             f"{_end(name, high)}."
         )
     put(_beside(band, name))
-    for file in files:
-        put(f"written: {file}")
+    print_files(files)
 
 
 _HEAD = ("quantity", "medians' run", "5 %", "median", "95 %", "error of 5 %", "error of 95 %")

@@ -6,14 +6,15 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.cli.progress import shown_progress
+from rps_exudyn.base.screen import shown_progress
+from rps_exudyn.cli.output import DONE
 
 
-def do_view(file: Path) -> None:
-    """Open the viewer with the result's gear and motion; it stays until the user closes it.
+def view(file: Path, /) -> int:
+    """Play the gear of a result in Exudyn's own viewer, where there is a display.
 
-    Raises:
-        InputError: no display, or a result whose gear no Exudyn model is made of.
+    Args:
+        file: HDF5 file that `run` wrote; its motion is computed anew.
     """
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.study.blocks import load
@@ -34,6 +35,7 @@ def do_view(file: Path) -> None:
         with shown_progress():
             model = solved_model(result.gear, fidelity, motion)
         play(model, motion)
+    return DONE
 
 
 def has_display() -> bool:

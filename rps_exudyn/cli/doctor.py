@@ -9,18 +9,20 @@ from time import perf_counter, process_time
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import check_writable
-from rps_exudyn.cli.progress import shown_progress
+from rps_exudyn.base.screen import shown_progress
+from rps_exudyn.cli.options import Flag
+from rps_exudyn.cli.output import DONE, FAILED
 
 PUBLISHED = 0.6196
 """Mean free pinion torque of the default gear by `quasi-static` [N m], as the README states it."""
 AGREES = 1e-4  # half a unit of the last digit stated
 
 
-def do_doctor(clear_cache: bool) -> bool:
-    """Print what was found; return whether all is well.
+def doctor(*, clear_cache: Flag = False) -> int:
+    """Check that this installation computes what it should, and list where it keeps what.
 
-    Raises:
-        InputError: the cache cannot be removed.
+    Args:
+        clear_cache: remove the compiled kernels first; they are compiled again when needed.
     """
     from rps_exudyn.base.kernel_cache import cache_folders
 
@@ -32,7 +34,7 @@ def do_doctor(clear_cache: bool) -> bool:
     for name, text, fine in (*_versions(), *_machine(), *_places(folders), _reference()):
         print(f"{'ok ' if fine else 'NO '} {name:<18} {text}")
         well &= fine
-    return well
+    return DONE if well else FAILED
 
 
 def _versions() -> Iterator[tuple[str, str, bool]]:

@@ -1,22 +1,112 @@
-"""The command `fit`: what measured curves tell of a gear."""
+"""The command `fit`: a gear estimated from measured curves."""
 
 import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
 
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import check_writable, number_existing, replacing
-from rps_exudyn.cli.kept import named_if_interrupted, say
-from rps_exudyn.cli.progress import shown_progress
+from rps_exudyn.base.files import PICTURES, check_writable, number_existing, replacing
+from rps_exudyn.base.screen import shown_progress
+from rps_exudyn.cli.options import PAPER_GEAR, Columns, Flag, GearOptions, Json, chosen_columns
+from rps_exudyn.cli.output import (
+    DONE,
+    FAILED,
+    named_if_interrupted,
+    print_files,
+    print_json,
+    put,
+    put_table,
+    say,
+)
 
 if TYPE_CHECKING:
     from rps_exudyn.fitting.fitted import Fit
-    from rps_exudyn.parameters.gear import SteeringGear
 
 PAGES = (".html", ".htm")
 _PRIOR = re.compile(r"(?P<value>.+?)\s*(?:\+-|\+/-|±)\s*(?P<sd>.+)")
+
+Priors = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--prior",
+        negative=(),
+        show_default=False,
+        help='PATH="VALUE +- DEVIATION": what is expected of a parameter and its standard deviation, for '
+        'instance --prior yoke.preload="300 N +- 10 %"; may be repeated.',
+    ),
+]
+
+Freed = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--free",
+        negative=(),
+        show_default=False,
+        help="PATH of a parameter that is fitted, instead of the usual ones, such as --free bush.drag; may "
+        "be repeated.",
+    ),
+]
+
+
+def fit(
+    *files: str,
+    gear: GearOptions = PAPER_GEAR,
+    prior: Priors = (),
+    free: Freed = (),
+    column: Columns = (),
+    single_law: Flag = False,
+    out: Path = Path("fitted.toml"),
+    plot: Path | None = None,
+    report: Path | None = None,
+    series: Path | None = None,
+    like: Path | None = None,
+    json: Json = False,
+) -> int:
+    """Estimate preload, friction, drag and runout from measured curves, and name what they cannot separate.
+
+    Args:
+        files: measured files, FILE of a free turning or TEST=FILE, where TEST is free, reversal,
+            load-test@80kg, rack-push, yoke-out or bearing; several of one test are its repeats.
+        single_law: leave out the fit by another contact law, whose difference is added to the intervals.
+        out: gear file (.toml) with the estimates in place.
+        plot: picture (.png, .svg, .pdf) of measured and fitted torque.
+        report: page (.html) with pictures, intervals, correlations and what was assumed.
+        series: file (.json) with what this fit leaves for the next gear of the series.
+        like: such a file of another gear, with the same tests: this fit begins there.
+    """
+    from rps_exudyn.fitting import findings
+    from rps_exudyn.fitting.fit import fit as fitted
+    from rps_exudyn.fitting.series import read_series
+    from rps_exudyn.fitting.unknowns import USUAL
+
+    if not files:
+        raise InputError("fit needs at least one measured file, for instance rps-exudyn fit measured.csv.")
+    check_writable(out, (".toml",))
+    for path, suffixes in ((plot, PICTURES), (report, PAGES), (series, (".json",))):
+        if path:
+            check_writable(path, suffixes)
+    with shown_progress(asked=False):
+        found = fitted(
+            files,
+            gear.load(),
+            free=free or USUAL,
+            priors=parse_priors(prior),
+            columns=chosen_columns(column),
+            other_law=not single_law,
+            like=read_series(like) if like else None,
+        )
+    written: list[Path] = []
+    with named_if_interrupted(written):
+        written.extend(_written_files(found, out, plot, report, series))  # keeps those before an interrupt
+    if json:
+        print_json(findings.fit_as_dict(found) | {"files": [str(file) for file in written]})
+    else:
+        print_fit(found, written)
+    return DONE if found.converged else FAILED
 
 
 def parse_priors(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
@@ -68,7 +158,6 @@ def _prior(value: str, deviation: str, si: str) -> tuple[float, float]:
 
 def print_fit(fit: "Fit", files: Iterable[Path]) -> None:
     """Print level, what is not separable, the table of parameters, and warnings."""
-    from rps_exudyn.cli.text_table import put, put_table
     from rps_exudyn.fitting import findings
 
     tests = ", ".join(dict.fromkeys(each.test for each in fit.passes))
@@ -83,23 +172,7 @@ def print_fit(fit: "Fit", files: Iterable[Path]) -> None:
     for sentence in (*fit.left_out, *fit.warnings):
         put(f"note: {sentence}")
     put(f"{fit.simulations} simulations, {fit.cpu_s:.2g} s of CPU time")
-    for file in files:
-        put(f"written: {file}")
-
-
-def write_files(
-    fit: "Fit", out: Path, plot: Path | None, report: Path | None, series: Path | None
-) -> list[Path]:
-    """Write the gear file, and what else is asked for; return the paths of those written.
-
-    Raises:
-        InputError: a file cannot be written.
-        KeyboardInterrupt: it is interrupted; the files that are written are named.
-    """
-    written: list[Path] = []
-    with named_if_interrupted(written):
-        written.extend(_written_files(fit, out, plot, report, series))  # keeps those before an interrupt
-    return written
+    print_files(files)
 
 
 def _written_files(
@@ -133,46 +206,3 @@ def _written_files(
 
         write_fit_page(fit, report)
         yield report
-
-
-def do_fit(
-    files: tuple[str, ...],
-    gear: "SteeringGear",
-    *,
-    free: tuple[str, ...],
-    priors: tuple[str, ...],
-    columns: dict[str, str],
-    other_law: bool,
-    out: Path,
-    plot: Path | None,
-    report: Path | None,
-    series: Path | None,
-    like: Path | None,
-) -> tuple["Fit", list[Path]]:
-    """Check what is to be written, fit, and write it.
-
-    Raises:
-        InputError: files, priors or parameters that cannot be, or a file that cannot be written.
-    """
-    from rps_exudyn.base.files import PICTURES
-    from rps_exudyn.fitting.fit import fit
-    from rps_exudyn.fitting.series import read_series
-    from rps_exudyn.fitting.unknowns import USUAL
-
-    if not files:
-        raise InputError("fit needs at least one measured file, for instance rps-exudyn fit measured.csv.")
-    check_writable(out, (".toml",))
-    for path, suffixes in ((plot, PICTURES), (report, PAGES), (series, (".json",))):
-        if path:
-            check_writable(path, suffixes)
-    with shown_progress(asked=False):
-        found = fit(
-            files,
-            gear,
-            free=free or USUAL,
-            priors=parse_priors(priors),
-            columns=columns,
-            other_law=other_law,
-            like=read_series(like) if like else None,
-        )
-    return found, write_files(found, out, plot, report, series)

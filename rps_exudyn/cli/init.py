@@ -1,4 +1,4 @@
-"""The command `init`: a folder to begin with, from the gear and the studies that come with the package."""
+"""The command `init`: a starter folder, from the gear and the studies that come with the package."""
 
 from importlib.resources import files
 from pathlib import Path
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import replacing
+from rps_exudyn.cli.output import DONE
 
 if TYPE_CHECKING:
     from importlib.resources.abc import Traversable
@@ -13,13 +14,12 @@ if TYPE_CHECKING:
 SUFFIXES = (".toml", ".py", ".ipynb", ".csv", ".md")
 
 
-def do_init(folder: Path) -> list[Path]:
-    """Write gear, studies, examples and an example of a measured curve; existing files stay.
+def init(folder: Path = Path(), /) -> int:
+    """Create a starter folder: the paper's gear, the shipped studies and examples; existing files stay.
 
-    Raises:
-        InputError: a folder that cannot be written.
+    Args:
+        folder: where; without it the current folder.
     """
-    written = []
     for source, name in _templates(files("rps_exudyn") / "templates"):
         target = folder / name
         if target.exists():
@@ -30,8 +30,8 @@ def do_init(folder: Path) -> list[Path]:
             raise InputError(f"{target.parent} cannot be written: {error.strerror}.") from None
         with replacing(target) as partial:
             partial.write_text(source.read_text(encoding="utf-8"), "utf-8")
-        written.append(target)
-    return written
+        print(f"written: {target}")
+    return DONE
 
 
 def _templates(folder: "Traversable", below: Path = Path()) -> "list[tuple[Traversable, Path]]":

@@ -2,26 +2,20 @@
 
 import json as json_text
 import os
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import check_writable
 from rps_exudyn.base.progress import duration
-from rps_exudyn.cli.progress import shown_progress
-from rps_exudyn.results.outcome import Status
-from rps_exudyn.study.cases import count_of
-from rps_exudyn.study.collected import SUFFIXES, write_table
-from rps_exudyn.study.estimate import estimate
-from rps_exudyn.study.messages import Group, groups
-from rps_exudyn.study.runner import StudyWork, Tally, run_study
-from rps_exudyn.study.store import Store
-from rps_exudyn.study.study_file import read_study
-from rps_exudyn.study.table import CaseTable, show_value
-from rps_exudyn.study.ways import ways_of
+from rps_exudyn.base.screen import shown_progress
+from rps_exudyn.cli.options import Flag, Json
+from rps_exudyn.cli.output import DONE, FAILED, say
+
+if TYPE_CHECKING:
+    from rps_exudyn.study.messages import Group
+    from rps_exudyn.study.runner import StudyWork, Tally
 
 MANY_CASES = 5000
 """More need `--yes`."""
@@ -30,6 +24,34 @@ _NOT_TOGETHER = "  none followed together: {}"
 
 SHOWN_SKIPPED = 5
 SHOWN_GROUPS = 5
+
+
+def study(
+    file: Path,
+    /,
+    *,
+    out: Path | None = None,
+    jobs: int | None = None,
+    cluster: str | None = None,
+    dry_run: Flag = False,
+    toy: Flag = False,
+    yes: Flag = False,
+    json: Json = False,
+) -> int:
+    """Simulate all cases of a study file; interrupted or repeated, it does only what is missing.
+
+    Args:
+        file: TOML file, see docs/studies.md.
+        out: folder of the study; without it one of the file's name in the current folder.
+        jobs: number of worker processes; without it one for each processor.
+        cluster: address of a Dask scheduler that does the cases instead, for instance tcp://10.0.0.1:8786.
+        dry_run: list the cases and estimate the time without simulating.
+        toy: try the study at its smallest size, two values of each axis, in a folder NAME-toy.
+        yes: run it also if there are very many cases.
+    """
+    folder = out or Path(f"{file.stem}-toy" if toy else file.stem)
+    request = Request(file, folder, jobs, cluster, toy, yes)
+    return _list_cases(request, json) if dry_run else _simulate(request, json)
 
 
 @dataclass(frozen=True)
@@ -56,12 +78,16 @@ class Request:
             raise InputError(f"--jobs is {jobs}; it must be a whole number from 1 to 1024.")
         return jobs
 
-    def work(self) -> StudyWork:
+    def work(self) -> "StudyWork":
         """The study in its folder.
 
         Raises:
             InputError: everything that is wrong with file and folder, or more cases than run without `yes`.
         """
+        from rps_exudyn.study.cases import count_of
+        from rps_exudyn.study.runner import StudyWork
+        from rps_exudyn.study.study_file import read_study
+
         study = read_study(self.file)
         if self.toy:
             study = study.toy()
@@ -75,22 +101,24 @@ class Request:
             return StudyWork.of(study, self.out)
 
 
-def do_study(request: Request, json: bool) -> int:
+def _simulate(request: Request, json: bool) -> int:
     """Simulate the missing cases and print the outcome; exit status 0, or 1 if cases failed."""
     jobs, work = request.processes, request.work()
+    from rps_exudyn.results.outcome import Status
     from rps_exudyn.simulate.processes import StartError, StorageError
+    from rps_exudyn.study.runner import run_study
 
     limit = work.study.time_limit
     if request.cluster:
         from rps_exudyn.study.cluster import SECONDS, cluster
 
-        def run_all() -> Tally:
+        def run_all() -> "Tally":
             with cluster(request.cluster or "", limit) as (run, threads):
                 return run_study(work, run, workers_write=False, workers=threads, seconds=SECONDS)
     else:
         from rps_exudyn.simulate.processes import Processes
 
-        def run_all() -> Tally:
+        def run_all() -> "Tally":
             with Processes(jobs, limit, request.out / "messages.log") as processes:
                 return run_study(work, processes.run, workers_write=True, workers=jobs)
 
@@ -102,36 +130,19 @@ def do_study(request: Request, json: bool) -> int:
     except (StorageError, StartError) as error:
         raise InputError(f"{error} Finished cases are {_kept(request)}.") from None
     _print_tally(work, tally, json)
-    return 0 if set(tally.statuses) <= {Status.OK} else 1
-
-
-def do_collect(folder: Path, out: Path | None) -> None:
-    """Write the study's table, and print what failed and why, and what cases that ended ok remark.
-
-    Raises:
-        InputError: no study there, or the table cannot be written.
-    """
-    store = Store.open(folder)
-    out = check_writable(out or folder / "table.h5", SUFFIXES)
-    table = CaseTable.of(store)
-    for _, sentence in table.skipped[:SHOWN_SKIPPED]:
-        print(f"rps-exudyn: left out: {sentence}", file=sys.stderr)
-    if (count := len(table.skipped)) > SHOWN_SKIPPED:
-        print(
-            f"rps-exudyn: {count} files are left out, these among them; the command study does them again.",
-            file=sys.stderr,
-        )
-    write_table(table, out)
-    print(f"written: {out}")
-    print_said(groups(table.ended()))
+    return DONE if set(tally.statuses) <= {Status.OK} else FAILED
 
 
 def _kept(request: Request) -> str:
     return f"kept in {request.out}, and the same command does the others"
 
 
-def list_cases(request: Request, json: bool) -> int:
+def _list_cases(request: Request, json: bool) -> int:
     """Print the cases, which of them are missing, and the estimated time; exit status 0."""
+    from rps_exudyn.study.estimate import estimate
+    from rps_exudyn.study.table import show_value
+    from rps_exudyn.study.ways import ways_of
+
     work, jobs = request.work(), request.processes
     time = estimate(work, jobs)
     with shown_progress():
@@ -143,7 +154,7 @@ def list_cases(request: Request, json: bool) -> int:
         content = {"cases": rows, "missing": len(missing), "jobs": jobs, "seconds": time.seconds}
         content |= {"in_loop": ways.ranges is not None, "not_in_loop": ways.alone}
         print(json_text.dumps(content, indent=2))
-        return 0
+        return DONE
     for case in cases:
         state = "to do" if case.hash in missing else "done "
         values = (f"{axis.name} = {show_value(axis, case.values[axis.name])}" for axis in work.study.axes)
@@ -156,14 +167,14 @@ def list_cases(request: Request, json: bool) -> int:
         print("  most of them followed together, several times as fast")
     elif ways.alone:
         print(_NOT_TOGETHER.format(ways.alone))
-    return 0
+    return DONE
 
 
-def _print_tally(work: StudyWork, tally: Tally, json: bool) -> None:
+def _print_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
     for path, sentence in tally.skipped[:SHOWN_SKIPPED]:
-        print(f"rps-exudyn: {sentence} It was set aside as {path.stem}.set-aside.", file=sys.stderr)
+        say(f"{sentence} It was set aside as {path.stem}.set-aside.")
     if len(tally.skipped) > SHOWN_SKIPPED:
-        print(f"rps-exudyn: {len(tally.skipped) - SHOWN_SKIPPED} more files like these.", file=sys.stderr)
+        say(f"{len(tally.skipped) - SHOWN_SKIPPED} more files like these.")
     folder, count = work.store.path, sum(tally.statuses.values())
     if json:
         statuses = {status.value: number for status, number in tally.statuses.items()}
@@ -192,8 +203,10 @@ def _print_tally(work: StudyWork, tally: Tally, json: bool) -> None:
     print_said(tally.said)
 
 
-def print_said(said: Sequence[Group]) -> None:
+def print_said(said: "Sequence[Group]") -> None:
     """Print causes of failure, then remarks, with the numbers of their cases; the commonest of each."""
+    from rps_exudyn.results.outcome import Status
+
     for failed in (True, False):
         lines = [f"  {group.line()}" for group in said if (group.status is not Status.OK) is failed]
         print(*lines[:SHOWN_GROUPS], sep="\n", end="\n" if lines else "")
