@@ -38,7 +38,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     COMPILING,
     "contract/test_law_call.py",
     "contract/test_limit_of_cpu_time.py",
-    "contract/test_kernel_cache.py::test_one_process_compiles_and_all_compute_the_same",
+    "contract/test_kernel_cache.py::test_only_what_this_process_would_compile_is_loaded",
     "contract/test_newton_step.py",
     "geometry/test_geometry_picture.py",
     "geometry/test_pinion_mesh.py",

@@ -20,6 +20,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import is_scene, scene_named
 
 COLOURS = {
     "torque": "#0b5394",
@@ -285,9 +286,6 @@ def _save_pixels(figure: Figure, path: Path) -> None:
 
 # --- Headline of a result's picture: scene and its figures, the gear, and its failure in words
 
-NOT_TURNED = ("rack-lift", "radial-play", "rattle", "steering-torque", "yoke-impact")
-"""Scenes without a rig that turns the gear at the test's speed."""
-
 
 def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str]) -> None:
     """Write the headline; `figures` are the summary's names -> labels, skipped if they are not in it."""
@@ -310,6 +308,6 @@ def about(result: Result) -> str:
     gear = result.gear
     size = f"{gear.pinion.teeth} teeth, module {mm(gear.pinion.normal_module)}"
     parts = [size, f"preload {gear.yoke.preload:g} N"]
-    if result.scene not in NOT_TURNED:
+    if not is_scene(result.scene) or scene_named(result.scene).at_test_speed:
         parts.append(next(item for item in SteeringGear.declared_at("test.speed")).show(gear.test.speed))
     return " · ".join([*parts, f"fidelity {result.fidelity['name']}"])

@@ -16,7 +16,7 @@ from time import process_time
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.fitting.bench_tests import FREE_TURNING, MeasuredPass, Measurement, read_measurement
+from rps_exudyn.fitting.bench_tests import MeasuredPass, Measurement, read_measurement
 from rps_exudyn.fitting.fitted import Fit, outcome_of
 from rps_exudyn.fitting.gauss_newton import Solved, solve
 from rps_exudyn.fitting.initial_guess import first_slopes, scanned_offset, start_of
@@ -103,7 +103,7 @@ def _tellable(measurement: Measurement, gear: SteeringGear, free: list[str]) -> 
     Raises:
         InputError: curves too short to tell anything.
     """
-    turning = [each for each in measurement.passes if each.test.kind in FREE_TURNING]
+    turning = [each for each in measurement.passes if each.test.of_kind.by_angle]
     pitch = TURN / gear.pinion.teeth
     for each in turning:
         if np.ptp(each.angle) < 0.98 * pitch:
@@ -130,7 +130,7 @@ def _problem(
     free: Sequence[str],
     priors: Mapping[str, tuple[float, float]],
 ) -> Problem:
-    turning = [each for each in measurement.passes if each.test.kind in FREE_TURNING]
+    turning = [each for each in measurement.passes if each.test.of_kind.by_angle]
     whole = None
     if gear.rack.bow or "rack.bow" in free:
         angles = np.concatenate([each.angle for each in turning]) if turning else np.array([-np.pi, np.pi])
@@ -140,12 +140,9 @@ def _problem(
     if not unknowns:
         raise InputError("a fit needs at least one free parameter of which its curves can tell.")
     torque = closed_form(gear).free_torque
-    kinds = {each.run: each.test.kind for each in measurement.passes}
+    pushed = {each.run for each in measurement.passes if each.test.pushed}
     gain = float(GearPair.of(gear).gain)
-    quiet = tuple(
-        ZERO * torque / (gain if kinds.get(run) == "rack-push" else 1.0)
-        for run in range(len(measurement.names))
-    )
+    quiet = tuple(ZERO * torque / (gain if run in pushed else 1.0) for run in range(len(measurement.names)))
     tests = measurement.tests
     unknown_noise = NoiseEstimate(0.0, 0.0, 0.0, 0.0, np.inf)
     found = [replace(unknown_noise, white=white_noise(each)) for each in measurement.passes]
@@ -266,7 +263,7 @@ def _sizes(passes: list[MeasuredPass], gear: SteeringGear) -> Iterator[str]:
 def _travels(passes: list[MeasuredPass], gear: SteeringGear) -> Iterator[str]:
     turned = max(float(np.ptp(each.angle)) for each in passes)
     whole = 2 * largest_angle(gear)
-    if passes[0].test.kind in FREE_TURNING and turned > MOST_TRAVELS * whole:
+    if passes[0].test.of_kind.by_angle and turned > MOST_TRAVELS * whole:
         yield (
             f"covers {turned / TURN:.3g} turns of the pinion where the gear given has teeth for "
             f"{whole / TURN:.3g}: look at the unit of its angle"

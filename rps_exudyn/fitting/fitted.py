@@ -7,7 +7,7 @@ from time import process_time
 
 import numpy as np
 
-from rps_exudyn.fitting.bench_tests import FREE_TURNING, mixed_speeds
+from rps_exudyn.fitting.bench_tests import mixed_speeds
 from rps_exudyn.fitting.gauss_newton import Solved
 from rps_exudyn.fitting.identify import (
     NARROWED,
@@ -81,6 +81,7 @@ class FittedPass:
 
     name: str
     test: str
+    by_angle: bool  # whether its curve is compared, not its mean alone
     direction: int
     angle: np.ndarray
     value: np.ndarray
@@ -222,7 +223,7 @@ def unexplained(problem: Problem, converged: bool, found: Sequence[NoiseEstimate
     if not is_curved(problem):
         return ""
     passes = problem.measurement.passes
-    free = [i for i, each in enumerate(passes) if each.test.kind in FREE_TURNING]
+    free = [i for i, each in enumerate(passes) if each.test.of_kind.by_angle]
     left = [np.hypot(found[i].white, found[i].correlated) / white_noise(passes[i]) for i in free]
     misfit, points = float(np.sqrt(np.mean(np.square(left)))), sum(passes[i].value.size for i in free)
     if converged and misfit < 1 + CHANCE / np.sqrt(points):
@@ -442,7 +443,7 @@ def _level(
     quantile: float,
 ) -> Level | None:
     """The mean free torque, where it was measured."""
-    turning = [i for i, block in enumerate(problem.prediction.blocks) if block.test.kind in FREE_TURNING]
+    turning = [i for i, block in enumerate(problem.prediction.blocks) if block.test.of_kind.by_angle]
     if not turning:
         return None
     block, count = problem.prediction.blocks[turning[0]], len(problem.unknowns)
@@ -480,7 +481,7 @@ def _fitted_passes(
         values = problem.prediction.part(at, state.values)
         slopes = problem.prediction.part(at, state.slopes)
         angle = each.angle - state.offset
-        if each.test.kind in FREE_TURNING:
+        if each.test.of_kind.by_angle:
             model = block.at(values, each.direction, angle)
             by_u = block.at(slopes, each.direction, angle)
         else:
@@ -493,6 +494,7 @@ def _fitted_passes(
             FittedPass(
                 problem.measurement.names[each.run],
                 each.test.title,
+                each.test.of_kind.by_angle,
                 each.direction,
                 each.angle,
                 each.value,

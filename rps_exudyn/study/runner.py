@@ -160,6 +160,7 @@ def _stored(work: StudyWork, case: Case, done: Done, forms: FileForms) -> CaseRo
         hash=case.hash,
         status=Status(answer["status"]),
         message=" ".join(answer["message"].split()),
+        codes=tuple(answer["codes"]),
         cpu_s=answer["cpu_s"],
         wall_s=answer["wall_s"],
         summary=answer["summary"],

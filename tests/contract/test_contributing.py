@@ -34,7 +34,7 @@ def test_page_is_short_and_its_layout_lists_every_folder() -> None:
 
 
 def test_files_of_the_recipes_exist() -> None:
-    named = re.findall(r"`((?:rps_exudyn|tests|docs|studies|\.ci)/[^` ]+)`", PAGE)
+    named = re.findall(r"`((?:rps_exudyn|verification|tests|docs|studies|\.ci)/[^` ]+)`", PAGE)
     assert [name for name in named if not (ROOT / name).exists()] == []
 
 
