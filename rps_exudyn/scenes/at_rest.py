@@ -16,8 +16,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import RUBBING_PARTS, SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Status
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, outcome_of_path

@@ -33,7 +33,6 @@ from rps_exudyn.base.compiled import (
     inline,
     kernel_of,
 )
-from rps_exudyn.base.linear import put
 from rps_exudyn.forces.memory import begin_step
 from rps_exudyn.solvers.gear_model import GEAR_TYPE, LAW_POINTER, OUTPUTS, SEAT_LOADS, WORK_TYPE
 from rps_exudyn.solvers.settling import TOLERANCE
@@ -50,6 +49,14 @@ ACCEPT = 0.05  # residual [N] from which a step of many gears is not evaluated
 
 X, Y, Z, YAW, PITCH = 1, 2, 3, 5, 6  # coordinates of the rack
 RIGID = 8  # coordinates whose motion is known beforehand
+
+
+@inline
+def put(numbers, row):  # type: ignore[no-untyped-def]
+    """Copy numbers into a row: for `row[:] = numbers` numba compiles the message of an error, which takes
+    half a second."""
+    for i in range(numbers.size):
+        row[i] = numbers[i]
 
 
 class Column(NamedTuple):
