@@ -125,8 +125,9 @@ def largest_residual(forces, free, lengths):  # type: ignore[no-untyped-def]
     largest = 0.0
     for i in free:
         size = abs(forces[i]) / lengths[i]
-        if not size <= largest:  # also a nan
-            largest = size
+        if not np.isfinite(size):
+            return np.inf
+        largest = max(largest, size)
     return largest
 
 
@@ -177,8 +178,9 @@ def newton_move(system, pivots, forces, free, lengths, move):  # type: ignore[no
         for j in range(i + 1, n):
             move[i] -= system[i, j] * move[j]
         move[i] /= system[i, i]
-        if not abs(move[i]) <= largest:  # also a nan
-            largest = abs(move[i])
+        if not np.isfinite(move[i]):
+            return np.inf
+        largest = max(largest, abs(move[i]))
     for i in range(n):
         move[i] /= lengths[free[i]]
     return largest
