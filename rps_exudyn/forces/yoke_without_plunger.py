@@ -9,7 +9,6 @@ import numpy as np
 from rps_exudyn.base.compiled import inline, record, record_type
 from rps_exudyn.forces.force_element import Part
 from rps_exudyn.forces.friction import (
-    BRISTLE,
     LAW,
     bristle,
     by_load,
@@ -62,7 +61,7 @@ def yoke_force(q, v, data, memory, out):  # type: ignore[no-untyped-def]
     slip = (slip[0], 0.0, slip[2])
     speed = np.sqrt(dot(slip, slip))
     law, friction = data.law, data.friction * by_load(press, data.law)
-    if law.kind == BRISTLE:
+    if law.has_state:
         clear(law.place, memory)
         along, across, lost = bristle(press, slip[0], slip[2], law.place, friction, law, memory)
         rub = (-along, 0.0, -across)

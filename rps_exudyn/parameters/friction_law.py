@@ -1,11 +1,41 @@
-"""How a part rubs: the friction law of the teeth, the plunger, the bush or the bearing, each chosen alone."""
+"""How a part rubs: the friction law of the teeth, the plunger, the bush or the bearing, each chosen alone.
 
+A new law is a name in `LawName` with its facts in `LAWS`, the parameters that it needs in `FrictionLaw`, and
+its formula in `forces.friction`: other files ask for the facts.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Literal
 
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.declaration import Length, Number, SlidingSpeed, Table, Time, parameter
 
 LawName = Literal["coulomb", "stribeck", "bristle"]
 RUBBING_PARTS = "mesh", "yoke", "bush", "bearing"  # of a gear, each with its law
+PLAIN_LAW: LawName = "coulomb"  # the size alone: of general contact, and of what rests after tapping
+
+
+@dataclass(frozen=True)
+class LawFacts:
+    """What other files ask about a friction law.
+
+    Attributes:
+        falls: whether it may be larger at rest than in motion, by the static ratio.
+        has_state: whether it depends on the motion before, by a state along the motion (`forces.memory`).
+        at_speed: the law that it becomes in steady sliding.
+    """
+
+    falls: bool
+    has_state: bool
+    at_speed: LawName
+
+
+LAWS: dict[LawName, LawFacts] = {
+    "coulomb": LawFacts(falls=False, has_state=False, at_speed="coulomb"),
+    "stribeck": LawFacts(falls=True, has_state=False, at_speed="stribeck"),
+    "bristle": LawFacts(falls=True, has_state=True, at_speed="stribeck"),
+}
 
 
 class FrictionLaw(Table):
@@ -32,6 +62,36 @@ class FrictionLaw(Table):
         gt=0, le=1e-3,
     )  # fmt: skip
     bristle_damping: Time = parameter(0.0, "bristle: damping over stiffness", "estimate", ge=0, le=1e-2)
+
+    @property
+    def facts(self) -> LawFacts:
+        """What other files ask about the law that is chosen."""
+        return LAWS[self.friction_law]
+
+    @property
+    def surplus(self) -> float:
+        """Static over kinetic friction, less 1."""
+        return self.static_ratio - 1.0 if self.facts.falls else 0.0
+
+
+def check_friction_laws(parts: Mapping[str, FrictionLaw], mesh: str) -> None:
+    """Check that a model of the mesh has the laws of a gear's parts.
+
+    Raises:
+        InputError: it has not.
+    """
+    for part, law in parts.items():
+        if law.facts.has_state and mesh == "general-contact":
+            raise InputError(
+                f"{part}.friction_law is {law.friction_law}, but fidelity.mesh = general-contact has no "
+                "bristles: choose fidelity.mesh = flank."
+            )
+    chosen = parts["mesh"].friction_law
+    if chosen != PLAIN_LAW and not mesh.startswith("flank"):
+        raise InputError(
+            f"mesh.friction_law is {chosen}, but fidelity.mesh = {mesh} has only {PLAIN_LAW}: "
+            "choose fidelity.mesh = flank."
+        )
 
 
 class LoadedFrictionLaw(FrictionLaw):

@@ -54,7 +54,7 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
         "scene": scene_named(scene).test is None,
         "fidelity": same != usual,
         "parts": bool(parts),
-        "friction": any(getattr(gear, part).friction_law == "bristle" for part in RUBBING_PARTS),
+        "friction": any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS),
     }
     if reason := next((name for name, holds in reasons.items() if holds), ""):
         return UNSUPPORTED[reason]

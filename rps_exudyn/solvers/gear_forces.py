@@ -24,7 +24,7 @@ from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, pooled
 from rps_exudyn.mesh_contact.spheres import contact_data
 from rps_exudyn.mesh_contact.teeth_data import teeth_data
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS
+from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS, check_friction_laws
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import Balance, new_work
 from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar, bent_bar
@@ -151,7 +151,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
     """
     pair, patches = GearPair.of(gear), Patches()
     zone = fidelity.zone_ratio * pair.least_sliding * gear.test.speed
-    check_friction_laws(gear, fidelity)
+    check_friction_laws({part: getattr(gear, part) for part in RUBBING_PARTS}, fidelity.mesh)
     mesh = mesh_of(gear, fidelity, zone, patches)
     chain = adams_chain(gear) if fidelity.bush == "adams-chain" else bush_chain(gear)
     condensed = sliding_fit.condensed_fit(gear, chain, friction_zone=zone, patches=patches)
@@ -231,26 +231,6 @@ class Mesh:
     spheres: SampledContactData | None = None
 
 
-def check_friction_laws(gear: SteeringGear, fidelity: Fidelity) -> None:
-    """Check that the model has the gear's friction laws.
-
-    Raises:
-        InputError: it has not.
-    """
-    laws = {part: getattr(gear, part).friction_law for part in RUBBING_PARTS}
-    for part, law in laws.items():
-        if law == "bristle" and fidelity.mesh == "general-contact":
-            raise InputError(
-                f"{part}.friction_law is bristle, but fidelity.mesh = general-contact has no bristles: "
-                "choose fidelity.mesh = flank."
-            )
-    if laws["mesh"] != "coulomb" and not fidelity.mesh.startswith("flank"):
-        raise InputError(
-            f"mesh.friction_law is {laws['mesh']}, but fidelity.mesh = {fidelity.mesh} has only coulomb: "
-            "choose fidelity.mesh = flank."
-        )
-
-
 def following_inertia(gear: SteeringGear) -> tuple[float, float]:
     """Return what follows the drive: the pinion's moment of inertia [kg m^2] and the rack's mass [kg]."""
     return pinion_inertia(gear), rack_masses(gear).mass
@@ -310,7 +290,7 @@ def spheres_of(gear: SteeringGear, fidelity: Fidelity, zone: float) -> SampledCo
 
 
 def _without_errors(gear: SteeringGear) -> SteeringGear:
-    return gear.replace({"pinion.runout": 0.0, "mesh.friction": 0.0, "mesh.friction_law": "coulomb"})
+    return gear.replace({"pinion.runout": 0.0, "mesh.friction": 0.0, "mesh.friction_law": PLAIN_LAW})
 
 
 def _ideal_spheres(gear: SteeringGear, fidelity: Fidelity, zone: float) -> SampledContactData:

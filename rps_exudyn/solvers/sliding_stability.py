@@ -57,8 +57,8 @@ def sliding_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
 def linearised_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
     """Return the same with friction that knows the speed alone, up to three times what one inertia needs; 0
     where the gear is stable without any, nan without an equilibrium."""
-    bristles = [part for part in RUBBING_PARTS if getattr(gear, part).friction_law == "bristle"]
-    gear = gear.replace({f"{part}.friction_law": "stribeck" for part in bristles})
+    laws = {f"{part}.friction_law": getattr(gear, part).facts.at_speed for part in RUBBING_PARTS}
+    gear = gear.replace(laws)
     vibration = Vibration.of(gear, fidelity)
     if vibration is None:
         return float("nan")
