@@ -8,7 +8,7 @@ from pathlib import Path
 import rps_exudyn
 
 PACKAGE = Path(rps_exudyn.__file__).parent
-ELSEWHERE = ("templates/", "verification/")  # a user's files; independent methods
+ELSEWHERE = ("templates/",)  # files of a user
 
 
 def literals(tree: ast.AST) -> Iterator[str]:

@@ -28,8 +28,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.simulate.by_accuracy import choose, known_scenes
 from rps_exudyn.simulate.run import simulate
-from rps_exudyn.verification.scene_truth import Truth, truth_of
-from rps_exudyn.verification.wide_tests import gears_under_tests
+from verification.scene_truth import Truth, truth_of
+from verification.wide_tests import gears_under_tests
 
 SEED = 31
 WANTED = (1.0, 0.1)

@@ -13,7 +13,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.verification.references import (
+from verification.references import (
     Method,
     as_run,
     by_strips,
@@ -21,7 +21,7 @@ from rps_exudyn.verification.references import (
     reference_of,
     slowly,
 )
-from rps_exudyn.verification.runs import SceneReference
+from verification.runs import SceneReference
 
 
 @dataclass(frozen=True)

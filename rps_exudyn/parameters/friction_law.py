@@ -87,7 +87,7 @@ def check_friction_laws(parts: Mapping[str, FrictionLaw], mesh: str) -> None:
                 "bristles: choose fidelity.mesh = flank."
             )
     chosen = parts["mesh"].friction_law
-    if chosen != PLAIN_LAW and not mesh.startswith("flank"):
+    if chosen != PLAIN_LAW and mesh != "flank":
         raise InputError(
             f"mesh.friction_law is {chosen}, but fidelity.mesh = {mesh} has only {PLAIN_LAW}: "
             "choose fidelity.mesh = flank."

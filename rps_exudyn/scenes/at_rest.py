@@ -15,7 +15,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam
-from rps_exudyn.parameters.fidelity import RATIOS, Fidelity
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Status
@@ -92,16 +92,6 @@ def bending(fidelity: Fidelity) -> Fidelity:
         raise InputError(
             f"fidelity.solver is {fidelity.solver} and fidelity.rack is {fidelity.rack}; how a rack yields "
             "across its guides needs equilibria of a rack that is free or flexible."
-        )
-    if fidelity.mesh in RATIOS:
-        raise InputError(
-            f"fidelity.mesh is {fidelity.mesh}, whose teeth never part; how a rack yields across its guides "
-            "needs their contact: choose flank."
-        )
-    if fidelity.bush == "adams-chain":
-        raise InputError(
-            "fidelity.bush is adams-chain, whose springs depend on the number of segments; equilibria need "
-            "chain or condensed."
         )
     # at rest the chain's stiffness is that of the condensed bush
     condensed = {"bush": "condensed"} if fidelity.bush == "chain" else {}

@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from rps_exudyn.checks.before_run import breaches
-from rps_exudyn.parameters.fidelity import CHAINS, Fidelity
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Status, each_once
 from rps_exudyn.results.result import Result
@@ -58,10 +58,7 @@ def _safer(scene: Scene, gear: SteeringGear, fidelity: Fidelity) -> Iterator[Cha
     yield changes | {"step_angle": step / 2}
     changes |= {"step_angle": step / 5}
     yield dict(changes)
-    if fidelity.mesh == "flank" and gear.mesh.law == "area":  # the only one that generators know
-        changes |= {"mesh": "flank-generators"}
-        yield dict(changes)
-    equilibria_can = fidelity.bush not in CHAINS and not scene.needs_inertia
+    equilibria_can = fidelity.bush != "chain" and not scene.needs_inertia
     if fidelity.solver == "generalized-alpha" and equilibria_can:
         yield changes | {"solver": "equilibrium"}
     elif fidelity.solver == "equilibrium":

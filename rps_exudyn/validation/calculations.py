@@ -4,12 +4,11 @@ Each takes its arguments in SI, angles in degrees, and returns SI.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
 from rps_exudyn.analysis.efficiency import LoadTest
-from rps_exudyn.forces.bush import Chain, Tube, bush_chain
+from rps_exudyn.forces.bush import bush_chain
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_beam import RackBeam
 from rps_exudyn.gears.tooth_stiffness import (
@@ -61,14 +60,6 @@ def single_pair_stiffness(face_width: float, **gears: float) -> float:
 def default_tooth_stiffness() -> float:
     """Return c' of the default pinion with its rack [N/m^2]."""
     return stiffness_of_pair(GearPair.of(SteeringGear()))
-
-
-def adams_link_ratio(segments: float) -> float:
-    """Return the tip's deflection of a chain of rigid segments over that of an Euler-Bernoulli cantilever."""
-    gear = SteeringGear()
-    tube = replace(Tube.of(gear), shear=np.inf)
-    chain = Chain.adams(tube, gear.bush.length, int(segments))
-    return float(chain.compliance_at(gear.bush.length)[LATERAL] * 3 * tube.bending / gear.bush.length**3)
 
 
 def bush_stiffness(outer: float, inner: float, length: float) -> float:
@@ -125,7 +116,6 @@ CALCULATIONS: dict[str, Callable[..., float]] = {
         iso_mesh_stiffness,
         single_pair_stiffness,
         default_tooth_stiffness,
-        adams_link_ratio,
         bush_stiffness,
         bar_frequency,
         load_test_half_sum,

@@ -18,7 +18,7 @@ from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.rescue import Settling
 from rps_exudyn.solvers.settled_start import settled_path, settled_start, start_of_motion
 from rps_exudyn.solvers.settling import TOLERANCE, differences
-from rps_exudyn.verification.stability import ScenePlan, unchecked
+from verification.stability import ScenePlan, unchecked
 
 CASES = bad_cases()
 CREEPS_LONG, CREEPS = (CASES[f"a soft seat, {found}"].plan.gear for found in ("creeps long", "creeps"))
