@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rps_exudyn.analysis.first_angle import first_angle
+from rps_exudyn.analysis.passes import first_angle
 from rps_exudyn.analysis.resolution import every_second, lag
 from rps_exudyn.analysis.work_balance import largest_work, missing_work
 from rps_exudyn.checks.free_inertia import inertia_followed

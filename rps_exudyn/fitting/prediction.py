@@ -34,7 +34,7 @@ class NoPredictionError(Exception):
 
 
 @dataclass(frozen=True)
-class Block:
+class CurveBlock:
     """A part of the predicted values: forward and backward values of one test, one after the other."""
 
     test: BenchTest
@@ -71,7 +71,7 @@ class Block:
 class Prediction:
     """Predicts the values of all tests, and counts what it took."""
 
-    blocks: Sequence[Block]
+    blocks: Sequence[CurveBlock]
     fidelity: Fidelity = FIDELITY
     simulations: int = 0  # of all tests together
 
@@ -109,7 +109,7 @@ class Prediction:
             [np.repeat(formula_means(gear, block.test), block.grid.size) for block in self.blocks]
         )
 
-    def _simulated(self, block: Block, gear: SteeringGear) -> np.ndarray:
+    def _simulated(self, block: CurveBlock, gear: SteeringGear) -> np.ndarray:
         test = block.test
         if test.kind in ("yoke-out", "bearing"):
             return np.array(formula_means(gear, test))
@@ -154,11 +154,11 @@ def formula_means(gear: SteeringGear, test: BenchTest) -> tuple[float, float]:
     return mean_state(gear, +1, test.load).torque, mean_state(gear, -1, test.load).torque
 
 
-def _block(test: BenchTest, whole: tuple[float, float] | None) -> Block:
+def _block(test: BenchTest, whole: tuple[float, float] | None) -> CurveBlock:
     if not test.of_kind.by_angle:
-        return Block(test, np.zeros(1), True)
+        return CurveBlock(test, np.zeros(1), True)
     low, high = whole or (-np.pi, np.pi)
-    return Block(test, np.linspace(low, high, round((high - low) / STEP) + 1), whole is None)
+    return CurveBlock(test, np.linspace(low, high, round((high - low) / STEP) + 1), whole is None)
 
 
 def within_the_teeth(gear: SteeringGear, low: float, high: float) -> tuple[float, float]:

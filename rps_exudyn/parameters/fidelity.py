@@ -24,7 +24,7 @@ from rps_exudyn.parameters.declaration import (
     Table,
     parameter,
 )
-from rps_exudyn.parameters.problem import Problem
+from rps_exudyn.parameters.wrong_values import Problem
 
 LEAST_SWING_STEPS = 5  # fewer do not see an impact
 PresetName = Literal["full", "flank", "quasi-static", "closed-form"]

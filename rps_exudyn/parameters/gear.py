@@ -5,13 +5,12 @@ Sources: "paper" (Kamble & Saha state it), "inferred" (follows from what the pap
 """
 
 from collections.abc import Iterator, Mapping
-from typing import Any, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
 from rps_exudyn.base.units import mm
 from rps_exudyn.parameters import derived
-from rps_exudyn.parameters.column import Column
 from rps_exudyn.parameters.declaration import (
     DEG,
     Acceleration,
@@ -20,6 +19,7 @@ from rps_exudyn.parameters.declaration import (
     Count,
     Density,
     Force,
+    Inertia,
     Length,
     LineStiffness,
     Mass,
@@ -29,13 +29,42 @@ from rps_exudyn.parameters.declaration import (
     Table,
     Time,
     Torque,
+    Torsion,
+    TorsionDamping,
     parameter,
 )
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import FrictionLaw, LoadedFrictionLaw
-from rps_exudyn.parameters.problem import Problem
 from rps_exudyn.parameters.rig import Test, conflicts_of_test
+from rps_exudyn.parameters.wrong_values import Problem
 
 STEEPEST_LEAD = 0.01  # lead error over face width [rad]: the flanks' normals are those of the design to 1e-4
+
+
+class SteeringColumn(Table):
+    """Steering wheel, column and torsion bar; only scenes that move the wheel know them."""
+
+    wheel_inertia: Inertia = parameter(
+        "0.04 kg*m^2", "moment of inertia of the steering wheel", "estimate", gt=0
+    )
+    stiffness: Torsion = parameter(
+        "120 N*m/rad", "torsional stiffness of column and torsion bar in series", "estimate", gt=0
+    )
+    damping: TorsionDamping = parameter(
+        "0.02 N*m*s/rad", "damping torque per rate of the column's twist", "estimate", ge=0
+    )
+    joint_angle: Angle = parameter(
+        0.0,
+        "bend of the column in its universal joint between wheel and torsion bar; 0: no joint",
+        "estimate",
+        ge=0,
+        le=60 * DEG,
+    )
+    joint_phase: Angle = parameter(
+        0.0,
+        "angle of the wheel-side yoke's axis from the bend's plane with the wheel straight ahead",
+        "estimate",
+    )
 
 
 class BasicRack(Table):
@@ -273,7 +302,7 @@ class SteeringGear(Table):
     bush: Bush = Bush()
     bearing: Bearing = Bearing()
     mesh: Mesh = Mesh()
-    column: Column = Column()
+    column: SteeringColumn = SteeringColumn()
     test: Test = Test()
 
     @model_validator(mode="before")
@@ -367,3 +396,41 @@ def _conflicts(gear: SteeringGear) -> Iterator[Problem]:
             f"bush.distance is {mm(bush.distance)}; it must be at most {mm(farthest)}, or the rack "
             "leaves the bush within half its travel.",
         )
+
+
+class Setup(SteeringGear):
+    """The gear's tables, and the choices of its model as the table `fidelity`."""
+
+    not_in_files: ClassVar[tuple[str, ...]] = ("fidelity",)
+
+    fidelity: Fidelity = Fidelity()
+
+    @property
+    def steering_gear(self) -> SteeringGear:
+        """The gear alone; its tables are not validated again."""
+        return SteeringGear.model_construct(
+            **{name: getattr(self, name) for name in SteeringGear.model_fields}
+        )
+
+
+def gear_file(gear: SteeringGear) -> str:
+    """The text of the file: only what differs from the default gear is written."""
+    tables: dict[str, list[str]] = {}
+    for item in gear.declared():
+        table, _, name = item.path.rpartition(".")
+        value: Any = gear.value_at(item.path)
+        if value == SteeringGear().value_at(item.path):
+            continue
+        tables.setdefault(table, []).append(f"{name} = {_toml(value, item)}  # {item.meaning}")
+    heads = (f"[{table}]\n" + "\n".join(lines) for table, lines in tables.items())
+    body = "\n\n".join(heads) or "# every parameter is that of the default gear"
+    return f"# A gear for rps-exudyn run --gear FILE; what is not here is as in the default gear.\n\n{body}\n"
+
+
+def _toml(value: Any, item: Any) -> str:
+    """A value as TOML; with a unit as text that reads back to the same number."""
+    if isinstance(value, str):
+        return f'"{value}"'
+    if item.unit is None or not item.unit.si:
+        return repr(value)
+    return f'"{value!r} {item.unit.si}"'

@@ -13,7 +13,6 @@ from itertools import pairwise
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.roots import bracketed_root
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.tooth_strength import flank_stress, pinion_form, rack_form, root_stress
@@ -173,15 +172,15 @@ def weight_for_ratio(gear: SteeringGear, ratio: float) -> float | None:
     """Return the least weight with which reverse over forward efficiency reaches a ratio, by the closed form
     [kg]; None if none does."""
 
+    from scipy.optimize import brentq
+
     def beyond(mass: float) -> float:
         return load_test(gear, mass).efficiency_ratio - ratio
 
     masses = np.geomspace(LIGHTEST, HEAVIEST, 40)
     for lighter, heavier in pairwise(masses.tolist()):
         if beyond(heavier) >= 0:
-            return (
-                bracketed_root(beyond, lighter, heavier, tolerance=1e-6) if beyond(lighter) < 0 else lighter
-            )
+            return float(brentq(beyond, lighter, heavier, xtol=1e-6)) if beyond(lighter) < 0 else lighter
     return None
 
 

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.first_angle import first_angle
-from rps_exudyn.analysis.passes import Signals, passes
+from rps_exudyn.analysis.passes import Signals, first_angle, passes
 from rps_exudyn.analysis.resolution import UNRESOLVED, unresolved
 from rps_exudyn.mesh_contact.steel import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity

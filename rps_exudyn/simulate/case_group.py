@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status, each_once, joined_text

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
-from rps_exudyn.base.atomic import append, check_writable, number_existing, replacing
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import append, check_writable, number_existing, replacing
 from rps_exudyn.results.block import CaseRecord, summaries
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY

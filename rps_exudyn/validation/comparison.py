@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.carried import carried
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear

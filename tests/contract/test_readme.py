@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from rps_exudyn.cli.commands import app
+from rps_exudyn.cli.main import app
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
