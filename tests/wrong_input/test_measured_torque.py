@@ -84,7 +84,7 @@ def test_files_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
     for path, sentence in (
         ("a.csv", "no text in UTF-8"),
         ("b.csv", "there is no such file"),
-        (".", "directory"),
+        (".", "it is a folder"),
         ("c.csv", "a spreadsheet or an archive; save its table as CSV"),
         ("d.csv", "no text in UTF-8"),
     ):
