@@ -106,7 +106,7 @@ def run(
         progress: tell on standard error how far a long run is, as a terminal is told anyway.
         json: print the summary as JSON.
     """
-    from rps_exudyn.simulate.time_limit import TimeLimit
+    from rps_exudyn.simulate.cases.time_limit import TimeLimit
 
     limit = replace(TimeLimit.of(time_limit), begun=began) if time_limit is not None else None
     from rps_exudyn.charts.file_types import PICTURES
