@@ -40,6 +40,7 @@ from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_f
 from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
 from rps_exudyn.solvers.record_of_column import behind_column, under_torque
 from rps_exudyn.solvers.settled_start import settled_behind, settled_path
+from rps_exudyn.solvers.settling import TOLERANCE
 from rps_exudyn.solvers.steering_column import BehindColumn, SteeringColumn
 from rps_exudyn.solvers.wheel_torque import WheelTorque
 
@@ -250,7 +251,7 @@ def _along_equilibria(
             outcome = replace(outcome, message=outcome.message + jumps.format(column.stiffness))
     turned = drive if column is None else replace(drive, body="pinion")
     record = record_of_path(forces, path, turned)
-    if column is not None:
+    if column is not None and path.wheel.size:  # else the gear was lost on its way to the start
         record = _seen_from_wheel(record, column, drive, -path.wheel[:, 0])
     run = _finished(gear, maneuver, outcome, record, path, forces.friction_zone, options)
     if interrupted:
@@ -317,6 +318,8 @@ def _lost(maneuver: Maneuver, path: EquilibriumPath, outcome: Outcome) -> Outcom
     """The outcome of a maneuver whose path ends where it found no equilibrium."""
     place = maneuver.drive.shown(path.lost_at or 0.0)
     message = f"no equilibrium was found at {place}, {path.residual:.3g} N remain unbalanced"
+    if path.residual <= TOLERANCE:
+        message = f"no equilibrium was found near the one before at {place}"
     return replace(outcome, status=Status.NO_CONVERGENCE, message=message)
 
 

@@ -21,10 +21,10 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
 from rps_exudyn.solvers.drive import Drive, Steady, travel_per_radian
-from rps_exudyn.solvers.follower import ACCEPT, NO_COLUMN, RIGID, add_column_to, follow
+from rps_exudyn.solvers.follower import NO_COLUMN, RIGID, add_column_to, follow
 from rps_exudyn.solvers.gear_model import OUTPUTS
 from rps_exudyn.solvers.rescue import JUMP, Settling, beginning, search
-from rps_exudyn.solvers.settling import SETTLING_STEPS, TYPICAL_APPROACH
+from rps_exudyn.solvers.settling import SETTLING_STEPS, TOLERANCE, TYPICAL_APPROACH
 from rps_exudyn.solvers.steering_column import BehindColumn, SteeringColumn
 from rps_exudyn.solvers.wheel_torque import WheelTorque
 
@@ -32,6 +32,7 @@ PIECE = 2000  # instants followed at once: Ctrl-C is heard between them
 MAX_RESCUES = 50  # or as many as instants are asked for
 SHORTEST = 0.01  # of the steps asked for, that between an instant found and one that is not ...
 SHORTEST_BEHIND_COLUMN = 1 / 256  # ... and where friction lets a column's end go
+SNAP = 4  # times the fastest motion so far: behind a column the gear jumps to another equilibrium
 WHEEL_LENGTH = 0.01  # turns the wheel's coordinate into a length [m]
 
 
@@ -302,7 +303,7 @@ class _Following:
             rows.applied[:end],
             self.column,
             rows.hand[:end],
-            ACCEPT,
+            TOLERANCE,
             *(each[None, :end] for each in state),
             balance.gears,
             balance.pool,
@@ -348,12 +349,20 @@ class _Following:
             settling = self.settling(0, rows.coordinates[0], 0.0)
             rows.coordinates[0], rows.rates[0] = beginning(settling, pitch, SETTLING_STEPS)
             return True
-        if self.searched(k):
+        if self.searched(k) and not self.snaps(k):
             self.unbalanced = max(self.unbalanced, self.residual)
             self.found += 1
             return True
         shortest = SHORTEST_BEHIND_COLUMN if self.column[0] else SHORTEST
         return rows.halve(k, shortest, self.balance, self.pair, self.drive)
+
+    def snaps(self, k: int) -> bool:
+        """Tell whether the gear behind a column jumps in the step to instant k: no path of equilibria leads
+        there, and shorter steps show it as a faster motion."""
+        if not self.column[0]:
+            return False
+        fastest = np.abs(self.rows.rates[: k + 1] * self.lengths).max(axis=1)
+        return bool(fastest[k] > SNAP * fastest[:k].max())
 
     def searched(self, k: int) -> bool:
         """Let the gear creep to the equilibrium at instant k; tell whether it was found."""

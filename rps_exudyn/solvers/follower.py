@@ -7,9 +7,11 @@ of a tilted bar shifts across as it travels.
 
 Newton's method with the analytic tangent of all forces; a tangent serves until it converges slowly. A step
 is taken as far as it shortens the next one by the same tangent (the natural monotonicity test: P. Deuflhard,
-Newton Methods for Nonlinear Problems, 2011, section 3.3): stiff teeth let the residual grow on the way. The
-step from a residual below `accept` is not evaluated where it leaves less than the tolerance: the forces
-there are those of the tangent.
+Newton Methods for Nonlinear Problems, 2011, section 3.3): stiff teeth let the residual grow on the way.
+
+Many gears save an evaluation: the step from a residual below `accept` is not evaluated where it should leave
+less than the tolerance, and the forces there are those of the tangent. It leaves ten times the tolerance at
+some instants, where lines of contact begin or end. Single runs evaluate all steps.
 
 Behind the coordinates of the gear stands the wheel's, where there is a steering column: with the wheel at
 theta, the joint's output at u(theta) and the pinion at phi, the column's torque k (u - phi) + c (u' - phi')
@@ -44,7 +46,7 @@ FIRST_STRETCH = 1e-9  # of a creeping gear's first step [m/N]
 CREEP_MOVE = 20e-6  # of one step of a creeping gear [m]
 MAX_CREEPS = 100  # steps, of which most gears need 30 to 80
 PATIENCE, PROGRESS = 15, 0.9  # steps of a creeping gear in which the residual must fall to that share
-ACCEPT = 0.05  # residual [N] of which a step by a new tangent leaves less than the tolerance
+ACCEPT = 0.05  # residual [N] from which a step of many gears is not evaluated
 
 X, Y, Z, YAW, PITCH = 1, 2, 3, 5, 6  # coordinates of the rack
 RIGID = 8  # coordinates whose motion is known beforehand

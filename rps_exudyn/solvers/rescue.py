@@ -5,7 +5,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import root
 
 from rps_exudyn.solvers.settling import TOLERANCE, Tangent, differences, settled
 
@@ -131,6 +130,8 @@ def by_hybrid_method(settling: Settling, start: np.ndarray) -> tuple[np.ndarray,
     Raises:
         LinAlgError: the forces are not finite.
     """
+    from scipy.optimize import root  # takes 0.3 s, and few runs need it
+
     lengths = settling.lengths[settling.free]
 
     def scaled(place: np.ndarray) -> np.ndarray:

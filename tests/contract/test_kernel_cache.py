@@ -1,4 +1,4 @@
-"""A cache of compiled kernels is never stale: its folder's name holds all that they are made of."""
+"""The cache of compiled kernels holds only what this process would compile."""
 
 import ast
 import os
@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -17,32 +18,23 @@ PACKAGE = Path(rps_exudyn.__file__).parent
 
 @pytest.fixture
 def package(tmp_path: Path) -> Path:
-    return Path(shutil.copytree(PACKAGE, tmp_path / "package", ignore=shutil.ignore_patterns("__pycache__")))
+    return Path(
+        shutil.copytree(PACKAGE, tmp_path / "rps_exudyn", ignore=shutil.ignore_patterns("__pycache__"))
+    )
 
 
 def test_copy_has_the_same_fingerprint(package: Path) -> None:
     assert fingerprint(package) == fingerprint(PACKAGE)
 
 
-def test_swapped_fields_change_it(package: Path) -> None:
-    """Kernels know the fields of a NamedTuple by number; the file that declares them compiles nothing."""
-    declared = package / "mesh_contact" / "flank_data.py"
-    text = declared.read_text(encoding="utf-8")
-    swapped = text.replace(
-        "    stiffness: float\n    damping: float\n", "    damping: float\n    stiffness: float\n"
-    )
-    assert swapped != text
-    declared.write_text(swapped, encoding="utf-8")
-    assert fingerprint(package) != fingerprint(PACKAGE)
-
-
 @pytest.mark.parametrize(
     "name",
     [
-        "forces/force_element.py",
+        "forces/bearing.py",  # a record's fields, which kernels read by their places
         "forces/rigid_motion.py",
-        "solvers/gear_kernel.py",
-        "solvers/path_follower.py",
+        "mesh_contact/flank_data.py",
+        "solvers/gear_model.py",
+        "solvers/follower.py",
     ],
 )
 def test_any_kernel_source_changes_it(package: Path, name: str) -> None:
@@ -70,57 +62,105 @@ def test_all_that_kernels_read_is_covered() -> None:
     assert seen > 50
 
 
-MAKERS = {"kernel", "apart", "inlined", "kernel_over"}
+MAKERS = {"kernel", "kernel_of", "inline"}
 
 
 def _used_by_kernels(tree: ast.AST) -> set[str]:
-    """Names in compiled functions, decorated or untyped as the closures of `kernel_over` are."""
+    """Names in compiled functions, whose arguments and result have no types."""
     functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef) and not node.returns]
     nodes = [node for function in functions for node in ast.walk(function)]
     return {node.id for node in nodes if isinstance(node, ast.Name)} - MAKERS
 
 
-def test_one_process_compiles_and_all_compute_the_same(tmp_path: Path) -> None:
-    """The gear's force and the handle on its constants come from the cache in a process that starts anew, and
-    the force is the same bit for bit: no multiply-add is fused in one and not in the other. A damaged cache
-    is reported once, and what is missing is compiled again.
-    """
-    empty = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
-    empty["XDG_CACHE_HOME"] = str(tmp_path)
+def test_only_what_this_process_would_compile_is_loaded(package: Path) -> None:
+    """The first process compiles, the second loads, and the force is the same bit for bit. Files that are
+    damaged, foreign or of other sources are removed before numba reads them, and made again."""
+    folder = package / "solvers" / "__pycache__"
+    compiled, loaded = _force_by(package), _force_by(package)
+    assert (compiled.misses, compiled.hits) == (1, 0)
+    assert (loaded.misses, loaded.hits) == (0, 1)
+    index, code = (next(folder.glob(f"follower.add_column_to-*.{kind}")) for kind in ("nbi", "nbc"))
 
-    def run() -> tuple[str, list[str], str]:
+    damages = {
+        index: index.read_bytes()[:30],  # numba alone: UnpicklingError
+        code: bytes(reversed(code.read_bytes())),
+    }
+    for file, content in damages.items():
+        file.write_bytes(content)
+        mended = _force_by(package)
+        assert (mended.misses, mended.hits, mended.force) == (1, 0, compiled.force), file.suffix
+
+    foreign = folder / "follower.add_column_to-1.py311.nbi"
+    foreign.write_bytes(b"code of others")
+    assert (_force_by(package).hits, foreign.exists()) == (1, False)
+
+    with (package / "forces" / "bearing.py").open("a", encoding="utf-8") as source:
+        source.write("# changed\n")
+    outdated = _force_by(package)
+    assert (outdated.misses, outdated.hits, outdated.force) == (1, 0, compiled.force)
+    assert loaded.force == compiled.force
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="no modes of folders here")
+def test_a_folder_that_others_can_write_to_holds_no_cache(tmp_path: Path) -> None:
+    script = """
+import sys
+from pathlib import Path
+from rps_exudyn.base import kernel_cache
+kernel_cache.PACKAGE = Path(sys.argv[1])
+exec(compile("def twice(x):\\n    return 2 * x\\n", sys.argv[1] + "/base/roots.py", "exec"))
+made = kernel_cache.compiled(twice)
+print(made(1.0), made.stats.cache_path)
+"""
+    source = tmp_path / "base" / "roots.py"
+    source.parent.mkdir()
+    source.write_text("", encoding="utf-8")
+    folder = source.parent / "__pycache__"
+    folder.mkdir()
+    for mode, holds in ((0o777, False), (0o755, True)):
+        folder.chmod(mode)
         done = subprocess.run(
-            [sys.executable, "-c", FORCE], check=True, capture_output=True, text=True, env=empty
+            [sys.executable, "-c", script, tmp_path], check=True, capture_output=True, text=True
         )
-        force, *counts = done.stdout.split()
-        return force, counts, done.stderr
+        assert done.stdout.split() == ["2.0", str(folder) if holds else "None"]
+        assert bool(list(folder.glob("*.nbi"))) == holds
 
-    compiled, loaded = run(), run()
-    assert (compiled[1], loaded[1]) == (["1", "0", "1", "0"], ["0", "1", "0", "1"])
-    for pattern, damage in (("*.nbc", lambda old: old[:-40] + bytes(40)), ("*.nbi", lambda old: old[:30])):
-        for file in sorted(tmp_path.rglob(pattern))[:2]:
-            file.write_bytes(damage(file.read_bytes()))
-    mended, mended_again = run(), run()
-    assert mended[2].count("is damaged; what is missing is compiled again") == 1
-    assert compiled[2] == loaded[2] == mended_again[2] == ""
-    assert compiled[0] == loaded[0] == mended[0] == mended_again[0]
+
+class Force(NamedTuple):
+    """The force of a steering column, of a process that starts anew, and how often its kernel was compiled
+    and loaded."""
+
+    force: str
+    misses: int
+    hits: int
+
+
+def _force_by(package: Path) -> Force:
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    environment["PYTHONPATH"] = str(package.parent)
+    done = subprocess.run(
+        [sys.executable, "-c", FORCE],
+        check=True,
+        capture_output=True,
+        text=True,
+        env=environment,
+        cwd=package.parent,
+    )
+    force, misses, hits = done.stdout.split()
+    return Force(force, int(misses), int(hits))
 
 
 FORCE = """
 import numpy as np
-from rps_exudyn.base import compiled
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.equilibrium import starting_guess, steady_rates
-from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.base.compiled import ready
+from rps_exudyn.solvers.follower import add_column_to
 
-gear = SteeringGear()
-pair = GearPair.of(gear)
-force, handle = gear_forces(gear, Fidelity().replace({"mesh": "ratio", "yoke": "force"})).dynamics
-print(force(starting_guess(pair, 0.3), steady_rates(pair, gear.test.speed), handle).tobytes().hex())
-for stats in (force.stats, compiled._new_handle.stats):
-    print(sum(stats.cache_misses.values()), sum(stats.cache_hits.values()))
+column = np.array([1.0, 100.0, 0.2, 0.5, 0.3, 0.0, 0.0])
+total, tangent = np.zeros(9), np.zeros((9, 9))
+ready(add_column_to)(np.linspace(0, 1, 9), np.linspace(1, 0, 9), column, 4.0, 1.0, total, tangent)
+print((total.tobytes() + tangent.tobytes()).hex())
+for counts in (add_column_to.stats.cache_misses, add_column_to.stats.cache_hits):
+    print(sum(counts.values()))
 """
 
 

@@ -6,11 +6,13 @@ import pytest
 import rps_exudyn as rps
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import pinion_inertia, rack_masses
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.solvers.drive import Steady, Swing
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
+from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.record import record_of_path
 
 HEAVY = {"pinion.density": 4e6}
@@ -76,7 +78,7 @@ def test_a_path_without_any_equilibrium_makes_an_empty_record() -> None:
     """A gear that is lost at the first instant is an outcome, so its record must be made."""
     rows, drive = np.zeros((0, 8)), Steady("pinion", 0.0, 1.0)
     path = EquilibriumPath(np.zeros(0), rows, rows, rows, rows, 0, 0, 0, 0, 1.0, 0.0, 0.0)
-    assert record_of_path([], path, drive).energy.size == 0
+    assert record_of_path(gear_forces(rps.SteeringGear(), Fidelity()), path, drive).energy.size == 0
 
 
 @pytest.mark.quick

@@ -12,7 +12,6 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import Maneuver, steady_maneuver
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, equilibrium_path
-from rps_exudyn.solvers.follower import ACCEPT
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.record import record_of_path
 from rps_exudyn.solvers.settling import TOLERANCE
@@ -61,24 +60,18 @@ COURSES = [*((name, "pinion") for name in GEARS), ("errors", "rack")]
 
 @pytest.mark.parametrize(("name", "body"), COURSES)
 def test_forces_balance_where_it_ends(name: str, body: str) -> None:
-    """Less than `TOLERANCE`, 1e-3 N with moments over a centimetre, is left at nine instants of ten. The step
-    from less than `ACCEPT` is not evaluated by the follower: up to twice as much may be left, nearly all
-    where a strip of law "area" has a corner within the step. The torque that it takes from the tangent is
-    that of an evaluation, within 5 mN at the gain.
-    """
+    """At most `TOLERANCE`, 1e-3 N with moments over a centimetre, is left at each instant, and the torque is
+    that of an evaluation there, to round-off in the coordinates."""
     forces, path, maneuver = followed(name, body)
     balance, driven = forces.statics, maneuver.drive.coordinate
-    free, lever = balance.free(driven), 6e-3 if body == "pinion" else 1.0
+    free = balance.free(driven)
     assert path.residual <= TOLERANCE
-    left = []
     for k in range(1, len(path.time)):
         if balance.has_bristles:
             balance.memory[0], balance.memory[1, TIME] = path.kept[k, 0], path.time[k]
         total = balance.force(path.coordinates[k], path.rates[k])
-        left.append(np.abs(total[free] / balance.lengths[free]).max())
-        assert abs(total - path.forces[k])[driven] < max(5 * TOLERANCE, left[-1]) * lever
-    assert np.quantile(left, 0.9) < TOLERANCE
-    assert max(left) < (ACCEPT if name == "area" else 2 * TOLERANCE)
+        assert np.abs(total[free] / balance.lengths[free]).max() <= 1.01 * TOLERANCE
+        assert total[driven] == pytest.approx(path.forces[k, driven], rel=1e-6)
 
 
 @pytest.mark.parametrize(("name", "body"), COURSES)
@@ -120,9 +113,9 @@ def test_another_method_finds_the_same_place(name: str) -> None:
 
 
 def test_it_evaluates_few_forces() -> None:
-    """Newton's method, an old tangent where it serves: about three evaluations per instant."""
+    """Newton's method, an old tangent where it serves: three to four evaluations per instant."""
     _, path, _ = followed("errors")
-    assert path.evaluations < 3.5 * len(path.time)
+    assert path.evaluations < 4 * len(path.time)
     assert path.tangents < 1.5 * len(path.time)
     assert path.rescues == 0
 

@@ -59,34 +59,37 @@ def test_doctor_runs_a_reference(command: Command, monkeypatch: pytest.MonkeyPat
 
 
 def test_doctor_finds_the_cache_in_a_fresh_process(tmp_path: Path) -> None:
-    """Beside what another version left there; the current folder is another one. The reference compiles."""
-    older = tmp_path / "home" / "rps_exudyn" / "older" / "kernel.nbc"
-    older.parent.mkdir(parents=True)
-    older.write_bytes(bytes(4_000_000))
-    (tmp_path / "here").mkdir()
+    """The current folder is another one. The reference compiles; a second process loads."""
+    kernels, here = tmp_path / "kernels", tmp_path / "here"
+    here.mkdir()
 
     def doctor(options: str) -> str:
-        home = str(tmp_path / "home")
-        done = in_fresh_process(f"rps-exudyn doctor{options}", tmp_path / "here", XDG_CACHE_HOME=home)
+        done = in_fresh_process(f"rps-exudyn doctor{options}", here, NUMBA_CACHE_DIR=str(kernels))
         assert done.returncode == 0, done.stderr
-        assert f"cache is writable  {tmp_path}/home/rps_exudyn\n" in done.stdout
-        (megabytes,) = re.findall(rf"compiled kernels   {tmp_path}/home/rps_exudyn, (\d+) MB", done.stdout)
+        assert f"cache is writable  {kernels}" in done.stdout
+        (megabytes,) = re.findall(rf"compiled kernels   {kernels}, (\d+) MB", done.stdout)
         return str(megabytes)
 
-    assert doctor(" --clear-cache") == "0"
-    assert not older.exists()
-    compiled = [file for file in (tmp_path / "home").rglob("*") if file.is_file()]
+    def size() -> str:
+        return f"{sum(file.stat().st_size for file in kernels.rglob('*.nb[ci]')) / 1e6:.0f}"
+
+    assert doctor("") == "0"
+    compiled = sorted(kernels.rglob("*.nb[ci]"))
     assert compiled
-    assert doctor("") == f"{sum(file.stat().st_size for file in compiled) / 1e6:.0f}"
+    changed = {file: file.stat().st_mtime_ns for file in compiled}
+    assert doctor("") == size()
+    assert {file: file.stat().st_mtime_ns for file in compiled} == changed
 
 
-def test_doctor_removes_its_own_cache_only(tmp_path: Path) -> None:
-    (tmp_path / "rps_exudyn" / "kernels").mkdir(parents=True)
-    (tmp_path / "other").mkdir()
-    doctor_command._clear(tmp_path / "rps_exudyn")
-    assert list((tmp_path / "rps_exudyn").iterdir()) == []
-    with pytest.raises(rps.InputError, match="it is no cache of this package"):
-        doctor_command._clear(tmp_path / "other")
+def test_doctor_removes_kernels_of_this_package_only(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    own, foreign = tmp_path / "gear_model.line_gear-1.py311.nbi", tmp_path / "users_own.f-1.py311.nbi"
+    for file in (own, foreign, own.with_name(f"{own.name}.sha256")):
+        file.touch()
+    doctor_command._clear([tmp_path])
+    assert list(tmp_path.iterdir()) == [foreign]
+    assert capsys.readouterr().out == "removed: 1 files of compiled kernels\n"
 
 
 def test_viewer_needs_a_display(
