@@ -74,15 +74,17 @@ def quick_band(
     runs: int = RUNS,
     seed: int = 0,
     told: Told | None = None,
+    jobs: int = 1,
 ) -> Band:
-    """Return the band of the free pinion torque from a few runs and the closed form.
+    """Return the band of the free pinion torque from a few runs, in up to `jobs` processes, and the closed
+    form.
 
     Raises:
         InputError: a nominal gear that fails, or too few runs that end ok.
         Interrupted: Ctrl-C before there is a band.
     """
     nominal = nominal_result(SCENE, gear, fidelity, inputs)
-    done = runs_of(Samples.drawn(inputs, runs, seed), nominal, fidelity, told)
+    done = runs_of(Samples.drawn(inputs, runs, seed), nominal, fidelity, told, jobs)
     points = Samples.drawn(inputs, POINTS, seed + 1)
     formula = formula_torques(gear, points)
     at_runs = done.drawn.numbers[FIGURE] / formula_torques(gear, done.drawn.samples)

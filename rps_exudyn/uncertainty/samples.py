@@ -1,7 +1,8 @@
 """Draws of the uncertain inputs, and the runs of a scene at them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -11,9 +12,10 @@ from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.batch import Batch, batch
-from rps_exudyn.simulate.together import unsupported_reason
+from rps_exudyn.simulate.cases.run_cases import Task, run_cases
+from rps_exudyn.simulate.together import fewest, unsupported_reason
 
-TOGETHER, MANY = 32, 1024  # runs between which Ctrl-C loses nothing: single ones, those found together
+TOGETHER = 256  # gears that are followed together at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,9 +33,9 @@ class Samples:
     def __len__(self) -> int:
         return len(self.quantile)
 
-    def first(self, count: int) -> "Samples":
-        """Return the first points."""
-        return replace(self, quantile=self.quantile[:count])
+    def some(self, chosen: np.ndarray) -> "Samples":
+        """Return some of the points."""
+        return replace(self, quantile=self.quantile[chosen])
 
     @property
     def values(self) -> dict[str, np.ndarray]:
@@ -50,13 +52,26 @@ class Samples:
             yield dict(zip(values, row, strict=True))
 
 
-def runs_at(scene: str, gear: SteeringGear, fidelity: Fidelity, points: Samples) -> Iterator[Batch]:
-    """Yield the runs of the scene at the points, part by part, whatever their outcome; together where the
-    scene does so."""
-    values = points.values
-    singly = bool(unsupported_reason(scene, gear, fidelity, values))
+def runs_at(
+    scene: str, gear: SteeringGear, fidelity: Fidelity, points: Samples, jobs: int = 1
+) -> Generator[tuple[range, Batch]]:
+    """Yield the runs of the scene at the points, whatever their outcome, in up to `jobs` processes.
+
+    Each part comes with the numbers of its points. Its numbers depend on no other part, nor on `jobs`.
+    """
+    values, count = points.values, len(points)
+    singly = bool(unsupported_reason(scene, gear, fidelity, values)) or count < fewest(values)
     keep: Literal["signals", "torque"] = "signals" if singly else "torque"
-    together = TOGETHER if singly else MANY
-    for begin in range(0, len(points), together):
-        part = {path: column[begin : begin + together] for path, column in values.items()}
-        yield batch(scene, gear, part, fidelity=fidelity, keep=keep)
+    ranges = None if singly else values
+    parts: dict[Task, range] = {}
+    size = 1 if singly else TOGETHER
+    for begin in range(0, count, size):
+        part = {path: column[begin : begin + size] for path, column in values.items()}
+        call = partial(batch, scene, gear, part, fidelity=fidelity, keep=keep, ranges=ranges)
+        parts[Task(call)] = range(begin, min(begin + size, count))
+    for task, answer in run_cases(list(parts), jobs):
+        if answer.value is None:
+            failure = answer.failure(scene, gear, fidelity, float("inf"))
+            yield parts[task], Batch((failure,) * len(parts[task]))
+        else:
+            yield parts[task], answer.value

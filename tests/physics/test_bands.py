@@ -16,7 +16,7 @@ from rps_exudyn.uncertainty.contributions import contributions
 from rps_exudyn.uncertainty.input_sets import SETS, uncertain_inputs
 from rps_exudyn.uncertainty.quantiles import LEVELS, quantiles
 from rps_exudyn.uncertainty.quick_band import quick_band
-from rps_exudyn.uncertainty.samples import TOGETHER, Samples
+from rps_exudyn.uncertainty.samples import Samples
 
 FORMULA = Fidelity.preset("closed-form")
 EQUILIBRIA = Fidelity.preset("quasi-static").replace({"step_angle": "2 deg"})
@@ -129,12 +129,12 @@ def test_interrupted_band_is_that_of_the_samples_done(monkeypatch: pytest.Monkey
                 raise KeyboardInterrupt
             yield part
 
-    real, after = band_module.runs_at, 1  # parts of samples
+    real, after = band_module.runs_at, 20  # samples
     monkeypatch.setattr(band_module, "runs_at", stopping)
     own = carried({}, {"yoke.preload": "300 N +- 30 N"})
     band = band_of_runs(TURN, SteeringGear(), FORMULA, own, samples=64)
     assert band.interrupted
-    assert len(band.drawn.samples) == TOGETHER
+    assert len(band.drawn.samples) == after
     after = 0
     with pytest.raises(Interrupted):
         band_of_runs(TURN, SteeringGear(), FORMULA, own, samples=64)
