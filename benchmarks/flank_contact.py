@@ -23,7 +23,7 @@ from rps_exudyn.mesh_contact.flank_contact import area_contact, line_contact
 from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.mesh_contact.scratch import SCRATCH
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.verification.contact_at import flank_contact, mesh_of_teeth
+from verification.contact_at import flank_contact, mesh_of_teeth
 
 GEAR = SteeringGear().replace({"mesh.law": "area"})
 TIP = {"pinion.tip_diameter": "18.2 mm"}  # which would follow from the helix angle

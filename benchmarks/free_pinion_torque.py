@@ -14,10 +14,8 @@ import numpy as np
 import rps_exudyn as rps
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.analysis.comparison import compare
-from rps_exudyn.charts import style
 from rps_exudyn.charts.comparison import draw_comparison
 from rps_exudyn.charts.scene import draw
-from rps_exudyn.charts.several import torques_figure
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -28,12 +26,9 @@ FIDELITIES = {
     "`flank` (default)": Fidelity.preset("flank"),
     "`quasi-static`": Fidelity.preset("quasi-static"),
     "`closed-form`": Fidelity.preset("closed-form"),
-    "`flank --mesh ratio`": Fidelity.preset("flank").replace({"mesh": "ratio"}),
-    "`flank --mesh ratio-with-loss`": Fidelity.preset("flank").replace({"mesh": "ratio-with-loss"}),
 }
 FULL, FLANK = "`full`", "`flank` (default)"
-DRAWN = (FULL, FLANK, "`flank --mesh ratio-with-loss`", "`flank --mesh ratio`")
-HEADLINE = "The kinematic ratio has the losses of the other parts, not of the teeth, and no ripple"
+DRAWN = (FULL, FLANK)
 LOSSES = ("mesh", "seat", "bush", "bearing")
 COARSE = FIDELITIES[FULL].replace({"profile_samples": 14, "axial_samples": 10, "bush": "condensed"})
 SLOW = 5.0  # CPU time of a run [s] that is not repeated
@@ -48,12 +43,8 @@ def run(folder: Path, turns: float = 1.0, full: Fidelity = FIDELITIES[FULL], rep
     }
     save_data(folder / DATA, {"turns": turns, "rows": [row(name, results) for name in results]})
     draw(results[FULL], folder / "full.png")
-    curves = {name.strip("`"): shortened(results[name], 2 * PITCH) for name in DRAWN}
-    pair = compare(*list(curves.values())[:2])
+    pair = compare(*(shortened(results[name], 2 * PITCH) for name in DRAWN))
     draw_comparison(pair, ("full", "flank"), folder / "full_and_flank.svg")
-    figure = torques_figure(curves, HEADLINE)
-    figure.axes[0].set_ylim(0, None)  # what is missing is seen in proportion
-    style.save(figure, folder / "ratio_and_flank.svg")
 
 
 def measured(fidelity: Fidelity, turns: float, repeats: int) -> Result:

@@ -20,7 +20,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.verification.population import random_gears
+from verification.population import random_gears
 
 SEED, GEARS, BY_SPHERES = 2718, 200, 20
 LOADS = 5.0, 30.0  # at the pinion [N m]

@@ -21,7 +21,7 @@ from rps_exudyn.fitting.unknowns import CURVED, USUAL
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.run import simulate
-from rps_exudyn.verification.made_up_curves import measured_curve, with_noise
+from verification.made_up_curves import measured_curve, with_noise
 
 DATA, PICTURE = "fit_bow.json", "fit_bow.png"
 ANGLE_ERROR, BOW, RUNOUT, OFFSET = np.radians(0.05), 70e-6, 14e-6, np.radians(2.0)  # standard deviations

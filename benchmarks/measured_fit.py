@@ -25,7 +25,7 @@ from rps_exudyn.fitting.unknowns import LEVEL
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.measured_torque import MeasuredTorque
 from rps_exudyn.solvers.closed_form import GRAVITY
-from rps_exudyn.verification.made_up_curves import REAL, BenchNoise, measured_curve, true_curve, with_noise
+from verification.made_up_curves import REAL, BenchNoise, measured_curve, true_curve, with_noise
 
 TRUE: dict[str, object] = {
     "yoke.preload": 350.0,

@@ -38,7 +38,6 @@ class Change:
 CHANGES = {
     "bush: chain of 25 segments": Change({"bush": "chain"}),
     "bush: rigid": Change({"bush": "rigid"}),
-    "yoke: force without plunger": Change({"yoke": "force"}),
     "yokenut: none": Change(gear={"yoke.clearance": "9 mm"}),
     "rack: no roll, yaw, pitch, sway": Change({"rack": "guided"}),
     "rack: rigid": Change({"rack": "free"}),
@@ -53,7 +52,6 @@ CHANGES = {
     "inertia: pinion twice as heavy": Change(gear={"pinion.density": 2 * SteeringGear().pinion.density}),
     "teeth: pressure per depth": Change(gear={"mesh.law": "area"}),
     "teeth: bending together": Change(gear={"mesh.law": "teeth"}),
-    "teeth: kinematic ratio with loss": Change({"mesh": "ratio-with-loss"}),
     "teeth: half as stiff": Change(gear={"mesh.line_stiffness": line_stiffness(SteeringGear()) / 2}),
     "teeth: contact damping 0.1 ms": Change(gear={"mesh.damping": "0.1 ms"}),
     "lead error 0.2 mrad": Change(gear={"pinion.lead_error": LEAD_ERROR}),

@@ -22,8 +22,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
 from rps_exudyn.solvers.sliding_stability import one_inertia_damping, sliding_damping
-from rps_exudyn.verification.sliding_limit import measured_damping
-from rps_exudyn.verification.stick_slip import event_based, on_bristles, regularised
+from verification.sliding_limit import measured_damping
+from verification.stick_slip import event_based, on_bristles, regularised
 
 DATA = "stick_slip.json"
 STIFFNESS = 100.0  # of the column [N m/rad]

@@ -15,7 +15,7 @@ from typing import Any
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.verification.stability import ScenePlan
+from verification.stability import ScenePlan
 
 TORQUE = "free-pinion-torque"
 STILL = {"solver": "equilibrium"}

@@ -58,8 +58,6 @@ def alone(forces: GearForces, name: str) -> GearForces:
         gears["mesh"]["spheres"]["gate"] = -1.0
     if name != "seat":
         gears["seat"]["rest_gap"] = -FAR
-        for field in ("preload", "rate", "stop", "guide"):
-            gears["yoke_force"][field] = 0.0
     if name != "bush":
         gears["fit"]["stiffness"] = gears["fit"]["drag"] = 0.0
     if name != "bearing":

@@ -20,7 +20,7 @@ from rps_exudyn.parameters.fidelity import PRESETS
 from rps_exudyn.results.law_error import LawError
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.verification.work_precision import pareto_front, power_law
+from verification.work_precision import pareto_front, power_law
 
 STYLES = {
     "general contact": ("#b00020", "s"),
@@ -38,13 +38,11 @@ STYLES = {
     "flank, bristles": ("#f1c232", "o"),
     "quasi-static, bristles": ("#bf9000", "^"),
     "loop over gears, line": ("#134f5c", "*"),
-    "generators": ("#6aa84f", "v"),
     "spheres at rest": ("#e69138", "P"),
     "shaped pinion": ("#c27ba0", "h"),
     "meshed pinion": ("#b45f06", "p"),
     "explicit": ("#45818e", "<"),
     "closed form": ("#000000", "*"),
-    "ratio": ("#777777", "X"),
 }
 """Colour and marker of each family, the same in all figures."""
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from benchmarks.accuracy_speed.measurement import Measurement, Order, Point
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.verification.work_precision import FAR_ABOVE, observed_order
+from verification.work_precision import FAR_ABOVE, observed_order
 
 
 @dataclass(frozen=True)
@@ -101,15 +101,6 @@ OF_SPHERES = (
 )
 OF_FACETS = "RMS against the same spheres on the analytic flank", lambda p: p.rms
 RULES += [
-    Rule(
-        "generators",
-        "distance of the generators",
-        lambda p: 1 / p.fidelity.generators,
-        "RMS",
-        lambda p: p.rms,
-        2.0,
-        "midpoint rule over an area with corners",
-    ),
     Rule(
         "spheres_at_rest",
         *OF_SPHERES,

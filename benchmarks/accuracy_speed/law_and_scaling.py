@@ -18,7 +18,7 @@ from rps_exudyn.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import MEASURED
-from rps_exudyn.verification.runs import run_scene
+from verification.runs import run_scene
 
 GEAR = SteeringGear()
 PITCH = 1 / GEAR.pinion.teeth

@@ -16,7 +16,7 @@ from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.simulate.batch import batch
 from rps_exudyn.simulate.family import Family
-from rps_exudyn.verification.runs import revolutions
+from verification.runs import revolutions
 
 FAMILY = "loop over gears, line"
 GEARS = 512

@@ -36,15 +36,15 @@ from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Axis, Value
 from rps_exudyn.study.study_file import read_study
 from rps_exudyn.study.table import axis_quantity
-from rps_exudyn.verification.faceted import Surface, faceted_run, largest_deviation, meshed, shaped, spheres
-from rps_exudyn.verification.flywheel import explicit_run
-from rps_exudyn.verification.references import Method, as_run, by_generators, by_strips, reference_of
-from rps_exudyn.verification.runs import SceneReference, run_scene
-from rps_exudyn.verification.work_precision import Reference
+from verification.faceted import Surface, faceted_run, largest_deviation, meshed, shaped, spheres
+from verification.flywheel import explicit_run
+from verification.references import Method, as_run, by_strips, over_generators, reference_of, still
+from verification.runs import SceneReference, run_scene
+from verification.work_precision import Reference
 
 PLANS = Path(__file__).parent / "plans"
 OF_TORQUE = (
-    "closed_form ratio quasi_static quasi_static_turn generators spheres_at_rest flank newton bush "
+    "closed_form quasi_static quasi_static_turn spheres_at_rest flank newton bush "
     "general_contact general_contact_step explicit faceted quasi_static_line flank_line quasi_static_teeth "
     "flank_teeth quasi_static_bending flank_bending quasi_static_stribeck flank_stribeck "
     "quasi_static_bristles flank_bristles loop"
@@ -215,7 +215,7 @@ def warm_up(scene: str, plan: PlannedPoint) -> None:
 
 BUILT = {"explicit": explicit_points, "faceted": faceted_points, "loop": loop_points}
 
-COARSE = {"generators": as_run(by_generators(40, "3 deg")), "strips": as_run(by_strips("3 deg"))}
+COARSE = {"generators": over_generators(40, as_run(still("3 deg"))), "strips": as_run(by_strips("3 deg"))}
 
 TOPIC = Topic(
     "cost and error of every model of every scene: charts, fronts, orders, references",
@@ -223,7 +223,7 @@ TOPIC = Topic(
     "accuracy_speed",
     run,
     {
-        "scenes": {"free-pinion-torque": ["closed_form", "generators"]},
+        "scenes": {"free-pinion-torque": ["closed_form", "quasi_static"]},
         "thinned": Study.toy,
         "methods": COARSE,
         "repeats": {"free-pinion-torque": 1},

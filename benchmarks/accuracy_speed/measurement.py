@@ -20,8 +20,8 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.verification.runs import SceneReference, revolutions, run_scene
-from rps_exudyn.verification.work_precision import Reference
+from verification.runs import SceneReference, revolutions, run_scene
+from verification.work_precision import Reference
 
 FILETYPE = "rps_exudyn-work-precision"
 VERSION = (1, 1)
@@ -45,13 +45,11 @@ FAMILIES = {
     "flank, bristles": "the default law and friction that remembers, likewise",
     "quasi-static, bristles": "that in equilibrium",
     "loop over gears, line": "equilibria by the default law of many gears followed together, of each",
-    "generators": "equilibrium, contact integrated over generators",
     "spheres at rest": "equilibrium, contact of the spheres",
     "shaped pinion": "spheres at rest on flanks as they are cut, compared with those on the analytic flank",
     "meshed pinion": "spheres at rest on triangles, likewise",
     "explicit": "flank contact, Exudyn's explicit solvers",
     "closed form": "formulas",
-    "ratio": "kinematic ratio in Exudyn",
 }
 """Models that are drawn and compared together -> what they are."""
 
@@ -72,13 +70,10 @@ def _kind_of(fidelity: Fidelity) -> str:
     if fidelity.solver == "closed-form":
         return "closed form"
     if fidelity.solver == "equilibrium":
-        meshes = {"flank-generators": "generators", "general-contact": "spheres at rest"}
-        return meshes.get(fidelity.mesh, "quasi-static")
+        return "spheres at rest" if fidelity.mesh == "general-contact" else "quasi-static"
     if fidelity.mesh == "general-contact":
         return "general contact"
-    if fidelity.mesh.startswith("ratio"):
-        return "ratio"
-    return "flank, bush chain" if "chain" in fidelity.bush else "flank"
+    return "flank, bush chain" if fidelity.bush == "chain" else "flank"
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import MEASURED
 from rps_exudyn.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.uncertainty.quick_band import quick_band
-from rps_exudyn.verification.work_precision import pareto_front
+from verification.work_precision import pareto_front
 
 POINTS, DATA, PICTURE = "free-pinion-torque.h5", "overview.json", "overview.png"
 SHOWN = {

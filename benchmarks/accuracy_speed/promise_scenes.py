@@ -17,9 +17,9 @@ from benchmarks.accuracy_speed.limited import cpu_limit
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.verification.references import SHAKEN, STRIPS, by_strips
-from rps_exudyn.verification.runs import run_scene
-from rps_exudyn.verification.scene_truth import Made, Make, by_model, impact_in_parts
+from verification.references import SHAKEN, STRIPS, by_strips
+from verification.runs import run_scene
+from verification.scene_truth import Made, Make, by_model, impact_in_parts
 
 Setting = tuple[str, int | None, dict[str, float]]
 """Preset, angles per pitch, other settings."""

@@ -27,9 +27,9 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.scenes.maneuver import whole_periods
 from rps_exudyn.simulate.by_accuracy import TABLE, beyond_in_run, beyond_promise
-from rps_exudyn.verification.runs import revolutions, run_scene
-from rps_exudyn.verification.scene_truth import truth_of
-from rps_exudyn.verification.wide_tests import gears_under_tests
+from verification.runs import revolutions, run_scene
+from verification.scene_truth import truth_of
+from verification.wide_tests import gears_under_tests
 
 SEED = 2024  # other gears than those the promise is tested on
 MARGIN = 1.5

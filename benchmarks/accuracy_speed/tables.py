@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
 from benchmarks.topic import digits, markdown
 from rps_exudyn.scenes import SCENE_NAMES
-from rps_exudyn.verification.work_precision import pareto_front, power_law
+from verification.work_precision import pareto_front, power_law
 
 TORQUE = "free-pinion-torque"
 LIMITS = "limits.json"
@@ -52,7 +52,6 @@ MODELS = {
     "quasi_static_bristles": ("step_angle 1 °", "step_angle 5 °"),
     "loop": ("step_angle 2 °", "step_angle 5 °", "step_angle 7.5 °"),
     "closed_form": ("",),
-    "ratio": ("",),
 }
 """Study -> beginnings of the labels that stand for the package's models."""
 

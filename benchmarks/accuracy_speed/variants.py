@@ -13,8 +13,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.headline import SWINGS
-from rps_exudyn.verification.references import (
+from verification.references import (
     Method,
     as_run,
     by_strips,
@@ -22,7 +21,7 @@ from rps_exudyn.verification.references import (
     reference_of,
     slowly,
 )
-from rps_exudyn.verification.runs import SceneReference
+from verification.runs import SceneReference
 
 
 @dataclass(frozen=True)
@@ -39,7 +38,7 @@ class Variant:
                 f"{stations} x {points} points": as_run(self._finely(stations, points))
                 for stations, points in ((12, 6), (10, 5))
             }
-        return self._swung(scene) if scene in SWINGS else self._turned()
+        return self._swung(scene) if scene_named(scene).swings else self._turned()
 
     def _turned(self) -> dict[str, Method]:
         return {

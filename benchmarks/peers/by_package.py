@@ -9,7 +9,7 @@ import numpy as np
 from benchmarks.peers.reference import SCENE
 from benchmarks.peers.scene import GEAR, GUIDED, TURN, Run
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.verification.runs import run_scene
+from verification.runs import run_scene
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from benchmarks.peers.scene import GEAR, GUIDED
-from rps_exudyn.verification.references import Method, as_run, by_generators, by_strips, moving, reference_of
-from rps_exudyn.verification.work_precision import Reference
+from verification.references import Method, as_run, by_strips, moving, over_generators, reference_of, still
+from verification.work_precision import Reference
 
 SCENE = "free-pinion-torque"
 FINE: dict[str, Method] = {
-    "equilibria, 640 generators, 0.25 deg": as_run(by_generators(640, "0.25 deg").replace(GUIDED)),
+    "equilibria, 640 generators, 0.25 deg": over_generators(640, as_run(still("0.25 deg").replace(GUIDED))),
     "equilibria, strips of 12 x 6, 0.25 deg": as_run(by_strips("0.25 deg").replace(GUIDED)),
     "Exudyn, strips of 12 x 6, 0.5 deg": as_run(moving("0.5 deg", 1e-5).replace(GUIDED)),
 }

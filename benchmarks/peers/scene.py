@@ -27,7 +27,7 @@ SETTINGS: dict[str, Any] = {
 }
 GEAR = SteeringGear().replace(SETTINGS)
 PAIR = GearPair.of(GEAR)
-GUIDED = {"rack": "guided", "yoke": "force", "bush": "condensed"}
+GUIDED = {"rack": "guided", "bush": "condensed"}
 """The package's choices for this scene."""
 
 PRELOAD, FRICTION, STIFFNESS = GEAR.yoke.preload, GEAR.mesh.friction, GEAR.mesh.stiffness

@@ -24,7 +24,7 @@ from benchmarks.peers.scene import (
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.base.atomic import replacing
 from rps_exudyn.gears.assembly import assembled
-from rps_exudyn.verification.references import Method
+from verification.references import Method
 
 PARAMETERS, CURVE, SCORE = "parameters.json", score.REFERENCE, "score.py"
 CHORD_ERRORS = {"pinion": 8e-6, "rack": 4e-5}

@@ -16,8 +16,8 @@ from benchmarks.peers.rounds import Row, absent, as_data, curve_of, from_data, i
 from benchmarks.peers.scene import GEAR, TURN, Method
 from benchmarks.topic import Topic, load_data, save_data
 from rps_exudyn.charts import style
-from rps_exudyn.verification.references import Method as ReferenceMethod
-from rps_exudyn.verification.work_precision import pareto_front
+from verification.references import Method as ReferenceMethod
+from verification.work_precision import pareto_front
 
 DATA, PICTURE = "peers.json", "peers.png"
 WARMED = TURN / 36

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from rps_exudyn.charts import style
-from rps_exudyn.verification.stability import Cell
+from verification.stability import Cell
 
 CELL_COLOURS = {
     Cell.RIGHT: "#a9cf8f",

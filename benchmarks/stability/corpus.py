@@ -10,7 +10,7 @@ import rps_exudyn as rps
 from benchmarks.topic import ROOT, Topic, markdown
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
-from rps_exudyn.verification.stability import ScenePlan, cpu_time_limit, error_of, reference, unchecked
+from verification.stability import ScenePlan, cpu_time_limit, error_of, reference, unchecked
 
 COLUMNS = ("case", "without_checks", "error_without", "outcome", "error", "message")
 DATA = "corpus.csv"

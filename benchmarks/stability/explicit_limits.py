@@ -32,8 +32,8 @@ from rps_exudyn.multibody.bush_chain import add_chain
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import DrivenBody, Steady, travel_per_radian
-from rps_exudyn.verification.runge_kutta import FreeMotion
-from rps_exudyn.verification.stability import bisected
+from verification.runge_kutta import FreeMotion
+from verification.stability import bisected
 
 DATA = "explicit.json"
 GEAR = SteeringGear().replace({"mesh.law": "area"})  # whose stiffness is varied

@@ -40,8 +40,8 @@ from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Axis, Case
 from rps_exudyn.study.study_file import read_study
 from rps_exudyn.study.table import axis_quantity
-from rps_exudyn.verification.runge_kutta import runge_kutta
-from rps_exudyn.verification.stability import (
+from verification.runge_kutta import runge_kutta
+from verification.stability import (
     INACCURATE,
     REFERENCES,
     SLOW,

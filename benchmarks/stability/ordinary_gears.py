@@ -14,7 +14,7 @@ import numpy as np
 import rps_exudyn as rps
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.verification.population import ERRORS, RANGES
+from verification.population import ERRORS, RANGES
 
 SEED = 8
 GEOMETRY = (

@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
-from rps_exudyn.verification.runge_kutta import FreeMotion, runge_kutta
+from verification.runge_kutta import FreeMotion, runge_kutta
 
 SEARCHED = np.geomspace(0.05, 5.0, 2000)  # h |lambda|; the bounds of both methods lie between 2 and 3
 KICK = 1e-3  # of a speed below which nothing changes its nature: that of the friction zone

@@ -24,11 +24,11 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.checked_run import run_unchecked
-from rps_exudyn.verification.behind_column import Behind, Wheel, WheelFigures, figures
-from rps_exudyn.verification.refined_steps import NotFoundError
-from rps_exudyn.verification.sampler import REACHES, drawn, random_gear
-from rps_exudyn.verification.stability import ScenePlan, cpu_time_limit
-from rps_exudyn.verification.stated_ranges import GEAR
+from verification.behind_column import Behind, Wheel, WheelFigures, figures
+from verification.refined_steps import NotFoundError
+from verification.sampler import REACHES, drawn, random_gear
+from verification.stability import ScenePlan, cpu_time_limit
+from verification.stated_ranges import GEAR
 
 SEED = 17
 PLANS = 200
@@ -81,7 +81,8 @@ def outcome_of(plan: ScenePlan) -> dict[str, Any]:
         return found | {"status": "input-error", "message": str(error)}
     except TimeoutError as error:
         return found | {"status": "timeout", "message": str(error)}
-    found |= {"status": result.status.value, "message": result.message, "seconds": process_time() - start}
+    found |= {"status": result.status.value, "message": result.message, "codes": result.codes}
+    found["seconds"] = process_time() - start
     if result.status not in (Status.OK, Status.INVALID):
         return found
     start = process_time()

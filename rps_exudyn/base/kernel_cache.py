@@ -26,7 +26,6 @@ KERNEL_SOURCES = (
     "mesh_contact/*.py",
     "solvers/*.py",
     "animation/raster.py",
-    "verification/seat_cells.py",
 )
 """What compiled code is made of: the kernels, and the records and constants that they read."""
 STAMP = ".sha256"

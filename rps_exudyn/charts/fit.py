@@ -20,7 +20,7 @@ NAMED = 4  # factors of a combination that its bar names
 
 def curves_figure(fit: Fit) -> Figure | None:
     """Measured and fitted torque against the motion, and what is left; None without free turning."""
-    turned = [each for each in fit.passes if each.test in ("free", "reversal")]
+    turned = [each for each in fit.passes if each.by_angle]
     if not turned:
         return None
     figure, (torque, left) = style.panels([3.4, 2.0])

@@ -10,9 +10,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result
-
-NOT_TURNED = ("rack-lift", "radial-play", "rattle", "steering-torque", "yoke-impact")
-"""Scenes without a rig that turns the gear at the test's speed."""
+from rps_exudyn.scenes import is_scene, scene_named
 
 
 def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str]) -> None:
@@ -36,6 +34,6 @@ def about(result: Result) -> str:
     gear = result.gear
     size = f"{gear.pinion.teeth} teeth, module {mm(gear.pinion.normal_module)}"
     parts = [size, f"preload {gear.yoke.preload:g} N"]
-    if result.scene not in NOT_TURNED:
+    if not is_scene(result.scene) or scene_named(result.scene).at_test_speed:
         parts.append(next(item for item in SteeringGear.declared_at("test.speed")).show(gear.test.speed))
     return " · ".join([*parts, f"fidelity {result.fidelity['name']}"])

@@ -17,13 +17,12 @@ import numpy as np
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.mean_depth import mean_depth
 from rps_exudyn.mesh_contact.spheres import sphere_radius
-from rps_exudyn.parameters.fidelity import CHAINS, Fidelity
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 
 STEPS_PER_PITCH = 2  # fewer cannot show the tooth frequency; after_run sees whether more are needed
 REPAIRED_STEPS_PER_PITCH = 20
 DEEPEST = 1.5  # deepest contact over the mean one, measured on the paper's gear
-LEAST_GENERATORS = 20  # 0.5 % of the torque
 LEAST_STATIONS = {"area": 2, "line": 2, "teeth": 3}  # 3.5 % of the hysteresis by two teeth that bend
 LEAST_ROWS = 8  # of spheres along the face width
 SPACING = 2.5  # of spheres along the profile, over the width of the strip that touches: 1 % of the torque
@@ -79,7 +78,7 @@ def _tooth_pitch_resolved(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Br
 
 def _straight_where_rigid(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
     """No bow where a part knows straight bars only."""
-    chain, contact = fidelity.bush in CHAINS, fidelity.mesh == "general-contact"
+    chain, contact = fidelity.bush == "chain", fidelity.mesh == "general-contact"
     if gear.rack.bow and (chain or contact):
         part = "fidelity.mesh = general-contact" if contact else f"fidelity.bush = {fidelity.bush}"
         repair = ({"bush": "condensed"} if chain else {}) | ({"mesh": "flank"} if contact else {})
@@ -92,8 +91,6 @@ def _contact_integrated(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Brea
     limits: dict[str, int] = {}
     if fidelity.mesh == "flank":
         limits = {"strip_points": 2, "strip_stations": LEAST_STATIONS[gear.mesh.law]}
-    elif fidelity.mesh == "flank-generators":
-        limits = {"generators": LEAST_GENERATORS}
     elif fidelity.mesh == "general-contact":
         limits = {"profile_samples": least_profile_samples(gear), "axial_samples": LEAST_ROWS}
     for choice, limit in limits.items():

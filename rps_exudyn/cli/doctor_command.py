@@ -92,11 +92,12 @@ def _places(folders: Sequence[Path]) -> Iterator[tuple[str, str, bool]]:
 def _reference() -> tuple[str, str, bool]:
     """The default gear's torque, against the published one."""
     from rps_exudyn.results.outcome import Status
+    from rps_exudyn.scenes.free_pinion_torque import SCENE
     from rps_exudyn.simulate.run import run
 
     began, cpu = perf_counter(), process_time()
     with shown_progress():
-        result = run("free-pinion-torque", fidelity="quasi-static")
+        result = run(SCENE.name, fidelity="quasi-static")
     took = (
         f"{perf_counter() - began:.2g} s, {process_time() - cpu:.2g} s of CPU time with loading or compiling"
     )

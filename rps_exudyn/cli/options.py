@@ -61,12 +61,11 @@ class SetupOptions(GearOptions):
     fidelity: str | None = None
     """What is modelled how: full, flank (default), quasi-static or closed-form; see `describe fidelity`."""
     mesh: str | None = None
-    """How the teeth touch, if not as in the fidelity: general-contact, flank, flank-generators, ratio or
-    ratio-with-loss."""
+    """How the teeth touch, if not as in the fidelity: general-contact or flank."""
     bush: str | None = None
-    """Model of the bush, likewise: chain, adams-chain, condensed, rigid."""
-    yoke: str | None = None
-    """How the yoke presses, likewise: body, force."""
+    """Model of the bush, likewise: chain, condensed, rigid."""
+    yoke: Annotated[str | None, Parameter(show=False)] = None
+    """Model of the yoke, of which `body` remains."""
     rack: str | None = None
     """How the rack moves, likewise: by-scene, free, guided, flexible."""
     solver: str | None = None

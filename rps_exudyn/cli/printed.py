@@ -35,7 +35,18 @@ def print_result(result: "Result", files: Iterable[Path] = ()) -> None:
 
 def result_as_dict(result: "Result", files: Iterable[Path] = ()) -> dict[str, Any]:
     """A result without its signals, in SI units."""
-    names = ("scene", "status", "message", "fidelity", "summary", "counters", "geometry", "cpu_s", "wall_s")
+    names = (
+        "scene",
+        "status",
+        "message",
+        "codes",
+        "fidelity",
+        "summary",
+        "counters",
+        "geometry",
+        "cpu_s",
+        "wall_s",
+    )
     content = {name: getattr(result, name) for name in (*names, "solver", "findings", "provenance")}
     return content | {"parameters": result.gear.model_dump(), "files": [str(file) for file in files]}
 

@@ -61,6 +61,7 @@ class FittedPass:
 
     name: str
     test: str
+    by_angle: bool  # whether its curve is compared, not its mean alone
     direction: int
     angle: np.ndarray
     value: np.ndarray

@@ -116,7 +116,7 @@ def repeats_sentence(fit: Fit) -> str:
 
 def test_words(test: BenchTest) -> str:
     """A further test in words."""
-    if test.kind == "load-test":
+    if test.of_kind.weighted:
         return f"raise and lower {test.title.partition('@')[2].replace('kg', ' kg')} at the rack's end"
     return TESTS.get(test.kind, test.title)
 

@@ -16,7 +16,7 @@ from time import process_time
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.fitting.bench_tests import FREE_TURNING, Measurement, read_measurement
+from rps_exudyn.fitting.bench_tests import Measurement, read_measurement
 from rps_exudyn.fitting.curved import OtherEnd
 from rps_exudyn.fitting.estimate import Fit
 from rps_exudyn.fitting.noise import SENSOR, Found, Repeats, found_noise, noises_of, repeats_of
@@ -105,7 +105,7 @@ def _tellable(measurement: Measurement, gear: SteeringGear, free: list[str]) -> 
     Raises:
         InputError: curves too short to tell anything.
     """
-    turning = [each for each in measurement.passes if each.test.kind in FREE_TURNING]
+    turning = [each for each in measurement.passes if each.test.of_kind.by_angle]
     pitch = TURN / gear.pinion.teeth
     for each in turning:
         if np.ptp(each.angle) < 0.98 * pitch:
@@ -132,7 +132,7 @@ def _problem(
     free: Sequence[str],
     priors: Mapping[str, tuple[float, float]],
 ) -> Problem:
-    turning = [each for each in measurement.passes if each.test.kind in FREE_TURNING]
+    turning = [each for each in measurement.passes if each.test.of_kind.by_angle]
     whole = None
     if gear.rack.bow or "rack.bow" in free:
         angles = np.concatenate([each.angle for each in turning]) if turning else np.array([-np.pi, np.pi])
@@ -142,12 +142,9 @@ def _problem(
     if not unknowns:
         raise InputError("a fit needs at least one free parameter of which its curves can tell.")
     torque = closed_form(gear).free_torque
-    kinds = {each.run: each.test.kind for each in measurement.passes}
+    pushed = {each.run for each in measurement.passes if each.test.pushed}
     gain = float(GearPair.of(gear).gain)
-    quiet = tuple(
-        ZERO * torque / (gain if kinds.get(run) == "rack-push" else 1.0)
-        for run in range(len(measurement.names))
-    )
+    quiet = tuple(ZERO * torque / (gain if run in pushed else 1.0) for run in range(len(measurement.names)))
     tests = measurement.tests
     unknown_noise = Found(0.0, 0.0, 0.0, 0.0, np.inf)
     found = [replace(unknown_noise, white=white_noise(each)) for each in measurement.passes]

@@ -16,6 +16,7 @@ from rps_exudyn.fitting.noise import REPEATABILITY, SENSOR
 from rps_exudyn.fitting.prediction import formula_means
 from rps_exudyn.fitting.unknowns import LEVEL
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
 from rps_exudyn.solvers.closed_form import GRAVITY, unloading_force
 
 NARROWED = 0.5  # of the declared deviation
@@ -107,7 +108,7 @@ def candidates(gear: SteeringGear) -> list[BenchTest]:
     """Return tests that a bench may add: without yoke, without rack, and weights."""
     lifting = unloading_force(gear) / GRAVITY
     masses = [max(10.0, 10.0 * ceil(part * lifting / 10)) for part in (0.3, 0.6, 1.15)]
-    weights = [BenchTest("load-test", mass * GRAVITY) for mass in dict.fromkeys(masses)]
+    weights = [BenchTest(LOAD_TEST.name, mass * GRAVITY) for mass in dict.fromkeys(masses)]
     return [BenchTest("yoke-out"), BenchTest("bearing"), *weights]
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rps_exudyn.fitting.bench_tests import FREE_TURNING, MeasuredPass
+from rps_exudyn.fitting.bench_tests import MeasuredPass
 from rps_exudyn.fitting.problem import LINEAR_TO, Noise, PassRows
 
 PARTS = 72  # of a pass, whose means the likelihood is made of
@@ -37,7 +37,7 @@ class Found:
 
 def found_noise(measured: MeasuredPass, rows: PassRows, white: float, pitch: float) -> Found:
     """Return the noise of one pass; `white` is what its neighbouring points show."""
-    if measured.test.kind not in FREE_TURNING:  # its mean alone is compared
+    if not measured.test.of_kind.by_angle:  # its mean alone is compared
         return Found(white, 0.0, 0.0, 0.0, np.inf)
     held = np.clip(rows.deviation, -3 * LINEAR_TO * white * 2, 3 * LINEAR_TO * white * 2)
     angle, mean, count = _parts(measured.angle, held)
@@ -172,7 +172,7 @@ def noises_of(
             continue
         shift = paired * REPEATABILITY * friction_part(passes, each)
         shifts = several_tests or own.correlated > 0
-        correlated = own.correlated if each.test.kind in FREE_TURNING else 0.0
+        correlated = own.correlated if each.test.of_kind.by_angle else 0.0
         noises.append(Noise(own.white, correlated, own.length, shift if shifts else 0.0))
     return noises
 

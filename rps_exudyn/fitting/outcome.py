@@ -5,7 +5,7 @@ from time import process_time
 
 import numpy as np
 
-from rps_exudyn.fitting.bench_tests import FREE_TURNING, mixed_speeds
+from rps_exudyn.fitting.bench_tests import mixed_speeds
 from rps_exudyn.fitting.curved import OtherEnd
 from rps_exudyn.fitting.estimate import Estimate, Fit, FittedPass, Level, Verdict, untold
 from rps_exudyn.fitting.identify import (
@@ -206,7 +206,7 @@ def _level(
     quantile: float,
 ) -> Level | None:
     """The mean free torque, where it was measured."""
-    turning = [i for i, block in enumerate(problem.prediction.blocks) if block.test.kind in FREE_TURNING]
+    turning = [i for i, block in enumerate(problem.prediction.blocks) if block.test.of_kind.by_angle]
     if not turning:
         return None
     block, count = problem.prediction.blocks[turning[0]], len(problem.unknowns)
@@ -244,7 +244,7 @@ def _fitted_passes(
         values = problem.prediction.part(at, state.values)
         slopes = problem.prediction.part(at, state.slopes)
         angle = each.angle - state.offset
-        if each.test.kind in FREE_TURNING:
+        if each.test.of_kind.by_angle:
             model = block.at(values, each.direction, angle)
             by_u = block.at(slopes, each.direction, angle)
         else:
@@ -257,6 +257,7 @@ def _fitted_passes(
             FittedPass(
                 problem.measurement.names[each.run],
                 each.test.title,
+                each.test.of_kind.by_angle,
                 each.direction,
                 each.angle,
                 each.value,

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.fitting.bench_tests import FREE_TURNING, MeasuredPass, Measurement
+from rps_exudyn.fitting.bench_tests import MeasuredPass, Measurement
 from rps_exudyn.fitting.prediction import TURN, formula_means
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import largest_angle
@@ -43,7 +43,7 @@ def _sizes(passes: list[MeasuredPass], gear: SteeringGear) -> Iterator[str]:
 def _travels(passes: list[MeasuredPass], gear: SteeringGear) -> Iterator[str]:
     turned = max(float(np.ptp(each.angle)) for each in passes)
     whole = 2 * largest_angle(gear)
-    if passes[0].test.kind in FREE_TURNING and turned > MOST_TRAVELS * whole:
+    if passes[0].test.of_kind.by_angle and turned > MOST_TRAVELS * whole:
         yield (
             f"covers {turned / TURN:.3g} turns of the pinion where the gear given has teeth for "
             f"{whole / TURN:.3g}: look at the unit of its angle"

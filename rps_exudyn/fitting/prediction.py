@@ -14,7 +14,7 @@ import numpy as np
 
 from rps_exudyn.analysis.torque import mean
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.fitting.bench_tests import FREE_TURNING, BenchTest
+from rps_exudyn.fitting.bench_tests import BenchTest
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -113,14 +113,14 @@ class Prediction:
         test = block.test
         if test.kind in ("yoke-out", "bearing"):
             return np.array(formula_means(gear, test))
-        if test.kind in FREE_TURNING:
+        if test.of_kind.by_angle:
             ends = float(block.grid[0]), float(block.grid[-1])
             return np.concatenate([self._turned(gear, ends, sense, block.grid) for sense in (1, -1)])
         true = gear.replace({"pinion.pitch_error": 0.0, "rack.bow": 0.0})
         half, step = TURN / 2, 2 * STEP
         if gear.pinion.runout < SEEN:
             true, half, step = true.replace({"pinion.runout": 0.0}), half / gear.pinion.teeth, STEP
-        body: DrivenBody = "rack" if test.kind == "rack-push" else "pinion"
+        body: DrivenBody = "rack" if test.pushed else "pinion"
         means = []
         for first, last in ((-half, half), (half, -half)):
             maneuver = steady_maneuver(true, body, first, last, step)
@@ -149,13 +149,13 @@ def formula_means(gear: SteeringGear, test: BenchTest) -> tuple[float, float]:
     if test.kind == "yoke-out":
         torque = float(GearPair.of(gear).gain) * gear.bush.drag + gear.bearing.friction_torque
         return torque, -torque
-    if test.kind == "rack-push":
+    if test.pushed:
         return pushing_force(gear, +1), pushing_force(gear, -1)
     return mean_state(gear, +1, test.load).torque, mean_state(gear, -1, test.load).torque
 
 
 def _block(test: BenchTest, whole: tuple[float, float] | None) -> Block:
-    if test.kind not in FREE_TURNING:
+    if not test.of_kind.by_angle:
         return Block(test, np.zeros(1), True)
     low, high = whole or (-np.pi, np.pi)
     return Block(test, np.linspace(low, high, round((high - low) / STEP) + 1), whole is None)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rps_exudyn.fitting.bench_tests import FREE_TURNING, MeasuredPass, Measurement
+from rps_exudyn.fitting.bench_tests import MeasuredPass, Measurement
 from rps_exudyn.fitting.prediction import Block, Prediction
 from rps_exudyn.fitting.unknowns import Unknown
 
@@ -144,7 +144,7 @@ def linearised(problem: Problem, state: State) -> Linearised:
         information += np.outer(rows.level, rows.level) / rows.level_sd**2
         gradient += rows.level * rows.mean / rows.level_sd**2
         by_level += (rows.mean / rows.level_sd) ** 2
-        if measured.test.kind in FREE_TURNING:
+        if measured.test.of_kind.by_angle:
             weighted = rows.weights / problem.noises[number].white ** 2
             information += rows.shape.T @ (weighted[:, None] * rows.shape)
             gradient += rows.shape.T @ (weighted * rows.deviation)
@@ -159,7 +159,7 @@ def pass_rows(problem: Problem, state: State, number: int) -> PassRows:
     values = problem.prediction.part(at, state.values)
     slopes = problem.prediction.part(at, state.slopes)
     angle, count = measured.angle - state.offset, len(problem.unknowns)
-    free = measured.test.kind in FREE_TURNING
+    free = measured.test.of_kind.by_angle
     model = block.at(values, measured.direction, angle)
     left = measured.value - (1 + state.gain) * model - state.zeros[measured.run]
     if not free:

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from rps_exudyn.fitting.bench_tests import FREE_TURNING
 from rps_exudyn.fitting.curved import OtherEnd
 from rps_exudyn.fitting.estimate import Estimate, Verdict, untold
 from rps_exudyn.fitting.identify import NARROWED
@@ -98,7 +97,7 @@ def unexplained(problem: Problem, converged: bool, found: Sequence[Found]) -> st
     if not is_curved(problem):
         return ""
     passes = problem.measurement.passes
-    free = [i for i, each in enumerate(passes) if each.test.kind in FREE_TURNING]
+    free = [i for i, each in enumerate(passes) if each.test.of_kind.by_angle]
     left = [np.hypot(found[i].white, found[i].correlated) / white_noise(passes[i]) for i in free]
     misfit, points = float(np.sqrt(np.mean(np.square(left)))), sum(passes[i].value.size for i in free)
     if converged and misfit < 1 + CHANCE / np.sqrt(points):

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from rps_exudyn.fitting.bench_tests import FREE_TURNING
 from rps_exudyn.fitting.prediction import NoPredictionError
 from rps_exudyn.fitting.problem import Problem, State, linearised, robust_weights
 from rps_exudyn.fitting.unknowns import settings_of
@@ -90,7 +89,7 @@ def _level_by_formula(problem: Problem, gear: SteeringGear) -> np.ndarray:
 def _runout_by_half_sum(problem: Problem, gear: SteeringGear, u: np.ndarray) -> np.ndarray:
     """The half sum of the free torques is -P (e_c sin phi + e_s cos phi): what the runout stores."""
     where = {each.component: j for j, each in enumerate(problem.unknowns) if each.path == "pinion.runout"}
-    free = [each for each in problem.measurement.passes if each.test.kind in FREE_TURNING]
+    free = [each for each in problem.measurement.passes if each.test.of_kind.by_angle]
     if not where or {each.direction for each in free} != {1, -1}:
         return u
     amplitudes = []

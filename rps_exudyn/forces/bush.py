@@ -63,12 +63,7 @@ class Connection:
     before: int
     after: int
     station: float  # distance from the held end [m]
-    stiffness: np.ndarray  # diagonal at that station, shape (6,); infinite where locked
-
-    @property
-    def locked(self) -> bool:
-        """Tell whether the neighbours are one rigid body."""
-        return bool(np.isinf(self.stiffness).all())
+    stiffness: np.ndarray  # diagonal at that station, shape (6,)
 
 
 @dataclass(frozen=True)
@@ -87,16 +82,6 @@ class Chain:
         centres = h * (np.arange(segments) + 0.5)
         root = Connection(-1, 0, h / 4, tube.connection(h / 2))
         return cls(length, centres, (root, *_inner(tube, h, segments)), tube.connection(h / 2))
-
-    @classmethod
-    def adams(cls, tube: Tube, length: float, segments: int) -> "Chain":
-        """The paper's discrete flexible link: the first segment is locked, the last one rigid to its end.
-
-        Under a tip force it deflects 1 - 1.5/N + 0.75/N^2 - 0.25/N^3 of an Euler-Bernoulli beam.
-        """
-        h = length / segments
-        locked = Connection(-1, 0, h / 2, np.full(6, np.inf))
-        return cls(length, h * (np.arange(segments) + 0.5), (locked, *_inner(tube, h, segments)), RIGID_END)
 
     @property
     def end_station(self) -> float:
@@ -142,11 +127,6 @@ def _shared_chain(tube: Tube, length: float, segments: int) -> Chain:
     return Chain.of(tube, length, segments)
 
 
-def adams_chain(gear: SteeringGear) -> Chain:
-    """The bush as the paper's discrete flexible link."""
-    return Chain.adams(Tube.of(gear), gear.bush.length, gear.bush.segments)
-
-
 def lateral_stiffness(chain: Chain) -> np.ndarray:
     """Stiffness of the bush's free end with its fit, seen in the housing: forces along y, z and moments about
     y, z over displacements and tilts, shape (4, 4) [N/m, N, N m]."""
@@ -179,8 +159,6 @@ def stored_in_chain(gear: SteeringGear, chain: Chain, segments: np.ndarray) -> n
     centres = housing_station(gear, chain.centres)
     energy = np.zeros(len(segments))
     for connection in chain.connections:
-        if connection.locked:
-            continue
         x = housing_station(gear, connection.station)
         strain = segments[:, connection.after] @ _carry(x - centres[connection.after]).T
         if connection.before >= 0:

@@ -28,7 +28,6 @@ def add_chain(
     Springs sit at one point of both neighbours, so that the pair of forces has no free moment.
     """
     from exudyn.itemInterface import (
-        GenericJoint,
         MarkerBodyRigid,
         NodeRigidBodyRxyz,
         ObjectConnectorRigidBodySpringDamper,
@@ -60,14 +59,11 @@ def add_chain(
     for connection in chain.connections:
         x = housing_station(gear, connection.station)
         markers = [marker(connection.before, x), marker(connection.after, x)]
-        if connection.locked:
-            mbs.AddObject(GenericJoint(markerNumbers=markers))
-        else:
-            mbs.AddObject(
-                ObjectConnectorRigidBodySpringDamper(
-                    markerNumbers=markers,
-                    stiffness=np.diag(connection.stiffness),
-                    visualization=VObjectConnectorRigidBodySpringDamper(show=False),
-                )
+        mbs.AddObject(
+            ObjectConnectorRigidBodySpringDamper(
+                markerNumbers=markers,
+                stiffness=np.diag(connection.stiffness),
+                visualization=VObjectConnectorRigidBodySpringDamper(show=False),
             )
+        )
     return nodes, bodies

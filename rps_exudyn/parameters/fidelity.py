@@ -26,9 +26,7 @@ from rps_exudyn.parameters.declaration import (
 )
 from rps_exudyn.parameters.problem import Problem
 
-CHAINS = ("chain", "adams-chain")
 LEAST_SWING_STEPS = 5  # fewer do not see an impact
-RATIOS = ("ratio", "ratio-with-loss")
 PresetName = Literal["full", "flank", "quasi-static", "closed-form"]
 
 
@@ -38,16 +36,9 @@ class Fidelity(Table):
     based_on: PresetName = parameter(
         "flank", "preset whose choices these are but for those changed", "choice"
     )
-    mesh: Literal["general-contact", "flank", "flank-generators", "ratio", "ratio-with-loss"] = parameter(
-        "flank", "how the teeth touch", "choice"
-    )
-    bush: Literal["chain", "adams-chain", "condensed", "rigid"] = parameter(
+    mesh: Literal["general-contact", "flank"] = parameter("flank", "how the teeth touch", "choice")
+    bush: Literal["chain", "condensed", "rigid"] = parameter(
         "condensed", "how the bush is modelled", "choice"
-    )
-    yoke: Literal["body", "force"] = parameter(
-        "body",
-        "how the yoke presses: a plunger on its seat, or spring and stop on the rack itself",
-        "choice",
     )
     rack: Literal["by-scene", "free", "guided", "flexible"] = parameter(
         "by-scene",
@@ -67,8 +58,8 @@ class Fidelity(Table):
     )
     torque_tolerance: Number = parameter(
         0.0,
-        "equilibrium: angles are added until the torque is known between them to this share of its mean; "
-        "0 keeps the even steps",
+        "equilibrium: steps of a steady motion are halved until they show the torque to this share of its "
+        "mean; 0: as its record asks",
         "choice",
         ge=0,
         lt=1,
@@ -92,13 +83,6 @@ class Fidelity(Table):
         4, "flank: Gauss points along each segment of a line of contact", "choice", ge=1, le=12
     )
     strip_points: int = parameter(2, "flank: Gauss points across the strip of contact", "choice", ge=1, le=12)
-    generators: int = parameter(
-        160,
-        "flank-generators: lines across each flank over which the contact is integrated",
-        "choice",
-        ge=4,
-        le=100000,
-    )
     profile_samples: int = parameter(
         27, "general contact: spheres along the profile of a flank", "choice", ge=2, le=2000
     )
@@ -131,13 +115,17 @@ class Fidelity(Table):
 
     @model_validator(mode="before")
     @classmethod
-    def _without_name(cls, tables: Any) -> Any:
-        """Read what was stored: the name follows from the choices, in old files it names the preset."""
-        if not isinstance(tables, Mapping) or "name" not in tables:
+    def _from_stored(cls, tables: Any) -> Any:
+        """Read what was stored: the name follows from the choices, in old files it names the preset; of some
+        choices one value remains."""
+        if not isinstance(tables, Mapping):
             return tables
+        if "name" not in tables:
+            return {choice: value for choice, value in tables.items() if (choice, value) != ("yoke", "body")}
         preset = str(tables["name"]).partition(" ")[0]
         known = {"based_on": preset} if preset in PRESETS else {}
-        return known | {choice: value for choice, value in tables.items() if choice != "name"}
+        dropped = "name", "yoke", "generators"
+        return known | {choice: value for choice, value in tables.items() if choice not in dropped}
 
     def __repr__(self) -> str:
         return f"<Fidelity: {self.name}>"
@@ -149,7 +137,7 @@ class Fidelity(Table):
     def with_bending(self) -> Self:
         """Return the choices of a scene that needs a flexible rack: it bends unless another is chosen, or is
         part of a model that knows rigid ones only."""
-        can = self.mesh != "general-contact" and self.bush not in CHAINS
+        can = self.mesh != "general-contact" and self.bush != "chain"
         return self.replace({"rack": "flexible"}) if self.rack == "by-scene" and can else self
 
     @classmethod
@@ -203,7 +191,7 @@ def _conflicts(chosen: Fidelity) -> Iterator[Problem]:
             f"fidelity.bush is {chosen.bush}, but fidelity.rack is guided, whose bush only drags: "
             "leave it condensed.",
         )
-    if chosen.rack == "flexible" and chosen.bush in CHAINS:
+    if chosen.rack == "flexible" and chosen.bush == "chain":
         yield Problem(
             ("rack", "bush"),
             f"fidelity.bush is {chosen.bush}, but fidelity.rack is flexible, whose bush is condensed to its "

@@ -7,6 +7,7 @@ from pydantic import ValidationError
 
 from rps_exudyn.base import units
 from rps_exudyn.parameters.problem import ConflictError, Problem
+from rps_exudyn.parameters.retired import choice_instead, parameter_instead
 
 if TYPE_CHECKING:
     from rps_exudyn.parameters.declaration import Table
@@ -72,6 +73,8 @@ def _problem(table: type["Table"], item: Any, given: Mapping[str, Any], settings
         sentence = f"{path} {item['ctx']['error']}."
     elif item["type"] == "finite_number":
         sentence = f"{path} is {shown}; it must be finite."
+    elif instead := choice_instead(path, value):
+        sentence = f"{path} is {shown}, which earlier versions had: {instead}."
     else:
         sentence = f"{path} is {shown}; it must be {table.declared_at(path)[0].allowed}."
     return Problem((path,), sentence)
@@ -93,7 +96,10 @@ def _value_in(given: Mapping[str, Any], loc: tuple[int | str, ...]) -> Any:
 
 
 def nearest(table: type["Table"], path: str, left_out: tuple[str, ...] = ()) -> str:
-    """Return what may have been meant, if not one of the tables left out."""
+    """Return what replaces a parameter of earlier versions, or what may have been meant, if not one of the
+    tables left out."""
+    if instead := parameter_instead(path):
+        return instead
     offered = [item.path for item in table.declared() if item.path.partition(".")[0] not in left_out]
     import difflib
 

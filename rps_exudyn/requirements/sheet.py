@@ -21,6 +21,8 @@ from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.requirements.limits import Limit
+from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
+from rps_exudyn.scenes.rack_lift import SCENE as RACK_LIFT
 from rps_exudyn.solvers.closed_form import load_test
 from rps_exudyn.uncertainty.band import Band, band_of_runs
 from rps_exudyn.uncertainty.quick_band import quick_band
@@ -141,7 +143,7 @@ def _of_efficiency(
     gear: SteeringGear, inputs: Mapping[str, Distribution], limits: Mapping[str, Limit], samples: int
 ) -> Judged:
     short = gear.replace({"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth})
-    band = band_of_runs("load-test", short, MODEL, inputs, max(samples // 2, 8))
+    band = band_of_runs(LOAD_TEST.name, short, MODEL, inputs, max(samples // 2, 8))
     judged = _from_band("efficiency_ratio", "efficiency_ratio", band, limits)
     weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 - (T_0 / W s')^2"
     if judged.kept:
@@ -163,7 +165,7 @@ def _of_lift(
     samples: int,
 ) -> Judged:
     lifting = gear.replace({"test.lift_torque": rated_torque})
-    lift = band_of_runs("rack-lift", lifting, MODEL, inputs, max(samples // 2, 8))
+    lift = band_of_runs(RACK_LIFT.name, lifting, MODEL, inputs, max(samples // 2, 8))
     return _from_band("rated_lift", "rack_lift", lift, limits)
 
 

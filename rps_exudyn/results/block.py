@@ -20,16 +20,26 @@ from rps_exudyn.base.hdf5 import file_image, opened
 from rps_exudyn.base.seal import sealed
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results import provenance as origin
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Status, codes_of
 from rps_exudyn.results.quantities import GROUPS
 from rps_exudyn.results.result import Result, attributes_of
 
 FILETYPE = "rps_exudyn-block"
-VERSION = (1, 0)
+VERSION = (1, 1)
 """Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
 
 TABLES = ("summary", "counters", "geometry")
-TEXTS = ("scene", "status", "message", "parameters", "fidelity", "solver", "findings", *origin.FIELDS)
+TEXTS = (
+    "scene",
+    "status",
+    "message",
+    "codes",
+    "parameters",
+    "fidelity",
+    "solver",
+    "findings",
+    *origin.FIELDS,
+)
 TIMES = ("cpu_s", "wall_s")
 FILTERS: dict[str, Any] = {"fletcher32": True, "shuffle": True, "compression": "gzip", "compression_opts": 1}
 
@@ -71,6 +81,11 @@ class CaseRecord:
         return cls(case_hash, attributes, tables, result.signals)
 
     @property
+    def codes(self) -> tuple[str, ...]:
+        """What the message is about."""
+        return codes_of(self.attributes["message"], self.attributes.get("codes"))
+
+    @property
     def found_together(self) -> bool:
         """Whether the gear was followed together with others."""
         return "together" in json.loads(self.attributes["findings"])
@@ -90,6 +105,7 @@ class CaseRecord:
             findings=json.loads(about["findings"]),
             status=Status(about["status"]),
             message=about["message"],
+            codes=self.codes,
             signals=self.signals,
             summary=self.tables["summary"],
             counters=self.tables["counters"],
@@ -195,7 +211,8 @@ class Block:
     def result(self, case_hash: str) -> Result:
         """The whole result of a case."""
         row = self.places[case_hash]
-        texts = {name: self.text(name, row) for name in TEXTS}
+        known = self.columns["attributes"]
+        texts = {name: self.text(name, row) for name in TEXTS if name in known}
         times = {name: self.number(name, row) for name in TIMES}
         tables = {group: self.table(group, row) for group in TABLES}
         return CaseRecord(case_hash, texts | times, tables, self.signals(case_hash)).result(str(self.path))
@@ -218,6 +235,7 @@ class Summary(NamedTuple):
     cpu_s: float
     wall_s: float
     summary: dict[str, float]
+    codes: tuple[str, ...]
 
 
 def summaries(path: Path) -> list[Summary]:
@@ -231,10 +249,14 @@ def summaries(path: Path) -> list[Summary]:
         attributes, summary = file["attributes"], file["summary"]
         about = {name: _column(attributes, name) for name in ("status", "message", *TIMES)}
         columns = {name: _column(summary, name) for name in summary}
+        known_codes = _column(attributes, "codes") if "codes" in attributes else [None] * len(hashes)
     known_as = {text: Status(text[:-1].decode()) for text in set(about["status"])}
     said = {text: " ".join(text[:-1].decode().split()) for text in set(about["message"])}
     statuses = [known_as[text] for text in about["status"]]
     messages = [said[text] for text in about["message"]]
+    pairs = list(zip(messages, known_codes, strict=True))
+    of_pair = {pair: codes_of(pair[0], pair[1] and pair[1][:-1].decode()) for pair in set(pairs)}
+    codes = [of_pair[pair] for pair in pairs]
     names = [name for name in GROUPS["summary"] if name in columns]
     values = zip(*(columns[name] for name in names), strict=True) if names else [()] * len(hashes)
     numbers = [dict(zip(names, row, strict=True)) for row in values]
@@ -242,7 +264,7 @@ def summaries(path: Path) -> list[Summary]:
         known = columns.get(f"{name} known", ())
         for row in (row for row, has in zip(numbers, known, strict=False) if not has):
             del row[name]
-    rows = zip(hashes, statuses, messages, about["cpu_s"], about["wall_s"], numbers, strict=True)
+    rows = zip(hashes, statuses, messages, about["cpu_s"], about["wall_s"], numbers, codes, strict=True)
     return list(map(Summary._make, rows))
 
 

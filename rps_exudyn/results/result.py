@@ -26,7 +26,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results import provenance as origin
 from rps_exudyn.results.measured_torque import MeasuredTorque
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Status, codes_of
 from rps_exudyn.results.quantities import GROUPS, SIGNALS, SUMMARY
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ MOST_NUMBERS = 6  # of the summary that a printed result shows
 DRAWING = "rps_exudyn.charts.scene:draw"  # looked up when a result is drawn: charts stand above results
 
 FILETYPE = "rps_exudyn-result"
-VERSION = (1, 3)
+VERSION = (1, 4)
 """Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
 
 
@@ -58,6 +58,7 @@ class Result:
         findings: what solver and choice of the model report beside the numbers, see docs/hdf5-format.md.
         status: how it ended.
         message: why, if the status is not OK; else remarks.
+        codes: what the message is about, by the names of `outcome.Code`.
         signals: name -> values over the time, shape (time,).
         summary: name -> number.
         counters: name -> what the solver had to do.
@@ -75,6 +76,7 @@ class Result:
     findings: dict[str, Any] = field(default_factory=dict)
     status: Status
     message: str = ""
+    codes: tuple[str, ...] = ()
     signals: Mapping[str, np.ndarray] = field(default_factory=dict)
     summary: Mapping[str, float] = field(default_factory=dict)
     counters: Mapping[str, int | float] = field(default_factory=dict)
@@ -239,6 +241,7 @@ def attributes_of(result: Result) -> dict[str, Any]:
         "scene": result.scene,
         "status": result.status.value,
         "message": result.message,
+        "codes": " ".join(result.codes),
         "parameters": result.gear.model_dump_json(),
         "fidelity": json.dumps(result.fidelity, default=_plain),
         "solver": json.dumps(result.solver, default=_plain),
@@ -289,6 +292,7 @@ def _read(file: h5py.File, path: str | Path) -> Result:
         findings=findings,
         status=Status(_text(file, "status")),
         message=_text(file, "message"),
+        codes=codes_of(_text(file, "message"), _text(file, "codes") if "codes" in file.attrs else None),
         signals={name: _numbers(dataset, 1) for name, dataset in _known(file, "signals")},
         summary={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "summary")},
         counters={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "counters")},

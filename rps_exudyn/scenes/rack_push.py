@@ -59,7 +59,7 @@ def push_figures(signals: Signals) -> dict[str, float]:
 TEST = SteadyTest(
     maneuvers=lambda gear, step_angle, least: (maneuvers_of_test(gear, "rack", step_angle, least), None),
     metrics=_metrics,
-    force="rack_force",
+    curve=("time", "pinion_angle", "rack_displacement", "rack_force"),
 )
 
 SCENE = Scene(

@@ -1,5 +1,8 @@
 """All forces of a gear, as modelled: what equilibria balance and the multibody model integrates."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -9,17 +12,15 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces import external_load, sliding_fit, yoke
 from rps_exudyn.forces.bearing import bearing_record
-from rps_exudyn.forces.bush import Chain, adams_chain, bush_chain
+from rps_exudyn.forces.bush import Chain, bush_chain
 from rps_exudyn.forces.force_element import Part
 from rps_exudyn.forces.friction import PLAIN
 from rps_exudyn.forces.memory import Patches
-from rps_exudyn.forces.yoke_without_plunger import yoke_record
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import pinion_inertia, rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.mesh_contact.laws import DEEPEST
-from rps_exudyn.mesh_contact.ratio import ratio_record
 from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, pooled
 from rps_exudyn.mesh_contact.spheres import contact_data
 from rps_exudyn.mesh_contact.teeth_data import teeth_data
@@ -28,8 +29,7 @@ from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import Balance, new_work
 from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar, bent_bar
-from rps_exudyn.solvers.closed_form import closed_form
-from rps_exudyn.solvers.coordinates import PLUNGER, RACK
+from rps_exudyn.solvers.coordinates import RACK
 from rps_exudyn.solvers.gear_model import GEAR, LAWS, outputs_along, parts_of
 from rps_exudyn.solvers.linear_spheres import standing_out
 from rps_exudyn.solvers.settling import static_approach
@@ -144,6 +144,22 @@ class GearForces:
         return outputs_along(self.law, gears, self.pool, self.works, *rows)
 
 
+Exchange = Callable[[GearForces, SteeringGear, Fidelity], GearForces]
+"""The forces of a gear, the gear and its model -> the forces in their place."""
+
+_exchange: ContextVar[Exchange | None] = ContextVar("exchange", default=None)
+
+
+@contextmanager
+def exchanged(by: Exchange) -> Iterator[None]:
+    """Within the block put other forces in the place of those of every gear: laws that no model chooses."""
+    token = _exchange.set(by)
+    try:
+        yield
+    finally:
+        _exchange.reset(token)
+
+
 def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) -> GearForces:
     """Set up the force laws; a load [N] pulls the rack's end towards -X.
 
@@ -153,14 +169,14 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
     zone = fidelity.zone_ratio * pair.least_sliding * gear.test.speed
     check_friction_laws(gear, fidelity)
     mesh = mesh_of(gear, fidelity, zone, patches)
-    chain = adams_chain(gear) if fidelity.bush == "adams-chain" else bush_chain(gear)
+    chain = bush_chain(gear)
     condensed = sliding_fit.condensed_fit(gear, chain, friction_zone=zone, patches=patches)
     fit, carried = condensed, False
     if fidelity.rack == "guided":
         fit = condensed = sliding_fit.loose_fit(gear, friction_zone=zone, patches=patches)
     elif fidelity.bush == "rigid":
         fit = condensed = sliding_fit.rigid_fit(gear, friction_zone=zone, patches=patches)
-    elif fidelity.bush in ("chain", "adams-chain"):
+    elif fidelity.bush == "chain":
         fit, carried = sliding_fit.chain_fit(gear, chain, friction_zone=zone, patches=patches), True
     load = load_at_end(gear, rack_load) if rack_load or gear.rack.side_force else None
     places = {"mesh": (0.0, ALONG_BAR), "seat": (0.0, ALONG_BAR), "bush": (float(fit.station), ALONG_BAR)}
@@ -168,7 +184,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
         places["load"] = (float(load.place), ON_BAR)
     bar = bent_bar(gear, fidelity, places)
     gears, ideal = np.zeros(1, GEAR), np.zeros(1, GEAR)
-    gears["mesh"], ideal["mesh"] = mesh.record, ideal_mesh(gear, fidelity, mesh, zone)
+    gears["mesh"], ideal["mesh"] = mesh.record, ideal_mesh(mesh)
     gears["fit"], gears["is_carried"] = fit, carried
     gears["bearing"] = bearing_record(
         gear, friction_zone=fidelity.zone_ratio * gear.test.speed, patches=patches
@@ -187,38 +203,28 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
             _ideal_spheres(gear, fidelity, zone), first + numbers.size
         )
         pool = np.concatenate([pool, numbers, of_ideal])
-    if (mesh.law, bar is not None) not in LAWS:
-        raise InputError(
-            f"fidelity.mesh is {fidelity.mesh}, which has no place for a rack that bends or is not straight: "
-            "choose flank."
-        )
     law = LAWS[mesh.law, bar is not None]
     approach = static_approach(gear.yoke.preload, LAWS[mesh.law, False], ideal, pool, pair.axis_offset)
-    if fidelity.yoke == "body":
-        rest_gap = approach + gear.yoke.preload / gear.yoke.seat_stiffness
-        gears["seat"] = yoke.seat_record(gear, friction_zone=zone, rest_gap=rest_gap, patches=patches)
-        gears["spring"], gears["nut"] = yoke.spring_record(gear), yoke.nut_record(gear)
-        gears["has_plunger"] = 1
-    else:
-        gears["yoke_force"] = yoke_record(gear, friction_zone=zone, approach=approach, patches=patches)
+    rest_gap = approach + gear.yoke.preload / gear.yoke.seat_stiffness
+    gears["seat"] = yoke.seat_record(gear, friction_zone=zone, rest_gap=rest_gap, patches=patches)
+    gears["spring"], gears["nut"] = yoke.spring_record(gear), yoke.nut_record(gear)
     gears["has_bristles"] = patches.needed
-    return GearForces(
+    made = GearForces(
         law=law,
         gears=gears,
         pool=pool,
         condensed=condensed,
         chain=chain,
         friction_zone=zone,
-        locked=(
-            *(GUIDED if fidelity.rack == "guided" else ()),
-            *(() if fidelity.yoke == "body" else (PLUNGER,)),
-        ),
+        locked=GUIDED if fidelity.rack == "guided" else (),
         bar=bar,
         approach=approach,
         ideal=ideal,
         valid_to=mesh.valid_to,
         spheres=mesh.spheres,
     )
+    exchange = _exchange.get()
+    return exchange(made, gear, fidelity) if exchange else made
 
 
 @dataclass(frozen=True)
@@ -244,7 +250,7 @@ def check_friction_laws(gear: SteeringGear, fidelity: Fidelity) -> None:
                 f"{part}.friction_law is bristle, but fidelity.mesh = general-contact has no bristles: "
                 "choose fidelity.mesh = flank."
             )
-    if laws["mesh"] != "coulomb" and not fidelity.mesh.startswith("flank"):
+    if laws["mesh"] != "coulomb" and fidelity.mesh != "flank":
         raise InputError(
             f"mesh.friction_law is {laws['mesh']}, but fidelity.mesh = {fidelity.mesh} has only coulomb: "
             "choose fidelity.mesh = flank."
@@ -273,7 +279,7 @@ def mesh_of(gear: SteeringGear, fidelity: Fidelity, zone: float, patches: Patche
     """Return the contact of the teeth as the fidelity models it; of general contact its compiled samples.
 
     Raises:
-        InputError: a law of contact or an error of the pinion that the model does not have.
+        InputError: a law of contact that the model does not have.
     """
     made = np.zeros(1, GEAR["mesh"])
     limits = {"mesh_penetration": DEEPEST * gear.pinion.normal_module}
@@ -283,20 +289,6 @@ def mesh_of(gear: SteeringGear, fidelity: Fidelity, zone: float, patches: Patche
         if gear.mesh.law == "teeth":
             made["teeth"] = teeth_data(gear, made["flank"][0])
         return Mesh(gear.mesh.law, made, limits)
-    if fidelity.mesh == "flank-generators":
-        if gear.mesh.law != "area":
-            raise InputError(
-                f"mesh.law is {gear.mesh.law}, but fidelity.mesh = flank-generators has only area: "
-                "set mesh.law = area."
-            )
-        made["flank"] = pack(gear, zone=zone, generators=fidelity.generators, patches=patches)
-        return Mesh("area", made, limits)
-    if fidelity.mesh == "ratio":
-        made["ratio"] = ratio_record(gear)
-        return Mesh("ratio", made, {})
-    if fidelity.mesh == "ratio-with-loss":
-        made["ratio"] = ratio_record(gear, closed_form(gear).towards(gear.test.direction).mesh_loss)
-        return Mesh("ratio", made, {})
     spheres = spheres_of(gear, fidelity, zone)
     # one deeper than its radius passes through GeneralContact's triangles unnoticed
     return Mesh("spheres", made, {"mesh_penetration": spheres.radius / 2}, spheres)
@@ -317,10 +309,8 @@ def _ideal_spheres(gear: SteeringGear, fidelity: Fidelity, zone: float) -> Sampl
     return spheres_of(_without_errors(gear), fidelity, zone)
 
 
-def ideal_mesh(gear: SteeringGear, fidelity: Fidelity, mesh: Mesh, zone: float) -> np.ndarray:
+def ideal_mesh(mesh: Mesh) -> np.ndarray:
     """Return the record of the gear's mesh without friction and runout, shape (1,); without spheres."""
-    if mesh.law == "ratio":
-        return mesh_of(_without_errors(gear), fidelity, zone).record
     made = mesh.record.copy()
     if mesh.spheres is None:
         flank = made["flank"]

@@ -32,7 +32,7 @@ from rps_exudyn.base.compiled import (
     ready,
     record_type,
 )
-from rps_exudyn.forces import bearing, external_load, sliding_fit, yoke, yoke_without_plunger
+from rps_exudyn.forces import bearing, external_load, sliding_fit, yoke
 from rps_exudyn.forces.bearing import BEARING, bearing_force, bearing_slope
 from rps_exudyn.forces.external_load import DEAD_FORCE, add_dead_tangent, dead_force
 from rps_exudyn.forces.force_element import Part
@@ -48,11 +48,9 @@ from rps_exudyn.forces.yoke import (
     seat_force,
     spring_force,
 )
-from rps_exudyn.forces.yoke_without_plunger import YOKE_FORCE, add_yoke_tangent, yoke_force
 from rps_exudyn.mesh_contact import wrench
 from rps_exudyn.mesh_contact.laws import area_law, line_law, sphere_law, teeth_law
 from rps_exudyn.mesh_contact.mesh_record import MESH
-from rps_exudyn.mesh_contact.ratio import ratio_law
 from rps_exudyn.mesh_contact.scratch import SCRATCH
 from rps_exudyn.solvers.bent_rack import (
     BAR,
@@ -68,10 +66,10 @@ from rps_exudyn.solvers.bent_rack import (
     fill_pose_by_bar,
 )
 
-# Parts in the order of their outputs; `seat` is the yoke's, with a plunger or as a force
+# Parts in the order of their outputs
 PARTS = (
     wrench.PART,
-    yoke_without_plunger.PART,
+    yoke.SEAT_PART,
     yoke.SPRING_PART,
     yoke.NUT_PART,
     bearing.PART,
@@ -92,7 +90,6 @@ GEAR = record_type(
     [
         ("mesh", MESH),
         ("seat", SEAT),
-        ("yoke_force", YOKE_FORCE),
         ("spring", SPRING),
         ("nut", NUT),
         ("bearing", BEARING),
@@ -100,7 +97,6 @@ GEAR = record_type(
         ("load", DEAD_FORCE),  # at the rack's end
         ("weight", DEAD_FORCE),  # of the rack
         ("bar", BAR),
-        ("has_plunger", "i8"),  # else the yoke is a force
         ("has_load", "i8"),
         ("has_weight", "i8"),
         ("is_carried", "i8"),  # the rack slides in a segment of a chain, else in the housing
@@ -168,14 +164,9 @@ def _add_others(gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     for i in range(2):
         for j in range(2):
             work.of_mesh[i, j] = near[1 + i, 1 + j]
-    if gear.has_plunger:
-        seat_force(place[1:8], rate[1:8], gear.seat, memory, work.points, out[_SEAT : _SEAT + 12])
-        spring_force(place[7], gear.spring, out[_SPRING : _SPRING + 5])
-        nut_force(place[7], gear.nut, out[_NUT : _NUT + 5])
-    else:
-        yoke_force(place[1:8], rate[1:8], gear.yoke_force, memory, out[_SEAT : _SEAT + 13])
-        for i in range(_SPRING, _BEARING):
-            out[i] = 0.0
+    seat_force(place[1:8], rate[1:8], gear.seat, memory, work.points, out[_SEAT : _SEAT + 12])
+    spring_force(place[7], gear.spring, out[_SPRING : _SPRING + 5])
+    nut_force(place[7], gear.nut, out[_NUT : _NUT + 5])
     bearing_force(rate[0], gear.bearing, memory, out[_BEARING : _BEARING + 5])
     if wanted:
         _add_yoke_and_bearing(gear, work, factor_q, factor_v)
@@ -186,13 +177,10 @@ def _add_yoke_and_bearing(gear, work, factor_q, factor_v):  # type: ignore[no-un
     """Add the tangents of seat, spring, nut and bearing."""
     place, rate, near, memory = work.place, work.rate, work.near, work.contact.memory
     q, v, on_rack = place[1:8], rate[1:8], near[1:8, 1:8]
-    if gear.has_plunger:
-        add_seat_tangent(q, v, gear.seat, memory, work.points, factor_q, factor_v, on_rack, work.of_loads)
-        near[7, 7] -= factor_q * gear.spring.rate
-        if place[7] > gear.nut.clearance:
-            near[7, 7] -= factor_q * gear.nut.stiffness
-    else:
-        add_yoke_tangent(q, v, gear.yoke_force, memory, factor_q, factor_v, on_rack, work.of_loads)
+    add_seat_tangent(q, v, gear.seat, memory, work.points, factor_q, factor_v, on_rack, work.of_loads)
+    near[7, 7] -= factor_q * gear.spring.rate
+    if place[7] > gear.nut.clearance:
+        near[7, 7] -= factor_q * gear.nut.stiffness
     near[0, 0] += factor_v * bearing_slope(rate[0], gear.bearing, memory)
 
 
@@ -417,16 +405,6 @@ def sphere_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, to
     finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
 
 
-@kernel_of(*LAW)
-def ratio_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """A gear with a ratio in place of its mesh."""
-    gear, work = gears[g], works[0]
-    factor_v = begin(q, v, gear, work, factor_q, factor_v)
-    at = work.place, work.rate, gear.mesh, pool, work.contact
-    ratio_law(*at, factor_q, factor_v, work.out, work.near)
-    finish(q, gear, work, factor_q, factor_v, total, tangent)
-
-
 LAWS = {
     ("line", False): line_gear,
     ("line", True): line_gear_on_bent_rack,
@@ -436,7 +414,6 @@ LAWS = {
     ("area", True): area_gear_on_bent_rack,
     ("spheres", False): sphere_gear,
     ("spheres", True): sphere_gear_on_bent_rack,
-    ("ratio", False): ratio_gear,
 }
 """Law of the teeth's contact, whether the rack bends or is not straight -> the forces of such a gear."""
 
@@ -459,14 +436,8 @@ def fill_outputs(law, coordinates, rates, time, begun, gears, pool, works, outpu
 
 def parts_of(gear: np.record) -> list[Part]:
     """Return the parts of a gear, in the order of their outputs."""
-    having = {
-        "load": "has_load",
-        "weight": "has_weight",
-        "yoke_spring": "has_plunger",
-        "yokenut": "has_plunger",
-    }
-    parts = [yoke.SEAT_PART if each.name == "seat" and gear["has_plunger"] else each for each in PARTS]
-    return [each for each in parts if each.name not in having or gear[having[each.name]]]
+    having = {"load": "has_load", "weight": "has_weight"}
+    return [each for each in PARTS if each.name not in having or gear[having[each.name]]]
 
 
 def outputs_along(

@@ -17,7 +17,6 @@ COSTS = {
     ("equilibrium", "general-contact"): (1.0, 2e-3),
     ("generalized-alpha", "flank"): (0.14, 2.2e-4),
     ("generalized-alpha", "general-contact"): (2.0, 0.03),
-    ("generalized-alpha", "ratio"): (0.14, 1e-4),
 }
 DEARER_CHAIN = 3.0  # times, of a bush in segments with flank contact
 STORING = 0.002  # [s] per case: file, index, log
@@ -55,8 +54,7 @@ def _cost(study: Study, case: Case) -> float:
 
 
 def _rates(fidelity: Fidelity) -> tuple[float, float]:
-    mesh = "ratio" if fidelity.mesh.startswith("ratio") else fidelity.mesh
-    fixed, per_step = COSTS.get((fidelity.solver, mesh), COSTS["generalized-alpha", "flank"])
-    if fidelity.solver == "generalized-alpha" and mesh != "general-contact" and "chain" in fidelity.bush:
+    fixed, per_step = COSTS[fidelity.solver, fidelity.mesh]
+    if fidelity.solver == "generalized-alpha" and fidelity.mesh == "flank" and fidelity.bush == "chain":
         return fixed, per_step * DEARER_CHAIN
     return fixed, per_step

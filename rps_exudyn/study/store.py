@@ -37,13 +37,15 @@ class CaseRow:
     cpu_s: float  # CPU time [s]
     wall_s: float  # elapsed time [s]
     summary: Mapping[str, float]
+    codes: tuple[str, ...] = ()  # of the message, see `outcome.Code`
 
     @classmethod
     def of(cls, record: CaseRecord) -> "CaseRow":
         """The row of a record."""
         about, summary = record.attributes, dict(record.tables["summary"])
         message = " ".join(about["message"].split())
-        return cls(record.hash, Status(about["status"]), message, about["cpu_s"], about["wall_s"], summary)
+        times = about["cpu_s"], about["wall_s"]
+        return cls(record.hash, Status(about["status"]), message, *times, summary, record.codes)
 
 
 class Store:

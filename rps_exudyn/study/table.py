@@ -84,7 +84,7 @@ class CaseTable:
     @cached_property
     def limited(self) -> np.ndarray:
         """Tell whether an ok case met a limit of the gear, where a contact opens or closes."""
-        met = [row is not None and met_limit(row.message) for row in self.rows]
+        met = [row is not None and met_limit(row.codes) for row in self.rows]
         return self.ok & np.array(met, dtype=bool)
 
     @cached_property

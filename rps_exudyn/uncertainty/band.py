@@ -7,7 +7,6 @@ Beside the band stand what it is made of (contributions) and what it does not co
 solution, by the same gear in half the steps, and that of the contact law.
 """
 
-import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
@@ -23,10 +22,11 @@ from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import LawError, law_error
-from rps_exudyn.results.outcome import Interrupted, Status
+from rps_exudyn.results.outcome import Interrupted, Status, alike
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.headline import curve_of
+from rps_exudyn.scenes.refine import refine
 from rps_exudyn.simulate.batch import Batch
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.uncertainty.contributions import Contributions, Polynomials
@@ -35,7 +35,6 @@ from rps_exudyn.uncertainty.samples import Samples, runs_at
 
 LEAST_OK = 8  # samples with a number, for quantiles
 FEWEST, MOST = LEAST_OK, 100_000  # samples that may be asked for
-NUMBER = re.compile(r"\d[\d.]*(?:e[-+]?\d+)?")  # in which messages of one cause differ
 LEFT_OUT = ("energy_residual",)  # figures that say nothing about the gear
 Told = Callable[[int, int], None]
 """Told how many samples of how many are done."""
@@ -229,7 +228,7 @@ class _Seen:
     names: list[str]  # of the figures
     rows: dict[int, list[float]] = field(default_factory=dict)
     curves: dict[int, np.ndarray] | None = field(default_factory=dict)
-    failures: dict[int, str] = field(default_factory=dict)
+    failures: dict[int, tuple[tuple[str, ...], str]] = field(default_factory=dict)  # kind, and cause
 
     @property
     def ok(self) -> int:
@@ -247,9 +246,9 @@ class _Seen:
     def causes(self) -> Counter[str]:
         """Number of samples of each cause of failure, in the words of the first of them."""
         causes: Counter[str] = Counter()
-        examples: dict[str, str] = {}
-        for _, cause in sorted(self.failures.items()):
-            causes[examples.setdefault(NUMBER.sub("", cause), cause)] += 1
+        examples: dict[tuple[str, ...], str] = {}
+        for _, (kind, cause) in sorted(self.failures.items()):
+            causes[examples.setdefault(kind, cause)] += 1
         return causes
 
     def add(self, rows: Sequence[int], part: Batch) -> None:
@@ -259,7 +258,8 @@ class _Seen:
         for i, (row, result, status, message) in enumerate(ended):
             if status is not Status.OK:
                 self.rows[row] = [np.nan] * len(self.names)
-                self.failures[row] = f"{status}: {message}"
+                kind = alike(status, () if result is None else result.codes, message)
+                self.failures[row] = kind, f"{status}: {message}"
             elif result is None:
                 self.rows[row] = [
                     float(summary[name][i]) if name in summary else np.nan for name in self.names
@@ -325,14 +325,17 @@ def numerical_error(nominal: Result, fidelity: Fidelity) -> dict[str, float]:
     """Return how far half the steps move each figure of the nominal run; {} of a model without steps."""
     if fidelity.solver == "closed-form":
         return {}
-    finer = simulate(nominal.scene, nominal.gear, fidelity.replace({"step_angle": fidelity.step_angle / 2}))
-    if finer.status is not Status.OK:
+    halved = fidelity.replace({"step_angle": fidelity.step_angle / 2})
+    refined = refine(
+        nominal,
+        lambda coarse, _: simulate(coarse.scene, coarse.gear, halved),
+        1,
+        usable=lambda result: result.status is Status.OK,
+    )
+    if not refined.times:
         return {}
-    return {
-        name: abs(finer.summary[name] - value)
-        for name, value in nominal.summary.items()
-        if name in finer.summary
-    }
+    finer = refined.finest.summary
+    return {name: abs(finer[name] - value) for name, value in nominal.summary.items() if name in finer}
 
 
 def _plain(column: Iterable[float]) -> list[float | None]:

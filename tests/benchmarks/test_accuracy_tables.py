@@ -12,7 +12,7 @@ from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measu
 from benchmarks.accuracy_speed.tables import TABLES, front_of, scaling_rows
 from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.verification.work_precision import Reference
+from verification.work_precision import Reference
 
 
 def point(step: float, cost: float, error: float, message: str = "") -> Point:

@@ -14,7 +14,7 @@ from benchmarks.peers.reference import GUIDED, SCENE
 from benchmarks.peers.scene import GEAR, PAIR
 from benchmarks.topic import RESULTS
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.verification.runs import run_scene
+from verification.runs import run_scene
 
 FOLDER = RESULTS / "peers" / "benchmark"
 ANGLE, TORQUE = score.read_curve(FOLDER / score.REFERENCE)

@@ -6,7 +6,7 @@ from bad_cases import bad_cases
 from benchmarks.stability.maps import cell_and_flag
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.verification.stability import STILL, STRIP, Cell, ScenePlan
+from verification.stability import STILL, STRIP, Cell, ScenePlan
 
 REFERENCE = (STILL | STRIP,)
 CASES = bad_cases()

@@ -17,7 +17,7 @@ from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.law_error import MEASURED
-from rps_exudyn.verification.work_precision import Reference
+from verification.work_precision import Reference
 
 
 def point(label: str, cost: float, rms: float, status: str = "ok") -> Point:

@@ -9,9 +9,9 @@ from rps_exudyn.multibody.general_contact import flank_triangle
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.verification.faceted import faceted_run, largest_deviation, meshed, shaped, spheres
-from rps_exudyn.verification.flywheel import explicit_run
-from rps_exudyn.verification.references import as_run, by_generators, by_strips, moving, reference_of, slowly
+from verification.faceted import faceted_run, largest_deviation, meshed, shaped, spheres
+from verification.flywheel import explicit_run
+from verification.references import as_run, by_strips, moving, over_generators, reference_of, slowly
 
 GEAR = SteeringGear().replace({"mesh.law": "area"})  # the law that generators know
 PITCH = GEAR.replace({"test.turns": 1 / 6})
@@ -26,7 +26,7 @@ def test_reversal_by_generators_by_strips_and_in_motion() -> None:
         "reversal",
         gear,
         {
-            "generators": slowly(by_generators(80, step).replace(wide)),
+            "generators": over_generators(80, slowly(by_strips(step).replace(wide))),
             "strips": slowly(by_strips(step).replace(wide)),
             "moving": as_run(moving(step, 1e-5).replace(wide)),
         },

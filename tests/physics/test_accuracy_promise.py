@@ -11,10 +11,10 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.accuracy_kept import SLOW
 from rps_exudyn.simulate.by_accuracy import beyond_in_run, beyond_promise, choose
 from rps_exudyn.simulate.promised_quantity import error_between
-from rps_exudyn.verification.references import STRIPS
-from rps_exudyn.verification.runs import run_scene
-from rps_exudyn.verification.scene_truth import by_model, impact_in_parts, truth_of
-from rps_exudyn.verification.wide_tests import gears_under_tests
+from verification.references import STRIPS
+from verification.runs import run_scene
+from verification.scene_truth import by_model, impact_in_parts, truth_of
+from verification.wide_tests import gears_under_tests
 
 SCENE = "free-pinion-torque"
 SIGNAL = "pinion_torque"

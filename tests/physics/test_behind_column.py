@@ -16,8 +16,8 @@ from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.simulate.checked_run import run_unchecked
 from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.steering_column import SteeringColumn
-from rps_exudyn.verification.behind_column import Behind, Wheel, figures
-from rps_exudyn.verification.stability import ScenePlan
+from verification.behind_column import Behind, Wheel, figures
+from verification.stability import ScenePlan
 
 STIFFNESS, INERTIA = 100.0, 6e-5
 PARTS = ("mesh", "yoke", "bush", "bearing")

@@ -6,14 +6,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.mesh_contact.wrench import NORMAL_COAST, NORMAL_DRIVE, PENETRATION, TORQUE
-from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.simulate.run import run
-from rps_exudyn.verification.contact_at import elastic_contact, flank_contact, mesh_of_teeth
+from verification.contact_at import elastic_contact, flank_contact, mesh_of_teeth
 
 LAWS = ("line", "area", "teeth")
 NORMALS = [NORMAL_DRIVE, NORMAL_COAST]
@@ -90,10 +87,3 @@ def test_depth_is_geometry() -> None:
     """The deepest place of undeformed flanks is the same by every law, to 1 % for their stations."""
     depths = [contact_of(gear_by(law))(0.31, 0, -10e-6)[PENETRATION] for law in LAWS]
     assert depths == pytest.approx([depths[0]] * 3, rel=1e-2)
-
-
-def test_generators_say_which_law_they_know() -> None:
-    generators = Fidelity.preset("quasi-static").replace({"mesh": "flank-generators"})
-    for law in ("line", "teeth"):
-        with pytest.raises(InputError, match=r"has only area: set mesh\.law = area"):
-            run("free-pinion-torque", gear_by(law), fidelity=generators)

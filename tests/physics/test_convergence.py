@@ -9,9 +9,9 @@ from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.headline import curve_of
-from rps_exudyn.verification.references import by_generators, by_strips
-from rps_exudyn.verification.runs import run_scene
-from rps_exudyn.verification.work_precision import Reference, curve_errors, power_law
+from verification.references import as_run, by_strips, over_generators
+from verification.runs import run_scene
+from verification.work_precision import Reference, curve_errors, power_law
 
 SCENE = "free-pinion-torque"
 GEAR = SteeringGear().replace({"test.turns": 1 / 6, "mesh.law": "area"})
@@ -52,5 +52,9 @@ def test_steps_converge_with_order_two_by_lines_and_more_by_splines(
 def test_generators_converge_with_order_two_or_more(reference: Reference) -> None:
     """The midpoint rule over an area with corners has order 2."""
     numbers = (10, 20, 40)
-    errors = [curve_errors(curve(by_generators(n, "1 deg").replace(FINE)), reference).rms for n in numbers]
+    model = Fidelity.preset("quasi-static").replace(FINE)
+    errors = []
+    for number in numbers:
+        signals, _ = over_generators(number, as_run(model))(SCENE, GEAR)
+        errors.append(curve_errors(curve_of(SCENE, signals, GEAR, model), reference).rms)
     assert 1.7 < order([1 / n for n in numbers], errors) < 3.5

@@ -21,7 +21,7 @@ from rps_exudyn.report.contact_section import contact_section
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.verification.population import random_gears
+from verification.population import random_gears
 
 TEETH = {"mesh.law": "teeth", "test.turns": 1 / 6, "test.start_angle": 0.0}
 GUIDED = Fidelity.preset("quasi-static").replace({"rack": "guided"})

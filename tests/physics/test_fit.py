@@ -38,7 +38,7 @@ from rps_exudyn.fitting.shape_estimates import with_others
 from rps_exudyn.fitting.unknowns import LEVEL, USUAL
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import GRAVITY
-from rps_exudyn.verification.made_up_curves import REAL, BenchNoise, measured_curve, true_curve, with_noise
+from verification.made_up_curves import REAL, BenchNoise, measured_curve, true_curve, with_noise
 
 LEVEL_SD = 0.02 / np.sqrt(722)  # of the mean of both passes, white noise of 2 %
 NEVER = {"yoke.preload", "mesh.friction", "yoke.friction"}

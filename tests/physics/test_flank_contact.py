@@ -29,7 +29,7 @@ from rps_exudyn.mesh_contact.wrench import (
     TORQUE,
 )
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.verification.contact_at import flank_contact
+from verification.contact_at import flank_contact
 
 
 # --- three ways to one integral ----------------------------------------------------------------

@@ -18,8 +18,8 @@ from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.equilibrium import starting_guess, steady_rates
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.record import Record
-from rps_exudyn.verification.nodal_bar import shaken_bar
-from rps_exudyn.verification.seat_cells import by_cells
+from verification.nodal_bar import shaken_bar
+from verification.seat_cells import by_cells
 
 GEAR = SteeringGear()
 PITCH = 1 / GEAR.pinion.teeth  # [turns]

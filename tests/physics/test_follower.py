@@ -31,13 +31,11 @@ GEARS = {
     "bow": ASKEW | {"rack.bow": 0.2e-3},
     "flexible": ASKEW,
     "guided": ASKEW,
-    "yoke as a force": ASKEW,
     "spheres": ERRORS,
 }
 MODELS = {
     "flexible": FIDELITY.replace({"rack": "flexible"}),
     "guided": FIDELITY.replace({"rack": "guided"}),
-    "yoke as a force": FIDELITY.replace({"yoke": "force"}),
     "spheres": FIDELITY.replace({"mesh": "general-contact", "profile_samples": 27, "axial_samples": 18}),
 }
 

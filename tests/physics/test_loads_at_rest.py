@@ -114,13 +114,11 @@ def test_clearance_shows_in_the_lift() -> None:
     [
         ({"solver": "closed-form"}, "needs equilibria of a rack"),
         ({"rack": "guided"}, "needs equilibria of a rack"),
-        ({"mesh": "ratio"}, "whose teeth never part"),
-        ({"bush": "adams-chain"}, "depend on the number of segments"),
     ],
 )
 @pytest.mark.parametrize("scene", ["radial-play", "rack-lift"])
 def test_model_that_knows_no_play_is_refused(scene: str, change: dict[str, str], reason: str) -> None:
-    model = Fidelity.preset("flank" if "bush" in change else "quasi-static").replace(change)
+    model = Fidelity.preset("quasi-static").replace(change)
     with pytest.raises(InputError, match=reason):
         rps.run(scene, GEAR, fidelity=model)
 

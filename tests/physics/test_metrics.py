@@ -164,7 +164,7 @@ def test_efficiencies_are_means_over_whole_pitches(turns: float) -> None:
 def test_numbers_that_are_no_efficiencies_are_said_with_their_reason() -> None:
     """Reverse below 0: self-locking. Net above 1: friction under load is less than the free torque tared."""
     assert list(LoadTest(10, 1.0, 1.2, 0.8, 0.2).remarks()) == []
-    locking, above = LoadTest(10, 0.55, 1.19, -0.08, 0.64).remarks()
+    locking, above = (remark.text for remark in LoadTest(10, 0.55, 1.19, -0.08, 0.64).remarks())
     assert locking.startswith("the gear is self-locking: the weight must be pushed down with 0.08 N m")
     assert "friction takes 0.63 N m and the weight gives 0.55" in locking
     assert above.startswith("efficiency_reverse_net is 101.8% and no efficiency")

@@ -12,7 +12,7 @@ from rps_exudyn.base.compiled import kernel
 from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.mesh_contact.flank_strip import DEPTH, LOW_END, PRESSING, STRIP_SHAPE, touching
 from rps_exudyn.mesh_contact.wrench import PENETRATION
-from rps_exudyn.verification.contact_at import flank_contact
+from verification.contact_at import flank_contact
 
 FORMS: dict[str, dict[str, object]] = {
     "relief": {"pinion__tip_relief": "40 um", "pinion__tip_relief_length": "2 mm"},

@@ -12,14 +12,14 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import Result
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.verification import stability
-from rps_exudyn.verification.led_ways import pitches_before, room_before, ways_of
-from rps_exudyn.verification.plan_reference import expected, explicit, reference_forces
-from rps_exudyn.verification.refined_steps import NotFiniteError, NotFoundError, confirmed
-from rps_exudyn.verification.runge_kutta import FreeMotion
-from rps_exudyn.verification.runs import run_scene
-from rps_exudyn.verification.seat_cells import by_cells
-from rps_exudyn.verification.stability import ScenePlan
+from verification import stability
+from verification.led_ways import pitches_before, room_before, ways_of
+from verification.plan_reference import expected, explicit, reference_forces
+from verification.refined_steps import NotFiniteError, NotFoundError, confirmed
+from verification.runge_kutta import FreeMotion
+from verification.runs import run_scene
+from verification.seat_cells import by_cells
+from verification.stability import ScenePlan
 
 GEAR = SteeringGear().replace({"mesh.law": "line", "test.turns": 1 / 6})
 SLIDING = np.array([0.01, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])

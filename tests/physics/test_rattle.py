@@ -165,12 +165,6 @@ def test_model_without_inertia_is_refused() -> None:
 
 
 @pytest.mark.quick
-def test_teeth_that_never_part_are_refused() -> None:
-    with pytest.raises(InputError, match="nothing presses the plunger"):
-        rps.run("rattle", GEAR, fidelity=Fidelity().replace({"mesh": "ratio"}))
-
-
-@pytest.mark.quick
 def test_a_growing_force_on_a_gear_that_finds_no_start_keeps_its_cause(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -6,7 +6,7 @@ import pytest
 from rps_exudyn.analysis.resolution import UNRESOLVED, missed, unresolved
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.verification.runs import run_scene
+from verification.runs import run_scene
 
 TURN = np.linspace(0, 1, 61)
 

@@ -22,7 +22,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.run import run
 from rps_exudyn.solvers.linear_spheres import standing_out
-from rps_exudyn.verification.contact_at import flank_contact, sampled_wrench
+from verification.contact_at import flank_contact, sampled_wrench
 
 ZONE = 1e-5  # [m/s]
 BOTH = [NORMAL_DRIVE, NORMAL_COAST]

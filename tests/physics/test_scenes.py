@@ -190,14 +190,6 @@ def test_speed_does_not_matter_to_coulomb(fidelity: str) -> None:
 
 
 # --- simpler models --------------------------------------------------------------------------------
-def test_yoke_as_a_force_has_the_seats_mean_torque() -> None:
-    """Spring and wedge factor without the plunger's body: 0.5 %."""
-    body = ran("free-pinion-torque").summary["torque_mean"]
-    for name in ("quasi-static", "flank"):
-        force = ran("free-pinion-torque", fidelity=Fidelity.preset(name).replace({"yoke": "force"}))
-        assert force.summary["torque_mean"] == pytest.approx(body, rel=5e-3)
-
-
 def test_guided_rack_is_what_the_formula_assumes() -> None:
     """No roll, no yaw, no pitch: the mean comes to 0.3 % of the closed form, whose only rest is the curve of
     the load along a line."""

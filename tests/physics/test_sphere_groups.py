@@ -17,7 +17,7 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.run import run
 from rps_exudyn.solvers import gear_forces
 from rps_exudyn.solvers.sphere_groups import by_touching_angle
-from rps_exudyn.verification.contact_at import sampled_wrench
+from verification.contact_at import sampled_wrench
 
 WITH_ERRORS: dict[str, Any] = {
     "pinion.runout": "40 um",

@@ -15,7 +15,7 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.solvers import equilibrium
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.steering_column import SteeringColumn
-from rps_exudyn.verification.sampler import random_gear
+from verification.sampler import random_gear
 
 FRICTION, TYRES, PEAK = 0.4, 200e3, 4.0
 # friction of the bearings alone does not grow with the load

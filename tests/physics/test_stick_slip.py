@@ -25,10 +25,10 @@ from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
 from rps_exudyn.solvers.sliding_stability import masses, one_inertia_damping, sliding_damping
-from rps_exudyn.verification.runge_kutta import FreeMotion
-from rps_exudyn.verification.sliding_limit import growth, measured_damping
-from rps_exudyn.verification.stick_slip import event_based, largest_sticking_speed, regularised
-from rps_exudyn.verification.stick_slip import on_bristles as cells_on_bristles
+from verification.runge_kutta import FreeMotion
+from verification.sliding_limit import growth, measured_damping
+from verification.stick_slip import event_based, largest_sticking_speed, regularised
+from verification.stick_slip import on_bristles as cells_on_bristles
 
 GEAR = SteeringGear().replace({"column.stiffness": "100 N*m/rad"})
 STEEL = GEAR.replace(

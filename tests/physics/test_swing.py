@@ -12,7 +12,7 @@ from rps_exudyn.scenes.maneuver import swing_maneuver
 from rps_exudyn.scenes.swing import unclosed
 from rps_exudyn.simulate.checked_run import run_unchecked
 from rps_exudyn.solvers.closed_form import closed_form
-from rps_exudyn.verification.stability import ScenePlan
+from verification.stability import ScenePlan
 
 STILL = Fidelity.preset("quasi-static")
 

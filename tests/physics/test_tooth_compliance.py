@@ -32,7 +32,7 @@ from rps_exudyn.mesh_contact.tooth_compliance import (
 )
 from rps_exudyn.mesh_contact.unilateral import local_yield
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.verification.population import random_gears
+from verification.population import random_gears
 
 PAIR = GearPair.of(SteeringGear())
 Station = tuple[float, float, float, float]

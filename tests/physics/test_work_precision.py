@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rps_exudyn.verification.work_precision import (
+from verification.work_precision import (
     Curve,
     Reference,
     agreed_reference,

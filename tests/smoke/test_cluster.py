@@ -82,14 +82,13 @@ def test_lost_worker_is_replaced(command: Command, tmp_path: Path, address: str)
 
 @pytest.mark.filterwarnings("ignore")
 def test_groups_come_back_from_a_cluster(command: Command, tmp_path: Path, address: str) -> None:
-    """Into blocks; the group with a case that ends its process comes back case by case."""
-    file = write_grid(tmp_path / "s.toml", *range(100, 180), 901)
-    singly = '[set]\nyoke.friction_law = "bristle"\n'  # not followed together, which the stand-in cannot do
-    file.write_text(f"{file.read_text()}{singly}[keep]\nsamples = 11\n")
+    """Into blocks; the group with a case that ends its process, the second one, comes back case by case."""
+    file = write_grid(tmp_path / "s.toml", *range(100, 400), 901)
+    file.write_text(file.read_text() + "[keep]\nblocks = true\nsamples = 11\n")
     answer = command(["study", str(file), "--cluster", address, "--json"])
-    assert answer.json["statuses"] == {"ok": 80, "crashed": 1}, answer.err
-    assert 0 < answer.json["in_groups"] <= 80
-    assert len(list(Store.open(tmp_path / "s").results())) == 81
+    assert answer.json["statuses"] == {"ok": 300, "crashed": 1}, answer.err
+    assert 0 < answer.json["in_groups"] <= 300
+    assert len(list(Store.open(tmp_path / "s").results())) == 301
 
 
 def first_worker(address: str) -> int:

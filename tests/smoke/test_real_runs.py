@@ -31,14 +31,6 @@ def test_preset_runs_and_its_file_holds_what_was_asked(preset: str, command: Com
     assert result.summary["torque_mean"] == pytest.approx(result.summary["torque_closed_form"], rel=0.05)
 
 
-@pytest.mark.parametrize("mesh", ["ratio", "ratio-with-loss"])
-def test_ratio_turns_without_ripple(mesh: str, command: Command) -> None:
-    answer = command(["run", "--mesh", mesh, "--set", "test.turns=0.1", "--json"])
-    assert answer.status == 0, answer.err
-    summary = answer.json["summary"]
-    assert summary["torque_peak_to_peak"] < 1e-3 * summary["torque_mean"]
-
-
 def test_preset_and_its_parts_can_be_compared(command: Command) -> None:
     """Slow dynamics and equilibrium of the same forces."""
     short = ["--set", "test.turns=0.05"]

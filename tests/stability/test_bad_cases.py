@@ -5,7 +5,7 @@ import pytest
 import rps_exudyn as rps
 from bad_cases import BadCase, bad_cases
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.verification.stability import error_of, reference
+from verification.stability import error_of, reference
 
 LARGEST_ERROR = 0.02
 CASES = {name: case for name, case in bad_cases().items() if not case.slow}

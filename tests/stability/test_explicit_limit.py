@@ -16,7 +16,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import Steady
-from rps_exudyn.verification.runge_kutta import FreeMotion
+from verification.runge_kutta import FreeMotion
 
 STEPS = 120
 GEAR = SteeringGear().replace({"mesh.law": "area"})  # whose stiffness is varied

@@ -47,7 +47,7 @@ MISTAKES = {
     "run --out .": ". cannot be written: its name must end in .h5 or .hdf5.",
     "run --out a.txt": "a.txt cannot be written: its name must end in .h5 or .hdf5.",
     "run --plot a.doc": "a.doc cannot be written: its name must end in .png or .svg or .pdf.",
-    "run --mesh ratio --solver closed-form": "fidelity.mesh is ratio, but fidelity.solver is closed-form",
+    "run --mesh general-contact --solver closed-form": "fidelity.mesh is general-contact, but",
     "run --fidelity closed-form --bush chain": "fidelity.bush is chain, but fidelity.solver is closed-form",
     "run --fidelity full --solver equilibrium": "fidelity.bush is chain, but fidelity.solver is equilibrium",
     "run yoke-impact --set fidelity.swing_steps=3": "fidelity.swing_steps is 3; it must be 0",
@@ -99,7 +99,7 @@ def test_all_mistakes_of_the_settings_at_once(command: Command) -> None:
 def test_mistakes_of_gear_and_fidelity_at_once(command: Command) -> None:
     wrong = ["yoke.preload=-1", "bush.inner_diameter=40mm", "fidelity.zone_ratio=0"]
     settings = [word for setting in wrong for word in ("--set", setting)]
-    answer = command(["run", *settings, "--fidelity", "closed-form", "--mesh", "ratio"])
+    answer = command(["run", *settings, "--fidelity", "closed-form", "--mesh", "general-contact"])
     assert answer.status == 2
     assert [line.split()[1] for line in answer.err.splitlines()] == [
         "yoke.preload", "fidelity.zone_ratio", "fidelity.mesh", "bush.inner_diameter",

@@ -15,9 +15,10 @@ from rps_exudyn.gears.report import geometry_report
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.block import CaseRecord, Keep
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Status, each_once, joined_text
 from rps_exudyn.results.result import Result
-from rps_exudyn.simulate.batch import TORQUE, Batch, batch
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.simulate.batch import Batch, batch
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.solvers.settling import TOLERANCE
 
@@ -68,7 +69,8 @@ class CaseGroup:
         settings = list(self.settings.values())
         table = {path: [each[path] for each in settings] for path in settings[0]}
         wanted = self.keep.signals
-        alone = wanted is not None and set(wanted) <= {*TORQUE.get(self.scene, ())}
+        test = scene_named(self.scene).test
+        alone = test is not None and wanted is not None and set(wanted) <= {*test.curve}
         keep: Literal["torque", "signals"] = "torque" if alone else "signals"
         gear, fidelity = self.base.steering_gear, self.base.fidelity
         found = batch(self.scene, gear, table, fidelity=fidelity, keep=keep, ranges=self.ranges)
@@ -95,7 +97,8 @@ class CaseGroup:
                 solver={"name": "equilibrium", "tolerance": TOLERANCE},
                 findings={"together": FINDING},
                 status=Status.OK,
-                message=found.messages[row],
+                message=joined_text(found.remarks[row]),
+                codes=each_once(remark.code for remark in found.remarks[row]),
                 signals=found.signals_of(row),
                 summary=own,
                 counters={name: int(count) for name, count in counted.items()},

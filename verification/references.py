@@ -10,6 +10,7 @@ resolutions finer than any error that is to be measured.
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import SCENE_NAMES, scene_named
@@ -17,10 +18,11 @@ from rps_exudyn.scenes.headline import curve_of
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.scenes.yoke_impact import WIDEST_ZONE, shaken
-from rps_exudyn.verification.runge_kutta import explicit_motion
-from rps_exudyn.verification.runs import SceneReference, run_scene
-from rps_exudyn.verification.slow_swing import slow_swing
-from rps_exudyn.verification.work_precision import agreed_reference
+from rps_exudyn.solvers.gear_forces import GearForces, exchanged
+from verification.runge_kutta import explicit_motion
+from verification.runs import SceneReference, run_scene
+from verification.slow_swing import slow_swing
+from verification.work_precision import agreed_reference
 
 STRIPS = {"strip_stations": 12, "strip_points": 6}  # finer than any error seen
 
@@ -29,10 +31,25 @@ Method = Callable[[str, SteeringGear], tuple[Signals, Fidelity]]
 
 
 # --- models ----------------------------------------------------------------------------------------
-def by_generators(generators: int, step: str) -> Fidelity:
-    """Model of equilibria with the contact integrated over generators."""
-    settings = {"mesh": "flank-generators", "generators": generators, "step_angle": step}
-    return Fidelity.preset("quasi-static").replace(settings)
+def over_generators(number: int, method: Method) -> Method:
+    """Method whose contact, of law "area", is integrated over generators in place of strips, each with as
+    many Gauss points as the strips' stations."""
+
+    def exchange(forces: GearForces, gear: SteeringGear, fidelity: Fidelity) -> GearForces:
+        gears, along = forces.gears.copy(), fidelity.strip_stations
+        gears["mesh"]["flank"] = pack(gear, zone=forces.friction_zone, generators=number, along=along)
+        return replace(forces, gears=gears)
+
+    def exchanging(scene: str, gear: SteeringGear) -> tuple[Signals, Fidelity]:
+        with exchanged(exchange):
+            return method(scene, gear)
+
+    return exchanging
+
+
+def still(step: str) -> Fidelity:
+    """Model of equilibria."""
+    return Fidelity.preset("quasi-static").replace({"step_angle": step})
 
 
 def by_strips(step: str) -> Fidelity:
@@ -101,8 +118,8 @@ def _sound(run: SceneRun) -> SceneRun:
 
 # --- the references --------------------------------------------------------------------------------
 STEADY: dict[str, Method] = {
-    "equilibria, 640 generators, 0.1 deg": as_run(by_generators(640, "0.1 deg")),
-    "equilibria, 320 generators, 0.2 deg": as_run(by_generators(320, "0.2 deg")),
+    "equilibria, 640 generators, 0.1 deg": over_generators(640, as_run(still("0.1 deg"))),
+    "equilibria, 320 generators, 0.2 deg": over_generators(320, as_run(still("0.2 deg"))),
     "Exudyn, strips of 12 x 6, 0.25 deg": as_run(moving("0.25 deg", 1e-5)),
     "Exudyn, strips of 12 x 6, 0.5 deg": as_run(moving("0.5 deg", 1e-5)),
 }
@@ -110,18 +127,15 @@ STEADY: dict[str, Method] = {
 TURNING_BACK: dict[str, Method] = {
     "Exudyn, strips of 12 x 6, 0.005 deg": as_run(moving("0.005 deg", 1e-5)),
     "Exudyn, strips of 12 x 6, 0.01 deg": as_run(moving("0.01 deg", 1e-5)),
-    "equilibria and inertia, 160 generators, 0.01 deg": slowly(by_generators(160, "0.01 deg")),
+    "equilibria and inertia, 160 generators, 0.01 deg": over_generators(160, slowly(by_strips("0.01 deg"))),
     "equilibria and inertia, strips of 12 x 6, 0.01 deg": slowly(by_strips("0.01 deg")),
 }
 """The torque jumps within 0.06 degrees of the turning points: what is left of its RMS is where in a step."""
 
 UNDER_LOADS: dict[str, Method] = {
-    f"equilibria, {name}": as_run(model)
-    for name, model in {
-        "640 generators": by_generators(640, "1 deg"),
-        "320 generators": by_generators(320, "1 deg"),
-        "strips of 12 x 6": by_strips("1 deg"),
-    }.items()
+    "equilibria, 640 generators": over_generators(640, as_run(still("1 deg"))),
+    "equilibria, 320 generators": over_generators(320, as_run(still("1 deg"))),
+    "equilibria, strips of 12 x 6": as_run(by_strips("1 deg")),
 }
 
 IMPACTS: dict[str, Method] = {

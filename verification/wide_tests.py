@@ -15,9 +15,9 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.rattle import GROWING
-from rps_exudyn.verification.population import admissible_gears
-from rps_exudyn.verification.sampler import REACHES, drawn, placed
-from rps_exudyn.verification.stated_ranges import GEAR
+from verification.population import admissible_gears
+from verification.sampler import REACHES, drawn, placed
+from verification.stated_ranges import GEAR
 
 BESIDE_TEST = ("installation.gravity", "rack.travel")
 TRIES = 20  # tests drawn for a gear before the next one is taken

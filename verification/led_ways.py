@@ -15,8 +15,8 @@ from rps_exudyn.scenes.maneuver import largest_angle
 from rps_exudyn.solvers.drive import Drive, DrivenBody, Steady, travel_per_radian
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, equilibrium_path
 from rps_exudyn.solvers.gear_forces import GearForces
-from rps_exudyn.verification.refined_steps import NotFoundError
-from rps_exudyn.verification.stability import ScenePlan
+from verification.refined_steps import NotFoundError
+from verification.stability import ScenePlan
 
 PITCHES_BEFORE = (4, 8, 16, 32)  # until two in a row lead to the same force ...
 FORGOTTEN = 0.01  # ... up to that part of the largest on the way

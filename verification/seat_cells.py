@@ -25,7 +25,6 @@ from rps_exudyn.solvers.gear_model import (
     area_gear_on_bent_rack,
     line_gear,
     line_gear_on_bent_rack,
-    ratio_gear,
     teeth_gear,
     teeth_gear_on_bent_rack,
 )
@@ -39,10 +38,10 @@ def by_cells(forces: GearForces) -> GearForces:
     """Return the forces with the seat of the plunger as a sum over cells; its tangent stays as it is.
 
     Raises:
-        ValueError: the yoke is a force, or its friction is not Coulomb's.
+        ValueError: the friction of the yoke is not Coulomb's.
     """
-    if not forces.gear.has_plunger or forces.gear.seat.law.kind != COULOMB:
-        raise ValueError("cells need a plunger, whose friction is Coulomb's")
+    if forces.gear.seat.law.kind != COULOMB:
+        raise ValueError("cells need Coulomb's friction of the yoke")
     return replace(forces, law=_BY_CELLS[next(name for name, law in LAWS.items() if law is forces.law)])
 
 
@@ -167,13 +166,6 @@ def area_by_cells_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, 
     exchange_seat_on_bent_rack(q, gears[g], pool, works[0], total)
 
 
-@kernel_of(*LAW)
-def ratio_by_cells(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """A gear with a ratio in place of its mesh."""
-    ratio_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
-    exchange_seat(gears[g], works[0], total)
-
-
 _BY_CELLS = {
     ("line", False): line_by_cells,
     ("line", True): line_by_cells_on_bent_rack,
@@ -181,5 +173,4 @@ _BY_CELLS = {
     ("teeth", True): teeth_by_cells_on_bent_rack,
     ("area", False): area_by_cells,
     ("area", True): area_by_cells_on_bent_rack,
-    ("ratio", False): ratio_by_cells,
 }

@@ -25,7 +25,7 @@ from rps_exudyn.solvers.drive import Drive, Steady, Swing
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
 from rps_exudyn.solvers.linearised_motion import eigenvalues
-from rps_exudyn.verification.led_ways import (
+from verification.led_ways import (
     Way,
     equilibria_at,
     followed,
@@ -34,16 +34,15 @@ from rps_exudyn.verification.led_ways import (
     room_before,
     ways_of,
 )
-from rps_exudyn.verification.refined_steps import NotFiniteError, NotFoundError, confirmed
-from rps_exudyn.verification.runge_kutta import FreeMotion, runge_kutta
-from rps_exudyn.verification.seat_cells import by_cells
-from rps_exudyn.verification.stability import ScenePlan
+from verification.refined_steps import NotFiniteError, NotFoundError, confirmed
+from verification.runge_kutta import FreeMotion, runge_kutta
+from verification.seat_cells import by_cells
+from verification.stability import ScenePlan
 
 RUN_IN = 0.5  # pitches by Runge-Kutta before the record
 PER_CYCLE = 600  # equilibria of a swing
 CYCLES, ALIKE = (2, 5, 15, 45), 1e-3  # after which its last two cycles may take works that are the same
 CURVE_FINER, CURVE_PER_CYCLE = 2, 1600  # of a curve's steps, and of those of a swing
-GENERATORS = 100
 STATIONS = {"mesh": "flank", "strip_stations": 12, "strip_points": 6}
 PER_FASTEST = 2.0  # Runge-Kutta's step over the time constant of the fastest mode; stable to 2.8
 MOST_EXPLICIT = 3000  # steps; motion that needs more is slow ...
@@ -85,14 +84,7 @@ def expected(plan: ScenePlan) -> Expected:
 def reference_forces(plan: ScenePlan, load: float = 0.0) -> GearForces:
     """Return the plan's force laws, integrated finely and by other means."""
     gear, fidelity = plan.gear, plan.fidelity
-    if fidelity.mesh in ("flank", "flank-generators", "general-contact"):
-        area = gear.mesh.law == "area"
-        contact = {"mesh": "flank-generators", "generators": GENERATORS} if area else STATIONS
-        fidelity = fidelity.replace(contact)
-    forces = gear_forces(gear, fidelity, load)
-    if fidelity.yoke != "body":
-        return forces
-    return by_cells(forces)
+    return by_cells(gear_forces(gear, fidelity.replace(STATIONS), load))
 
 
 # --- steady scenes ---------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.verification.ranges import Choice, Drawn, Even, Logarithmic, Range, Seldom, Share, Whole
+from verification.ranges import Choice, Drawn, Even, Logarithmic, Range, Seldom, Share, Whole
 
 DEG = np.pi / 180
 RPM = np.pi / 30
@@ -120,12 +120,8 @@ OF_OTHER_SCENES = ("test.steer_torque", "test.steer_frequency", "test.steer_shap
 GEAR: Mapping[str, Range] = {**TEETH, **ERRORS, **PARTS, **COLUMN, **TEST}
 
 FIDELITY: Mapping[str, Range] = {
-    # the kinematic ratio is judged by its own laws; general contact is drawn apart, for it costs more
-    "mesh": Choice(
-        {"flank": 17, "flank-generators": 2, "ratio": 0, "ratio-with-loss": 0, "general-contact": 0}
-    ),
-    "bush": Choice({"condensed": 7, "rigid": 1, "chain": 1, "adams-chain": 1}),
-    "yoke": Choice({"body": 9, "force": 1}),
+    "mesh": Choice({"flank": 1, "general-contact": 0}),  # which is drawn apart, for it costs more
+    "bush": Choice({"condensed": 7, "rigid": 1, "chain": 1}),
     "rack": Choice({"by-scene": 9, "guided": 1, "flexible": 2}),
     # formulas have no error of method: what they leave out is said where they stand
     "solver": Choice({"equilibrium": 1, "generalized-alpha": 1, "closed-form": 0}),
@@ -135,7 +131,6 @@ FIDELITY: Mapping[str, Range] = {
     "tolerance": Logarithmic(1e-6, 1e-2),
     "strip_stations": Whole(2, 8),
     "strip_points": Whole(2, 6),
-    "generators": Whole(20, 320),
     "profile_samples": Whole(12, 60),
     "axial_samples": Whole(8, 40),
     "zone_ratio": Logarithmic(0.001, 1),

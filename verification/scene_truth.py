@@ -19,8 +19,8 @@ from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.scenes.yoke_impact import end_deflection, shaken
 from rps_exudyn.simulate.promised_quantity import Recorded, error_between, is_signal
-from rps_exudyn.verification.references import SHAKEN
-from rps_exudyn.verification.runs import run_scene
+from verification.references import SHAKEN
+from verification.runs import run_scene
 
 Made = tuple[SceneRun, Fidelity]
 Make = Callable[[str, SteeringGear], Made]

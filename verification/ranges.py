@@ -145,7 +145,7 @@ def range_of(item: Declared, stated: Mapping[str, Range]) -> Range:
     if not (isinstance(usual, int | float) and usual > 0) or (item.unit and item.unit.si not in POWERS):
         raise LookupError(
             f"{item.path} has no range: nothing follows from its default {usual!r}; state one in "
-            "rps_exudyn/verification/stated_ranges.py"
+            "verification/stated_ranges.py"
         )
     low = max([usual / WIDTH, *_limits(item, Ge, "ge"), *_limits(item, Gt, "gt")])
     high = min([usual * WIDTH, *_limits(item, Le, "le"), *_limits(item, Lt, "lt")])

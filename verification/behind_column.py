@@ -25,9 +25,9 @@ from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.reduced_gear import reduced_gear
 from rps_exudyn.solvers.steering_column import SteeringColumn
-from rps_exudyn.verification.refined_steps import NotFoundError
-from rps_exudyn.verification.runge_kutta import FreeMotion
-from rps_exudyn.verification.stability import ScenePlan
+from verification.refined_steps import NotFoundError
+from verification.runge_kutta import FreeMotion
+from verification.stability import ScenePlan
 
 GAMMA = 1 - np.sqrt(0.5)
 FINE = {

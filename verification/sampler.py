@@ -28,9 +28,9 @@ from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.maneuver import check_travel, largest_angle, maneuvers_of_test, swing_maneuver
 from rps_exudyn.scenes.stick_slip import set_off
 from rps_exudyn.scenes.yoke_impact import shaken
-from rps_exudyn.verification.ranges import Range, range_of, scaled, within
-from rps_exudyn.verification.stability import ScenePlan
-from rps_exudyn.verification.stated_ranges import (
+from verification.ranges import Range, range_of, scaled, within
+from verification.stability import ScenePlan
+from verification.stated_ranges import (
     FIDELITY,
     GEAR,
     OF_OTHER_SCENES,
@@ -153,10 +153,8 @@ def random_plan(rng: np.random.Generator) -> ScenePlan:
     gear = random_gear(rng, scene)
     fixed: dict[str, Any] = {}
     if scene_named(scene).needs_inertia:
-        fixed = {"solver": "generalized-alpha", "yoke": "body"}
+        fixed = {"solver": "generalized-alpha"}
     fidelity = random_fidelity(rng, fixed)
-    if fidelity.mesh == "flank-generators":
-        gear = gear.replace({"mesh.law": "area"})  # the law that knows generators
     stations = max(fidelity.strip_stations, LEAST_STATIONS[gear.mesh.law])
     fidelity = fidelity.replace({"strip_stations": stations})
     return ScenePlan(scene, gear, affordable(gear, scene, fidelity))

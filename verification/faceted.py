@@ -29,7 +29,7 @@ from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.gear_model import GEAR, LAWS
 from rps_exudyn.solvers.settling import static_approach
-from rps_exudyn.verification.equilibria import equilibria
+from verification.equilibria import equilibria
 
 Surface = Callable[[GearPair], np.ndarray]
 """Facets of a pinion, (m, 3, 3) [m]."""

@@ -14,7 +14,7 @@ from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.headline import curve_of
 from rps_exudyn.scenes.run_options import DEFAULT
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.verification.work_precision import Errors, Reference, curve_errors
+from verification.work_precision import Errors, Reference, curve_errors
 
 
 @dataclass(frozen=True, eq=False)
