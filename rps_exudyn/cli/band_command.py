@@ -16,14 +16,15 @@ from rps_exudyn.cli.printed import print_json, result_as_dict
 from rps_exudyn.cli.progress import shown_progress
 from rps_exudyn.cli.text_table import put, put_table
 from rps_exudyn.parameters.carried import carried
+from rps_exudyn.parameters.fidelity import EQUILIBRIA_FOR_MANY
 from rps_exudyn.parameters.setup import Setup
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.simulate.cases.run_cases import checked_jobs
 from rps_exudyn.uncertainty.band import Band, band_of_runs
 from rps_exudyn.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.uncertainty.quick_band import SCENE, quick_band
 
-STEP = "2 deg"  # of equilibria, where no model is chosen: the mean to 0.001 %, the peak to peak to 0.1 %
 QUICK_OTHERWISE = 64  # runs of a scene without a quick band
 SHOWN = 5  # contributions
 
@@ -36,6 +37,7 @@ def do_band(
     out: Path,
     plot: Path,
     as_json: bool,
+    jobs: int | None = None,
 ) -> int:
     """Compute, keep and print a band; the nominal result goes to the HDF5 file as of any run.
 
@@ -46,6 +48,7 @@ def do_band(
     from rps_exudyn.charts.style import save
 
     settings, _ = parse_settings(options.settings)
+    processes = checked_jobs(jobs)
     own = carried(options.tables(), settings)
     setup = _with_cheap_model(options)
     gear = setup.steering_gear
@@ -57,9 +60,11 @@ def do_band(
             show(f"sample {done} of {of}", done / of)
 
         if quick:
-            band = quick_band(gear, setup.fidelity, chosen, told=told)
+            band = quick_band(gear, setup.fidelity, chosen, told=told, jobs=processes)
         else:
-            band = band_of_runs(scene, gear, setup.fidelity, chosen, count or QUICK_OTHERWISE, told=told)
+            band = band_of_runs(
+                scene, gear, setup.fidelity, chosen, count or QUICK_OTHERWISE, told=told, jobs=processes
+            )
     table = out.with_suffix(".band.json")
     if older := [str(kept) for path in (out, plot, table) if (kept := number_existing(path))]:
         say(f"older files are kept: {', '.join(older)}.")
@@ -140,7 +145,9 @@ def _with_cheap_model(options: SetupOptions) -> Setup:
     """Gear and model; equilibria in steps that a band needs where no model is chosen."""
     if options.chooses_model:
         return options.load()
-    return replace(options, fidelity="quasi-static").load().replace({"fidelity.step_angle": STEP})
+    model = EQUILIBRIA_FOR_MANY
+    setup = replace(options, fidelity=model.based_on).load()
+    return setup.replace({"fidelity.step_angle": model.step_angle})
 
 
 def sample_count(band: list[int] | None, beside: list[str]) -> int | None:

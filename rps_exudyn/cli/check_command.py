@@ -14,13 +14,20 @@ from rps_exudyn.cli.text_table import put, put_table
 from rps_exudyn.parameters.carried import carried
 from rps_exudyn.requirements.limits import REQUIRED, read_limits
 from rps_exudyn.requirements.sheet import ASSURED, Judged, judge
+from rps_exudyn.simulate.cases.run_cases import checked_jobs
 from rps_exudyn.uncertainty.input_sets import uncertain_inputs
 
 COLUMNS = ("requirement", "limit", "nominal", "5 to 95 %", "gears that keep it", "verdict")
 
 
 def do_check(
-    options: GearOptions, inputs: str | None, limits: Path | None, rated: str, out: Path | None, as_json: bool
+    options: GearOptions,
+    inputs: str | None,
+    limits: Path | None,
+    rated: str,
+    out: Path | None,
+    as_json: bool,
+    jobs: int | None = None,
 ) -> bool:
     """Print the sheet; return whether every requirement is kept.
 
@@ -36,9 +43,14 @@ def do_check(
         torque = to_si(rated, "N*m")
     except ValueError as error:
         raise InputError(f"--rated-torque {error}.") from None
+    processes = checked_jobs(jobs)
     drawn = uncertain_inputs(gear, inputs, own)
     with shown_progress() as show:
-        sheet = list(judge(gear, drawn, asked, torque, told=lambda text: show(f"computing: {text}", None)))
+
+        def told(text: str) -> None:
+            show(f"computing: {text}", None)
+
+        sheet = list(judge(gear, drawn, asked, torque, told=told, jobs=processes))
     if out is not None:
         write_json(out, _as_dict(sheet))
     if as_json:

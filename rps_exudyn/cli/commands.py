@@ -79,6 +79,7 @@ def run(
     column: Columns = (),
     band: Annotated[list[int] | None, Parameter(consume_multiple=True, negative=())] = None,
     inputs: str | None = None,
+    jobs: int | None = None,
     robust: Flag = False,
     time_limit: str | None = None,
     progress: Flag = False,
@@ -100,6 +101,7 @@ def run(
             quick one from 64 runs. NAME.band.json keeps every sample.
         inputs: what is uncertain: series (scatter about this gear), unknown (any gear with such teeth) or
             own (parameters given as "300 N +- 30 N" alone); own by default if there are any, else series.
+        jobs: number of processes for a band that is worth them; without it one for each processor.
         robust: where the run fails or its plan is refused, take the next safer settings, and say which.
         time_limit: for instance "20 s": the run is ended after it, whatever it does then (starting, compiling
             and settling count); what it has recorded is kept.
@@ -123,7 +125,9 @@ def run(
 
         refused = {"accuracy": accuracy, "measured": measured, "robust": robust, "time-limit": time_limit}
         count = sample_count(band, [name for name, given in refused.items() if given])
-        return do_band(scene, setup, count, inputs, out, plot, json)
+        return do_band(scene, setup, count, inputs, out, plot, json, jobs)
+    if jobs is not None:
+        raise InputError("--jobs shares the runs of a band among processes; add --band.")
     setup.say_medians()
     curve = read_measured(measured, column) if measured else None
     model = chosen.fidelity if accuracy is None else preset

@@ -111,6 +111,7 @@ def check(
     limits: Path | None = None,
     rated_torque: str = "30 N*m",
     out: Path | None = None,
+    jobs: int | None = None,
     json: Flag = False,
 ) -> int:
     """Judge a gear by its requirement sheet: torque, variation, efficiency, strength, lift, travel, gain.
@@ -123,16 +124,23 @@ def check(
             lists with their sources.
         rated_torque: on the pinion, for the strength of the teeth and the lift.
         out: the sheet as a file (.json).
+        jobs: number of processes; without it one for each processor.
         json: print the sheet as JSON.
     """
     from rps_exudyn.cli.check_command import do_check
 
-    return DONE if do_check(gear, inputs, limits, rated_torque, out, json) else FAILED
+    return DONE if do_check(gear, inputs, limits, rated_torque, out, json, jobs) else FAILED
 
 
 @app.command
 def validate(
-    rows: Path | None = None, /, *, only: tuple[str, ...] = (), out: Path | None = None, json: Flag = False
+    rows: Path | None = None,
+    /,
+    *,
+    only: tuple[str, ...] = (),
+    out: Path | None = None,
+    jobs: int | None = None,
+    json: Flag = False,
 ) -> int:
     """Compare with data from outside: manuals, standards, other programs, closed forms; a verdict for each.
 
@@ -140,11 +148,12 @@ def validate(
         rows: folder of rows, each a folder with a row.toml; without it those that come with the package.
         only: name of a row to run alone; may be repeated.
         out: page (.html), with data (.json) and picture (.png) beside it; without it validation.html.
+        jobs: number of processes; without it one for each processor.
         json: print the rows as JSON.
     """
     from rps_exudyn.cli.validate_command import do_validate
 
-    do_validate(rows, only, out or Path("validation.html"), json)
+    do_validate(rows, only, out or Path("validation.html"), json, jobs)
     return DONE
 
 

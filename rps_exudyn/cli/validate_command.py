@@ -10,6 +10,7 @@ from rps_exudyn.cli.printed import print_json
 from rps_exudyn.cli.progress import shown_progress
 from rps_exudyn.cli.text_table import put, put_table
 from rps_exudyn.results.provenance import provenance
+from rps_exudyn.simulate.cases.run_cases import checked_jobs
 from rps_exudyn.validation.comparison import Comparison, compare_rows
 from rps_exudyn.validation.page import COLUMNS, row_cells, validation_figure, validation_page
 from rps_exudyn.validation.row import SHIPPED, read_rows
@@ -17,7 +18,9 @@ from rps_exudyn.validation.row import SHIPPED, read_rows
 DATA, PICTURE = ".json", ".png"  # beside the page
 
 
-def do_validate(folder: Path | None, only: tuple[str, ...], out: Path, as_json: bool) -> None:
+def do_validate(
+    folder: Path | None, only: tuple[str, ...], out: Path, as_json: bool, jobs: int | None = None
+) -> None:
     """Run the rows, write page, data and picture, and print the table.
 
     Raises:
@@ -32,7 +35,11 @@ def do_validate(folder: Path | None, only: tuple[str, ...], out: Path, as_json: 
     check_writable(out, (".html",))
     chosen = [row for row in rows if not only or row.name in only]
     with shown_progress() as show:
-        comparisons = list(compare_rows(chosen, lambda title: show(f"running: {title}", None)))
+
+        def told(done: int, of: int) -> None:
+            show(f"procedure {done} of {of}", done / of)
+
+        comparisons = compare_rows(chosen, told, checked_jobs(jobs))
     content = {"origin": provenance(), "rows": [each.as_dict() for each in comparisons]}
     files: list[Path] = []
     with naming(files):

@@ -16,17 +16,16 @@ from rps_exudyn.analysis.torque import mean
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.fitting.bench_tests import BenchTest
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.fidelity import EQUILIBRIA_FOR_MANY, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import largest_angle, steady_maneuver
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.solvers.closed_form import mean_state, pushing_force
 from rps_exudyn.solvers.drive import DrivenBody
 
-STEP = np.radians(2.0)  # the mean to 0.001 %
+STEP = EQUILIBRIA_FOR_MANY.step_angle
 TURN = 2 * np.pi
 SEEN = 4e-6  # of a runout, that changes means by a percent of what 20 um do [m]
-FIDELITY = Fidelity.preset("quasi-static").replace({"step_angle": STEP})
 
 
 class NoPredictionError(Exception):
@@ -72,7 +71,7 @@ class Prediction:
     """Predicts the values of all tests, and counts what it took."""
 
     blocks: Sequence[Block]
-    fidelity: Fidelity = FIDELITY
+    fidelity: Fidelity = EQUILIBRIA_FOR_MANY
     simulations: int = 0  # of all tests together
 
     @classmethod

@@ -1,5 +1,6 @@
 """Bands: distributions, quantiles with their errors, contributions, and the quick band against runs."""
 
+from collections.abc import Iterator
 from itertools import combinations
 
 import numpy as np
@@ -10,6 +11,7 @@ from rps_exudyn.parameters.distribution import KINDS, Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted
+from rps_exudyn.simulate.cases.run_cases import Answer, Task, run_cases
 from rps_exudyn.uncertainty import band as band_module
 from rps_exudyn.uncertainty.band import Band, band_of_runs
 from rps_exudyn.uncertainty.contributions import contributions
@@ -191,3 +193,30 @@ def test_solution_error_stands_beside_the_band(both: tuple[Band, Band]) -> None:
     assert 0 < quick.numerical["torque_mean"] < 1e-4 * quick.nominal.summary["torque_mean"]
     assert quick.law is not None
     assert quick.law.law == "line"
+
+
+def test_numbers_depend_neither_on_processes_nor_on_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Gears followed together, in parts, and gears that run singly: bit for bit."""
+    own, gear = carried({}, {"yoke.preload": "uniform(200 N, 400 N)"}), SteeringGear()
+    short = gear.replace({"test.turns": 0.2})
+    monkeypatch.setattr("rps_exudyn.uncertainty.samples.TOGETHER", 8)
+    monkeypatch.setattr("rps_exudyn.simulate.cases.run_cases.STARTING", -1.0)  # processes begin
+    for scene, count in ((TURN, 24), ("rack-lift", 8)):
+        alone, shared = (band_of_runs(scene, short, EQUILIBRIA, own, count, jobs=jobs) for jobs in (1, 2))
+        for name, numbers in alone.drawn.numbers.items():
+            assert np.array_equal(numbers, shared.drawn.numbers[name], equal_nan=True)
+        assert alone.figures.keys() == shared.figures.keys()
+
+
+def test_a_sample_whose_process_ends_is_one_that_failed(monkeypatch: pytest.MonkeyPatch) -> None:
+    own, gear = carried({}, {"yoke.preload": "300 N +- 30 N"}), SteeringGear()
+    died = Answer(ended="its process was ended by SIGSEGV")
+
+    def dying(tasks: list[Task], jobs: int) -> Iterator[tuple[Task, Answer]]:
+        for number, (task, answer) in enumerate(run_cases(tasks, jobs)):
+            yield task, died if number == 3 else answer
+
+    monkeypatch.setattr("rps_exudyn.uncertainty.samples.run_cases", dying)
+    band = band_of_runs(TURN, gear, FORMULA, own, samples=16)
+    assert dict(band.drawn.failures) == {"crashed: its process was ended by SIGSEGV": 1}
+    assert np.isnan(band.drawn.numbers["torque_mean"][3])
