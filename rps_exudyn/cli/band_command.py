@@ -4,6 +4,7 @@ import sys
 from collections.abc import Iterable
 from contextlib import redirect_stdout
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from rps_exudyn.base.atomic import number_existing, write_json
@@ -38,8 +39,11 @@ def do_band(
     plot: Path,
     as_json: bool,
     jobs: int | None = None,
+    time_limit: float = float("inf"),
 ) -> int:
     """Compute, keep and print a band; the nominal result goes to the HDF5 file as of any run.
+
+    A sample that takes longer than the time limit [s] is one that failed.
 
     Raises:
         InputError: distributions or a number of samples that cannot be, or a gear that fails.
@@ -56,15 +60,13 @@ def do_band(
     quick = count is None and scene == SCENE
     with redirect_stdout(sys.stderr), shown_progress() as show:
 
-        def told(done: int, of: int) -> None:
+        def report(done: int, of: int) -> None:
             show(f"sample {done} of {of}", done / of)
 
-        if quick:
-            band = quick_band(gear, setup.fidelity, chosen, told=told, jobs=processes)
-        else:
-            band = band_of_runs(
-                scene, gear, setup.fidelity, chosen, count or QUICK_OTHERWISE, told=told, jobs=processes
-            )
+        made = partial(quick_band, gear, setup.fidelity, chosen)
+        if not quick:
+            made = partial(band_of_runs, scene, gear, setup.fidelity, chosen, count or QUICK_OTHERWISE)
+        band = made(on_progress=report, jobs=processes, time_limit=time_limit)
     table = out.with_suffix(".band.json")
     if older := [str(kept) for path in (out, plot, table) if (kept := number_existing(path))]:
         say(f"older files are kept: {', '.join(older)}.")

@@ -47,10 +47,10 @@ def do_check(
     drawn = uncertain_inputs(gear, inputs, own)
     with shown_progress() as show:
 
-        def told(text: str) -> None:
+        def report(text: str) -> None:
             show(f"computing: {text}", None)
 
-        sheet = list(judge(gear, drawn, asked, torque, told=told, jobs=processes))
+        sheet = list(judge(gear, drawn, asked, torque, on_progress=report, jobs=processes))
     if out is not None:
         write_json(out, _as_dict(sheet))
     if as_json:

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from contextlib import redirect_stdout
 from dataclasses import replace
+from math import inf
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated
@@ -104,7 +105,7 @@ def run(
         jobs: number of processes for a band that is worth them; without it one for each processor.
         robust: where the run fails or its plan is refused, take the next safer settings, and say which.
         time_limit: for instance "20 s": the run is ended after it, whatever it does then (starting, compiling
-            and settling count); what it has recorded is kept.
+            and settling count); what it has recorded is kept. Of a band: for each sample.
         progress: tell on standard error how far a long run is, as a terminal is told anyway.
         json: print the summary as JSON.
     """
@@ -123,9 +124,9 @@ def run(
     if band is not None or inputs is not None:
         from rps_exudyn.cli.band_command import do_band, sample_count
 
-        refused = {"accuracy": accuracy, "measured": measured, "robust": robust, "time-limit": time_limit}
+        refused = {"accuracy": accuracy, "measured": measured, "robust": robust}
         count = sample_count(band, [name for name, given in refused.items() if given])
-        return do_band(scene, setup, count, inputs, out, plot, json, jobs)
+        return do_band(scene, setup, count, inputs, out, plot, json, jobs, limit.seconds if limit else inf)
     if jobs is not None:
         raise InputError("--jobs shares the runs of a band among processes; add --band.")
     setup.say_medians()

@@ -36,10 +36,10 @@ def do_validate(
     chosen = [row for row in rows if not only or row.name in only]
     with shown_progress() as show:
 
-        def told(done: int, of: int) -> None:
+        def report(done: int, of: int) -> None:
             show(f"procedure {done} of {of}", done / of)
 
-        comparisons = compare_rows(chosen, told, checked_jobs(jobs))
+        comparisons = compare_rows(chosen, report, checked_jobs(jobs))
     content = {"origin": provenance(), "rows": [each.as_dict() for each in comparisons]}
     files: list[Path] = []
     with naming(files):

@@ -72,7 +72,7 @@ def judge(
     limits: Mapping[str, Limit],
     rated_torque: float = RATED_TORQUE,
     samples: int = 48,
-    told: Callable[[str], None] | None = None,
+    on_progress: Callable[[str], None] | None = None,
     jobs: int = 1,
 ) -> Iterator[Judged]:
     """Yield every requirement of the gear, in the order of `limits.REQUIRED`.
@@ -83,7 +83,7 @@ def judge(
         limits: name -> limit.
         rated_torque: on the pinion [N m].
         samples: of each band.
-        told: what is computed next.
+        on_progress: called with what is computed next.
         jobs: number of processes, for bands that are worth them.
 
     Raises:
@@ -91,12 +91,12 @@ def judge(
     """
     if not rated_torque > 0:
         raise InputError(f"the rated torque is {rated_torque:g} N m; it must be more than 0 N m.")
-    tell = told or (lambda text: None)
-    tell("free torque and its variation")
+    report = on_progress or (lambda text: None)
+    report("free torque and its variation")
     yield from _of_turning(gear, inputs, limits, samples, jobs)
-    tell("efficiencies")
+    report("efficiencies")
     yield _row("efficiency_ratio", limits, partial(_of_efficiency, gear, inputs, limits, samples, jobs))
-    tell(f"teeth and lift under {rated_torque:g} N m")
+    report(f"teeth and lift under {rated_torque:g} N m")
     pair = GearPair.of(gear)
     stresses: dict[str, Callable[[], float]] = {
         "rated_root_pinion": partial(root_stress, gear, pinion_form(pair), rated_torque),

@@ -131,7 +131,7 @@ def isolated_run(
     if isinstance(answer.error, InputError):
         raise answer.error
     if answer.value is None:
-        return answer.failure(scene, gear, fidelity, limit.seconds)
+        return answer.failure(scene, gear, fidelity)
     result: Result = answer.value
     return result
 

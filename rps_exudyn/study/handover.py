@@ -155,6 +155,5 @@ class Handover(Iterator[Task]):
 
     def _failure(self, case: Case, answer: Answer) -> CaseRecord:
         setup = self._study.setup(settings_of(self._study.axes, case.values))
-        limit = self._study.time_limit
-        result = answer.failure(self._description.scene, setup.steering_gear, setup.fidelity, limit)
+        result = answer.failure(self._description.scene, setup.steering_gear, setup.fidelity)
         return CaseRecord.of(case.hash, self._description.signals.of(result))

@@ -36,8 +36,8 @@ from rps_exudyn.uncertainty.samples import Samples, runs_at
 LEAST_OK = 8  # samples with a number, for quantiles
 FEWEST, MOST = LEAST_OK, 100_000  # samples that may be asked for
 LEFT_OUT = ("energy_residual",)  # figures that say nothing about the gear
-Told = Callable[[int, int], None]
-"""Told how many samples of how many are done."""
+OnProgress = Callable[[int, int], None]
+"""Called with the number of samples that are done, and of all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,10 +128,13 @@ def band_of_runs(
     inputs: Mapping[str, Distribution],
     samples: int,
     seed: int = 0,
-    told: Told | None = None,
+    on_progress: OnProgress | None = None,
     jobs: int = 1,
+    time_limit: float = float("inf"),
 ) -> Band:
-    """Run the scene at `samples` points of the inputs and at their medians, in up to `jobs` processes.
+    """Run the scene at `samples` points of the inputs, in up to `jobs` processes, and at their medians.
+
+    A sample that takes longer than the time limit [s] is one that failed.
 
     Ctrl-C ends it with the band of what is done, if that is enough for one.
 
@@ -144,7 +147,7 @@ def band_of_runs(
         raise InputError(f"the band has {samples} samples; it needs {FEWEST} to {MOST}.")
     points = Samples.drawn(inputs, samples, seed)
     nominal = nominal_result(scene, gear, fidelity, inputs)
-    done = runs_of(points, nominal, fidelity, told, jobs)
+    done = runs_of(points, nominal, fidelity, on_progress, jobs, time_limit)
     drawn, curves = done.drawn, curve_quantiles(nominal.scene, done.curves)
     return Band(
         nominal=nominal,
@@ -186,7 +189,14 @@ class Runs:
     interrupted: bool
 
 
-def runs_of(points: Samples, nominal: Result, fidelity: Fidelity, told: Told | None, jobs: int = 1) -> Runs:
+def runs_of(
+    points: Samples,
+    nominal: Result,
+    fidelity: Fidelity,
+    on_progress: OnProgress | None,
+    jobs: int,
+    time_limit: float,
+) -> Runs:
     """Run the scene at all points, or until Ctrl-C.
 
     Raises:
@@ -197,11 +207,11 @@ def runs_of(points: Samples, nominal: Result, fidelity: Fidelity, told: Told | N
     seen = _Seen(nominal, fidelity, names)
     interrupted = False
     try:
-        with closing(runs_at(nominal.scene, nominal.gear, fidelity, points, jobs)) as parts:
+        with closing(runs_at(nominal.scene, nominal.gear, fidelity, points, jobs, time_limit)) as parts:
             for rows, part in parts:
                 seen.add(rows, part)
-                if told is not None:
-                    told(len(seen.rows), len(points))
+                if on_progress is not None:
+                    on_progress(len(seen.rows), len(points))
     except KeyboardInterrupt as interrupt:
         if seen.ok < LEAST_OK:
             raise Interrupted(nominal) from interrupt

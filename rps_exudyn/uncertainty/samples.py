@@ -53,25 +53,47 @@ class Samples:
 
 
 def runs_at(
-    scene: str, gear: SteeringGear, fidelity: Fidelity, points: Samples, jobs: int = 1
+    scene: str,
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    points: Samples,
+    jobs: int = 1,
+    time_limit: float = float("inf"),
 ) -> Generator[tuple[range, Batch]]:
-    """Yield the runs of the scene at the points, whatever their outcome, in up to `jobs` processes.
+    """Yield the runs of the scene at the points, whatever their outcome, part by part as they end.
 
-    Each part comes with the numbers of its points. Its numbers depend on no other part, nor on `jobs`.
+    The numbers of a part depend neither on other parts nor on the number of processes. A part that does not
+    end is done again, run by run.
+
+    Args:
+        scene: one of `scenes.SCENE_NAMES`.
+        gear: what the runs have in common.
+        fidelity: how all are modelled.
+        points: inputs of the runs.
+        jobs: number of processes.
+        time_limit: of a run, or of a part that is followed together [s].
+
+    Returns:
+        The numbers of a part's points, and its runs.
     """
     values, count = points.values, len(points)
     singly = bool(unsupported_reason(scene, gear, fidelity, values)) or count < fewest(values)
     keep: Literal["signals", "torque"] = "signals" if singly else "torque"
-    ranges = None if singly else values
-    parts: dict[Task, range] = {}
     size = 1 if singly else TOGETHER
-    for begin in range(0, count, size):
-        part = {path: column[begin : begin + size] for path, column in values.items()}
-        call = partial(batch, scene, gear, part, fidelity=fidelity, keep=keep, ranges=ranges)
-        parts[Task(call)] = range(begin, min(begin + size, count))
-    for task, answer in run_cases(list(parts), jobs):
-        if answer.value is None:
-            failure = answer.failure(scene, gear, fidelity, float("inf"))
-            yield parts[task], Batch((failure,) * len(parts[task]))
-        else:
-            yield parts[task], answer.value
+    waiting = [range(begin, min(begin + size, count)) for begin in range(0, count, size)]
+    while waiting:
+        tasks: dict[Task, range] = {}
+        for rows in waiting:
+            part = {path: column[rows.start : rows.stop] for path, column in values.items()}
+            ranges = values if len(rows) > 1 else None
+            call = partial(batch, scene, gear, part, fidelity=fidelity, keep=keep, ranges=ranges)
+            tasks[Task(call)] = rows
+        waiting = []
+        for task, answer in run_cases(list(tasks), jobs, time_limit):
+            rows = tasks[task]
+            if answer.value is not None:
+                yield rows, answer.value
+            elif len(rows) > 1:
+                waiting += [range(row, row + 1) for row in rows]
+            else:
+                yield rows, Batch((answer.failure(scene, gear, fidelity),))

@@ -101,11 +101,11 @@ class Comparison:
 
 
 def compare_rows(
-    rows: Sequence[Row], told: Callable[[int, int], None] | None = None, jobs: int = 1
+    rows: Sequence[Row], on_progress: Callable[[int, int], None] | None = None, jobs: int = 1
 ) -> list[Comparison]:
     """Run the rows in up to `jobs` processes; a run that fails makes a row that is not comparable.
 
-    `told` gets the number of procedures that are done, and of all.
+    `on_progress` gets the number of procedures that are done, and of all.
     """
     keys = [json.dumps(vars(row.procedure), sort_keys=True, default=dict) for row in rows]
     procedures = {key: row.procedure for key, row in zip(keys, rows, strict=True)}
@@ -114,8 +114,8 @@ def compare_rows(
     found: dict[str, dict[str, Simulated]] = {}
     for task, answer in run_cases(list(tasks), jobs, expected=sum(map(_expected, procedures.values()))):
         found[tasks[task]] = {"": _missing(answer.ended)} if answer.ended else answer.returned()
-        if told is not None:
-            told(len(found), len(tasks))
+        if on_progress is not None:
+            on_progress(len(found), len(tasks))
     missing = _missing("the run has no such number")
     return [
         Comparison(row, found[key].get(row.data.quantity) or found[key].get("") or missing)

@@ -2,10 +2,12 @@
 
 from collections.abc import Iterator
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import pytest
 
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.carried import carried
 from rps_exudyn.parameters.distribution import KINDS, Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -214,11 +216,18 @@ def test_a_sample_whose_process_ends_is_one_that_failed(monkeypatch: pytest.Monk
     own, gear = carried({}, {"yoke.preload": "300 N +- 30 N"}), SteeringGear()
     died = Answer(ended="its process was ended by SIGSEGV")
 
-    def dying(tasks: list[Task], jobs: int) -> Iterator[tuple[Task, Answer]]:
-        for number, (task, answer) in enumerate(run_cases(tasks, jobs)):
+    def dying(tasks: list[Task], *how: Any) -> Iterator[tuple[Task, Answer]]:
+        for number, (task, answer) in enumerate(run_cases(tasks, *how)):
             yield task, died if number == 3 else answer
 
     monkeypatch.setattr("rps_exudyn.uncertainty.samples.run_cases", dying)
     band = band_of_runs(TURN, gear, FORMULA, own, samples=16)
     assert dict(band.drawn.failures) == {"crashed: its process was ended by SIGSEGV": 1}
     assert np.isnan(band.drawn.numbers["torque_mean"][3])
+
+
+def test_a_sample_beyond_its_time_limit_is_one_that_failed() -> None:
+    """A part that is followed together and does not end is done again, sample by sample."""
+    own, gear = carried({}, {"yoke.preload": "uniform(200 N, 400 N)"}), SteeringGear()
+    with pytest.raises(InputError, match=r"16 of 16 samples failed.*timeout: the run took"):
+        band_of_runs(TURN, gear, EQUILIBRIA, own, 16, time_limit=1e-4)

@@ -46,7 +46,7 @@ def test_run_ended_by_its_limit_keeps_what_it_recorded(preset: str) -> None:
     assert answer.timeout
     assert 1.5 <= answer.wall_s <= time.monotonic() - begun
     assert time.process_time() - cpu_begun < 4.5  # of CPU time: the machine may do something else
-    result = answer.failure("", SteeringGear(), Fidelity(), 1.5)
+    result = answer.failure("", SteeringGear(), Fidelity())
     assert result.status is Status.TIMEOUT
     assert "time limit of 1.5 s (interrupted at " in result.message
     assert "s of CPU time in" in result.message

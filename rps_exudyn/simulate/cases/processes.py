@@ -37,6 +37,7 @@ ATTEMPTS = 2  # at a task whose process dies: it may have been killed from outsi
 BATCH_SECONDS = 0.5  # of work handed over at once
 LARGEST_BATCH = 32
 COMPILING = "while kernels were compiled, which later runs need not do"
+HANDING_OVER = 5.0  # [s] for an interrupted run to hand over what it has recorded
 RUNNING = "in compiled code"  # where a process is that does not hear its alarm
 PINNED = (
     "OMP_NUM_THREADS",
@@ -133,11 +134,11 @@ class Processes:
             yield from self._next_event()
 
     def interrupted(self) -> Iterator[tuple[Task, Answer]]:
-        """Pass Ctrl-C on to the processes; yield what their tasks hand over within `GRACE`."""
+        """Pass Ctrl-C on to the processes; yield what their tasks hand over within `HANDING_OVER`."""
         for worker in self._running:
             with contextlib.suppress(OSError):
                 worker.process.send_signal(signal.SIGINT)
-        end = monotonic() + GRACE
+        end = monotonic() + HANDING_OVER
         while any(worker.tasks for worker in self._running) and monotonic() < end:
             with contextlib.suppress(queue.Empty):
                 yield from self._happened(*self._events.get(timeout=max(end - monotonic(), 0.001)))
@@ -255,7 +256,7 @@ class Processes:
                 task = worker.tasks.popleft()
                 self._again.extendleft(reversed(worker.tasks))
                 wall = monotonic() - (worker.since if task.begun is None else task.begun)
-                yield task, Answer(ended=worker.place, timeout=True, wall_s=wall, cpu_s=cpu)
+                yield task, Answer(ended=worker.place, timeout=self.time_limit, wall_s=wall, cpu_s=cpu)
             else:
                 self._count_failed_start("is not ready")
 

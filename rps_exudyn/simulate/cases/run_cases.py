@@ -49,7 +49,7 @@ class Answer:
         value: what the call returned.
         error: what it raised instead.
         ended: where it was interrupted, or how its process ended; "" if the call returned or raised.
-        timeout: its time limit was over.
+        timeout: its time limit, where that was over; else 0.
         recorded: what an interrupted run had recorded by then.
         wall_s: elapsed time.
         cpu_s: CPU time.
@@ -58,7 +58,7 @@ class Answer:
     value: Any = None
     error: Exception | None = None
     ended: str = ""
-    timeout: bool = False
+    timeout: float = 0.0
     recorded: Result | None = None
     wall_s: float = 0.0
     cpu_s: float = 0.0
@@ -76,11 +76,11 @@ class Answer:
             raise InputError(f"a run did not end: {self.ended}.")
         return self.value
 
-    def failure(self, scene: str, gear: SteeringGear, fidelity: Fidelity, time_limit: float) -> Result:
+    def failure(self, scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
         """Return the result of a run that returned none: its status, its cause, and what was recorded."""
         status, message = Status.CRASHED, self.ended
         if self.timeout:
-            status, message = Status.TIMEOUT, sentence(time_limit, self.ended, self.cpu_s, self.wall_s)
+            status, message = Status.TIMEOUT, sentence(self.timeout, self.ended, self.cpu_s, self.wall_s)
         elif self.recorded is not None:
             status = self.recorded.status
         elif isinstance(self.error, InputError):  # a gear that cannot be built, a test that leaves the rack
@@ -123,9 +123,9 @@ def answer_to(task: Task, time_limit: float) -> Answer:
         if monotonic() - begun < time_limit:
             raise
         if isinstance(interrupt, Interrupted):
-            answer = Answer(ended=interrupt.recorded.message, timeout=True, recorded=interrupt.recorded)
+            answer = Answer(ended=interrupt.recorded.message, timeout=time_limit, recorded=interrupt.recorded)
         else:
-            answer = Answer(ended=f"interrupted {place_of(interrupt.__traceback__)}", timeout=True)
+            answer = Answer(ended=f"interrupted {place_of(interrupt.__traceback__)}", timeout=time_limit)
     except Exception as error:
         raise_wrapped(error)
         answer = Answer(error=error)
