@@ -20,7 +20,7 @@ import pytest
 from hypothesis import settings
 
 from cpu_limit import CpuLimit
-from rps_exudyn.cli import commands as cli
+from rps_exudyn.cli.main import main
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
@@ -182,7 +182,7 @@ def command(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pyt
     monkeypatch.delenv("FORCE_COLOR", raising=False)  # which makes lines as short as a terminal's
 
     def call(arguments: Sequence[str]) -> Answer:
-        status = cli.main(list(arguments))
+        status = main(list(arguments))
         captured = capsys.readouterr()
         return Answer(status, captured.out, captured.err)
 

@@ -21,8 +21,8 @@ import numpy as np
 from benchmarks.accuracy_speed.limited import cpu_limit
 from benchmarks.accuracy_speed.promise_scenes import SCENES, Measured
 from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import replacing
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Status

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from rps_exudyn.charts import style
 from rps_exudyn.charts.curves import AGAINST_MOTION, DIRECTIONS
-from rps_exudyn.fitting.estimate import Fit, FittedPass, Verdict
+from rps_exudyn.fitting.fitted import Fit, FittedPass, Verdict
 from rps_exudyn.fitting.unknowns import LEVEL
 
 WIDE = 1.96  # standard deviations of a 95 % interval

@@ -9,7 +9,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.interrupts import raise_wrapped
 from rps_exudyn.base.units import words
 from rps_exudyn.explore.sliders import settings_of
-from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status

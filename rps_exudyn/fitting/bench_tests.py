@@ -17,11 +17,10 @@ import numpy as np
 
 from rps_exudyn.analysis.passes import Pass, passes
 from rps_exudyn.base import units
-from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.sentence import are, lines_in_words
-from rps_exudyn.measured.clock import speeds
+from rps_exudyn.base.errors import InputError, are, lines_in_words
 from rps_exudyn.measured.reading import PUSH, TORQUE, read_curve
-from rps_exudyn.results.measured_torque import MeasuredTorque
+from rps_exudyn.measured.turning import speeds
+from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
 from rps_exudyn.scenes.rack_push import SCENE as RACK_PUSH
 from rps_exudyn.scenes.reversal import SCENE as REVERSAL

@@ -16,16 +16,17 @@ from rps_exudyn.analysis.torque import mean
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.fitting.bench_tests import BenchTest
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters.fidelity import EQUILIBRIA_FOR_MANY, Fidelity
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import largest_angle, steady_maneuver
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.solvers.closed_form import mean_state, pushing_force
 from rps_exudyn.solvers.drive import DrivenBody
 
-STEP = EQUILIBRIA_FOR_MANY.step_angle
+STEP = np.radians(2.0)  # the mean to 0.001 %
 TURN = 2 * np.pi
 SEEN = 4e-6  # of a runout, that changes means by a percent of what 20 um do [m]
+FIDELITY = Fidelity.preset("quasi-static").replace({"step_angle": STEP})
 
 
 class NoPredictionError(Exception):
@@ -33,7 +34,7 @@ class NoPredictionError(Exception):
 
 
 @dataclass(frozen=True)
-class Block:
+class CurveBlock:
     """A part of the predicted values: forward and backward values of one test, one after the other."""
 
     test: BenchTest
@@ -70,8 +71,8 @@ class Block:
 class Prediction:
     """Predicts the values of all tests, and counts what it took."""
 
-    blocks: Sequence[Block]
-    fidelity: Fidelity = EQUILIBRIA_FOR_MANY
+    blocks: Sequence[CurveBlock]
+    fidelity: Fidelity = FIDELITY
     simulations: int = 0  # of all tests together
 
     @classmethod
@@ -108,7 +109,7 @@ class Prediction:
             [np.repeat(formula_means(gear, block.test), block.grid.size) for block in self.blocks]
         )
 
-    def _simulated(self, block: Block, gear: SteeringGear) -> np.ndarray:
+    def _simulated(self, block: CurveBlock, gear: SteeringGear) -> np.ndarray:
         test = block.test
         if test.kind in ("yoke-out", "bearing"):
             return np.array(formula_means(gear, test))
@@ -153,11 +154,11 @@ def formula_means(gear: SteeringGear, test: BenchTest) -> tuple[float, float]:
     return mean_state(gear, +1, test.load).torque, mean_state(gear, -1, test.load).torque
 
 
-def _block(test: BenchTest, whole: tuple[float, float] | None) -> Block:
+def _block(test: BenchTest, whole: tuple[float, float] | None) -> CurveBlock:
     if not test.of_kind.by_angle:
-        return Block(test, np.zeros(1), True)
+        return CurveBlock(test, np.zeros(1), True)
     low, high = whole or (-np.pi, np.pi)
-    return Block(test, np.linspace(low, high, round((high - low) / STEP) + 1), whole is None)
+    return CurveBlock(test, np.linspace(low, high, round((high - low) / STEP) + 1), whole is None)
 
 
 def within_the_teeth(gear: SteeringGear, low: float, high: float) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from rps_exudyn.fitting.bench_tests import MeasuredPass, Measurement
-from rps_exudyn.fitting.prediction import Block, Prediction
+from rps_exudyn.fitting.prediction import CurveBlock, Prediction
 from rps_exudyn.fitting.unknowns import Unknown
 
 SMALLEST_NOISE = 1e-3  # of a pass' level: below it the contact law's own ripple is the larger error
@@ -78,7 +78,7 @@ class Problem:
         """The same with other noise."""
         return replace(self, noises=noises)
 
-    def block_of(self, number: int) -> tuple[Block, int]:
+    def block_of(self, number: int) -> tuple[CurveBlock, int]:
         """The block of a pass, and its number."""
         tests = [block.test for block in self.prediction.blocks]
         at = tests.index(self.measurement.passes[number].test)
@@ -204,7 +204,7 @@ def _mean_slopes(slopes: np.ndarray, measured: MeasuredPass) -> np.ndarray:
     return np.broadcast_to(row, (measured.angle.size, row.size))
 
 
-def _slope(block: Block, values: np.ndarray, direction: int, angle: np.ndarray) -> np.ndarray:
+def _slope(block: CurveBlock, values: np.ndarray, direction: int, angle: np.ndarray) -> np.ndarray:
     half = np.radians(1.0)
     ahead, behind = (block.at(values, direction, angle + sign * half) for sign in (1, -1))
     return (ahead - behind) / (2 * half)

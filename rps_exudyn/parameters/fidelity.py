@@ -24,7 +24,7 @@ from rps_exudyn.parameters.declaration import (
     Table,
     parameter,
 )
-from rps_exudyn.parameters.problem import Problem
+from rps_exudyn.parameters.wrong_values import Problem
 
 LEAST_SWING_STEPS = 5  # fewer do not see an impact
 PresetName = Literal["full", "flank", "quasi-static", "closed-form"]
@@ -237,5 +237,7 @@ PRESETS: dict[str, dict[str, Any]] = {
     "closed-form": {"solver": "closed-form", "step_angle": "5 deg"},
 }
 
-EQUILIBRIA_FOR_MANY = Fidelity.preset("quasi-static").replace({"step_angle": "2 deg"})
-"""What bands, sheets, validation and fits run: the mean to 0.001 %, the peak to peak to 0.1 %."""
+MEAN_STEP = 2 * DEG
+"""Step of equilibria for bands, fits, comparisons [rad]: the mean to 0.001 %, the peak to peak to 0.1 %."""
+FOR_MEANS = Fidelity.preset("quasi-static").replace({"step_angle": MEAN_STEP})
+"""The model of bands, fits and comparisons where no other is chosen."""

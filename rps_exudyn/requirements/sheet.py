@@ -13,12 +13,11 @@ from itertools import pairwise
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.roots import bracketed_root
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.tooth_strength import flank_stress, pinion_form, rack_form, root_stress
 from rps_exudyn.parameters.distribution import Distribution
-from rps_exudyn.parameters.fidelity import EQUILIBRIA_FOR_MANY
+from rps_exudyn.parameters.fidelity import FOR_MEANS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.requirements.limits import Limit
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
@@ -136,7 +135,7 @@ def _of_turning(
         start = -np.pi * gear.test.direction
         path = {"test.path": "there-and-back", "test.start_angle": start, "test.turns": 1.0}
     try:
-        band = quick_band(gear.replace(path), EQUILIBRIA_FOR_MANY, inputs, samples, jobs=jobs)
+        band = quick_band(gear.replace(path), FOR_MEANS, inputs, samples, jobs=jobs)
     except InputError as error:
         yield from (_not_evaluated(name, limits, error) for name in TURNING)
         return
@@ -152,7 +151,7 @@ def _of_efficiency(
     jobs: int,
 ) -> Judged:
     short = gear.replace({"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth})
-    band = band_of_runs(LOAD_TEST.name, short, EQUILIBRIA_FOR_MANY, inputs, max(samples // 2, 8), jobs=jobs)
+    band = band_of_runs(LOAD_TEST.name, short, FOR_MEANS, inputs, max(samples // 2, 8), jobs=jobs)
     judged = _from_band("efficiency_ratio", "efficiency_ratio", band, limits)
     weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 - (T_0 / W s')^2"
     if judged.kept:
@@ -175,7 +174,7 @@ def _of_lift(
     jobs: int,
 ) -> Judged:
     lifting = gear.replace({"test.lift_torque": rated_torque})
-    lift = band_of_runs(RACK_LIFT.name, lifting, EQUILIBRIA_FOR_MANY, inputs, max(samples // 2, 8), jobs=jobs)
+    lift = band_of_runs(RACK_LIFT.name, lifting, FOR_MEANS, inputs, max(samples // 2, 8), jobs=jobs)
     return _from_band("rated_lift", "rack_lift", lift, limits)
 
 
@@ -183,15 +182,15 @@ def weight_for_ratio(gear: SteeringGear, ratio: float) -> float | None:
     """Return the least weight with which reverse over forward efficiency reaches a ratio, by the closed form
     [kg]; None if none does."""
 
+    from scipy.optimize import brentq
+
     def beyond(mass: float) -> float:
         return load_test(gear, mass).efficiency_ratio - ratio
 
     masses = np.geomspace(LIGHTEST, HEAVIEST, 40)
     for lighter, heavier in pairwise(masses.tolist()):
         if beyond(heavier) >= 0:
-            return (
-                bracketed_root(beyond, lighter, heavier, tolerance=1e-6) if beyond(lighter) < 0 else lighter
-            )
+            return float(brentq(beyond, lighter, heavier, xtol=1e-6)) if beyond(lighter) < 0 else lighter
     return None
 
 

@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 import h5py
 import numpy as np
 
+from rps_exudyn.base.files import with_checksum
 from rps_exudyn.base.hdf5 import file_image, opened
-from rps_exudyn.base.seal import sealed
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results import provenance as origin
 from rps_exudyn.results.outcome import Status, codes_of
@@ -118,7 +118,7 @@ class CaseRecord:
 
 def packed(records: Sequence[CaseRecord]) -> bytes:
     """Return the bytes of the block's file with its checksum."""
-    return sealed(file_image(lambda file: _fill(file, records)))
+    return with_checksum(file_image(lambda file: _fill(file, records)))
 
 
 def _fill(file: h5py.File, records: Sequence[CaseRecord]) -> None:

@@ -17,15 +17,12 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import read_json_tables, replacing, with_checksum
 from rps_exudyn.base.hdf5 import file_image, from_bytes, opened
-from rps_exudyn.base.json_tables import read_json_tables
-from rps_exudyn.base.seal import sealed
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results import provenance as origin
-from rps_exudyn.results.measured_torque import MeasuredTorque
 from rps_exudyn.results.outcome import Status, codes_of
 from rps_exudyn.results.quantities import GROUPS, SIGNALS, SUMMARY
 
@@ -38,6 +35,50 @@ DRAWING = "rps_exudyn.charts.scene:draw"  # looked up when a result is drawn: ch
 FILETYPE = "rps_exudyn-result"
 VERSION = (1, 4)
 """Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
+
+
+MEASURED_GROUP = "measured"  # of a result's file
+MEASURED_SIGNALS = ("pinion_angle", "pinion_torque")
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredTorque:
+    """A measured curve in SI units, in the order of its file."""
+
+    name: str
+    signals: dict[str, np.ndarray]  # pinion_angle [rad], pinion_torque [N m], shape (n,); or of a rack push
+    assumed: tuple[str, ...] = ()  # what the reading of the file took for granted
+    beside: dict[str, np.ndarray] = field(default_factory=dict)  # clock [s], speed [rad/s], line; (n,)
+    left_out: tuple[str, ...] = ()  # those of `assumed` that say which rows of the file are no part of it
+
+    def write(self, file: h5py.File) -> None:
+        """Write name, angle and torque as a group of a result's file."""
+        group = file.create_group(MEASURED_GROUP)
+        group.attrs["name"] = self.name
+        for name in MEASURED_SIGNALS:
+            dataset = group.create_dataset(name, data=np.asarray(self.signals[name], dtype=float))
+            dataset.attrs["units"] = SIGNALS[name].unit
+            dataset.attrs["long_name"] = SIGNALS[name].long_name
+
+    @classmethod
+    def read(cls, file: h5py.File) -> "MeasuredTorque | None":
+        """The curve in a result's file; None of a file without one.
+
+        Raises:
+            ValueError: the group is there and holds no curve.
+        """
+        if MEASURED_GROUP not in file:
+            return None
+        name, signals = (
+            file[MEASURED_GROUP].attrs["name"],
+            {each: file[MEASURED_GROUP][each][()] for each in MEASURED_SIGNALS},
+        )
+        angle, torque = signals.values()
+        if not isinstance(name, str) or angle.ndim != 1 or angle.shape != torque.shape or angle.size < 2:
+            raise ValueError(f"{MEASURED_GROUP} holds no curve")
+        if not all(values.dtype.kind == "f" and np.isfinite(values).all() for values in signals.values()):
+            raise ValueError(f"{MEASURED_GROUP} holds no numbers")
+        return cls(name, signals)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -163,7 +204,7 @@ class Result:
             InputError: the file cannot be written.
         """
         with replacing(path) as partial:
-            partial.write_bytes(sealed(content_of(self)))
+            partial.write_bytes(with_checksum(content_of(self)))
 
 
 def failed(

@@ -4,8 +4,8 @@ from time import process_time
 
 import numpy as np
 
+from rps_exudyn.analysis.work_balance import integral_from_start
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.quadrature import integral_from_start
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear

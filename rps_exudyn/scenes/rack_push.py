@@ -5,8 +5,7 @@ The rack moves as fast as the pinion would move it at the test's speed, over the
 
 import numpy as np
 
-from rps_exudyn.analysis.many import largest, number_of, spread
-from rps_exudyn.analysis.passes import passes
+from rps_exudyn.analysis.passes import largest, number_of, passes, spread
 from rps_exudyn.analysis.resolution import LEAST_FOR_PEAKS
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity

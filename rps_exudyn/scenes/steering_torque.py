@@ -9,7 +9,7 @@ quarter of a cycle: the wheel moves off where it overcomes the friction.
 
 import numpy as np
 
-from rps_exudyn.analysis.steering_torque import describe_breakaway, describe_steering_torque
+from rps_exudyn.analysis.steering_feel import describe_breakaway, describe_steering_torque
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity

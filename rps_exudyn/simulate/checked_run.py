@@ -4,7 +4,7 @@ from dataclasses import replace
 from time import perf_counter, process_time
 
 from rps_exudyn.checks.before_run import refused
-from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once

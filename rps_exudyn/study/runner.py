@@ -13,8 +13,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import replacing
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.simulate.cases.run_cases import Executor

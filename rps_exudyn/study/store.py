@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
-from rps_exudyn.base.atomic import check_writable, number_existing, replacing
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import check_writable, number_existing, replacing
 from rps_exudyn.results.block import CaseRecord, summaries
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result, read_result

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.carried import carried
-from rps_exudyn.parameters.fidelity import EQUILIBRIA_FOR_MANY, Fidelity
+from rps_exudyn.parameters.fidelity import FOR_MEANS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes import scene_named
@@ -19,8 +19,8 @@ from rps_exudyn.simulate.cases.run_cases import Task, run_cases
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.uncertainty.band import Band, band_of_runs, numerical_error
 from rps_exudyn.uncertainty.input_sets import uncertain_inputs
-from rps_exudyn.uncertainty.quantiles import MEDIAN
 from rps_exudyn.uncertainty.quick_band import SCENE, quick_band
+from rps_exudyn.uncertainty.statistics import MEDIAN
 from rps_exudyn.validation.calculations import CALCULATIONS
 from rps_exudyn.validation.row import Procedure, Row
 from rps_exudyn.validation.verdict import Verdict, verdict, verdict_on_limit
@@ -150,8 +150,8 @@ def _simulated(procedure: Procedure) -> dict[str, Simulated]:
         numbers = geometry_report(gear).numbers
         return {name: Simulated(value, 0.0, 0.0, value, value) for name, value in numbers.items()}
     fidelity = Fidelity.preset(procedure.fidelity)
-    if fidelity.based_on == EQUILIBRIA_FOR_MANY.based_on:
-        fidelity = EQUILIBRIA_FOR_MANY
+    if fidelity.based_on == FOR_MEANS.based_on:
+        fidelity = FOR_MEANS
     if procedure.inputs:
         return _of_band(_band(procedure, gear, fidelity))
     result = simulate(procedure.scene, gear, fidelity)

@@ -8,7 +8,7 @@ import pytest
 
 from made_up_study import description
 from rps_exudyn.parameters.distribution import Distribution
-from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.block import CaseRecord, Keep
 from rps_exudyn.results.result import Result
 from rps_exudyn.study.cases import case_hash, describe, setup_of

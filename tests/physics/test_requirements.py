@@ -11,7 +11,7 @@ import rps_exudyn as rps
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.tooth_strength import pinion_form
 from rps_exudyn.parameters.carried import carried
-from rps_exudyn.parameters.fidelity import EQUILIBRIA_FOR_MANY
+from rps_exudyn.parameters.fidelity import FOR_MEANS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.requirements.limits import REQUIRED, read_limits
 from rps_exudyn.requirements.sheet import Judged, judge, weight_for_ratio
@@ -43,7 +43,7 @@ def test_default_gear_keeps_its_torque_and_not_the_papers_efficiency(sheet: dict
 
 def test_numbers_are_those_of_the_scenes(sheet: dict[str, Judged]) -> None:
     medians = GEAR.replace({"test.lift_torque": 30.0})
-    lift = rps.run("rack-lift", medians, fidelity=EQUILIBRIA_FOR_MANY).summary["rack_lift"]
+    lift = rps.run("rack-lift", medians, fidelity=FOR_MEANS).summary["rack_lift"]
     assert sheet["rated_lift"].nominal == pytest.approx(lift, rel=1e-9)
     assert sheet["gain"].nominal == pytest.approx(35.027e-3, rel=1e-4)
     assert sheet["travel"].nominal > 0.14
@@ -94,7 +94,7 @@ def test_what_cannot_be_computed_is_not_evaluated(monkeypatch: pytest.MonkeyPatc
 def test_command_prints_what_is_not_evaluated(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     limit, nan = read_limits()["free_torque"], float("nan")
     made = [Judged("free_torque", limit, nan, nan, nan, 0.0, remark="Not evaluated: contact-lost")]
-    monkeypatch.setattr("rps_exudyn.cli.check_command.judge", lambda *_, **__: iter(made))
+    monkeypatch.setattr("rps_exudyn.requirements.sheet.judge", lambda *_, **__: iter(made))
     answer = command(["check", "--out", "sheet.json"])
     assert answer.status == 1
     assert "not evaluated" in answer.out
@@ -137,7 +137,7 @@ def test_limits_that_cannot_be(tmp_path: Path, text: str, said: str) -> None:
 def test_command_judges_and_says_so_by_its_status(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     limit = read_limits()["free_torque"]
     made = [Judged("free_torque", limit, 0.6, 0.5, 0.7, 1.0), Judged("gain", limit, 0.035, 0.035, 0.035, 0.0)]
-    monkeypatch.setattr("rps_exudyn.cli.check_command.judge", lambda *_, **__: iter(made))
+    monkeypatch.setattr("rps_exudyn.requirements.sheet.judge", lambda *_, **__: iter(made))
     answer = command(["check", "--out", "sheet.json"])
     assert answer.status == 1
     assert "free_torque" in answer.out

@@ -161,7 +161,7 @@ def test_storing_that_fails_ends_the_study_in_a_sentence(
         if len(list(path.parent.glob("[!.]*.h5"))) >= 2 and path.parent.name == "cases":
             raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("rps_exudyn.base.atomic._flush_to_disk", full)
+    monkeypatch.setattr("rps_exudyn.base.files._flush_to_disk", full)
     file = write_grid(tmp_path / "s.toml", 100, 200, 300, 400)
     file.write_text(f"{file.read_text()}[keep]\nblocks = false\n")
     answer = command(["study", str(file), "--jobs", "1"])

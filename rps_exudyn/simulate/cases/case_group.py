@@ -11,9 +11,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rps_exudyn.gears.report import geometry_report
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.gears.geometry_report import geometry_report
+from rps_exudyn.parameters.gear import Setup, SteeringGear
 from rps_exudyn.results.block import CaseRecord, Keep
 from rps_exudyn.results.outcome import Status, each_once, joined_text
 from rps_exudyn.results.result import Result
