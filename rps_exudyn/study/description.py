@@ -16,7 +16,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of
 from rps_exudyn.base.hdf5 import check_version
-from rps_exudyn.results.case_file import Keep
+from rps_exudyn.results.block import Keep
 
 FILETYPE = "rps_exudyn-study"
 VERSION = (1, 1)

@@ -21,7 +21,7 @@ def no_process(monkeypatch: pytest.MonkeyPatch) -> None:
     def started(*_: object, **__: object) -> None:
         pytest.fail("a process was started in spite of wrong input")
 
-    monkeypatch.setattr("rps_exudyn.simulate.processes.Processes._start", started)
+    monkeypatch.setattr("rps_exudyn.simulate.cases.processes.Processes._start", started)
     monkeypatch.setattr("rps_exudyn.results.provenance.git_hash", lambda: "")
 
 
