@@ -24,12 +24,15 @@ from rps_exudyn.forces.friction import rubbing
 from rps_exudyn.forces.rigid_motion import Vector, cross, dot, minus, on_angles, plus, scaled, vector
 from rps_exudyn.mesh_contact import wrench
 from rps_exudyn.mesh_contact.flank_line import (
+    DAMPING_LOSS,
     DRAG_B,
     DRAG_R,
+    ENERGY,
     LOAD,
     LOAD_R,
     LOAD_T,
     LOAD_Z,
+    add_load,
     affine,
     gear_centre,
     patch_of,
@@ -240,3 +243,26 @@ def add_on_coordinates(out, q, turn, axis, to_axis, stiffness, factor_q, tangent
     tangent[5, 4] += factor_q * (ca * moment[2] - sa * moment[1])
     tangent[6, 4] -= factor_q * cb * (ca * moment[1] + sa * moment[2])
     tangent[6, 5] += factor_q * (cb * moment[0] + sb * (sa * moment[1] - ca * moment[2]))
+
+
+# --- Load at one point of the flanks by its depth, with friction, damping and, if asked for, its tangent
+
+
+@inline
+def press(depth, stiffness, eased, p_r, p_t, z, side, data, work, slopes):  # type: ignore[no-untyped-def]
+    """Add the load stiffness * (depth + d * its rate) at a point, with its friction.
+
+    `eased` is the stiffness's weight over the load's in the rule that the point belongs to; `slopes` says
+    where to add the tangent.
+    """
+    pressing = depth
+    if data.damping > 0:
+        approach = affine(side.part, p_r, p_t, z)
+        pressing += data.damping * approach
+        if not pressing > 0:
+            return
+        work.sums[DAMPING_LOSS] += stiffness * (pressing - depth) * approach
+    add_load(stiffness * pressing, p_r, p_t, z, side, data, work)
+    work.sums[ENERGY] += stiffness * depth * depth / 2
+    if slopes.wanted:
+        add_station(eased * stiffness, stiffness * pressing, p_r, p_t, z, side, data, work, slopes)

@@ -8,8 +8,8 @@ interval with exact ends; that holds for strips of any width.
 import numpy as np
 
 from rps_exudyn.base.compiled import inline, kernel
+from rps_exudyn.mesh_contact.contact_tangent import press
 from rps_exudyn.mesh_contact.flank_line import surplus
-from rps_exudyn.mesh_contact.pressed_point import press
 
 REACH = 0.35  # contact is sought within this angle of a line's crest [rad]
 

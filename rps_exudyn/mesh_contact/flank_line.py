@@ -21,9 +21,9 @@ import numpy as np
 from rps_exudyn.base.compiled import inline
 from rps_exudyn.forces.friction import PATCH, bristle, by_load, clear, coulomb, stored, stribeck
 from rps_exudyn.forces.rigid_motion import Vector
+from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS
 from rps_exudyn.mesh_contact import wrench
 from rps_exudyn.mesh_contact.flank_strip import MARGIN
-from rps_exudyn.mesh_contact.steel import EFFECTIVE_MODULUS
 
 Coefficients = tuple[float, float, float, float]
 

@@ -13,7 +13,7 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.checks.before_run import refused
 from rps_exudyn.gears.geometry_report import check_gear
-from rps_exudyn.mesh_contact.steel import BEARABLE_PRESSURE
+from rps_exudyn.gears.tooth_stiffness import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear

@@ -12,7 +12,7 @@ import numpy as np
 from rps_exudyn.forces import external_load, sliding_fit, yoke
 from rps_exudyn.forces.bearing import bearing_record
 from rps_exudyn.forces.bush import Chain, bush_chain
-from rps_exudyn.forces.force_element import Part
+from rps_exudyn.forces.force_element import RACK, Part
 from rps_exudyn.forces.friction import PLAIN
 from rps_exudyn.forces.memory import Patches
 from rps_exudyn.gears.gear_pair import GearPair
@@ -28,11 +28,9 @@ from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS, check_f
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import Balance, new_work
 from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar, bent_bar
-from rps_exudyn.solvers.coordinates import RACK
 from rps_exudyn.solvers.gear_model import GEAR, LAWS, outputs_along, parts_of
-from rps_exudyn.solvers.linear_spheres import standing_out
 from rps_exudyn.solvers.settling import static_approach
-from rps_exudyn.solvers.sphere_groups import by_touching_angle
+from rps_exudyn.solvers.sphere_groups import by_touching_angle, standing_out
 
 GUIDED = tuple(range(RACK + 2, RACK + 6))  # what a guided rack lacks: sideways motion, roll, yaw, pitch
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
+from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import rack_masses
@@ -18,11 +19,9 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.balance import SIZE
-from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
+from rps_exudyn.solvers.balance import SIZE, eigenvalues, slopes
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
-from rps_exudyn.solvers.linearised_motion import eigenvalues, slopes
 from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
 from rps_exudyn.solvers.settled_start import SteadyApproach, settled_path
 

@@ -16,8 +16,8 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.uncertainty.band import Band, band_of_runs, numerical_error
 from rps_exudyn.uncertainty.input_sets import uncertain_inputs
-from rps_exudyn.uncertainty.quantiles import MEDIAN
 from rps_exudyn.uncertainty.quick_band import SCENE, quick_band
+from rps_exudyn.uncertainty.statistics import MEDIAN
 from rps_exudyn.validation.calculations import CALCULATIONS
 from rps_exudyn.validation.row import Procedure, Row
 from rps_exudyn.validation.verdict import Verdict, verdict, verdict_on_limit
