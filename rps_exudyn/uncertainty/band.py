@@ -25,7 +25,6 @@ from rps_exudyn.results.law_error import LawError, law_error
 from rps_exudyn.results.outcome import Interrupted, Status, alike
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.headline import curve_of
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.simulate.batch import Batch
 from rps_exudyn.simulate.run import simulate
@@ -249,7 +248,10 @@ class _Seen:
         """Times of the nominal curve, by its pieces."""
         nominal = self.nominal
         return [
-            time for time, _ in curve_of(nominal.scene, nominal.signals, nominal.gear, self.fidelity).pieces
+            time
+            for time, _ in scene_named(nominal.scene)
+            .curve(nominal.signals, nominal.gear, self.fidelity)
+            .pieces
         ]
 
     def causes(self) -> Counter[str]:
@@ -291,7 +293,7 @@ class _Seen:
         if self.curves is None:
             return None
         try:
-            curve = curve_of(self.nominal.scene, signals, gear, self.fidelity)
+            curve = scene_named(self.nominal.scene).curve(signals, gear, self.fidelity)
             return curve.over(self.grid, smooth=False)
         except ValueError:  # another number of maneuvers
             return None
