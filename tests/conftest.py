@@ -52,7 +52,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "smoke/test_animation.py",
     "smoke/test_animation_in_browser.py",
     "smoke/test_cluster.py",
-    "smoke/test_compiling.py::test_first_use_is_never_silent_and_its_total_is_right",
+    "smoke/test_compiling.py",
     "smoke/test_examples.py",
     "smoke/test_explore.py",
     "smoke/test_first_steps.py",

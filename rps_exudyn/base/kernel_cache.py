@@ -23,9 +23,10 @@ PACKAGE = Path(__file__).parents[1]
 KERNEL_SOURCES = (
     "base/*.py",
     "forces/*.py",
+    "gears/tooth_stiffness.py",
     "mesh_contact/*.py",
     "solvers/*.py",
-    "animation/raster.py",
+    "animation/drawn.py",
 )
 """What compiled code is made of: the kernels, and the records and constants that they read."""
 STAMP = ".sha256"

@@ -73,7 +73,6 @@ def test_a_swing_that_shakes_the_rack_is_refused(rpm: float, degrees: float) -> 
     assert "too fast for equilibria" in run.message
 
 
-@pytest.mark.quick
 def test_a_path_without_any_equilibrium_makes_an_empty_record() -> None:
     """A gear that is lost at the first instant is an outcome, so its record must be made."""
     rows, drive = np.zeros((0, 8)), Steady("pinion", 0.0, 1.0)
