@@ -19,6 +19,7 @@ import numpy as np
 from rps_exudyn.base.hdf5 import file_image, opened
 from rps_exudyn.base.seal import sealed
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.retired import STORED
 from rps_exudyn.results import provenance as origin
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GROUPS
@@ -164,7 +165,9 @@ class Block:
         row = self.places[case_hash]
         return Result(
             scene=self.text("scene", row),
-            gear=SteeringGear.from_tables(json.loads(self.text("parameters", row)), where=str(self.path)),
+            gear=SteeringGear.from_tables(
+                json.loads(self.text("parameters", row)), where=str(self.path), context=STORED
+            ),
             fidelity=json.loads(self.text("fidelity", row)),
             solver=json.loads(self.text("solver", row)),
             findings=json.loads(self.text("findings", row)),

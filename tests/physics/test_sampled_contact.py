@@ -23,6 +23,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.run import run
 from rps_exudyn.solvers.linear_spheres import standing_out
 from verification.contact_at import flank_contact, sampled_wrench
+from verification.law_area import by_law
 
 ZONE = 1e-5  # [m/s]
 BOTH = [NORMAL_DRIVE, NORMAL_COAST]
@@ -54,7 +55,7 @@ SOFT: dict[str, Any] = {
 
 
 def gear_of(settings: dict[str, Any], law: str) -> SteeringGear:
-    return SteeringGear().replace(settings | {"mesh.law": law})
+    return by_law(SteeringGear().replace(settings), law)
 
 
 def pressed(gear: SteeringGear, angle: float) -> Any:
