@@ -15,8 +15,8 @@ from benchmarks.measured_fit import FREE, TRUE, WHITE
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.charts import style
 from rps_exudyn.fitting.bench_tests import measurement_of
-from rps_exudyn.fitting.estimate import Fit, Verdict
 from rps_exudyn.fitting.fit import fit
+from rps_exudyn.fitting.fitted import Fit, Verdict
 from rps_exudyn.fitting.unknowns import CURVED, USUAL
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear

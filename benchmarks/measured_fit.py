@@ -17,13 +17,13 @@ from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.charts import style
 from rps_exudyn.fitting.bench_tests import BenchTest, Measurement, measurement_of
-from rps_exudyn.fitting.estimate import Fit
 from rps_exudyn.fitting.fit import fit
+from rps_exudyn.fitting.fitted import Fit
 from rps_exudyn.fitting.identify import logarithmic_slopes
 from rps_exudyn.fitting.prediction import formula_means
 from rps_exudyn.fitting.unknowns import LEVEL
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.measured_torque import MeasuredTorque
+from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.solvers.closed_form import GRAVITY
 from verification.law_area import by_law
 from verification.made_up_curves import REAL, BenchNoise, measured_curve, true_curve, with_noise

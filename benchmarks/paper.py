@@ -10,11 +10,11 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+from scipy.optimize import brentq
 
 import rps_exudyn as rps
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.analysis.efficiency import LoadTest
-from rps_exudyn.base.roots import bracketed_root
 from rps_exudyn.forces.bush import bush_chain
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
@@ -175,7 +175,7 @@ def ratio_at_load() -> Finding:
 
 def torque_for_ratio() -> Finding:
     """Free torque at which the paper's weight has the paper's ratio."""
-    scale = bracketed_root(lambda s: loaded(LOAD, s).efficiency_ratio - RATIO, 0.01, 1.0, tolerance=1e-6)
+    scale = brentq(lambda s: loaded(LOAD, s).efficiency_ratio - RATIO, 0.01, 1.0, xtol=1e-6)
     torque = loaded(LOAD, scale).free_torque
     return Finding(
         "Figures 16, 17",
@@ -187,13 +187,13 @@ def torque_for_ratio() -> Finding:
 
 
 def _locking_mass() -> float:
-    scale = bracketed_root(lambda s: loaded(LOAD, s).free_torque - LARGEST_TORQUE, 0.5, 5.0, tolerance=1e-6)
-    return float(bracketed_root(lambda m: loaded(m, scale).torque_reverse, 1.0, 200.0, tolerance=1e-3))
+    scale = brentq(lambda s: loaded(LOAD, s).free_torque - LARGEST_TORQUE, 0.5, 5.0, xtol=1e-6)
+    return float(brentq(lambda m: loaded(m, scale).torque_reverse, 1.0, 200.0, xtol=1e-3))
 
 
 def weight_for_ratio() -> Finding:
     """Weight at which the default gear has the paper's ratio."""
-    mass = bracketed_root(lambda m: loaded(m).efficiency_ratio - RATIO, LOAD, 200.0, tolerance=1e-3)
+    mass = brentq(lambda m: loaded(m).efficiency_ratio - RATIO, LOAD, 200.0, xtol=1e-3)
     return Finding(
         "Figure 17",
         f"a ratio of {RATIO:g} asks for {LOAD:g} kg",

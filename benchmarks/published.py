@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from benchmarks.topic import markdown
-from rps_exudyn.base.atomic import write_json
+from rps_exudyn.base.files import write_json
 from rps_exudyn.results.provenance import provenance
 
 FILE = "published.json"

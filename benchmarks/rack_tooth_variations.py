@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 from benchmarks.rack_tooth_elements import ROWS, Compliance, Section, rack_compliance
 from benchmarks.rack_tooth_law import PER_MM, bending_compliance, even_load, flattening, law_compliance
 from benchmarks.topic import markdown
-from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.files import replacing
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.tooth_compliance import RACK, Spread, rack_tooth, tooth_data
 

@@ -13,11 +13,8 @@ import numpy as np
 import rps_exudyn as rps
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.charts import style
-from rps_exudyn.charts.contact_pattern import pattern_figure
-from rps_exudyn.charts.losses import losses_figure
+from rps_exudyn.charts.analyses import losses_figure, pattern_figure, spectrum_figure, torques_figure
 from rps_exudyn.charts.scene import draw
-from rps_exudyn.charts.several import torques_figure
-from rps_exudyn.charts.spectrum import spectrum_figure
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SUMMARY

@@ -16,7 +16,7 @@ from benchmarks.topic import Topic, load_data, markdown, save_data
 DATA = "start_parts.json"
 PARTS = {
     "Python itself": "",
-    "the command line, with cyclopts": "import rps_exudyn.cli.commands as c; c.prepare_process()",
+    "the command line, with cyclopts": "import rps_exudyn.cli.main as c; c.prepare_process()",
     "numpy": "import numpy",
     "the parameters, with pydantic": (
         "from rps_exudyn.parameters.gear import SteeringGear; gear = SteeringGear()"

@@ -19,7 +19,7 @@ from benchmarks.rack_tooth_elements import ROWS, Compliance, Section, rack_compl
 from benchmarks.rack_tooth_law import PER_MM, even_load, flattening, law_compliance, plane_strain
 from benchmarks.rack_tooth_variations import FITS, SUPPORTS, constants_table, support_table, vary
 from benchmarks.topic import Topic, markdown
-from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.files import replacing
 from rps_exudyn.charts import style
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.tooth_compliance import rack_tooth

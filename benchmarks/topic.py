@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn.base.atomic import write_json
+from rps_exudyn.base.files import write_json
 from rps_exudyn.results.provenance import provenance
 
 ROOT = Path(__file__).parents[1]

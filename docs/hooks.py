@@ -49,7 +49,7 @@ def _readme() -> str:
 
 
 def _parameters() -> Iterator[str]:
-    from rps_exudyn.parameters.setup import Setup
+    from rps_exudyn.parameters.gear import Setup
 
     setup, table = Setup(), ""
     for item in Setup.declared():

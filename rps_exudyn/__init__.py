@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rps_exudyn.analysis.measured import compare_with_measured
     from rps_exudyn.base.errors import InputError
-    from rps_exudyn.fitting.estimate import Fit
     from rps_exudyn.fitting.fit import fit
+    from rps_exudyn.fitting.fitted import Fit
     from rps_exudyn.measured.reading import read_measured_torque
     from rps_exudyn.multibody.model import build_model
     from rps_exudyn.parameters.fidelity import Fidelity
@@ -63,7 +63,7 @@ _HOME = {
     "build_model": "multibody.model",
     "compare_with_measured": "analysis.measured",
     "read_measured_torque": "measured.reading",
-    "Fit": "fitting.estimate",
+    "Fit": "fitting.fitted",
     "fit": "fitting.fit",
     "SteeringGear": "parameters.gear",
     "Result": "results.result",

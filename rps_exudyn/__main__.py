@@ -2,6 +2,6 @@
 
 import sys
 
-from rps_exudyn.cli.commands import main
+from rps_exudyn.cli.main import main
 
 sys.exit(main())

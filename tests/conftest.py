@@ -1,8 +1,12 @@
-"""Made-up results and an in-process command line, for tests that need no simulation; and the suite's order.
+"""Made-up results and an in-process command line, for tests that need no simulation; and the sets of tests.
 
-`pytest -m quick` runs the tests that run no compiled kernel, within a minute of CPU time. The whole suite
-shares its files among two processes: one compiles the kernels of `COMPILING` while the other does the quick
-tests, so that few kernels are compiled twice.
+    pytest -q            the everyday set: all but the long tests
+    pytest -q -m quick   the tests that run no compiled kernel, within a minute of CPU time
+    pytest -q -m long    bad cases, pages as printed, kills, benchmarks, browsers: what takes minutes
+    pytest -q FILE       all tests of a file
+
+Two processes share the files: one compiles the kernels of `COMPILING` while the other does the quick tests,
+so that few kernels are compiled twice.
 """
 
 import dataclasses
@@ -16,7 +20,7 @@ import pytest
 from hypothesis import settings
 
 from cpu_limit import CpuLimit
-from rps_exudyn.cli import commands as cli
+from rps_exudyn.cli.main import main
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
@@ -66,6 +70,21 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
     "wrong_input/test_environment.py",
     "wrong_input/test_full_disk.py",
 )
+LONG = (  # files, folders or single tests that the everyday set leaves out
+    "benchmarks",
+    "contract/test_limit_of_cpu_time.py",
+    "physics/test_accuracy_kept.py",
+    "smoke/test_animation_in_browser.py",
+    "smoke/test_cluster.py",
+    "smoke/test_compiling.py::test_first_use_is_never_silent_and_its_total_is_right",
+    "smoke/test_first_steps.py",
+    "smoke/test_one_entry.py",
+    "smoke/test_pictures.py",
+    "smoke/test_reader.py",
+    "smoke/test_report_in_browser.py",
+    "stability",
+    "upstream",
+)
 PROCESSES = 2
 
 # Property tests draw the same cases every time, and a slow machine fails none of them
@@ -82,9 +101,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addini("cpu_limit", "CPU time of a test and its children [s]", default="inf")
 
 
+def _names_files(config: pytest.Config) -> bool:
+    """Tell whether the command names files, not folders."""
+    return all(".py" in Path(name).name for name in config.args)
+
+
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     """Two processes for folders; files and quick tests are done sooner than a second process has started."""
-    alone = config.option.markexpr == "quick" or all(".py" in Path(name).name for name in config.args)
+    alone = config.option.markexpr == "quick" or _names_files(config)
     return 0 if alone else min(PROCESSES, os.cpu_count() or 1)
 
 
@@ -102,12 +126,18 @@ def refuse(kernel: Any) -> None:
     pytest.fail(f"compiles {kernel.py_func.__qualname__}: list it as SLOW in tests/conftest.py")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the quick tests, and bring the file that compiles and then the quick tests to the front."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark quick and long tests; bring the file that compiles and then the quick tests to the front."""
     for item in items:
         name = item.nodeid.removeprefix("tests/")
+        if name.startswith(LONG):
+            item.add_marker("long")
         if name.startswith(QUICK) and not name.startswith(SLOW):
             item.add_marker("quick")
+    if not config.option.markexpr and not _names_files(config):
+        left_out = [item for item in items if item.get_closest_marker("long")]
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [item for item in items if not item.get_closest_marker("long")]
     items.sort(key=lambda item: (COMPILING not in item.nodeid, not item.get_closest_marker("quick")))
 
 
@@ -152,7 +182,7 @@ def command(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pyt
     monkeypatch.delenv("FORCE_COLOR", raising=False)  # which makes lines as short as a terminal's
 
     def call(arguments: Sequence[str]) -> Answer:
-        status = cli.main(list(arguments))
+        status = main(list(arguments))
         captured = capsys.readouterr()
         return Answer(status, captured.out, captured.err)
 

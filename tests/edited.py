@@ -7,13 +7,13 @@ from pathlib import Path
 
 import h5py
 
-from rps_exudyn.base.seal import without_seal
+from rps_exudyn.base.files import without_checksum
 
 
 @contextmanager
 def edited(path: Path) -> Iterator[h5py.File]:
     """The HDF5 file for writing, without its checksum, as files of earlier versions are."""
-    path.write_bytes(without_seal(path.read_bytes()))
+    path.write_bytes(without_checksum(path.read_bytes()))
     with h5py.File(path, "a") as file:
         yield file
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rps_exudyn.results.case_file import Keep
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.results.result import Result
 from rps_exudyn.study.description import Axis, Case, Description
@@ -76,9 +76,10 @@ def make_study(
     for at, case in enumerate(described.cases):
         if at not in set(pending):
             made = result_of(described, case, result)
-            made = dataclasses.replace(made, message=remarks.get(at, ""))
+            codes = (Code.YOKE_STOPPED.value,) if at in remarks else ()
+            made = dataclasses.replace(made, message=remarks.get(at, ""), codes=codes)
             if at in failed:
-                made = dataclasses.replace(made, status=Status.DIVERGED, message=failed[at])
+                made = dataclasses.replace(made, status=Status.DIVERGED, codes=(), message=failed[at])
             made.save(store.path_of(case.hash))
     return folder
 

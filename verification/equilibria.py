@@ -29,7 +29,9 @@ def equilibria(gear: SteeringGear, forces: GearForces, maneuver: Maneuver) -> Sc
     if not path.converged:
         reached = float(path.time[-1]) if path.time.size else 0.0
         message = f"no equilibrium after {reached:.4g} s: {path.residual:.3g} N remain unbalanced"
-        return SceneRun(Outcome(Status.NO_CONVERGENCE, message, reached, cpu, path.counters))
+        return SceneRun(
+            Outcome(Status.NO_CONVERGENCE, message, time_reached=reached, cpu_s=cpu, counters=path.counters)
+        )
     record = record_of_path(forces, path, maneuver.drive).since(maneuver.record_start)
     signals = signals_of(record)
     outcome = Outcome(Status.OK, time_reached=float(path.time[-1]), cpu_s=cpu, counters=path.counters)

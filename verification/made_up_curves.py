@@ -15,7 +15,7 @@ from rps_exudyn.fitting.prediction import formula_means
 from rps_exudyn.measured.reading import PUSH, TORQUE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.measured_torque import MeasuredTorque
+from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.solvers.closed_form import GRAVITY
 from verification.law_area import by_law
 

@@ -11,7 +11,7 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.basic_rack import pointed_radius, undercut_limit
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.report import check_gear
+from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.parameters.derived import DERIVED
 from rps_exudyn.parameters.gear import SteeringGear

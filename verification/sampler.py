@@ -19,7 +19,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.checks.before_run import LEAST_STATIONS
 from rps_exudyn.gears.basic_rack import pointed_radius, undercut_limit
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.report import check_gear
+from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.parameters.declaration import Table
 from rps_exudyn.parameters.fidelity import Fidelity

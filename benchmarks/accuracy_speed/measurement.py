@@ -14,7 +14,7 @@ import numpy as np
 
 from benchmarks.accuracy_speed.variants import variant_of
 from rps_exudyn.analysis.curve import Curve
-from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.files import replacing
 from rps_exudyn.base.hdf5 import opened
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear

@@ -21,11 +21,11 @@ import numpy as np
 from benchmarks.accuracy_speed.limited import cpu_limit
 from benchmarks.accuracy_speed.promise_scenes import SCENES, Measured
 from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import replacing
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.simulate.by_accuracy import choose, known_scenes
 from rps_exudyn.simulate.run import simulate
 from verification.scene_truth import Truth, truth_of
@@ -37,7 +37,7 @@ CHECKED = {name: SCENES[name] for name in SCENES if name in known_scenes()}
 JUDGED, MOST = 20, 400  # promises kept or missed, and gears drawn, most of which rattle refuses at once
 DATA = "promise_check.json"
 PARTIAL = "promise_check.partial.json"
-SAID = ("NOT promised", "NOT reached", "not confirmed")
+SAID = {Code.ACCURACY_NOT_PROMISED, Code.ACCURACY_NOT_REACHED, Code.ACCURACY_NOT_CONFIRMED}
 
 
 def run(
@@ -100,7 +100,10 @@ def verdict_on(scene: str, gear: SteeringGear, truth: Truth, wanted: float, long
         return {**answer, "verdict": str(result.status), "said": result.message}
     error = truth.errors_of(result, Fidelity.model_validate(result.fidelity))[quantity]
     answer |= {"error": error, "doubt": truth.uncertainty[quantity]}
-    return {**answer, "verdict": "outside" if _outside(said) else judged_by(**answer, wanted=wanted)}
+    return {
+        **answer,
+        "verdict": "outside" if not SAID.isdisjoint(result.codes) else judged_by(**answer, wanted=wanted),
+    }
 
 
 def judged_by(error: float, doubt: float, wanted: float, **_: object) -> str:
@@ -108,10 +111,6 @@ def judged_by(error: float, doubt: float, wanted: float, **_: object) -> str:
     if error + doubt <= wanted:
         return "kept"
     return "missed" if error - doubt > wanted else "undecided"
-
-
-def _outside(said: str) -> bool:
-    return any(words in said for words in SAID)
 
 
 def check_table(folder: Path) -> str:

@@ -21,7 +21,7 @@ import numpy as np
 from benchmarks.accuracy_speed.limited import cpu_limit
 from benchmarks.accuracy_speed.promise_scenes import SCENES, STEADY, Measured, Setting
 from benchmarks.topic import Topic, markdown
-from rps_exudyn.base.atomic import replacing, write_json
+from rps_exudyn.base.files import replacing, write_json
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance

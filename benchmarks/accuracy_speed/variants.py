@@ -10,10 +10,8 @@ from dataclasses import dataclass, field
 from functools import cache
 
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import RUBBING_PARTS, SteeringGear
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.headline import SWINGS
 from verification.references import (
     Method,
     as_run,
@@ -39,7 +37,7 @@ class Variant:
                 f"{stations} x {points} points": as_run(self._finely(stations, points))
                 for stations, points in ((12, 6), (10, 5))
             }
-        return self._swung(scene) if scene in SWINGS else self._turned()
+        return self._swung(scene) if scene_named(scene).swings else self._turned()
 
     def _turned(self) -> dict[str, Method]:
         return {

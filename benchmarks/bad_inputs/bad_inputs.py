@@ -19,7 +19,7 @@ from time import monotonic, sleep
 
 from benchmarks.bad_inputs.inputs import BadInput, corpus, stands_in
 from benchmarks.topic import Topic, markdown
-from rps_exudyn.cli.commands import main
+from rps_exudyn.cli.main import main
 
 DATA = "bad_inputs.csv"
 COLUMNS = ("topic", "arguments", "status", "traceback", "lost", "beyond_limit_s", "left_alive", "said")
@@ -27,7 +27,7 @@ LATE = 2.0  # [s] that nothing may be alive beyond its limit
 LIMITED = """
 import resource, signal, sys
 sys.dont_write_bytecode = True  # a write that is cut short there would spoil the modules of this installation
-from rps_exudyn.cli.commands import main
+from rps_exudyn.cli.main import main
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, ({bytes}, {bytes}))
 raise SystemExit(main())

@@ -22,8 +22,8 @@ import numpy as np
 import rps_exudyn as rps
 from benchmarks.topic import ROOT, Topic, markdown
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.cli.app import WRONG_INPUT
-from rps_exudyn.cli.commands import main
+from rps_exudyn.cli.main import main
+from rps_exudyn.cli.output import WRONG_INPUT
 from rps_exudyn.results.result import Result
 from rps_exudyn.study.collected import read_table, write_table
 from rps_exudyn.study.store import Store

@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.bad_inputs.damaged_files import DAMAGES
 from benchmarks.topic import ROOT
-from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.parameters.gear import Setup
 
 CHEAP = ("run", "--fidelity", "closed-form", "--out", "precious.h5")
 LONG = ("run", "--out", "long.h5", "--set", "fidelity.step_angle=0.002 deg", "--set", "test.turns=1.4")

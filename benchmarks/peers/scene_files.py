@@ -22,7 +22,7 @@ from benchmarks.peers.scene import (
     STIFFNESS,
 )
 from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.base.atomic import replacing
+from rps_exudyn.base.files import replacing
 from rps_exudyn.gears.assembly import assembled
 from verification.references import Method
 

@@ -27,9 +27,8 @@ import numpy as np
 from benchmarks.topic import Topic, markdown
 from rps_exudyn.base.compiling import Step, listeners
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.checks.after_run import LAW_LEFT
 from rps_exudyn.checks.before_run import refused
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.checked_run import run_unchecked
@@ -86,7 +85,7 @@ def outcome_of(number: int) -> dict[str, Any]:
             raise
         return {"refused": refusal, "status": "crashed", "message": f"{type(error).__name__}: {error}"}
     found: dict[str, Any] = {"refused": refusal, "status": result.status.value}
-    found["message"] = result.message
+    found |= {"message": result.message, "codes": result.codes}
     found["seconds"] = process_time() - start
     if result.status not in (Status.OK, Status.INVALID):
         return found
@@ -182,9 +181,7 @@ def verdict(row: dict[str, Any]) -> str:
     """Tell whether a plan was right, refused rightly or not, failed, or was silently wrong."""
     if row["status"] == "input-error":
         return "wrong input"
-    if (
-        LAW_LEFT in row["message"]
-    ):  # teeth too deep, of which the reference says nothing, which has the same law
+    if Code.BEYOND_LAW in row.get("codes", ()):  # of which the reference, by the same law, says nothing
         return "beyond the contact's law"
     error, ripple = row.get("error", nan), row.get("ripple_error", nan)
     mean_right, ripple_right = abs(error) <= WRONG, not abs(ripple) > WRONG_RIPPLE

@@ -81,7 +81,8 @@ def outcome_of(plan: ScenePlan) -> dict[str, Any]:
         return found | {"status": "input-error", "message": str(error)}
     except TimeoutError as error:
         return found | {"status": "timeout", "message": str(error)}
-    found |= {"status": result.status.value, "message": result.message, "seconds": process_time() - start}
+    found |= {"status": result.status.value, "message": result.message, "codes": result.codes}
+    found["seconds"] = process_time() - start
     if result.status not in (Status.OK, Status.INVALID):
         return found
     start = process_time()

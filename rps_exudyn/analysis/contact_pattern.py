@@ -15,7 +15,7 @@ from scipy.interpolate import griddata
 
 from rps_exudyn.analysis.load_distribution import LoadDistribution, load_distribution
 from rps_exudyn.analysis.passes import Signals
-from rps_exudyn.analysis.rack_pose import rack_poses
+from rps_exudyn.analysis.rack_motion import rack_poses
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank

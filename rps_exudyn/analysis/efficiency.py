@@ -21,6 +21,7 @@ import numpy as np
 
 from rps_exudyn.analysis.passes import Signals, both_directions, longest_pass, whole_periods
 from rps_exudyn.analysis.torque import mean
+from rps_exudyn.results.outcome import Code, Remark
 
 
 @dataclass(frozen=True)
@@ -63,26 +64,28 @@ class LoadTest:
         """Tell whether the weight cannot drive the gear: it must be pushed down."""
         return self.torque_reverse < 0
 
-    def remarks(self) -> Iterator[str]:
+    def remarks(self) -> Iterator[Remark]:
         """Yield why a number that is called efficiency is none, sentences without a full stop."""
         lost = {
             "forward": self.torque_forward - self.ideal_torque,  # while it is raised
             "reverse": self.ideal_torque - self.torque_reverse,  # while it is lowered
         }
         if self.self_locking:
-            yield (
+            yield Remark(
+                Code.NO_EFFICIENCY,
                 "the gear is self-locking: the weight must be pushed down with "
                 f"{-self.torque_reverse:.4g} N m, for friction takes {lost['reverse']:.4g} N m and the "
                 f"weight gives {self.ideal_torque:.4g}; efficiency_reverse and efficiency_ratio are below 0 "
-                "and no efficiencies"
+                "and no efficiencies",
             )
         for way, does in (("forward", "raised"), ("reverse", "lowered")):
             net = getattr(self, f"efficiency_{way}_net")
             if not 0 <= round(net, 3) <= 1:
-                yield (
+                yield Remark(
+                    Code.NO_EFFICIENCY,
                     f"efficiency_{way}_net is {net:.1%} and no efficiency: while the weight is {does} "
                     f"friction takes {lost[way]:.4g} N m, and the free torque of {self.free_torque:.4g} N m "
-                    "is tared"
+                    "is tared",
                 )
 
 

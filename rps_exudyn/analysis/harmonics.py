@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.many import number_of, over_instants
+from rps_exudyn.analysis.passes import number_of, over_instants
 
 LEAST_PER_PERIOD = 6  # recorded points that a period needs to be resolved
 EVEN_PER_PERIOD = 128  # even angles in a period, at least

@@ -11,8 +11,8 @@ import numpy as np
 from rps_exudyn.analysis.comparison import SignalPair, signal_pair
 from rps_exudyn.analysis.passes import Pass, Signals, common_angles, longest_pass, passes
 from rps_exudyn.analysis.torque import describe_torque
-from rps_exudyn.results.measured_torque import MeasuredTorque
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
+from rps_exudyn.results.result import MeasuredTorque
 
 FEWEST = 3  # rows that make a curve
 TURN = 2 * np.pi  # [rad]

@@ -1,4 +1,4 @@
-"""Parts of a record in which the pinion turns one way: passes.
+"""Signals of a record, and the parts of it in which the pinion turns one way: passes.
 
     forward, backward = passes(signals)
 
@@ -8,10 +8,9 @@ Within a pass the pinion angle rises or falls strictly, so that signals can be d
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
-
-from rps_exudyn.analysis.many import over_instants
 
 Signals = Mapping[str, np.ndarray]
 
@@ -180,3 +179,40 @@ def _pass(signals: Signals, first: int, last: int) -> Pass:
     ahead = np.append(True, direction * angle[1:] > farthest[:-1])
     kept = first + np.flatnonzero(ahead)
     return Pass(direction, {name: values[..., kept] for name, values in signals.items()})
+
+
+# --- Signals of many gears over the same instants: values of shape (gears, n) beside those of one gear, (n,)
+#
+# Figures of one gear are numbers; of many they are arrays of shape (gears,), by the same functions.
+
+
+def number_of(value: Any) -> Any:
+    """Return a plain number for one gear, and the array for many."""
+    return float(value) if np.ndim(value) == 0 else value
+
+
+def spread(values: np.ndarray) -> Any:
+    """Return the peak to peak over the instants of values (..., n)."""
+    return number_of(np.ptp(values, axis=-1))
+
+
+def largest(figures: Sequence[Any]) -> Any:
+    """Return the largest of several figures, of each gear."""
+    return number_of(np.max(figures, axis=0))
+
+
+def over_instants(at: np.ndarray, instants: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return values (..., n) at rising instants (n,) on straight lines between them, shape (..., at.size)."""
+    if values.ndim == 1:
+        return np.interp(at, instants, values)
+    right = np.clip(np.searchsorted(instants, at), 1, instants.size - 1)
+    share = np.clip((at - instants[right - 1]) / (instants[right] - instants[right - 1]), 0.0, 1.0)
+    return np.asarray(values[..., right - 1] * (1 - share) + values[..., right] * share)
+
+
+# --- Where in a record something first holds, for a reader
+
+
+def first_angle(signals: Signals, where: np.ndarray) -> str:
+    """Return the pinion angle at which something first holds, for a reader; `where` has shape (n,)."""
+    return f"{round(np.degrees(signals['pinion_angle'][np.argmax(where)]), 6) + 0.0:.4g} deg"

@@ -15,7 +15,7 @@ from rps_exudyn.analysis.passes import Signals
 
 
 @dataclass(frozen=True)
-class Band:
+class FrequencyBand:
     """A band of frequencies [Hz]."""
 
     low: float
@@ -30,7 +30,9 @@ def split_at_repeats(signals: Signals) -> list[Signals]:
     return [{name: values[a:b] for name, values in signals.items()} for a, b in pieces if b - a > 1]
 
 
-def describe_rattle(signals: Signals, period: float, plunger_mass: float, band: Band) -> dict[str, float]:
+def describe_rattle(
+    signals: Signals, period: float, plunger_mass: float, band: FrequencyBand
+) -> dict[str, float]:
     """The summary's figures of a record of whole cycles of a force, `period` long [s]; {} without a yokenut.
 
     The record may consist of several runs, one for each phase at which the force begins.
@@ -81,7 +83,7 @@ def _rms(runs: Sequence[Signals], name: str) -> float:
     return float(np.sqrt(squares / sum(_duration(run) for run in runs)))
 
 
-def _shaking(run: Signals, band: Band) -> float:
+def _shaking(run: Signals, band: FrequencyBand) -> float:
     """Root mean square in a band of the rack's acceleration along Y at the pitch point [m/s^2], by Parseval.
 
     The spectrum is that of the displacement times omega^2; a Hann window keeps the ends of the record out.

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from rps_exudyn.analysis.many import number_of
+from rps_exudyn.analysis.passes import number_of
 
 NO_LOSS = ("work_drive", "work_load")
 """Signals of the work put in: by the drive, and by the forces on the rack's end."""
@@ -80,3 +80,11 @@ def _change(signals: Mapping[str, np.ndarray], name: str) -> float:
     """Change of a signal (..., n) over the whole record; 0 if it was not recorded."""
     values = signals.get(name, np.zeros(0))
     return number_of(values[..., -1] - values[..., 0]) if values.size else 0.0
+
+
+def integral_from_start(values: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Integrate values (..., n) from the first of some places (n,) to each of them by the trapezoidal
+    rule."""
+    whole = np.zeros(values.shape)
+    np.cumsum(np.diff(place) * (values[..., 1:] + values[..., :-1]) / 2.0, axis=-1, out=whole[..., 1:])
+    return whole

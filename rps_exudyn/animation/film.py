@@ -15,8 +15,8 @@ from rps_exudyn.animation.contact_lines import ContactLines, contact_lines
 from rps_exudyn.animation.drawn import Drawing
 from rps_exudyn.animation.motion import Motion
 from rps_exudyn.animation.parts import Part, picture_parts
-from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import replacing
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
 

@@ -15,8 +15,8 @@ from rps_exudyn.animation.film import image_bytes, still
 from rps_exudyn.animation.motion import Motion
 from rps_exudyn.animation.page_data import page_data
 from rps_exudyn.animation.parts import picture_parts
-from rps_exudyn.base.atomic import replacing
-from rps_exudyn.charts.heading import about, scene_of
+from rps_exudyn.base.files import replacing
+from rps_exudyn.charts.style import about, scene_of
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import Quantity
 from rps_exudyn.results.result import Result

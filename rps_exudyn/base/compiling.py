@@ -13,6 +13,8 @@ from threading import Event, Thread
 from time import perf_counter
 from typing import Any, NamedTuple
 
+from rps_exudyn.base.progress import duration
+
 EVERY = 0.25  # [s] between counts
 LOADING = 1.0  # [s] that kernels take at most where a cache holds them
 OWN_SHARE = 0.5  # of the time, for the kernel itself behind those that it calls: all of them are in its code
@@ -105,3 +107,34 @@ class _Count:
 
 
 compiling = _Count().running
+
+
+# --- How many of the kernels that a work needs are compiled, as a row of the screen
+
+
+class CompilingProgress:
+    """The latest count; its total never is less than the count."""
+
+    def __init__(self) -> None:
+        self.step = Step(0, 0, 0.0, 0.0)
+
+    def take(self, step: Step) -> None:
+        """Take a step."""
+        self.step = step
+
+    @property
+    def is_done(self) -> bool:
+        """Whether all that is known to be needed is compiled."""
+        return self.step.done >= self.step.total
+
+    @property
+    def fraction(self) -> float:
+        """Share of the time that is over."""
+        whole = self.step.seconds + self.step.left
+        return self.step.seconds / whole if whole else 0.0
+
+    @property
+    def text(self) -> str:
+        """For instance "Compiling force laws, once: 46 of 146, 18 s left"."""
+        left = duration(round(self.step.left))
+        return f"Compiling force laws, once: {self.step.done} of {self.step.total}, {left} left"

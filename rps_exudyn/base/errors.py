@@ -1,6 +1,6 @@
-"""The exception for wrong input: sentences that say what to change."""
+"""The exception for wrong input, and the sentences in it: what is wrong, and what to change."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 
 class InputError(ValueError):
@@ -13,3 +13,31 @@ class InputError(ValueError):
     def __init__(self, problems: str | Iterable[str]) -> None:
         self.problems = [problems] if isinstance(problems, str) else list(problems)
         super().__init__("\n".join(self.problems))
+
+
+# --- Clauses made sentences, and counts and lines in them
+
+SHOWN = 5  # lines, or ranges of lines, in a sentence
+
+
+def as_sentence(clause: str) -> str:
+    """Return a clause with a capital letter and a full stop."""
+    return f"{clause[0].upper()}{clause[1:]}."
+
+
+def are(number: int, noun: str, which: str = "") -> str:
+    """Return subject and verb, for instance "1 row without a value is" or "6 rows without a value are"."""
+    return f"{number} {noun}{which} is" if number == 1 else f"{number} {noun}s{which} are"
+
+
+def lines_in_words(numbers: Sequence[int]) -> str:
+    """Return which lines these rising numbers are, for instance "lines 2 to 41, 50, 60 ..."."""
+    ranges: list[list[int]] = []
+    for number in numbers:
+        if ranges and number == ranges[-1][-1] + 1:
+            ranges[-1][1:] = [number]
+        else:
+            ranges.append([number])
+    shown = ", ".join(" to ".join(map(str, each)) for each in ranges[:SHOWN])
+    name = "line" if len(numbers) == 1 else "lines"
+    return f"{name} {shown}" + (" ..." if len(ranges) > SHOWN else "")

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.seal import HDF5_BEGIN, SIZE, is_intact
+from rps_exudyn.base.files import CHECKSUM_SIZE, HDF5_BEGIN, fits_checksum
 from rps_exudyn.base.units import short
 
 
@@ -68,9 +68,9 @@ def from_bytes(
 
 
 def _check_intact(content: bytes, name: str | Path) -> None:
-    if is_intact(content):
+    if fits_checksum(content):
         return
-    if not content[SIZE:].startswith(HDF5_BEGIN):
+    if not content[CHECKSUM_SIZE:].startswith(HDF5_BEGIN):
         raise InputError(f"{name} is no HDF5 file, or it is damaged.")
     raise InputError(f"{name} is damaged, or was changed by another program: its checksum does not fit.")
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.passes import turning_points
 from rps_exudyn.charts import style
-from rps_exudyn.charts.heading import scene_of
+from rps_exudyn.charts.style import scene_of
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.uncertainty.band import Band

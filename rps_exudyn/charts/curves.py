@@ -10,9 +10,8 @@ from rps_exudyn.analysis.measured import onto_simulated
 from rps_exudyn.analysis.passes import Signals, passes
 from rps_exudyn.base.units import short
 from rps_exudyn.charts import style
-from rps_exudyn.results.measured_torque import MeasuredTorque
 from rps_exudyn.results.quantities import SIGNALS
-from rps_exudyn.results.result import Result
+from rps_exudyn.results.result import MeasuredTorque, Result
 
 DIRECTIONS = {+1: ("towards +X", "forward"), -1: ("towards -X", "backward")}
 AGAINST_MOTION = "torque against the motion"

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from rps_exudyn.charts import style
 from rps_exudyn.charts.curves import AGAINST_MOTION, DIRECTIONS
-from rps_exudyn.fitting.estimate import Fit, FittedPass, Verdict
+from rps_exudyn.fitting.fitted import Fit, FittedPass, Verdict
 from rps_exudyn.fitting.unknowns import LEVEL
 
 WIDE = 1.96  # standard deviations of a 95 % interval
@@ -20,7 +20,7 @@ NAMED = 4  # factors of a combination that its bar names
 
 def curves_figure(fit: Fit) -> Figure | None:
     """Measured and fitted torque against the motion, and what is left; None without free turning."""
-    turned = [each for each in fit.passes if each.test in ("free", "reversal")]
+    turned = [each for each in fit.passes if each.by_angle]
     if not turned:
         return None
     figure, (torque, left) = style.panels([3.4, 2.0])

@@ -1,7 +1,7 @@
 """One look for all charts: sizes, colours by meaning, axes with units, and how a picture is saved."""
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +13,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
-from rps_exudyn.base.atomic import replacing
-from rps_exudyn.results.quantities import SIGNALS, Quantity
+from rps_exudyn.base.files import replacing
+from rps_exudyn.base.units import mm
+from rps_exudyn.charts import style
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import SIGNALS, SUMMARY, Quantity
+from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import is_scene, scene_named
 
 COLOURS = {
     "torque": "#0b5394",
@@ -276,3 +282,32 @@ def _save_pixels(figure: Figure, path: Path) -> None:
     finally:
         figure.set_dpi(before[0])
         figure.set_canvas(before[1])
+
+
+# --- Headline of a result's picture: scene and its figures, the gear, and its failure in words
+
+
+def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str]) -> None:
+    """Write the headline; `figures` are the summary's names -> labels, skipped if they are not in it."""
+    parts = [subject] + [
+        f"{label} {SUMMARY[name].show(result.summary[name])}"
+        for name, label in figures.items()
+        if name in result.summary
+    ]
+    failure = "" if result.status is Status.OK else f"{result.status}: {result.message}"
+    style.title(figure, f"{' · '.join(parts)}\n{about(result)}", failure)
+
+
+def scene_of(result: Result) -> str:
+    """The scene's name in words, for instance "Load test"."""
+    return result.scene.replace("-", " ").capitalize()
+
+
+def about(result: Result) -> str:
+    """What was simulated in one line: gear, preload, speed where there is one, fidelity."""
+    gear = result.gear
+    size = f"{gear.pinion.teeth} teeth, module {mm(gear.pinion.normal_module)}"
+    parts = [size, f"preload {gear.yoke.preload:g} N"]
+    if not is_scene(result.scene) or scene_named(result.scene).at_test_speed:
+        parts.append(next(item for item in SteeringGear.declared_at("test.speed")).show(gear.test.speed))
+    return " · ".join([*parts, f"fidelity {result.fidelity['name']}"])

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rps_exudyn.analysis.first_angle import first_angle
+from rps_exudyn.analysis.passes import first_angle
 from rps_exudyn.analysis.resolution import every_second, lag
 from rps_exudyn.analysis.work_balance import largest_work, missing_work
 from rps_exudyn.checks.free_inertia import inertia_followed
@@ -17,12 +17,11 @@ from rps_exudyn.forces.force_element import ENERGY_TERMS, Part
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Outcome, Status
+from rps_exudyn.results.outcome import Code, Outcome, Status
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.solvers.equilibrium import Start
 from rps_exudyn.solvers.record import Record, contact_disagreement
 
-LAW_LEFT, UNSETTLED = "to which the contact's law holds", "the gear does not settle"
 ENERGY_BOUND = 2e-3  # of the drive's or the load's work; 1e-5 is usual ...
 # What loaded material takes along or leaves behind where it passes an edge of the rack: 0.04 % on the paper's
 # gear, more with much friction, and where an error of the shaft angle lets the teeth bear on an edge.
@@ -75,12 +74,13 @@ def validated(
         edges_spared(signals, edge_bound(gear)),
     )
     for check in checks:
-        for status, message in check:
-            return replace(outcome, status=status, message=message)
+        for status, code, message in check:
+            return replace(outcome, status=status, codes=(code,), message=message)
     return outcome
 
 
-Failure = Iterator[tuple[Status, str]]
+Failure = Iterator[tuple[Status, Code, str]]
+"""Status, code and message of a check that fails."""
 
 
 def finite(signals: dict[str, np.ndarray]) -> Failure:
@@ -89,7 +89,7 @@ def finite(signals: dict[str, np.ndarray]) -> Failure:
         return
     for name, values in signals.items():
         if not np.isfinite(values).all():
-            yield Status.DIVERGED, f"{name} is not finite"
+            yield Status.DIVERGED, Code.NOT_FINITE, f"{name} is not finite"
 
 
 def rack_in_mesh(signals: dict[str, np.ndarray], place: float, allowed: float) -> Failure:
@@ -98,6 +98,7 @@ def rack_in_mesh(signals: dict[str, np.ndarray], place: float, allowed: float) -
     if (lift > allowed).any():
         yield (
             Status.CONTACT_LOST,
+            Code.RACK_OUT_OF_MESH,
             f"the rack is {1e6 * lift.max():.4g} um out of its place, first above {1e6 * allowed:.4g} um "
             f"at {first_angle(signals, lift > allowed)}",
         )
@@ -107,7 +108,11 @@ def teeth_loaded(signals: dict[str, np.ndarray]) -> Failure:
     """Check that the teeth touch at every instant."""
     free = signals.get("mesh_normal_force", np.ones(1)) <= 0
     if free.any():
-        yield Status.CONTACT_LOST, f"the teeth carry no load, first at {first_angle(signals, free)}"
+        yield (
+            Status.CONTACT_LOST,
+            Code.TEETH_UNLOADED,
+            f"the teeth carry no load, first at {first_angle(signals, free)}",
+        )
 
 
 def law_valid(valid_to: Mapping[str, float], signals: dict[str, np.ndarray]) -> Failure:
@@ -118,8 +123,9 @@ def law_valid(valid_to: Mapping[str, float], signals: dict[str, np.ndarray]) -> 
             quantity = SIGNALS[name]
             yield (
                 Status.INVALID,
+                Code.BEYOND_LAW,
                 f"{name} is {quantity.show(signals[name].max())}, first above the {quantity.show(bound)} "
-                f"{LAW_LEFT} at {first_angle(signals, beyond)}",
+                f"to which the contact's law holds at {first_angle(signals, beyond)}",
             )
 
 
@@ -129,6 +135,7 @@ def friction_developed(signals: dict[str, np.ndarray], zone: float, pair: GearPa
     if slowest.min() < zone * (1 - 1e-3):
         yield (
             Status.INVALID,
+            Code.FRICTION_ZONE,
             f"the teeth slide at {1e3 * slowest.min():.3g} mm/s, first below the friction zone of "
             f"{1e3 * zone:.3g} mm/s at {first_angle(signals, slowest < zone)}",
         )
@@ -141,6 +148,7 @@ def torque_resolved(signals: dict[str, np.ndarray]) -> Failure:
         steps = len(signals["pinion_angle"]) - 1
         yield (
             Status.INVALID,
+            Code.STEPS_TOO_COARSE,
             f"the steps are too coarse: {steps} of them, between which up to {share:.1%} of the mean may "
             f"hide, allowed are {RESOLVED_BOUND:.0%}; lower fidelity.step_angle",
         )
@@ -178,6 +186,7 @@ def settled(signals: dict[str, np.ndarray], gear: SteeringGear) -> Failure:
     if share > ROLLING_BOUND:
         yield (
             Status.INVALID,
+            Code.RACK_NOT_SETTLED,
             f"the rack is not settled: over the record its surface rolls by {share:.1%} of its travel, "
             f"allowed are {ROLLING_BOUND:.0%}; begin earlier or record longer",
         )
@@ -195,7 +204,8 @@ def start_forgotten(start: Start, signals: dict[str, np.ndarray], gear: Steering
         ends = f", the rack has teeth for {teeth:.3g} before" if np.isfinite(teeth) else ""
         yield (
             Status.INVALID,
-            f"{UNSETTLED}: {start.unsettled:.1%} of the force at the start depends on where the "
+            Code.START_MATTERS,
+            f"the gear does not settle: {start.unsettled:.1%} of the force at the start depends on where the "
             f"motion began; forgotten {asks}{ends}",
         )
 
@@ -212,6 +222,7 @@ def rolling_followed(signals: dict[str, np.ndarray], gear: SteeringGear) -> Fail
     if matters > LAG_BOUND:
         yield (
             Status.INVALID,
+            Code.ROLLING_TOO_COARSE,
             f"the steps are too coarse for the rack's rolling, whose rate they miss by {share:.1%} of its "
             f"travel; lower fidelity.step_angle or choose generalized-alpha",
         )
@@ -234,6 +245,7 @@ def contact_agreed(disagreement: float) -> Failure:
     if not disagreement <= AGREEMENT_BOUND:
         yield (
             Status.INVALID,
+            Code.CONTACT_DISAGREES,
             f"two evaluations of the contact forces differ by {disagreement:.2g}, "
             f"allowed is {AGREEMENT_BOUND:.0g}",
         )
@@ -250,6 +262,7 @@ def spheres_enough(record: Record, on_an_edge: bool) -> Failure:
     if touching < least:
         yield (
             Status.INVALID,
+            Code.FEW_SPHERES,
             f"{touching:g} spheres touch, of {least} needed: raise fidelity.profile_samples or axial_samples",
         )
 
@@ -265,6 +278,7 @@ def spheres_in_place(record: Record, gear: SteeringGear, signals: dict[str, np.n
     if abs(raised) > OUT_OF_PLACE * path:
         yield (
             Status.INVALID,
+            Code.SPHERES_OUT_OF_PLACE,
             f"the rack stands {1e6 * raised:.3g} um from where the preload presses it, which moves its tips "
             f"by {abs(raised) / path:.1%} of the path of contact, allowed for general contact are "
             f"{OUT_OF_PLACE:.0%}: choose fidelity.mesh = flank",
@@ -287,7 +301,11 @@ def work_balanced(signals: dict[str, np.ndarray], bound: float) -> Failure:
     missing = missing_work(signals)
     if not _is_small(missing, bound, signals):
         residual = missing / largest_work(signals)
-        yield Status.INVALID, f"the work balance misses {residual:.2%}, allowed are {bound:.1%}"
+        yield (
+            Status.INVALID,
+            Code.WORK_MISSING,
+            f"the work balance misses {residual:.2%}, allowed are {bound:.1%}",
+        )
 
 
 def edge_bound(gear: SteeringGear) -> float:
@@ -306,6 +324,7 @@ def edges_spared(signals: dict[str, np.ndarray], bound: float) -> Failure:
         share = taken / largest_work(signals)
         yield (
             Status.INVALID,
+            Code.EDGES_LOADED,
             f"{share:.2%} of the work goes over the rack's edges with its material, allowed are {bound:.1%}",
         )
 

@@ -12,10 +12,9 @@ import numpy as np
 from rps_exudyn.gears.bar_section import mass_and_moments
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.solvers.record import Record
 
-TOO_FAST = "the swing is too fast for equilibria"
 FREE_BOUND = 5e-4
 """Of the teeth's mean normal force, RMS over the record: dynamics then differ by 1 % of the torque, RMS."""
 
@@ -36,7 +35,7 @@ def free_inertia(record: Record, gear: SteeringGear) -> float:
 
 def inertia_followed(
     record: Record, signals: dict[str, np.ndarray], gear: SteeringGear
-) -> Iterator[tuple[Status, str]]:
+) -> Iterator[tuple[Status, Code, str]]:
     """Check that equilibria along a drive that is not steady miss little of the rack's inertia."""
     if "mesh_normal_force" not in signals:
         return
@@ -44,6 +43,7 @@ def inertia_followed(
     if share > FREE_BOUND:
         yield (
             Status.INVALID,
-            f"{TOO_FAST}: as it turns about, the rack's inertia besides its travel "
+            Code.SWING_TOO_FAST,
+            f"the swing is too fast for equilibria: as it turns about, the rack's inertia besides its travel "
             f"is {share:.2%} of the teeth's force, allowed are {FREE_BOUND:.2%}; choose generalized-alpha",
         )

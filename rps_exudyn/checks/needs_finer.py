@@ -8,10 +8,12 @@ at its nut, the force follows from how far teeth and nut yield, and teeth that b
 
 import numpy as np
 
-from rps_exudyn.analysis.resolution import every_second, unresolved
+from rps_exudyn.analysis.resolution import every_second, missed, unresolved
 from rps_exudyn.checks.after_run import driven_along, missed_mean, rolling_lag
+from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.closed_form import closed_form
 
 MEAN = 0.01  # of the mean that may hide between the steps ...
 ROLLING = 0.01  # ... or be moved by a late rate of rolling
@@ -39,6 +41,15 @@ def needs_finer(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:
     )
 
 
+def bends_more(signals: dict[str, np.ndarray], gear: SteeringGear, tolerance: float) -> bool:
+    """Tell whether the drive's torque or force bends between the steps by more than a share of the mean free
+    torque."""
+    force, path = driven_along(signals)
+    mean = abs(closed_form(gear).free_torque)
+    allowed = tolerance * (mean if "pinion_torque" in signals else mean / float(GearPair.of(gear).gain))
+    return bool(missed(path, force).max(initial=0.0) > allowed)
+
+
 def yoke_stops(signals: dict[str, np.ndarray]) -> bool:
     """Tell whether the yoke meets its nut: forces then depend on where the rack stands to a few micrometres,
     and so on how it rolled before the record."""
@@ -53,7 +64,7 @@ def finer_strips(fidelity: Fidelity, gear: SteeringGear) -> Fidelity | None:
     return fidelity.replace({"strip_stations": min(FINEST, 2 * fidelity.strip_stations)})
 
 
-def strips_agree(coarse: dict[str, np.ndarray], fine: dict[str, np.ndarray]) -> bool:
-    """Tell whether strips hardly move the mean of the drive's torque or force over a record."""
+def strips_change(coarse: dict[str, np.ndarray], fine: dict[str, np.ndarray]) -> float:
+    """Return by which share finer strips move the mean of the drive's torque or force over a record."""
     (work, _), (right, _) = (every_second(*driven_along(each)[::-1]) for each in (coarse, fine))
-    return bool(abs(work - right) <= STRIPS_AGREE * abs(right))
+    return float(abs(work - right) / abs(right)) if right else float(work != 0) * np.inf

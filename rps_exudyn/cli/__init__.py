@@ -1,5 +1,4 @@
-"""The command line `rps-exudyn`.
+"""The command line `rps-exudyn`: one file a command, called by main.py.
 
-commands.py has one function for each command, study_command.py the work of `study`; options.py reads gear
-and fidelity; printed.py prints tables and JSON; kept.py keeps the files of a run.
+options.py declares what several commands have; output.py and printed.py print.
 """

@@ -1,6 +1,6 @@
-"""The options of the command line that choose the gear and how it is modelled."""
+"""The options of several commands: gear and model, uncertain inputs, columns of measured files, JSON."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,8 +12,33 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import short
 
 if TYPE_CHECKING:
-    from rps_exudyn.parameters.gear import SteeringGear
-    from rps_exudyn.parameters.setup import Setup
+    from rps_exudyn.parameters.distribution import Distribution
+    from rps_exudyn.parameters.gear import Setup, SteeringGear
+
+Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
+
+Json = Annotated[
+    bool, Parameter(name="--json", negative=(), show_default=False, help="print the result as JSON.")
+]
+
+Inputs = Annotated[
+    str | None,
+    Parameter(
+        help="what is uncertain: series (scatter about this gear), unknown (any gear with such teeth) or own "
+        '(parameters given as "300 N +- 30 N" alone); own by default if there are any, else series.'
+    ),
+]
+
+Columns = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--column",
+        negative=(),
+        show_default=False,
+        help='QUANTITY="TITLE [unit]": which column of a measured file holds what, where its header does not '
+        'tell, for instance --column pinion_torque="M2 [N cm]"; may be repeated.',
+    ),
+]
 
 
 @Parameter(name="*")
@@ -38,12 +63,21 @@ class GearOptions:
         with _reporting_together(malformed):
             return SteeringGear.from_tables(self.tables(), settings, where=str(self.gear or ""))
 
-    def say_medians(self) -> None:
-        """Tell on standard error which parameters carry a distribution, of which the median is taken."""
-        from rps_exudyn.cli.kept import say
+    def carried(self) -> "dict[str, Distribution]":
+        """Path -> distribution of the parameters that carry one.
+
+        Raises:
+            InputError: distributions that cannot be.
+        """
         from rps_exudyn.parameters.carried import carried
 
-        if paths := carried(self.tables(), parse_settings(self.settings)[0]):
+        return carried(self.tables(), parse_settings(self.settings)[0])
+
+    def say_medians(self) -> None:
+        """Name on standard error the parameters that carry a distribution, of which the median is taken."""
+        from rps_exudyn.cli.output import say
+
+        if paths := self.carried():
             say(f"{', '.join(paths)}: the median of its distribution is taken; --band makes the band.")
 
     def tables(self) -> dict[str, Any]:
@@ -74,7 +108,7 @@ class SetupOptions(GearOptions):
     def load(self) -> "Setup":
         """Gear and fidelity, or an InputError with everything that is wrong with both."""
         from rps_exudyn.parameters.fidelity import PRESETS, preset_table, unknown_preset
-        from rps_exudyn.parameters.setup import Setup
+        from rps_exudyn.parameters.gear import Setup
 
         settings, problems = parse_settings(self.settings)
         settings |= {f"fidelity.{part}": choice for part, choice in self._parts().items()}
@@ -118,6 +152,9 @@ class SetupOptions(GearOptions):
         return {part: choice for part, choice in parts.items() if choice is not None}
 
 
+PAPER_GEAR, PAPER_SETUP = GearOptions(), SetupOptions()
+
+
 def parse_settings(texts: Iterable[str]) -> tuple[dict[str, Any], list[str]]:
     """Path -> value from PATH=VALUE texts, and a sentence for each text that is not of this form."""
     settings, malformed = {}, []
@@ -152,3 +189,21 @@ def _reporting_together(problems: list[str]) -> Iterator[None]:
         raise InputError(problems + error.problems) from None
     if problems:
         raise InputError(problems)
+
+
+def chosen_columns(texts: Iterable[str]) -> Mapping[str, str]:
+    """Quantity -> title and unit.
+
+    Raises:
+        InputError: a text that is not of the form QUANTITY=TITLE.
+    """
+    chosen = {}
+    for text in texts:
+        name, equals, title = text.partition("=")
+        if not (equals and title.strip()):
+            raise InputError(
+                f'--column {text} is no choice; write QUANTITY="TITLE [unit]", for instance '
+                '--column pinion_torque="M2 [N cm]".'
+            )
+        chosen[name.strip()] = title.strip()
+    return chosen

@@ -9,15 +9,16 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.interrupts import raise_wrapped
 from rps_exudyn.base.units import words
 from rps_exudyn.explore.sliders import settings_of
-from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GEOMETRY, SIGNALS, SUMMARY
 from rps_exudyn.results.result import Result
+from rps_exudyn.scenes.free_pinion_torque import SCENE
 from rps_exudyn.simulate.run import simulate
 
-SCENE, FIDELITY = "free-pinion-torque", "quasi-static"
+FIDELITY = "quasi-static"
 NUMBERS = (
     "torque_mean",
     "torque_peak_to_peak",
@@ -52,7 +53,7 @@ def answer(gear: SteeringGear, state: Any) -> Answer:
     try:
         chosen = gear.replace(settings_of(state))
         report = geometry_report(chosen)
-        result = simulate(SCENE, chosen, FIDELITY)
+        result = simulate(SCENE.name, chosen, FIDELITY)
     except InputError as error:
         return {"problems": list(error.problems)}
     except Exception as error:  # whatever a state nobody has tried does to a solver: the page goes on

@@ -17,8 +17,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import pretty
 from rps_exudyn.explore.answer import Answer, answer
 from rps_exudyn.explore.sliders import SLIDERS, settings_of
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.parameters.gear_file import gear_file
+from rps_exudyn.parameters.gear import SteeringGear, gear_file
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 LARGEST_REQUEST = 20_000  # [bytes]

@@ -17,15 +17,42 @@ import numpy as np
 
 from rps_exudyn.analysis.passes import Pass, passes
 from rps_exudyn.base import units
-from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.sentence import are, lines_in_words
-from rps_exudyn.measured.clock import speeds
+from rps_exudyn.base.errors import InputError, are, lines_in_words
 from rps_exudyn.measured.reading import PUSH, TORQUE, read_curve
-from rps_exudyn.results.measured_torque import MeasuredTorque
+from rps_exudyn.measured.turning import speeds
+from rps_exudyn.results.result import MeasuredTorque
+from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
+from rps_exudyn.scenes.rack_push import SCENE as RACK_PUSH
+from rps_exudyn.scenes.reversal import SCENE as REVERSAL
 from rps_exudyn.solvers.closed_form import GRAVITY
 
-KINDS = ("free", "reversal", "load-test", "rack-push", "yoke-out", "bearing")
-FREE_TURNING = ("free", "reversal")  # whose curves are compared angle by angle, others by their means
+
+@dataclass(frozen=True)
+class BenchKind:
+    """What distinguishes one kind of test.
+
+    Attributes:
+        by_angle: whether its curves are compared angle by angle; others are by their means.
+        turns_about: whether the motion turns back, so that friction turns about.
+        weighted: whether a weight at the rack's end belongs to it.
+        quantities: driven coordinate and measured torque or force, by `results.quantities`.
+    """
+
+    by_angle: bool = False
+    turns_about: bool = False
+    weighted: bool = False
+    quantities: tuple[str, str] = TORQUE
+
+
+KINDS = {
+    "free": BenchKind(by_angle=True),
+    REVERSAL.name: BenchKind(by_angle=True, turns_about=True),
+    LOAD_TEST.name: BenchKind(weighted=True),
+    RACK_PUSH.name: BenchKind(quantities=PUSH),
+    "yoke-out": BenchKind(),
+    "bearing": BenchKind(),
+}
+"""Name in front of a file -> kind of test."""
 _NAMED = re.compile(rf"(?P<kind>{'|'.join(KINDS)})(?:@(?P<load>[^=]+))?=(?P<file>.+)", re.S)
 MOST_POINTS = 720  # of a pass: more are taken together by their medians
 UNSIGNED = 0.5  # least ratio of absolute values of friction in both directions
@@ -42,6 +69,16 @@ class BenchTest:
     load: float = 0.0  # that pulls the rack's end towards -X [N]
 
     @property
+    def of_kind(self) -> BenchKind:
+        """What distinguishes its kind."""
+        return KINDS[self.kind]
+
+    @property
+    def pushed(self) -> bool:
+        """Tell whether the rack is driven."""
+        return self.of_kind.quantities == PUSH
+
+    @property
     def title(self) -> str:
         """Its name for a reader, and in front of a file."""
         return f"{self.kind}@{abs(self.load) / GRAVITY:.4g}kg" if self.load else self.kind
@@ -49,7 +86,7 @@ class BenchTest:
     @property
     def unit(self) -> str:
         """SI unit of what is measured."""
-        return "N" if self.kind == "rack-push" else "N*m"
+        return "N" if self.pushed else "N*m"
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,8 +126,10 @@ def named_test(text: str) -> tuple[BenchTest, Path]:
     if not found:
         return BenchTest("free"), Path(text)
     kind, load, file = found["kind"], found["load"], Path(found["file"])
-    if (kind == "load-test") != (load is not None):
-        raise InputError(f"{text} must say the weight of a load test, and of no other: load-test@80kg=FILE.")
+    if KINDS[kind].weighted != (load is not None):
+        raise InputError(
+            f"{text} must say the weight of a load test, and of no other: {LOAD_TEST.name}@80kg=FILE."
+        )
     try:
         mass = units.to_si(load, "kg") if load else 0.0
     except ValueError as error:
@@ -110,7 +149,7 @@ def read_measurement(files: Iterable[str | Path], columns: Mapping[str, str] | N
     for text in files:
         try:
             test, path = named_test(str(text))
-            curves.append((test, read_curve(path, PUSH if test.kind == "rack-push" else TORQUE, columns)))
+            curves.append((test, read_curve(path, test.of_kind.quantities, columns)))
         except InputError as error:
             problems += error.problems
     if problems:
@@ -129,7 +168,7 @@ def measurement_of(curves: Iterable[tuple[BenchTest, MeasuredTorque]]) -> Measur
     assumed: list[str] = []
     left_out: list[str] = []
     for run, (test, curve) in enumerate(curves):
-        driven, measured = PUSH if test.kind == "rack-push" else TORQUE
+        driven, measured = test.of_kind.quantities
         signals = {"pinion_angle": curve.signals[driven], "value": curve.signals[measured]}
         lines = {"line": np.arange(1.0, curve.signals[driven].size + 1), **curve.beside}
         turned = passes(signals | lines)
@@ -163,7 +202,7 @@ def _sliding(test: BenchTest, turned: Pass) -> np.ndarray:
     """Which rows of a pass are compared, shape (n,): those of a reversal where friction has turned about."""
     angle = turned.angle
     inside = (angle > angle.min() + TURNING) & (angle < angle.max() - TURNING)
-    return inside if test.kind == "reversal" and inside.sum() > 2 else np.ones(angle.size, dtype=bool)
+    return inside if test.of_kind.turns_about and inside.sum() > 2 else np.ones(angle.size, dtype=bool)
 
 
 def _rows_left_out(
@@ -200,7 +239,7 @@ def _with_signs(found: list[MeasuredPass], name: str) -> tuple[list[MeasuredPass
     kind, load = found[0].test.kind, found[0].test.load
     ways = {sense: [each for each in found if each.direction == sense] for sense in (+1, -1)}
     means = {sense: float(np.mean([each.value.mean() for each in way])) for sense, way in ways.items() if way}
-    if kind == "load-test":
+    if KINDS[kind].weighted:
         if max(means.values()) < 0:
             turned = BenchTest(kind, -load)
             return [_replaced(each, turned, 1) for each in found], ["the weight pulls the rack towards +X"]
@@ -249,7 +288,7 @@ def mixed_speeds(measurement: Measurement, gain: float) -> list[str]:
     found = [
         (float(np.min(each.speeds)) / size, float(np.max(each.speeds)) / size, each)
         for each in measurement.passes
-        if each.speeds.size and (size := gain if each.test.kind == "rack-push" else 1.0)
+        if each.speeds.size and (size := gain if each.test.pushed else 1.0)
     ]
     if not found:
         return []

@@ -7,9 +7,8 @@ import numpy as np
 
 from rps_exudyn.base import units
 from rps_exudyn.fitting.bench_tests import BenchTest
-from rps_exudyn.fitting.estimate import Estimate, Fit, Level, Verdict
-from rps_exudyn.fitting.identify import NARROWED, SEPARATING
-from rps_exudyn.fitting.more_runs import MOST_RUNS, WANTED
+from rps_exudyn.fitting.fitted import Estimate, Fit, Level, Verdict
+from rps_exudyn.fitting.identify import MOST_RUNS, NARROWED, SEPARATING, WANTED
 from rps_exudyn.fitting.unknowns import LEVEL, declared
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.closed_form import mesh_torque_per_force, torque_per_preload
@@ -116,7 +115,7 @@ def repeats_sentence(fit: Fit) -> str:
 
 def test_words(test: BenchTest) -> str:
     """A further test in words."""
-    if test.kind == "load-test":
+    if test.of_kind.weighted:
         return f"raise and lower {test.title.partition('@')[2].replace('kg', ' kg')} at the rack's end"
     return TESTS.get(test.kind, test.title)
 

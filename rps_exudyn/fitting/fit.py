@@ -8,7 +8,7 @@ closed form; the noise that is left gives the intervals; the same fit with anoth
 choice changes, which is added to the intervals.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import process_time
@@ -16,21 +16,19 @@ from time import process_time
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.fitting.bench_tests import FREE_TURNING, Measurement, read_measurement
-from rps_exudyn.fitting.curved import OtherEnd
-from rps_exudyn.fitting.estimate import Fit
-from rps_exudyn.fitting.noise import SENSOR, Found, Repeats, found_noise, noises_of, repeats_of
-from rps_exudyn.fitting.outcome import outcome_of
-from rps_exudyn.fitting.plausible import check_sizes
-from rps_exudyn.fitting.prediction import TURN, NoPredictionError, Prediction, within_the_teeth
+from rps_exudyn.fitting.bench_tests import MeasuredPass, Measurement, read_measurement
+from rps_exudyn.fitting.fitted import Fit, outcome_of
+from rps_exudyn.fitting.gauss_newton import Solved, solve
+from rps_exudyn.fitting.initial_guess import first_slopes, scanned_offset, start_of
+from rps_exudyn.fitting.noise import SENSOR, NoiseEstimate, Repeats, found_noise, noises_of, repeats_of
+from rps_exudyn.fitting.nonlinear import OtherEnd, is_curved, level_of, shape_of
+from rps_exudyn.fitting.prediction import TURN, NoPredictionError, Prediction, formula_means, within_the_teeth
 from rps_exudyn.fitting.problem import ZERO, Problem, State, white_noise
 from rps_exudyn.fitting.series import Series
-from rps_exudyn.fitting.solve import Solved, solve
-from rps_exudyn.fitting.start import first_slopes, scanned_offset, start_of
-from rps_exudyn.fitting.two_parts import is_curved, level_of, shape_of
 from rps_exudyn.fitting.unknowns import CURVED, USUAL, settings_of, unknowns_of
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.maneuver import largest_angle
 from rps_exudyn.solvers.closed_form import closed_form
 
 LEAST_TURN = 0.8  # of a turn, that a curve must cover to tell of the runout
@@ -105,7 +103,7 @@ def _tellable(measurement: Measurement, gear: SteeringGear, free: list[str]) -> 
     Raises:
         InputError: curves too short to tell anything.
     """
-    turning = [each for each in measurement.passes if each.test.kind in FREE_TURNING]
+    turning = [each for each in measurement.passes if each.test.of_kind.by_angle]
     pitch = TURN / gear.pinion.teeth
     for each in turning:
         if np.ptp(each.angle) < 0.98 * pitch:
@@ -132,7 +130,7 @@ def _problem(
     free: Sequence[str],
     priors: Mapping[str, tuple[float, float]],
 ) -> Problem:
-    turning = [each for each in measurement.passes if each.test.kind in FREE_TURNING]
+    turning = [each for each in measurement.passes if each.test.of_kind.by_angle]
     whole = None
     if gear.rack.bow or "rack.bow" in free:
         angles = np.concatenate([each.angle for each in turning]) if turning else np.array([-np.pi, np.pi])
@@ -142,14 +140,11 @@ def _problem(
     if not unknowns:
         raise InputError("a fit needs at least one free parameter of which its curves can tell.")
     torque = closed_form(gear).free_torque
-    kinds = {each.run: each.test.kind for each in measurement.passes}
+    pushed = {each.run for each in measurement.passes if each.test.pushed}
     gain = float(GearPair.of(gear).gain)
-    quiet = tuple(
-        ZERO * torque / (gain if kinds.get(run) == "rack-push" else 1.0)
-        for run in range(len(measurement.names))
-    )
+    quiet = tuple(ZERO * torque / (gain if run in pushed else 1.0) for run in range(len(measurement.names)))
     tests = measurement.tests
-    unknown_noise = Found(0.0, 0.0, 0.0, 0.0, np.inf)
+    unknown_noise = NoiseEstimate(0.0, 0.0, 0.0, 0.0, np.inf)
     found = [replace(unknown_noise, white=white_noise(each)) for each in measurement.passes]
     return Problem(
         measurement=measurement,
@@ -163,7 +158,7 @@ def _problem(
     )
 
 
-Ended = tuple[Solved, Problem, list[Found], dict[str, Repeats], list[OtherEnd]]
+Ended = tuple[Solved, Problem, list[NoiseEstimate], dict[str, Repeats], list[OtherEnd]]
 """Where a fit ended, the problem with its noises, these, the scatter of repeats, and other ends."""
 
 
@@ -192,7 +187,7 @@ def _in_two_parts(problem: Problem, gear: SteeringGear, before: Series | None) -
     return level, problem, found, repeats, others
 
 
-def _found(problem: Problem, solved: Solved) -> list[Found]:
+def _found(problem: Problem, solved: Solved) -> list[NoiseEstimate]:
     """The noise of each pass in what is left of it."""
     passes, rows = problem.measurement.passes, solved.equations.rows
     return [
@@ -201,7 +196,7 @@ def _found(problem: Problem, solved: Solved) -> list[Found]:
     ]
 
 
-def _with_found(problem: Problem, found: list[Found], repeats: dict[str, Repeats]) -> Problem:
+def _with_found(problem: Problem, found: list[NoiseEstimate], repeats: dict[str, Repeats]) -> Problem:
     passes, several = problem.measurement.passes, len(problem.prediction.blocks) > 1
     return problem.with_noises(noises_of(passes, found, repeats, several))
 
@@ -229,3 +224,47 @@ def _by_other_law(problem: Problem, gear: SteeringGear, solved: Solved) -> tuple
         moved = solve(problem, other, state, enough=COARSE)
     said = [] if moved.converged else [f"the fit by mesh.law = {law} did not converge: {moved.why}"]
     return moved.state.u - state.u, said
+
+
+# --- Whether measured values can be those of a gear like the one that is expected: the wrong unit shows here
+
+WRONG_UNIT = (
+    20.0  # times what is expected, more or less: N m for N mm, N cm or in-lb shows, another gear does not
+)
+MOST_TRAVELS = 3.0  # times the angle over which the expected rack has teeth: rad for deg shows
+
+
+def check_sizes(measurement: Measurement, gear: SteeringGear) -> None:
+    """Refuse torques, forces and angles that no gear like the expected one can have.
+
+    Raises:
+        InputError: one sentence for each file that holds such.
+    """
+    problems = []
+    for run, name in enumerate(measurement.names):
+        passes = [each for each in measurement.passes if each.run == run]
+        problems += [f"{name} {why}." for why in (*_sizes(passes, gear), *_travels(passes, gear))]
+    if problems:
+        raise InputError(problems)
+
+
+def _sizes(passes: list[MeasuredPass], gear: SteeringGear) -> Iterator[str]:
+    expected = max(abs(mean) for mean in formula_means(gear, passes[0].test))
+    size = max(abs(float(np.median(each.value))) for each in passes)
+    if expected > 0 and not 1 / WRONG_UNIT < size / expected < WRONG_UNIT:
+        unit = passes[0].test.unit.replace("*", " ")
+        what = "force" if unit == "N" else "torque"
+        yield (
+            f"has a mean {what} of {size:.3g} {unit} where the gear given would show {expected:.3g} {unit}: "
+            f"look at the unit of its {what}, or give a gear that is nearer by --gear"
+        )
+
+
+def _travels(passes: list[MeasuredPass], gear: SteeringGear) -> Iterator[str]:
+    turned = max(float(np.ptp(each.angle)) for each in passes)
+    whole = 2 * largest_angle(gear)
+    if passes[0].test.of_kind.by_angle and turned > MOST_TRAVELS * whole:
+        yield (
+            f"covers {turned / TURN:.3g} turns of the pinion where the gear given has teeth for "
+            f"{whole / TURN:.3g}: look at the unit of its angle"
+        )

@@ -5,17 +5,18 @@ very weak beliefs about all of them is below half of the deviation that was decl
 narrowed with the help of the declared deviations of others follows from them, and is named so.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
 
 from rps_exudyn.fitting.bench_tests import BenchTest
-from rps_exudyn.fitting.noise import REPEATABILITY, SENSOR
+from rps_exudyn.fitting.noise import FEWEST_RUNS, REPEATABILITY, SENSOR
 from rps_exudyn.fitting.prediction import formula_means
 from rps_exudyn.fitting.unknowns import LEVEL
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
 from rps_exudyn.solvers.closed_form import GRAVITY, unloading_force
 
 NARROWED = 0.5  # of the declared deviation
@@ -107,7 +108,7 @@ def candidates(gear: SteeringGear) -> list[BenchTest]:
     """Return tests that a bench may add: without yoke, without rack, and weights."""
     lifting = unloading_force(gear) / GRAVITY
     masses = [max(10.0, 10.0 * ceil(part * lifting / 10)) for part in (0.3, 0.6, 1.15)]
-    weights = [BenchTest("load-test", mass * GRAVITY) for mass in dict.fromkeys(masses)]
+    weights = [BenchTest(LOAD_TEST.name, mass * GRAVITY) for mass in dict.fromkeys(masses)]
     return [BenchTest("yoke-out"), BenchTest("bearing"), *weights]
 
 
@@ -138,3 +139,56 @@ def advice_of(gear: SteeringGear, data: LevelData, done: Sequence[BenchTest]) ->
         chosen.append(best)
         left.remove(best)
     return Advice(tuple(chosen), {path: sd for path, sd in data.alone().items() if path in LEVEL})
+
+
+# --- How often tests must be run until preload and friction of the teeth are known as well as is wanted
+#
+# Repeats help twice: the scatter of a mean falls with the root of their number, and from three runs on they
+# measure the scatter themselves, whose Student's t then counts instead of what is declared.
+
+WANTED = {"yoke.preload": 0.05, "mesh.friction": 0.15}
+"""Path -> half of the 95 % interval that is wanted, of the value."""
+
+MOST_RUNS = 30  # that a bench may be asked for
+
+
+@dataclass(frozen=True)
+class MoreRuns:
+    """What repeats of all tests would reach."""
+
+    now: Mapping[str, float]  # path -> half of the 95 % interval, of the value, as it is
+    runs: Mapping[
+        str, int | None
+    ]  # path -> runs of each test for what is wanted; None: more than `MOST_RUNS`
+
+
+def more_runs(
+    halves: Mapping[str, float], runs: int, tests: int, deviations: Callable[[int], Mapping[str, float]]
+) -> MoreRuns | None:
+    """Return what repeats would reach; None where all that is wanted is reached.
+
+    Args:
+        halves: path -> half of the 95 % interval as it is, of the value.
+        runs: of each test that there are.
+        tests: number of tests.
+        deviations: of the logarithms after so many runs of each test.
+    """
+    missed = {path: half for path, half in halves.items() if half > WANTED[path]}
+    if not missed:
+        return None
+    needed: dict[str, int | None] = dict.fromkeys(missed)
+    for count in range(max(runs + 1, FEWEST_RUNS), MOST_RUNS + 1):
+        expected = deviations(count)
+        for path in missed:
+            if needed[path] is None and students(tests * (count - 1)) * expected[path] <= WANTED[path]:
+                needed[path] = count
+        if all(needed.values()):
+            break
+    return MoreRuns(missed, needed)
+
+
+def students(freedom: int) -> float:
+    """Return the quantile of 97.5 % of Student's t."""
+    from scipy.special import stdtrit
+
+    return float(stdtrit(freedom, 0.975))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rps_exudyn.fitting.bench_tests import FREE_TURNING, MeasuredPass
+from rps_exudyn.fitting.bench_tests import MeasuredPass
 from rps_exudyn.fitting.problem import LINEAR_TO, Noise, PassRows
 
 PARTS = 72  # of a pass, whose means the likelihood is made of
@@ -25,7 +25,7 @@ FEWEST_RUNS = 3  # that measure the repeatability
 
 
 @dataclass(frozen=True)
-class Found:
+class NoiseEstimate:
     """The noise of one pass as far as its residuals show it."""
 
     white: float
@@ -35,16 +35,16 @@ class Found:
     drift_sd: float
 
 
-def found_noise(measured: MeasuredPass, rows: PassRows, white: float, pitch: float) -> Found:
+def found_noise(measured: MeasuredPass, rows: PassRows, white: float, pitch: float) -> NoiseEstimate:
     """Return the noise of one pass; `white` is what its neighbouring points show."""
-    if measured.test.kind not in FREE_TURNING:  # its mean alone is compared
-        return Found(white, 0.0, 0.0, 0.0, np.inf)
+    if not measured.test.of_kind.by_angle:  # its mean alone is compared
+        return NoiseEstimate(white, 0.0, 0.0, 0.0, np.inf)
     held = np.clip(rows.deviation, -3 * LINEAR_TO * white * 2, 3 * LINEAR_TO * white * 2)
     angle, mean, count = _parts(measured.angle, held)
     level = float(np.abs(measured.value).mean())
     fixed = _waves(angle, pitch)
     if angle.size < fixed.shape[1] + 12:
-        return Found(white, 0.0, 0.0, 0.0, np.inf)
+        return NoiseEstimate(white, 0.0, 0.0, 0.0, np.inf)
     plain, best = _likelihood(angle, mean, count, fixed, 0.0, 1.0), (-np.inf, 0.0, LENGTHS[0])
     for ratio in RATIOS[1:]:
         for length in LENGTHS:
@@ -54,7 +54,7 @@ def found_noise(measured: MeasuredPass, rows: PassRows, white: float, pitch: flo
     slope, slope_sd = chosen[2]
     span = float(np.ptp(angle))
     per_point = float(np.sqrt(np.median(count)))
-    return Found(
+    return NoiseEstimate(
         white=max(white, chosen[1] * per_point),
         correlated=best[1] * chosen[1] if correlated else 0.0,
         length=float(best[2]) if correlated else 0.0,
@@ -160,7 +160,10 @@ def _most(freedom: int) -> float:
 
 
 def noises_of(
-    passes: Sequence[MeasuredPass], found: Sequence[Found], repeats: dict[str, Repeats], several_tests: bool
+    passes: Sequence[MeasuredPass],
+    found: Sequence[NoiseEstimate],
+    repeats: dict[str, Repeats],
+    several_tests: bool,
 ) -> list[Noise]:
     """Return the noise of each pass: from repeats where there are three, else with what is declared where
     tests are compared with each other, or where correlated noise says that a pass is not what another is."""
@@ -172,7 +175,7 @@ def noises_of(
             continue
         shift = paired * REPEATABILITY * friction_part(passes, each)
         shifts = several_tests or own.correlated > 0
-        correlated = own.correlated if each.test.kind in FREE_TURNING else 0.0
+        correlated = own.correlated if each.test.of_kind.by_angle else 0.0
         noises.append(Noise(own.white, correlated, own.length, shift if shifts else 0.0))
     return noises
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from rps_exudyn.analysis.torque import mean
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.fitting.bench_tests import FREE_TURNING, BenchTest
+from rps_exudyn.fitting.bench_tests import BenchTest
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -34,7 +34,7 @@ class NoPredictionError(Exception):
 
 
 @dataclass(frozen=True)
-class Block:
+class CurveBlock:
     """A part of the predicted values: forward and backward values of one test, one after the other."""
 
     test: BenchTest
@@ -71,7 +71,7 @@ class Block:
 class Prediction:
     """Predicts the values of all tests, and counts what it took."""
 
-    blocks: Sequence[Block]
+    blocks: Sequence[CurveBlock]
     fidelity: Fidelity = FIDELITY
     simulations: int = 0  # of all tests together
 
@@ -109,18 +109,18 @@ class Prediction:
             [np.repeat(formula_means(gear, block.test), block.grid.size) for block in self.blocks]
         )
 
-    def _simulated(self, block: Block, gear: SteeringGear) -> np.ndarray:
+    def _simulated(self, block: CurveBlock, gear: SteeringGear) -> np.ndarray:
         test = block.test
         if test.kind in ("yoke-out", "bearing"):
             return np.array(formula_means(gear, test))
-        if test.kind in FREE_TURNING:
+        if test.of_kind.by_angle:
             ends = float(block.grid[0]), float(block.grid[-1])
             return np.concatenate([self._turned(gear, ends, sense, block.grid) for sense in (1, -1)])
         true = gear.replace({"pinion.pitch_error": 0.0, "rack.bow": 0.0})
         half, step = TURN / 2, 2 * STEP
         if gear.pinion.runout < SEEN:
             true, half, step = true.replace({"pinion.runout": 0.0}), half / gear.pinion.teeth, STEP
-        body: DrivenBody = "rack" if test.kind == "rack-push" else "pinion"
+        body: DrivenBody = "rack" if test.pushed else "pinion"
         means = []
         for first, last in ((-half, half), (half, -half)):
             maneuver = steady_maneuver(true, body, first, last, step)
@@ -149,16 +149,16 @@ def formula_means(gear: SteeringGear, test: BenchTest) -> tuple[float, float]:
     if test.kind == "yoke-out":
         torque = float(GearPair.of(gear).gain) * gear.bush.drag + gear.bearing.friction_torque
         return torque, -torque
-    if test.kind == "rack-push":
+    if test.pushed:
         return pushing_force(gear, +1), pushing_force(gear, -1)
     return mean_state(gear, +1, test.load).torque, mean_state(gear, -1, test.load).torque
 
 
-def _block(test: BenchTest, whole: tuple[float, float] | None) -> Block:
-    if test.kind not in FREE_TURNING:
-        return Block(test, np.zeros(1), True)
+def _block(test: BenchTest, whole: tuple[float, float] | None) -> CurveBlock:
+    if not test.of_kind.by_angle:
+        return CurveBlock(test, np.zeros(1), True)
     low, high = whole or (-np.pi, np.pi)
-    return Block(test, np.linspace(low, high, round((high - low) / STEP) + 1), whole is None)
+    return CurveBlock(test, np.linspace(low, high, round((high - low) / STEP) + 1), whole is None)
 
 
 def within_the_teeth(gear: SteeringGear, low: float, high: float) -> tuple[float, float]:

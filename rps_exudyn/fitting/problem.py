@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rps_exudyn.fitting.bench_tests import FREE_TURNING, MeasuredPass, Measurement
-from rps_exudyn.fitting.prediction import Block, Prediction
+from rps_exudyn.fitting.bench_tests import MeasuredPass, Measurement
+from rps_exudyn.fitting.prediction import CurveBlock, Prediction
 from rps_exudyn.fitting.unknowns import Unknown
 
 SMALLEST_NOISE = 1e-3  # of a pass' level: below it the contact law's own ripple is the larger error
@@ -78,7 +78,7 @@ class Problem:
         """The same with other noise."""
         return replace(self, noises=noises)
 
-    def block_of(self, number: int) -> tuple[Block, int]:
+    def block_of(self, number: int) -> tuple[CurveBlock, int]:
         """The block of a pass, and its number."""
         tests = [block.test for block in self.prediction.blocks]
         at = tests.index(self.measurement.passes[number].test)
@@ -144,7 +144,7 @@ def linearised(problem: Problem, state: State) -> Linearised:
         information += np.outer(rows.level, rows.level) / rows.level_sd**2
         gradient += rows.level * rows.mean / rows.level_sd**2
         by_level += (rows.mean / rows.level_sd) ** 2
-        if measured.test.kind in FREE_TURNING:
+        if measured.test.of_kind.by_angle:
             weighted = rows.weights / problem.noises[number].white ** 2
             information += rows.shape.T @ (weighted[:, None] * rows.shape)
             gradient += rows.shape.T @ (weighted * rows.deviation)
@@ -159,7 +159,7 @@ def pass_rows(problem: Problem, state: State, number: int) -> PassRows:
     values = problem.prediction.part(at, state.values)
     slopes = problem.prediction.part(at, state.slopes)
     angle, count = measured.angle - state.offset, len(problem.unknowns)
-    free = measured.test.kind in FREE_TURNING
+    free = measured.test.of_kind.by_angle
     model = block.at(values, measured.direction, angle)
     left = measured.value - (1 + state.gain) * model - state.zeros[measured.run]
     if not free:
@@ -204,7 +204,7 @@ def _mean_slopes(slopes: np.ndarray, measured: MeasuredPass) -> np.ndarray:
     return np.broadcast_to(row, (measured.angle.size, row.size))
 
 
-def _slope(block: Block, values: np.ndarray, direction: int, angle: np.ndarray) -> np.ndarray:
+def _slope(block: CurveBlock, values: np.ndarray, direction: int, angle: np.ndarray) -> np.ndarray:
     half = np.radians(1.0)
     ahead, behind = (block.at(values, direction, angle + sign * half) for sign in (1, -1))
     return (ahead - behind) / (2 * half)

@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.base.atomic import write_json
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.json_tables import read_json_tables
+from rps_exudyn.base.files import read_json_tables, write_json
 from rps_exudyn.fitting.problem import Problem, State
 
 WHAT = "rps_exudyn fit, for the next gear of the series"

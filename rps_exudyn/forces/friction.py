@@ -17,7 +17,7 @@ import numpy as np
 
 from rps_exudyn.base.compiled import inline, record, record_type
 from rps_exudyn.forces.memory import TIME, Patches
-from rps_exudyn.parameters.friction_law import FrictionLaw
+from rps_exudyn.parameters.gear import FrictionLaw
 
 COULOMB, STRIBECK, BRISTLE = 0, 1, 2
 KINDS = {"coulomb": COULOMB, "stribeck": STRIBECK, "bristle": BRISTLE}

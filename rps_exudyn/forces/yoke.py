@@ -12,9 +12,9 @@ The plunger slides along Y only; its coordinate counts from the preloaded rest p
 """
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 
 from rps_exudyn.base.compiled import inline, kernel, record, record_type
-from rps_exudyn.base.quadrature import gauss_legendre
 from rps_exudyn.forces.force_element import Part
 from rps_exudyn.forces.friction import (
     BRISTLE,
@@ -76,8 +76,8 @@ SPRING_PART = Part("yoke_spring", ("plunger",), ("spring_force",))
 NUT_PART = Part("yokenut", ("plunger",), ("yokenut_force",))
 
 # Gauss rules of a piece of the arc and along the rack, over -1 .. 1: points and weights
-ARC, ARC_WEIGHT = gauss_legendre(PIECE_POINTS)
-LENGTH, LENGTH_WEIGHT = gauss_legendre(LENGTH_POINTS)
+ARC, ARC_WEIGHT = leggauss(PIECE_POINTS)
+LENGTH, LENGTH_WEIGHT = leggauss(LENGTH_POINTS)
 
 
 # The bar's axis stands at gap + station * slope, both (y, z), against that of the seat.
@@ -319,7 +319,7 @@ def seat_record(
     Its pressure per depth is such that the whole seat has `yoke.seat_stiffness` along the yoke axis.
     """
     yoke = gear.yoke
-    x, wx = gauss_legendre(ARC_POINTS)
+    x, wx = leggauss(ARC_POINTS)
     s, ws = LENGTH, LENGTH_WEIGHT
     arc, arc_weight = yoke.seat_angle * x, yoke.seat_angle * wx
     fraction = arc_weight / np.sum(arc_weight * np.cos(arc) ** 2)

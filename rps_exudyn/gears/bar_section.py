@@ -18,8 +18,8 @@ cells do, the deflection as a cantilever for twice of it; the stiffness lies wit
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 
-from rps_exudyn.base.quadrature import gauss_legendre
 from rps_exudyn.gears.basic_rack import rack_tooth
 from rps_exudyn.gears.rack_bar import RackBar
 
@@ -28,7 +28,7 @@ CRACKED, WIDTH, ASKEW = 0.17, 6.2, 1.4  # numbers of the layer's thickness
 SIDEWAYS = 1.4  # what the layer counts in plane X-Z
 GAP_HEIGHT = 0.05  # over the pitch: where a gap's width counts
 CHORD_ERROR = 1e-6  # of the tooth's outline [m]
-POINTS = 64  # of integrals over heights
+_RULE = leggauss(64)  # of integrals over heights
 
 
 @dataclass(frozen=True)
@@ -134,5 +134,5 @@ def _filled(bar: RackBar, y: float | np.ndarray) -> np.ndarray:
 
 def _heights(low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
     """Points of integration from `low` to `high` and their weights [m]."""
-    x, weight = gauss_legendre(POINTS)
+    x, weight = _RULE
     return (low + high) / 2 + (high - low) / 2 * x, (high - low) / 2 * weight

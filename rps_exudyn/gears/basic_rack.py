@@ -13,10 +13,10 @@ The pinion's cutter has the shape of the *spaces* of this rack: its tip is the r
 """
 
 from functools import lru_cache
+from math import atan, hypot, ulp
 
 import numpy as np
 
-from rps_exudyn.base.roots import bracketed_root
 from rps_exudyn.gears.gear_pair import GearPair
 
 
@@ -97,13 +97,27 @@ def crest_width(pair: GearPair, radius: float) -> float:
 
 
 def pointed_radius(pair: GearPair) -> float:
-    """Radius at which the two flanks of a tooth meet [m]."""
+    """Radius at which the two flanks of a tooth meet [m].
+
+    There inv(alpha) is half the angle of the tooth at the base circle: t - arctan(t) with t = tan(alpha), to
+    which Newton's method falls from above.
+
+    Raises:
+        ValueError: the tooth has no width at its base circle.
+    """
     return _pointed_radius(pair.design)
 
 
 @lru_cache(maxsize=64)
 def _pointed_radius(pair: GearPair) -> float:
-    return tip_radius_for_crest(pair, 0.0)
+    half = float(half_angle(pair, pair.base_radius))
+    if half <= 0:
+        raise ValueError("the tooth has no width at its base circle")
+    t, step = half + np.pi / 2, np.inf
+    while step > ulp(t):
+        step = (t - atan(t) - half) * (1 + t**2) / t**2
+        t -= step
+    return float(pair.base_radius * hypot(1.0, t))
 
 
 def tip_radius_for_crest(pair: GearPair, width: float) -> float:
@@ -124,4 +138,6 @@ def tip_radius_for_crest(pair: GearPair, width: float) -> float:
     def wider(radius: float) -> float:
         return crest_width(pair, radius) - width
 
-    return bracketed_root(wider, pair.base_radius, outside, tolerance=1e-15)
+    from scipy.optimize import brentq  # loads in a third of a second
+
+    return float(brentq(wider, pair.base_radius, outside, xtol=1e-15))

@@ -17,9 +17,9 @@ times as long and are left to pictures and to booleans.
 from functools import lru_cache
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.quadrature import gauss_legendre
 from rps_exudyn.gears.basic_rack import cutter_tip_centre, straight_depth
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
@@ -31,7 +31,7 @@ from rps_exudyn.gears.trochoid import root_profile
 from rps_exudyn.parameters.gear import SteeringGear
 
 CHORD_ERROR = 1e-8  # of the pinion's section [m]
-SECTIONS, POINTS = 5, 24  # of integrals over the face width, and over a piece of the rack's height
+_SECTIONS, _HEIGHTS = leggauss(5), leggauss(24)  # over the face width, over a piece of the rack's height
 INVOLUTE = 200  # chords of a flank: within 3 nm for modules of some millimetres
 
 _kept = lru_cache(maxsize=8)  # cases of a study share them
@@ -52,7 +52,7 @@ def pinion_inertia(gear: SteeringGear) -> float:
 @_kept
 def _polar_moment(pair: GearPair, form: FlankForm, shaft: float, length: float) -> float:
     """Integral of the squared distance from the axis over toothed part and shaft [m^5]."""
-    x, weight = gauss_legendre(SECTIONS)
+    x, weight = _SECTIONS
     toothed = sum(
         w * _second_moment(section(pair, form, z), shaft)
         for w, z in zip(weight * pair.face_width / 2, x * pair.face_width / 2, strict=True)
@@ -138,7 +138,7 @@ def _pieces(bar: RackBar) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """
     pair = bar.pair
     form_height = -pair.reference_height + straight_depth(pair)
-    x, weight = gauss_legendre(POINTS)
+    x, weight = _HEIGHTS
     pieces = []
     for low, high in ((-pair.bar_radius, bar.tip_height), (bar.tip_height, form_height)):
         ends = np.arccos(np.clip(np.array([low, high]) / -pair.bar_radius, -1, 1))

@@ -9,10 +9,9 @@ are exact (Przemieniecki 1968; shape functions as in Friedman and Kosmatka 1993)
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 
-from rps_exudyn.base.quadrature import gauss_legendre
-
-POINTS = 4  # of integration over an element: exact for products of its cubics
+_RULE = leggauss(4)  # of integration over an element: exact for products of its cubics
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +79,7 @@ class TimoshenkoBeam:
 
     def matrices(self) -> tuple[np.ndarray, np.ndarray]:
         """Return stiffness and consistent mass matrix over (w, theta) of all nodes in turn."""
-        x, weight = gauss_legendre(POINTS)
+        x, weight = _RULE
         shape = self.shape_functions((1 + x) / 2)
         weights = weight / 2 * self.lengths[:, None]
         sheared = shape.gradient - shape.rotation

@@ -105,7 +105,7 @@ def stiffness_of_pair(pair: "GearPair") -> float:
 
 def mesh_stiffness_of_pair(pair: "GearPair") -> float:
     """Return c_gamma_alpha of the pinion with its rack [N/m^2]."""
-    from rps_exudyn.gears.clearance import transverse_contact_ratio
+    from rps_exudyn.gears.geometry_limits import transverse_contact_ratio
 
     return mesh_stiffness_transverse(stiffness_of_pair(pair), transverse_contact_ratio(pair))
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.basic_rack import involute
-from rps_exudyn.gears.clearance import transverse_contact_ratio
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.geometry_limits import transverse_contact_ratio
 from rps_exudyn.gears.tooth_stiffness import virtual_teeth
 from rps_exudyn.parameters.gear import SteeringGear
 

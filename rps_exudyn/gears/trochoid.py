@@ -16,7 +16,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rps_exudyn.base.roots import bracketed_root
 from rps_exudyn.gears.basic_rack import arc_segments, cutter_tip_centre, half_angle, straight_depth
 from rps_exudyn.gears.gear_pair import GearPair
 
@@ -62,7 +61,9 @@ def root_section(pair: GearPair) -> tuple[float, float]:
 
     low, high = form_point(pair).eta, np.pi / 2
     if lean(low) < 0 < lean(high):
-        eta = bracketed_root(lean, low, high, tolerance=1e-12)
+        from scipy.optimize import brentq  # loads in a third of a second
+
+        eta = float(brentq(lean, low, high, xtol=1e-12))
     else:
         eta = low if lean(low) >= 0 else high
     x, y = trochoid(pair, eta)
@@ -87,6 +88,7 @@ def _form_point(pair: GearPair) -> FormPoint:
     q = r * np.sin(pair.alpha_t) + height / np.sin(pair.alpha_t)
     if q >= 0:
         return FormPoint(pair.alpha_n, q, float(np.hypot(rb, q)), undercut=False)
+    from scipy.optimize import brentq  # loads in a third of a second
 
     def outside_base(eta: float) -> float:
         return float(np.hypot(*trochoid(pair, eta))) - rb
@@ -95,10 +97,10 @@ def _form_point(pair: GearPair) -> FormPoint:
         x, y = trochoid(pair, eta)
         return float(np.arctan2(x, y) - (np.pi / pair.teeth - half_angle(pair, float(np.hypot(x, y)))))
 
-    at_base = bracketed_root(outside_base, pair.alpha_n, np.pi / 2, tolerance=1e-15)
+    at_base = float(brentq(outside_base, pair.alpha_n, np.pi / 2, xtol=1e-15))
     if not gap(pair.alpha_n) * gap(at_base) < 0:
         raise ValueError("the undercut leaves no involute")
-    eta = bracketed_root(gap, pair.alpha_n, at_base, tolerance=1e-15)
+    eta = float(brentq(gap, pair.alpha_n, at_base, xtol=1e-15))
     radius = float(np.hypot(*trochoid(pair, eta)))
     return FormPoint(eta, float(np.sqrt(radius**2 - rb**2)), radius, undercut=True)
 

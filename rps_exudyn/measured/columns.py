@@ -32,7 +32,7 @@ _CHOSEN = re.compile(r"\s*(?P<title>.*?)\s*(?:\[\s*(?P<unit>[^\]]+?)\s*\])?\s*")
 
 
 @dataclass(frozen=True)
-class Column:
+class MeasuredColumn:
     """A column of a file."""
 
     quantity: str
@@ -71,7 +71,7 @@ def known_columns(header: Sequence[str]) -> int:
 
 def find_columns(
     path: object, layout: Layout, wanted: Iterable[str], chosen: Mapping[str, str]
-) -> list[Column]:
+) -> list[MeasuredColumn]:
     """Return the columns of the wanted quantities; `chosen` is quantity -> "TITLE [unit]" or "NUMBER [unit]".
 
     Raises:
@@ -164,7 +164,7 @@ def _chosen(where: str, titles: list[_Title], quantity: str, choice: str) -> _Ti
     return _Title(found.index, found.text, found.name, unit or found.unit)
 
 
-def _with_unit(where: str, layout: Layout, title: _Title, quantity: str) -> Column:
+def _with_unit(where: str, layout: Layout, title: _Title, quantity: str) -> MeasuredColumn:
     """The column, with the unit of its title, or of its cells."""
     unit, from_cells = title.unit, ""
     if not unit:
@@ -186,4 +186,4 @@ def _with_unit(where: str, layout: Layout, title: _Title, quantity: str) -> Colu
         )
     by_unit = not title.is_named(quantity) and title.name != quantity and not from_cells
     assumed = "chosen by its unit" if by_unit else "unit from its cells" if from_cells else ""
-    return Column(quantity, title.index, title.text, unit, size, assumed)
+    return MeasuredColumn(quantity, title.index, title.text, unit, size, assumed)

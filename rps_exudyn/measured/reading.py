@@ -18,12 +18,10 @@ import numpy as np
 
 from rps_exudyn.analysis.measured import FEWEST
 from rps_exudyn.analysis.passes import passes
-from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.sentence import are, lines_in_words
+from rps_exudyn.base.errors import InputError, are, lines_in_words
 from rps_exudyn.base.units import short
-from rps_exudyn.measured.clock import recorded
-from rps_exudyn.measured.columns import Column, find_columns, known_columns
-from rps_exudyn.measured.layout import SEPARATORS, Layout, Row, layout_of
+from rps_exudyn.measured.columns import MeasuredColumn, find_columns, known_columns
+from rps_exudyn.measured.layout import SEPARATORS, Layout, Row, layout_of, read_text
 from rps_exudyn.measured.numbers import (
     AmbiguousNumbersError,
     Format,
@@ -33,9 +31,8 @@ from rps_exudyn.measured.numbers import (
     is_placeholder,
     one_of_each,
 )
-from rps_exudyn.measured.text import read_text
-from rps_exudyn.measured.turning import counted_on, directions
-from rps_exudyn.results.measured_torque import MeasuredTorque
+from rps_exudyn.measured.turning import counted_on, directions, recorded
+from rps_exudyn.results.result import MeasuredTorque
 
 TORQUE = ("pinion_angle", "pinion_torque")
 PUSH = ("rack_displacement", "rack_force")
@@ -114,12 +111,12 @@ def _check_directions(path: str | Path, layout: Layout, driven: np.ndarray) -> N
         )
 
 
-def _taken(column: Column) -> str:
+def _taken(column: MeasuredColumn) -> str:
     why = f" ({column.assumed})" if column.assumed else ""
     return f"{column.quantity} from column {column.title!r} in {column.unit} = {column.size:.6g} in SI{why}"
 
 
-def _format(path: str | Path, layout: Layout, columns: list[Column]) -> Format:
+def _format(path: str | Path, layout: Layout, columns: list[MeasuredColumn]) -> Format:
     cells = (row[column.index] for _, row in layout.rows for column in columns if column.index < len(row))
     units = {"", *(column.unit for column in columns)}
     try:
@@ -133,7 +130,7 @@ def _format(path: str | Path, layout: Layout, columns: list[Column]) -> Format:
 
 
 def _values(
-    path: str | Path, layout: Layout, columns: list[Column], numbers: Format
+    path: str | Path, layout: Layout, columns: list[MeasuredColumn], numbers: Format
 ) -> tuple[np.ndarray, list[str], list[int]]:
     """The numbers, shape (columns, n), what was left out, and the numbers of their lines.
 

@@ -14,7 +14,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rps_exudyn.base.roots import bracketed_root
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.gears.trochoid import form_point
@@ -42,7 +41,11 @@ def mean_depth(gear: SteeringGear) -> float:
     def missing(depth: float) -> float:
         return load - mean_load(pair, depth, law)
 
-    return DEEPEST if missing(DEEPEST) > 0 else bracketed_root(missing, 0.0, DEEPEST, tolerance=1e-10)
+    if missing(DEEPEST) > 0:
+        return DEEPEST
+    from scipy.optimize import brentq  # loads in a third of a second
+
+    return float(brentq(missing, 0.0, DEEPEST, xtol=1e-10))
 
 
 def mean_load(pair: GearPair, depth: float, law: Callable[[float, np.ndarray], np.ndarray]) -> float:

@@ -6,7 +6,6 @@ import numpy as np
 
 from rps_exudyn.gears import masses, solids
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.multibody.inertia import six_moments
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.solvers.balance import SIZE
 from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
@@ -145,3 +144,11 @@ def shapes_of(
     solid = solid_of(model.gear)
     points = solid.vertices if rotation is None else solid.vertices @ rotation.T
     return [graphics.FromPointsAndTrigs(points, solid.faces, color=[*COLOURS[color], 1.0])]
+
+
+# --- Inertia tensors in Exudyn's order
+
+
+def six_moments(inertia: np.ndarray) -> np.ndarray:
+    """The components xx, yy, zz, yz, xz, xy of an inertia tensor (3, 3) [kg m^2], shape (6,)."""
+    return inertia[[0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]

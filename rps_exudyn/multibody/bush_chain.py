@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rps_exudyn.forces.bush import Chain, housing_station
-from rps_exudyn.multibody.inertia import six_moments
+from rps_exudyn.multibody.bodies import six_moments
 from rps_exudyn.parameters.gear import SteeringGear
 
 if TYPE_CHECKING:

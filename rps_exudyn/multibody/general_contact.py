@@ -34,7 +34,7 @@ RIGID_SIDE = 1e6  # stiffness of the triangles over that of all spheres: General
 
 
 @dataclass
-class Block:
+class SphereBlock:
     """One contact: places for a group's spheres of one flank side, and for the rack's teeth near the mesh."""
 
     contact: Any
@@ -51,7 +51,7 @@ class GeneralContacts:
     GeneralContact as what touches.
     """
 
-    blocks: list[Block]  # two for each group that can be touched at a time: drive, coast
+    blocks: list[SphereBlock]  # two for each group that can be touched at a time: drive, coast
     data: SampledContactData
     bar: RackBar
     reach: float  # angle from the mesh within which a group must be held [rad]
@@ -81,7 +81,7 @@ class GeneralContacts:
             block.contact.UpdateContacts(mbs)
         mbs.systemData.SetODE2Coordinates(here)  # type: ignore[arg-type]
 
-    def _fill(self, mbs: "exudyn.MainSystem", block: Block, group: int) -> None:
+    def _fill(self, mbs: "exudyn.MainSystem", block: SphereBlock, group: int) -> None:
         """Put a group's spheres in the place of those that stand there, which are out of reach."""
         place = group % len(self.data.centres), block.side
         centres, stiffness = self.data.centres[place], self.data.stiffness[place]
@@ -135,7 +135,7 @@ def add_general_contacts(
     for side in list(range(sides)) * at_once:
         contact = _new_contact(mbs, data, bar.pair)
         on_pinion = [MarkerBodyRigid(bodyNumber=pinion, localPosition=[0, 0, 0]) for _ in range(count)]
-        block = Block(contact, side, [mbs.AddMarker(each) for each in on_pinion])
+        block = SphereBlock(contact, side, [mbs.AddMarker(each) for each in on_pinion])
         _add_spheres(block, data.radius)
         contact.AddTrianglesRigidBodyBased(
             rigidBodyMarkerIndex=rack_marker,
@@ -150,7 +150,7 @@ def add_general_contacts(
     return contacts
 
 
-def _add_spheres(block: Block, radius: float) -> None:
+def _add_spheres(block: SphereBlock, radius: float) -> None:
     """Add places for spheres, with any stiffness."""
     for marker in block.markers:
         block.contact.AddSphereWithMarker(

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rps_exudyn.base.interrupts import raise_wrapped
-from rps_exudyn.results.outcome import Outcome, Status
+from rps_exudyn.results.outcome import Code, Outcome, Status
 
 if TYPE_CHECKING:
     import exudyn
@@ -77,7 +77,7 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
     import exudyn as exu
 
     start = process_time()
-    message, cause, said = "", None, ""
+    message, code, cause, said = "", Code.NO_STEP, None, ""
     try:
         with silent():
             finished = bool(
@@ -99,12 +99,11 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
     reached = float(mbs.systemData.GetTime())
     state = np.concatenate([mbs.systemData.GetODE2Coordinates(), mbs.systemData.GetODE2Coordinates_t()])
     if not np.isfinite(state).all():
-        status, message = Status.DIVERGED, f"the state is not finite at {reached:.6g} s"
+        status, code = Status.DIVERGED, Code.NOT_FINITE
+        message = f"the state is not finite at {reached:.6g} s"
     elif np.abs(state).max() > LARGEST_STATE:
-        status, message = (
-            Status.DIVERGED,
-            f"a coordinate or rate is {np.abs(state).max():.3g} at {reached:.6g} s",
-        )
+        status, code = Status.DIVERGED, Code.OUT_OF_BOUNDS
+        message = f"a coordinate or rate is {np.abs(state).max():.3g} at {reached:.6g} s"
     elif cause is not None:
         named = "" if isinstance(cause, StepsUsedUpError) else f"{type(cause).__name__} at {reached:.6g} s: "
         status, message = Status.NO_CONVERGENCE, f"{named}{cause}"
@@ -114,7 +113,8 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
         if said:  # after an iteration that ran away to numbers that no Jacobian has
             message = f"Exudyn stopped at {reached:.6g} s: {said}"
     elif reached < plan.end_time * (1 - 1e-9):
-        status, message = Status.TIMEOUT, f"stopped at {reached:.6g} s of {plan.end_time:.6g} s"
+        status, code = Status.TIMEOUT, Code.INTERRUPTED
+        message = f"stopped at {reached:.6g} s of {plan.end_time:.6g} s"
     else:
         status = Status.OK
     counters = (
@@ -126,7 +126,15 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
         if solver
         else {}
     )
-    return Outcome(status, message, reached, cpu, counters, plan.as_dict())
+    return Outcome(
+        status,
+        message,
+        (code,) if message else (),
+        time_reached=reached,
+        cpu_s=cpu,
+        counters=counters,
+        settings=plan.as_dict(),
+    )
 
 
 @contextmanager

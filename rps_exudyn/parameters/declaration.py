@@ -28,9 +28,8 @@ from pydantic_core.core_schema import no_info_before_validator_function
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.distribution import Distribution, is_distribution
-from rps_exudyn.parameters.problem import ConflictError, Problem
 from rps_exudyn.parameters.retired import STORED, choice_instead
-from rps_exudyn.parameters.wrong_values import nearest, problems_of
+from rps_exudyn.parameters.wrong_values import ConflictError, Problem, nearest, problems_of
 
 DEG = math.pi / 180  # for limits of angles
 SMALLEST, LARGEST = 1e-30, 1e20  # of all numbers, in SI: powers of others are beyond what a computer knows

@@ -24,7 +24,7 @@ from rps_exudyn.parameters.declaration import (
     Table,
     parameter,
 )
-from rps_exudyn.parameters.problem import Problem
+from rps_exudyn.parameters.wrong_values import Problem
 
 LEAST_SWING_STEPS = 5  # fewer do not see an impact
 PresetName = Literal["full", "flank", "quasi-static", "closed-form"]
@@ -58,8 +58,8 @@ class Fidelity(Table):
     )
     torque_tolerance: Number = parameter(
         0.0,
-        "equilibrium: angles are added until the torque is known between them to this share of its mean; "
-        "0 keeps the even steps",
+        "equilibrium: steps of a steady motion are halved until they show the torque to this share of its "
+        "mean; 0: as its record asks",
         "choice",
         ge=0,
         lt=1,

@@ -5,13 +5,12 @@ Sources: "paper" (Kamble & Saha state it), "inferred" (follows from what the pap
 """
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import PlainSerializer, WrapValidator, model_validator
 
 from rps_exudyn.base.units import mm
 from rps_exudyn.parameters import derived
-from rps_exudyn.parameters.column import Column
 from rps_exudyn.parameters.declaration import (
     DEG,
     Acceleration,
@@ -20,23 +19,95 @@ from rps_exudyn.parameters.declaration import (
     Count,
     Density,
     Force,
+    Inertia,
     Length,
     LineStiffness,
     Mass,
     Number,
     Pressure,
+    SlidingSpeed,
     SpringRate,
     Table,
     Time,
     Torque,
+    Torsion,
+    TorsionDamping,
     parameter,
 )
-from rps_exudyn.parameters.friction_law import FrictionLaw, LoadedFrictionLaw
-from rps_exudyn.parameters.problem import Problem
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.retired import read_choice
 from rps_exudyn.parameters.rig import Test, conflicts_of_test
+from rps_exudyn.parameters.wrong_values import Problem
 
 STEEPEST_LEAD = 0.01  # lead error over face width [rad]: the flanks' normals are those of the design to 1e-4
+
+
+LawName = Literal["coulomb", "stribeck", "bristle"]
+RUBBING_PARTS = "mesh", "yoke", "bush", "bearing"  # of a gear, each with its law
+
+
+class FrictionLaw(Table):
+    """Friction of one part beyond its size; `friction_law` chooses what counts of the rest.
+
+    `coulomb` knows the size alone. `stribeck` is larger at rest than in motion. `bristle` (LuGre) yields
+    elastically before it slides and holds at rest; its static ratio of 1 leaves Stribeck's part out.
+    """
+
+    friction_law: LawName = parameter(
+        "coulomb",
+        "coulomb: size alone; stribeck: larger at rest; bristle: yields before it slides, remembers",
+        "estimate",
+    )
+    static_ratio: Number = parameter(1.0, "static over kinetic friction", "estimate", ge=1, le=5)
+    stribeck_speed: SlidingSpeed = parameter(
+        "5 mm/s", "sliding speed at which most of the static surplus is gone", "estimate", gt=0, le=10
+    )
+    stribeck_exponent: Number = parameter(
+        2.0, "exponent of the speed in Stribeck's curve", "estimate", ge=0.5, le=4
+    )
+    bristle_travel: Length = parameter(
+        "5 um", "bristle: sliding over which friction turns about, its load over its stiffness", "estimate",
+        gt=0, le=1e-3,
+    )  # fmt: skip
+    bristle_damping: Time = parameter(0.0, "bristle: damping over stiffness", "estimate", ge=0, le=1e-2)
+
+
+class LoadedFrictionLaw(FrictionLaw):
+    """Friction of a part that is pressed on by what the gear transmits."""
+
+    load_exponent: Number = parameter(
+        1.0,
+        "exponent of the normal force in the friction, which is the coefficient's under the yoke's preload",
+        "estimate",
+        ge=0.5,
+        le=1.5,
+    )
+
+
+class SteeringColumn(Table):
+    """Steering wheel, column and torsion bar; only scenes that move the wheel know them."""
+
+    wheel_inertia: Inertia = parameter(
+        "0.04 kg*m^2", "moment of inertia of the steering wheel", "estimate", gt=0
+    )
+    stiffness: Torsion = parameter(
+        "120 N*m/rad", "torsional stiffness of column and torsion bar in series", "estimate", gt=0
+    )
+    damping: TorsionDamping = parameter(
+        "0.02 N*m*s/rad", "damping torque per rate of the column's twist", "estimate", ge=0
+    )
+    joint_angle: Angle = parameter(
+        0.0,
+        "bend of the column in its universal joint between wheel and torsion bar; 0: no joint",
+        "estimate",
+        ge=0,
+        le=60 * DEG,
+    )
+    joint_phase: Angle = parameter(
+        0.0,
+        "angle of the wheel-side yoke's axis from the bend's plane with the wheel straight ahead",
+        "estimate",
+    )
 
 
 class BasicRack(Table):
@@ -275,7 +346,7 @@ class SteeringGear(Table):
     bush: Bush = Bush()
     bearing: Bearing = Bearing()
     mesh: Mesh = Mesh()
-    column: Column = Column()
+    column: SteeringColumn = SteeringColumn()
     test: Test = Test()
 
     @model_validator(mode="before")
@@ -375,3 +446,41 @@ def _conflicts(gear: SteeringGear) -> Iterator[Problem]:
             f"bush.distance is {mm(bush.distance)}; it must be at most {mm(farthest)}, or the rack "
             "leaves the bush within half its travel.",
         )
+
+
+class Setup(SteeringGear):
+    """The gear's tables, and the choices of its model as the table `fidelity`."""
+
+    not_in_files: ClassVar[tuple[str, ...]] = ("fidelity",)
+
+    fidelity: Fidelity = Fidelity()
+
+    @property
+    def steering_gear(self) -> SteeringGear:
+        """The gear alone; its tables are not validated again."""
+        return SteeringGear.model_construct(
+            **{name: getattr(self, name) for name in SteeringGear.model_fields}
+        )
+
+
+def gear_file(gear: SteeringGear) -> str:
+    """The text of the file: only what differs from the default gear is written."""
+    tables: dict[str, list[str]] = {}
+    for item in gear.declared():
+        table, _, name = item.path.rpartition(".")
+        value: Any = gear.value_at(item.path)
+        if value == SteeringGear().value_at(item.path):
+            continue
+        tables.setdefault(table, []).append(f"{name} = {_toml(value, item)}  # {item.meaning}")
+    heads = (f"[{table}]\n" + "\n".join(lines) for table, lines in tables.items())
+    body = "\n\n".join(heads) or "# every parameter is that of the default gear"
+    return f"# A gear for rps-exudyn run --gear FILE; what is not here is as in the default gear.\n\n{body}\n"
+
+
+def _toml(value: Any, item: Any) -> str:
+    """A value as TOML; with a unit as text that reads back to the same number."""
+    if isinstance(value, str):
+        return f'"{value}"'
+    if item.unit is None or not item.unit.si:
+        return repr(value)
+    return f'"{value!r} {item.unit.si}"'

@@ -18,7 +18,7 @@ from rps_exudyn.parameters.declaration import (
     Torque,
     parameter,
 )
-from rps_exudyn.parameters.problem import Problem
+from rps_exudyn.parameters.wrong_values import Problem
 
 
 class Test(Table):

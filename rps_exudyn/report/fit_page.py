@@ -3,15 +3,24 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from rps_exudyn.base.atomic import replacing
-from rps_exudyn.base.sentence import as_sentence
+from rps_exudyn.base.errors import as_sentence
+from rps_exudyn.base.files import replacing
 from rps_exudyn.charts.fit import beliefs_figure, curves_figure
 from rps_exudyn.fitting import findings
-from rps_exudyn.fitting.estimate import Fit
-from rps_exudyn.fitting.shape_claims import shape_claims
-from rps_exudyn.report.blocks import Article, Block, Fold, Grid, Pictures, Section, Text, Warning
-from rps_exudyn.report.common import parameter_grid, provenance_facts
-from rps_exudyn.report.html import page
+from rps_exudyn.fitting.fitted import Fit, shape_claims
+from rps_exudyn.report.html import (
+    Article,
+    Fold,
+    Grid,
+    PageBlock,
+    Pictures,
+    Section,
+    Text,
+    Warning,
+    page,
+    parameter_grid,
+    provenance_facts,
+)
 from rps_exudyn.report.pictures import picture
 from rps_exudyn.results.provenance import provenance
 
@@ -44,7 +53,7 @@ def fit_article(fit: Fit) -> Article:
     )
 
 
-def _found(fit: Fit) -> Iterable[Block]:
+def _found(fit: Fit) -> Iterable[PageBlock]:
     if not fit.converged:
         yield Warning("The fit did not converge: these values are where it ended, and no estimates.")
     if sentence := findings.level_sentence(fit):
@@ -60,7 +69,7 @@ def _found(fit: Fit) -> Iterable[Block]:
     )
 
 
-def _pictures(fit: Fit) -> Iterable[Block]:
+def _pictures(fit: Fit) -> Iterable[PageBlock]:
     figures = {
         "Measured and fitted torque with the 95 % band of the fit; what is left, with two standard "
         "deviations of the noise": curves_figure(fit),
@@ -71,7 +80,7 @@ def _pictures(fit: Fit) -> Iterable[Block]:
             yield Pictures([picture(figure, caption)])
 
 
-def _basis(fit: Fit) -> Iterable[Block]:
+def _basis(fit: Fit) -> Iterable[PageBlock]:
     for sentence in fit.left_out:
         yield Text(f"{sentence}.")
     for sentence in fit.warnings:

@@ -2,12 +2,120 @@
 
 import base64
 import hashlib
-from collections.abc import Sequence
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from rps_exudyn.report.blocks import Article
+from rps_exudyn.base.units import words
+from rps_exudyn.parameters.gear import Setup
+
+
+@dataclass(frozen=True)
+class PageBlock:
+    """A part of a section; page.html sets it by its kind."""
+
+    @property
+    def kind(self) -> str:
+        """The class' name in lower case."""
+        return type(self).__name__.lower()
+
+
+@dataclass(frozen=True)
+class Text(PageBlock):
+    """A paragraph."""
+
+    text: str
+
+
+class Warning(Text):
+    """A paragraph that must not be missed."""
+
+
+class Code(Text):
+    """Commands, or the text of a file."""
+
+
+@dataclass(frozen=True)
+class Facts(PageBlock):
+    """Pairs of a term and its value."""
+
+    items: Sequence[tuple[str, str]]
+
+
+@dataclass(frozen=True)
+class Link:
+    """Words that lead to a row of a table by its id; without one they are words only."""
+
+    text: str
+    to: str
+
+
+@dataclass(frozen=True)
+class Links:
+    """A cell of several links."""
+
+    items: Sequence[Link]
+
+
+Cell = str | Links
+
+
+@dataclass(frozen=True)
+class Grid(PageBlock):
+    """A table; every row has as many cells as there are columns."""
+
+    columns: Sequence[str]
+    rows: Sequence[Sequence[Cell]]
+    caption: str = ""
+    ids: Sequence[str] = ()  # of the rows, each on one row of the page; () without
+
+
+@dataclass(frozen=True)
+class Picture:
+    """An SVG drawn by this package, with a caption that describes it."""
+
+    svg: str
+    caption: str
+    width: float  # at most [in]
+    axes: str = ""  # JSON of places and scales of the axes with curves, see `axes_of`; page.js reads it
+
+
+@dataclass(frozen=True)
+class Pictures(PageBlock):
+    """Pictures side by side as far as there is room."""
+
+    pictures: Sequence[Picture]
+
+
+@dataclass(frozen=True)
+class Fold(PageBlock):
+    """Blocks under a line that opens and closes them; in print they are open."""
+
+    title: str
+    blocks: Sequence[PageBlock]
+    is_open: bool = False
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading with blocks."""
+
+    title: str
+    blocks: Sequence[PageBlock]
+
+
+@dataclass(frozen=True)
+class Article:
+    """One study or one result."""
+
+    title: str
+    lead: str
+    sections: Sequence[Section]
+
 
 _FOLDER = Path(__file__).parent
 
@@ -31,3 +139,84 @@ def page(title: str, articles: Sequence[Article]) -> str:
         script=script,
         script_hash=f"sha256-{base64.b64encode(digest).decode()}",
     )
+
+
+# --- Blocks that pages about studies and about results have in common
+
+PROVENANCE_NAMES = {
+    "package_version": "rps-exudyn",
+    "git_hash": "commit",
+    "date": "made",
+    "machine": "machine",
+    "library_versions": "libraries",
+}
+
+
+GEAR_FACTS = {
+    "pinion.teeth": "teeth",
+    "pinion.normal_module": "normal module",
+    "pinion.pressure_angle": "pressure angle",
+    "pinion.helix_angle": "helix angle",
+    "pinion.profile_shift": "profile shift",
+    "rack.tooth_angle": "angle of the rack's teeth",
+    "rack.bar_diameter": "bar's diameter",
+    "yoke.preload": "yoke's preload",
+    "yoke.clearance": "yoke's clearance",
+    "mesh.friction": "friction of the teeth",
+    "yoke.friction": "friction of the plunger",
+    "pinion.runout": "runout",
+    "test.speed": "test speed",
+}
+"""Parameters that tell one gear from another -> their names."""
+
+
+def provenance_facts(provenance: Mapping[str, Any]) -> Facts:
+    """Versions, commit, date, machine; other entries under their own names."""
+    items = [(PROVENANCE_NAMES.get(name, words(name)), as_text(value)) for name, value in provenance.items()]
+    return Facts([(name, text) for name, text in items if text])
+
+
+def as_text(value: Any) -> str:
+    """The value as text; a table, or JSON of one, as "name value, name value"."""
+    if isinstance(value, str) and value.startswith("{"):
+        try:
+            return as_text(json.loads(value))
+        except (ValueError, RecursionError):  # no JSON, or nested too deep
+            return value
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {as_text(item)}" for name, item in value.items())
+    if isinstance(value, list | tuple):
+        return ", ".join(map(as_text, value))
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def gear_facts(values: Mapping[str, Any]) -> Facts:
+    """What distinguishes gears; `values` are path -> value, and those of `GEAR_FACTS` are shown."""
+    rows = {
+        path: text for path, text, *_ in parameter_rows({p: values[p] for p in GEAR_FACTS if p in values})
+    }
+    return Facts([(GEAR_FACTS[path], text) for path, text in rows.items()])
+
+
+def parameter_rows(values: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:
+    """Path, value, meaning and source of parameters; `values` are path -> value."""
+    known = {item.path: item for item in Setup.declared()}
+    for path, value in values.items():
+        if (item := known.get(path)) is None:
+            yield path, as_text(value), "", ""
+        else:
+            text = item.show(value) if isinstance(value, int | float) else str(value)
+            yield path, text, item.meaning, item.source
+
+
+def parameter_grid(values: Mapping[str, Any], caption: str = "") -> Grid:
+    """A table of parameters; `values` are path -> value."""
+    return Grid(("parameter", "value", "meaning", "source"), list(parameter_rows(values)), caption)
+
+
+def fidelity_facts(fidelity: Mapping[str, Any]) -> Fold:
+    """Every choice of the model, folded under the fidelity's name."""
+    choices = {
+        f"fidelity.{name}": value for name, value in fidelity.items() if name not in ("name", "based_on")
+    }
+    return Fold(f"Model: fidelity {fidelity.get('name', '')}", [parameter_grid(choices)])

@@ -3,13 +3,11 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.report.blocks import Article, Section
-from rps_exudyn.report.html import page
-from rps_exudyn.report.result_page import result_article, side_by_side
+from rps_exudyn.base.files import replacing
+from rps_exudyn.report.html import Article, page
+from rps_exudyn.report.result_page import contact_section, result_article, side_by_side
 from rps_exudyn.report.study_page import study_article
-from rps_exudyn.results.result import Result
 from rps_exudyn.study.blocks import beside, load
 from rps_exudyn.study.store import Store
 
@@ -57,14 +55,6 @@ def _articles(paths: Sequence[Path], contact: bool) -> list[Article]:
     return articles + [
         study_article(content)
         if isinstance(content, Store)
-        else result_article(content, path, _more(content, contact))
+        else result_article(content, path, [contact_section(content)] if contact else [])
         for path, content in opened.items()
     ]
-
-
-def _more(result: Result, contact: bool) -> list[Section]:
-    if not contact:
-        return []
-    from rps_exudyn.report.contact_section import contact_section  # loads the compiled contact
-
-    return [contact_section(result)]

@@ -1,20 +1,32 @@
 """The article about one result of any scene, and the comparison of several side by side."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.measured import NOTHING_TO_COMPARE, compare_with_measured
-from rps_exudyn.base.sentence import as_sentence
+from rps_exudyn.analysis.passes import passes
+from rps_exudyn.base.errors import InputError, as_sentence
 from rps_exudyn.base.units import words
 from rps_exudyn.charts import style
 from rps_exudyn.charts.scene import scene_figure
 from rps_exudyn.charts.signals import WIDTH, signals_figure
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.report.blocks import Article, Block, Code, Facts, Fold, Grid, Pictures, Section, Text, Warning
-from rps_exudyn.report.common import (
-    GEAR,
+from rps_exudyn.report.html import (
+    GEAR_FACTS,
+    Article,
+    Code,
+    Facts,
+    Fold,
+    Grid,
+    PageBlock,
+    Pictures,
+    Section,
+    Text,
+    Warning,
     as_text,
     fidelity_facts,
     gear_facts,
@@ -27,6 +39,9 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, SUMMARY, Quantity
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import is_scene
+
+if TYPE_CHECKING:
+    from rps_exudyn.analysis.load_distribution import LoadDistribution
 
 
 def result_article(result: Result, path: Path, more: Sequence[Section] = ()) -> Article:
@@ -70,8 +85,8 @@ def side_by_side(results: Mapping[Path, Result]) -> Article:
     return Article("Results side by side", f"{len(results)} files", [Section("Numbers", [grid])])
 
 
-def _outcome(result: Result) -> Iterable[Block]:
-    yield gear_facts({path: result.gear.value_at(path) for path in GEAR})
+def _outcome(result: Result) -> Iterable[PageBlock]:
+    yield gear_facts({path: result.gear.value_at(path) for path in GEAR_FACTS})
     if result.status is not Status.OK:
         yield Warning(
             f"The simulation failed ({result.status}): {result.message or 'no message'} "
@@ -87,7 +102,7 @@ def _outcome(result: Result) -> Iterable[Block]:
         yield Text("It left no numbers.")
 
 
-def _curves(result: Result) -> Iterable[Block]:
+def _curves(result: Result) -> Iterable[PageBlock]:
     if not result.signals:
         yield Text("No signals were kept.")
         return
@@ -100,7 +115,7 @@ def _measured_section(result: Result) -> Iterable[Section]:
     """How the simulated torque differs from the measured one that the result keeps, if it keeps one."""
     if result.measured is None:
         return
-    blocks: list[Block] = []
+    blocks: list[PageBlock] = []
     for each in compare_with_measured(result.measured, result.signals, result.gear.pinion.teeth):
         blocks.append(Grid(("quantity", "measured", "simulated"), each.rows, each.heading))
         blocks.append(Text(as_sentence(each.difference)))
@@ -123,7 +138,7 @@ def _scene_figure(result: Result) -> Figure | None:
     return figure
 
 
-def _parameters(result: Result) -> Iterable[Block]:
+def _parameters(result: Result) -> Iterable[PageBlock]:
     changed = result.gear.changes()
     if changed:
         yield parameter_grid(changed, "Parameters that differ from the defaults")
@@ -156,3 +171,53 @@ def _quantities(known: Mapping[str, Quantity], values: Mapping[str, float]) -> G
 
 def _commands(path: Path) -> str:
     return f"rps-exudyn rerun {path}     # the same again, from what the file holds\nrps-exudyn show {path}"
+
+
+# --- The section about the contact of the teeth: loads of the lines, shares of the teeth, contact pattern
+#
+# It is drawn on request: the contact law is evaluated again at every recorded pose.
+
+
+def contact_section(result: Result) -> Section:
+    """Return the section, or one sentence where the record does not know the contact's loads."""
+    return Section("Contact of the teeth", list(_contact_blocks(result)))
+
+
+def _contact_blocks(result: Result) -> Iterator[PageBlock]:
+    from rps_exudyn.analysis.load_distribution import load_distribution  # loads the compiled contact
+    from rps_exudyn.charts.analyses import load_figure, pattern_figure
+
+    if result.status is not Status.OK:
+        yield Text("The simulation failed: its loads would not be those of the gear.")
+        return
+    if result.fidelity["mesh"] != "flank":
+        modelled = result.fidelity["mesh"]
+        yield Text(f"fidelity.mesh is {modelled}; loads along the lines of contact are those of flank.")
+        return
+    try:
+        yield Pictures([picture(pattern_figure(result), "Contact pattern")])
+        yield Pictures([picture(load_figure(result), "Loads on the lines of contact")])
+        yield _largest_loads(load_distribution(result.gear, passes(result.signals)[0].signals))
+    except InputError as error:  # no pass, no motions of the rack, or a law without load per length
+        yield Text(" ".join(error.problems))
+
+
+def _largest_loads(loads: "LoadDistribution") -> Grid:
+    """The numbers of both sides over the first pass."""
+    from rps_exudyn.charts.analyses import FLANK_NAMES
+
+    rows = []
+    for side, name in FLANK_NAMES.items():
+        chosen, share = loads.side == side, loads.largest_share(side)
+        carries = bool(np.isfinite(share).any())
+        rows.append(
+            [
+                name,
+                f"{loads.force_on(side).max():.4g} N",
+                f"{1e-3 * loads.load[chosen].max(initial=0.0):.4g} N/mm",
+                f"{1e-6 * loads.pressure[chosen].max(initial=0.0):.4g} MPa",
+                f"{100 * np.nanmin(share):.3g} to {100 * np.nanmax(share):.3g} %" if carries else "",
+            ]
+        )
+    columns = ("flanks", "normal force", "largest load per length", "Hertz's pressure", "share of one tooth")
+    return Grid(columns, rows)

@@ -11,10 +11,15 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import words
 from rps_exudyn.charts.signals import overlaid_figure
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.report.band_section import band_sections
-from rps_exudyn.report.blocks import (
+from rps_exudyn.report.effects_charts import (
+    distribution_figure,
+    main_effect_figure,
+    scattered_figure,
+    surface_figure,
+)
+from rps_exudyn.report.html import (
+    GEAR_FACTS,
     Article,
-    Block,
     Cell,
     Code,
     Facts,
@@ -22,26 +27,26 @@ from rps_exudyn.report.blocks import (
     Grid,
     Link,
     Links,
+    PageBlock,
     Picture,
     Pictures,
     Section,
     Text,
     Warning,
-)
-from rps_exudyn.report.case_curves import curve_id, curves_of_cases
-from rps_exudyn.report.common import GEAR, fidelity_facts, gear_facts, parameter_grid, provenance_facts
-from rps_exudyn.report.effects_charts import (
-    distribution_figure,
-    main_effect_figure,
-    scattered_figure,
-    surface_figure,
+    fidelity_facts,
+    gear_facts,
+    parameter_grid,
+    provenance_facts,
 )
 from rps_exudyn.report.pictures import picture
-from rps_exudyn.report.study_messages import (
+from rps_exudyn.report.study_sections import (
     MOST_ROWS,
+    band_sections,
     case_id,
     case_link,
     count,
+    curve_id,
+    curves_of_cases,
     failed_blocks,
     remarks_section,
     settings,
@@ -89,7 +94,7 @@ def _progress(table: CaseTable) -> str:
 # --- what was run ------------------------------------------------------------------------------
 
 
-def _what(table: CaseTable) -> Iterable[Block]:
+def _what(table: CaseTable) -> Iterable[PageBlock]:
     description = table.description
     pending = int((table.status == PENDING).sum())
     if pending:
@@ -114,7 +119,9 @@ def _what(table: CaseTable) -> Iterable[Block]:
     yield Facts([(name, text) for name, text in facts if text])
     default = SteeringGear()
     varied = {path for axis in description.axes for path in (*axis.paths, *axis.along)}
-    fixed = {path: description.base.get(path, default.value_at(path)) for path in GEAR if path not in varied}
+    fixed = {
+        path: description.base.get(path, default.value_at(path)) for path in GEAR_FACTS if path not in varied
+    }
     yield Fold("The gear, where it is not varied", [gear_facts(fixed)], is_open=True)
     rows = [
         [
@@ -161,7 +168,7 @@ def _values(table: CaseTable, axis: Axis) -> str:
 # --- outcome -----------------------------------------------------------------------------------
 
 
-def _outcome(table: CaseTable) -> Iterable[Block]:
+def _outcome(table: CaseTable) -> Iterable[PageBlock]:
     if not table.numbers:
         yield Text("No case has ended ok yet.")
         return
@@ -183,7 +190,7 @@ def _ranked(table: CaseTable) -> list[str]:
 # --- effects -----------------------------------------------------------------------------------
 
 
-def _effects(table: CaseTable) -> Iterable[Block]:
+def _effects(table: CaseTable) -> Iterable[PageBlock]:
     names = _ranked(table)
     if not names:
         yield Text("No number differs between the cases that ended ok.")
@@ -203,7 +210,7 @@ def _effects(table: CaseTable) -> Iterable[Block]:
         yield Fold(words(name), blocks, is_open=place < LEADING)
 
 
-def _effects_on(table: CaseTable, name: str) -> Iterable[Block]:
+def _effects_on(table: CaseTable, name: str) -> Iterable[PageBlock]:
     yield Text(f"{SUMMARY[name].long_name}.")
     rows = [_effect_row(axis, effect, name) for axis, effect in _all_effects(table, name)]
     yield Grid(("axis", "from", "to", "mean from", "mean to", "fraction"), rows)
@@ -268,7 +275,7 @@ def _sensitivity(table: CaseTable) -> list[Section]:
     if design not in sensitivity.DESIGNS:
         return []
     kinds = sensitivity.KINDS[design]
-    blocks: list[Block] = [Facts(list(kinds.items()))]
+    blocks: list[PageBlock] = [Facts(list(kinds.items()))]
     for name in _ranked(table):
         try:
             blocks.append(_indices(table, name, list(kinds)))
@@ -303,7 +310,7 @@ def _ends(name: str) -> dict[str, str]:
     return {"lowest": f"lowest{best}", "median": "median", "highest": f"highest{worst}"}
 
 
-def _extremes(table: CaseTable, store: Store) -> Iterable[Block]:
+def _extremes(table: CaseTable, store: Store) -> Iterable[PageBlock]:
     names = _ranked(table)[:LEADING]
     if not names:
         yield Text("No number differs between the cases that ended ok.")
@@ -311,7 +318,7 @@ def _extremes(table: CaseTable, store: Store) -> Iterable[Block]:
         yield Fold(words(name), list(_extremes_of(table, store, name)), is_open=True)
 
 
-def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[Block]:
+def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[PageBlock]:
     numbers = table.numbers[name]
     order = np.argsort(numbers, kind="stable")[: int(np.isfinite(numbers).sum())]
     places = {"lowest": order[0], "median": order[(len(order) - 1) // 2], "highest": order[-1]}
@@ -333,7 +340,7 @@ def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[Block]:
         yield Pictures([picture(figure, f"Cases with the lowest, median and highest {words(name)}")])
 
 
-def _all_cases(table: CaseTable, store: Store) -> Iterable[Block]:
+def _all_cases(table: CaseTable, store: Store) -> Iterable[PageBlock]:
     names = (_ranked(table) or list(table.numbers))[:LEADING]
     remarked, seen = {case.hash for case, _ in table.remarked()}, set[str]()
     curves, drawn = curves_of_cases(table, store, table.cases[:MOST_ROWS])
@@ -357,7 +364,7 @@ def _all_cases(table: CaseTable, store: Store) -> Iterable[Block]:
 # --- provenance --------------------------------------------------------------------------------
 
 
-def _provenance(table: CaseTable) -> Iterable[Block]:
+def _provenance(table: CaseTable) -> Iterable[PageBlock]:
     origin = dict(table.description.provenance)
     command = str(origin.pop("command", "")) or f"rps-exudyn study {table.path / 'study.toml'}"
     yield provenance_facts(origin)

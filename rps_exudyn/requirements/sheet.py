@@ -13,7 +13,6 @@ from itertools import pairwise
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.roots import bracketed_root
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.tooth_strength import flank_stress, pinion_form, rack_form, root_stress
@@ -21,6 +20,8 @@ from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.requirements.limits import Limit
+from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
+from rps_exudyn.scenes.rack_lift import SCENE as RACK_LIFT
 from rps_exudyn.solvers.closed_form import load_test
 from rps_exudyn.uncertainty.band import Band, band_of_runs
 from rps_exudyn.uncertainty.quick_band import quick_band
@@ -141,7 +142,7 @@ def _of_efficiency(
     gear: SteeringGear, inputs: Mapping[str, Distribution], limits: Mapping[str, Limit], samples: int
 ) -> Judged:
     short = gear.replace({"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth})
-    band = band_of_runs("load-test", short, MODEL, inputs, max(samples // 2, 8))
+    band = band_of_runs(LOAD_TEST.name, short, MODEL, inputs, max(samples // 2, 8))
     judged = _from_band("efficiency_ratio", "efficiency_ratio", band, limits)
     weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 - (T_0 / W s')^2"
     if judged.kept:
@@ -163,7 +164,7 @@ def _of_lift(
     samples: int,
 ) -> Judged:
     lifting = gear.replace({"test.lift_torque": rated_torque})
-    lift = band_of_runs("rack-lift", lifting, MODEL, inputs, max(samples // 2, 8))
+    lift = band_of_runs(RACK_LIFT.name, lifting, MODEL, inputs, max(samples // 2, 8))
     return _from_band("rated_lift", "rack_lift", lift, limits)
 
 
@@ -171,15 +172,15 @@ def weight_for_ratio(gear: SteeringGear, ratio: float) -> float | None:
     """Return the least weight with which reverse over forward efficiency reaches a ratio, by the closed form
     [kg]; None if none does."""
 
+    from scipy.optimize import brentq
+
     def beyond(mass: float) -> float:
         return load_test(gear, mass).efficiency_ratio - ratio
 
     masses = np.geomspace(LIGHTEST, HEAVIEST, 40)
     for lighter, heavier in pairwise(masses.tolist()):
         if beyond(heavier) >= 0:
-            return (
-                bracketed_root(beyond, lighter, heavier, tolerance=1e-6) if beyond(lighter) < 0 else lighter
-            )
+            return float(brentq(beyond, lighter, heavier, xtol=1e-6)) if beyond(lighter) < 0 else lighter
     return None
 
 

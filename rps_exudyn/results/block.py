@@ -16,21 +16,31 @@ from typing import Any, NamedTuple
 import h5py
 import numpy as np
 
+from rps_exudyn.base.files import with_checksum
 from rps_exudyn.base.hdf5 import file_image, opened
-from rps_exudyn.base.seal import sealed
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.retired import STORED
 from rps_exudyn.results import provenance as origin
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Status, codes_of
 from rps_exudyn.results.quantities import GROUPS
 from rps_exudyn.results.result import Result, attributes_of
 
 FILETYPE = "rps_exudyn-block"
-VERSION = (1, 0)
+VERSION = (1, 1)
 """Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
 
 TABLES = ("summary", "counters", "geometry")
-TEXTS = ("scene", "status", "message", "parameters", "fidelity", "solver", "findings", *origin.FIELDS)
+TEXTS = (
+    "scene",
+    "status",
+    "message",
+    "codes",
+    "parameters",
+    "fidelity",
+    "solver",
+    "findings",
+    *origin.FIELDS,
+)
 TIMES = ("cpu_s", "wall_s")
 FILTERS: dict[str, Any] = {"fletcher32": True, "shuffle": True, "compression": "gzip", "compression_opts": 1}
 
@@ -70,7 +80,7 @@ class CaseRecord:
 
 def packed(records: Sequence[CaseRecord]) -> bytes:
     """Return the bytes of the block's file with its checksum."""
-    return sealed(file_image(lambda file: _fill(file, records)))
+    return with_checksum(file_image(lambda file: _fill(file, records)))
 
 
 def _fill(file: h5py.File, records: Sequence[CaseRecord]) -> None:
@@ -173,6 +183,10 @@ class Block:
             findings=json.loads(self.text("findings", row)),
             status=Status(self.text("status", row)),
             message=self.text("message", row),
+            codes=codes_of(
+                self.text("message", row),
+                self.text("codes", row) if "codes" in self.columns["attributes"] else None,
+            ),
             signals=self.signals(case_hash),
             summary=self.table("summary", row),
             counters=self.table("counters", row),
@@ -200,6 +214,7 @@ class Summary(NamedTuple):
     cpu_s: float
     wall_s: float
     summary: dict[str, float]
+    codes: tuple[str, ...]
 
 
 def summaries(path: Path) -> list[Summary]:
@@ -213,10 +228,14 @@ def summaries(path: Path) -> list[Summary]:
         attributes, summary = file["attributes"], file["summary"]
         about = {name: _column(attributes, name) for name in ("status", "message", *TIMES)}
         columns = {name: _column(summary, name) for name in summary}
+        known_codes = _column(attributes, "codes") if "codes" in attributes else [None] * len(hashes)
     known_as = {text: Status(text[:-1].decode()) for text in set(about["status"])}
     said = {text: " ".join(text[:-1].decode().split()) for text in set(about["message"])}
     statuses = [known_as[text] for text in about["status"]]
     messages = [said[text] for text in about["message"]]
+    pairs = list(zip(messages, known_codes, strict=True))
+    of_pair = {pair: codes_of(pair[0], pair[1] and pair[1][:-1].decode()) for pair in set(pairs)}
+    codes = [of_pair[pair] for pair in pairs]
     names = [name for name in GROUPS["summary"] if name in columns]
     values = zip(*(columns[name] for name in names), strict=True) if names else [()] * len(hashes)
     numbers = [dict(zip(names, row, strict=True)) for row in values]
@@ -224,7 +243,7 @@ def summaries(path: Path) -> list[Summary]:
         known = columns.get(f"{name} known", ())
         for row in (row for row, has in zip(numbers, known, strict=False) if not has):
             del row[name]
-    rows = zip(hashes, statuses, messages, about["cpu_s"], about["wall_s"], numbers, strict=True)
+    rows = zip(hashes, statuses, messages, about["cpu_s"], about["wall_s"], numbers, codes, strict=True)
     return list(map(Summary._make, rows))
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from rps_exudyn.base.seal import sealed
+from rps_exudyn.base.files import with_checksum
 from rps_exudyn.results.quantities import GROUPS
 from rps_exudyn.results.result import Result, attributes_of, content_of
 
@@ -51,8 +51,8 @@ class FileForms:
         shape = _shape(result)
         if shape not in self._forms:
             self._forms[shape] = _Form(result)
-            return sealed(self._forms[shape].bytes)
-        return sealed(self._forms[shape].filled(result))
+            return with_checksum(self._forms[shape].bytes)
+        return with_checksum(self._forms[shape].filled(result))
 
 
 class _Form:

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from rps_exudyn.base.sentence import as_sentence
+from rps_exudyn.base.errors import as_sentence
 from rps_exudyn.parameters.gear import SteeringGear
 
 Range = tuple[float, float]

@@ -8,9 +8,11 @@ timeout, crashed   was ended by its time limit, or its process ended by itself
 invalid            reached its end and failed the check that the message names, or was refused before
 """
 
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 
 class Status(StrEnum):
@@ -30,6 +32,91 @@ class Status(StrEnum):
         return _REMEDIES[self]
 
 
+class Code(StrEnum):
+    """What a message is about, for programs: sentences are for readers, and may change.
+
+    A failed run has the code of its cause; one that ended ok those of its remarks.
+    """
+
+    NOT_FINITE = "not-finite"
+    OUT_OF_BOUNDS = "out-of-bounds"
+    NO_STEP = "no-step"
+    NO_EQUILIBRIUM = "no-equilibrium"
+    NO_RESISTANCE = "no-resistance"
+    INTERRUPTED = "interrupted"
+    REFUSED = "refused"
+    RACK_OUT_OF_MESH = "rack-out-of-mesh"
+    TEETH_UNLOADED = "teeth-unloaded"
+    BEYOND_LAW = "beyond-law"
+    BEYOND_FORMULAS = "beyond-formulas"
+    FRICTION_ZONE = "friction-zone"
+    STEPS_TOO_COARSE = "steps-too-coarse"
+    ROLLING_TOO_COARSE = "rolling-too-coarse"
+    STEPS_NOT_CONFIRMED = "steps-not-confirmed"
+    STRIPS_NOT_CONFIRMED = "strips-not-confirmed"
+    RACK_NOT_SETTLED = "rack-not-settled"
+    START_MATTERS = "start-matters"
+    SWING_TOO_FAST = "swing-too-fast"
+    SWING_NOT_SETTLED = "swing-not-settled"
+    CONTACT_DISAGREES = "contact-disagrees"
+    FEW_SPHERES = "few-spheres"
+    SPHERES_OUT_OF_PLACE = "spheres-out-of-place"
+    WORK_MISSING = "work-missing"
+    EDGES_LOADED = "edges-loaded"
+    FLANK_LIFTED = "flank-lifted"
+    YOKE_STOPPED = "yoke-stopped"
+    CLEARANCE_CLOSED = "clearance-closed"
+    TEETH_OVERLOADED = "teeth-overloaded"
+    PEAKS_UNRESOLVED = "peaks-unresolved"
+    RACK_RIGID = "rack-rigid"
+    NO_EFFICIENCY = "no-efficiency"
+    OTHER_LAW = "other-law"
+    HELD_BY_FRICTION = "held-by-friction"
+    FRICTION_NEVER_FALLS = "friction-never-falls"
+    NOT_HIT = "not-hit"
+    THRESHOLD_RESOLUTION = "threshold-resolution"
+    CAP_PRESSES = "cap-presses"
+    OTHER_SETTINGS = "other-settings"
+    ACCURACY_NOT_CONFIRMED = "accuracy-not-confirmed"
+    ACCURACY_NOT_REACHED = "accuracy-not-reached"
+    ACCURACY_NOT_PROMISED = "accuracy-not-promised"
+
+
+class Remark(NamedTuple):
+    """A sentence about a run, without a full stop, and what it is about."""
+
+    code: Code
+    text: str
+
+
+def joined_text(remarks: Iterable[Remark]) -> str:
+    """Return the sentences of remarks as one message."""
+    return "; ".join(remark.text for remark in remarks)
+
+
+def each_once(codes: Iterable[str]) -> tuple[str, ...]:
+    """Return codes in their order without those that come again."""
+    return tuple(dict.fromkeys(str(code) for code in codes))
+
+
+def codes_of(message: str, stored: str | None) -> tuple[str, ...]:
+    """Return the codes that a file holds beside a message; in files of versions before 1.4, which hold none,
+    those of contacts that open or close, by the words of these versions."""
+    if stored is not None:
+        return tuple(stored.split())
+    words = {"carry nothing": Code.FLANK_LIFTED, "is used up": Code.YOKE_STOPPED}
+    return each_once(code for text, code in words.items() if text in message)
+
+
+_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+
+
+def alike(status: Status, codes: tuple[str, ...], message: str) -> tuple[str, ...]:
+    """Return what outcomes of one kind have in common: status and codes, or where there is no code the words
+    of the message."""
+    return (status, *codes) if codes else (status, "", _NUMBER.sub("#", message))
+
+
 _REMEDIES = {
     Status.OK: "Nothing to do.",
     Status.DIVERGED: "Use a smaller step or more contact damping (mesh.damping), and check the stiffnesses.",
@@ -47,6 +134,7 @@ class Outcome:
 
     status: Status
     message: str = ""
+    codes: tuple[str, ...] = ()  # of the message, see `Code`
     time_reached: float = 0.0
     cpu_s: float = 0.0
     counters: dict[str, int] = field(default_factory=dict)

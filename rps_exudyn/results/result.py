@@ -17,17 +17,14 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import read_json_tables, replacing, with_checksum
 from rps_exudyn.base.hdf5 import file_image, from_bytes, opened
-from rps_exudyn.base.json_tables import read_json_tables
-from rps_exudyn.base.seal import sealed
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.retired import STORED
 from rps_exudyn.results import provenance as origin
-from rps_exudyn.results.measured_torque import MeasuredTorque
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Status, codes_of
 from rps_exudyn.results.quantities import GROUPS, SIGNALS, SUMMARY
 
 if TYPE_CHECKING:
@@ -37,8 +34,52 @@ MOST_NUMBERS = 6  # of the summary that a printed result shows
 DRAWING = "rps_exudyn.charts.scene:draw"  # looked up when a result is drawn: charts stand above results
 
 FILETYPE = "rps_exudyn-result"
-VERSION = (1, 3)
+VERSION = (1, 4)
 """Major: old readers must refuse the file. Minor: something was added that they may leave unread."""
+
+
+MEASURED_GROUP = "measured"  # of a result's file
+MEASURED_SIGNALS = ("pinion_angle", "pinion_torque")
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredTorque:
+    """A measured curve in SI units, in the order of its file."""
+
+    name: str
+    signals: dict[str, np.ndarray]  # pinion_angle [rad], pinion_torque [N m], shape (n,); or of a rack push
+    assumed: tuple[str, ...] = ()  # what the reading of the file took for granted
+    beside: dict[str, np.ndarray] = field(default_factory=dict)  # clock [s], speed [rad/s], line; (n,)
+    left_out: tuple[str, ...] = ()  # those of `assumed` that say which rows of the file are no part of it
+
+    def write(self, file: h5py.File) -> None:
+        """Write name, angle and torque as a group of a result's file."""
+        group = file.create_group(MEASURED_GROUP)
+        group.attrs["name"] = self.name
+        for name in MEASURED_SIGNALS:
+            dataset = group.create_dataset(name, data=np.asarray(self.signals[name], dtype=float))
+            dataset.attrs["units"] = SIGNALS[name].unit
+            dataset.attrs["long_name"] = SIGNALS[name].long_name
+
+    @classmethod
+    def read(cls, file: h5py.File) -> "MeasuredTorque | None":
+        """The curve in a result's file; None of a file without one.
+
+        Raises:
+            ValueError: the group is there and holds no curve.
+        """
+        if MEASURED_GROUP not in file:
+            return None
+        name, signals = (
+            file[MEASURED_GROUP].attrs["name"],
+            {each: file[MEASURED_GROUP][each][()] for each in MEASURED_SIGNALS},
+        )
+        angle, torque = signals.values()
+        if not isinstance(name, str) or angle.ndim != 1 or angle.shape != torque.shape or angle.size < 2:
+            raise ValueError(f"{MEASURED_GROUP} holds no curve")
+        if not all(values.dtype.kind == "f" and np.isfinite(values).all() for values in signals.values()):
+            raise ValueError(f"{MEASURED_GROUP} holds no numbers")
+        return cls(name, signals)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -59,6 +100,7 @@ class Result:
         findings: what solver and choice of the model report beside the numbers, see docs/hdf5-format.md.
         status: how it ended.
         message: why, if the status is not OK; else remarks.
+        codes: what the message is about, by the names of `outcome.Code`.
         signals: name -> values over the time, shape (time,).
         summary: name -> number.
         counters: name -> what the solver had to do.
@@ -76,6 +118,7 @@ class Result:
     findings: dict[str, Any] = field(default_factory=dict)
     status: Status
     message: str = ""
+    codes: tuple[str, ...] = ()
     signals: Mapping[str, np.ndarray] = field(default_factory=dict)
     summary: Mapping[str, float] = field(default_factory=dict)
     counters: Mapping[str, int | float] = field(default_factory=dict)
@@ -162,7 +205,7 @@ class Result:
             InputError: the file cannot be written.
         """
         with replacing(path) as partial:
-            partial.write_bytes(sealed(content_of(self)))
+            partial.write_bytes(with_checksum(content_of(self)))
 
 
 def failed(
@@ -240,6 +283,7 @@ def attributes_of(result: Result) -> dict[str, Any]:
         "scene": result.scene,
         "status": result.status.value,
         "message": result.message,
+        "codes": " ".join(result.codes),
         "parameters": result.gear.model_dump_json(),
         "fidelity": json.dumps(result.fidelity, default=_plain),
         "solver": json.dumps(result.solver, default=_plain),
@@ -290,6 +334,7 @@ def _read(file: h5py.File, path: str | Path) -> Result:
         findings=findings,
         status=Status(_text(file, "status")),
         message=_text(file, "message"),
+        codes=codes_of(_text(file, "message"), _text(file, "codes") if "codes" in file.attrs else None),
         signals={name: _numbers(dataset, 1) for name, dataset in _known(file, "signals")},
         summary={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "summary")},
         counters={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "counters")},

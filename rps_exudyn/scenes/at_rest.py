@@ -16,9 +16,8 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Interrupted, Outcome, Status
+from rps_exudyn.parameters.gear import RUBBING_PARTS, SteeringGear
+from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Status
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, outcome_of_path
 from rps_exudyn.solvers.balance import SIZE
@@ -114,7 +113,7 @@ def run_at_rest(
         path, interrupted = interrupt.path, True
     except np.linalg.LinAlgError as error:
         message = f"the gear yields without resistance: {error}"
-        return SceneRun(Outcome(Status.NO_CONVERGENCE, message))
+        return SceneRun(Outcome(Status.NO_CONVERGENCE, message, (Code.NO_RESISTANCE,)))
     outcome = _outcome(path, loads, process_time() - start, interrupted)
     if len(path.time) < 2:
         return SceneRun(outcome)
@@ -145,13 +144,14 @@ def moved_by_modes(gear: SteeringGear, fidelity: Fidelity, place: float) -> np.n
 def _outcome(path: EquilibriumPath, loads: OutsideLoads, cpu_s: float, interrupted: bool) -> Outcome:
     outcome, found = outcome_of_path(path, cpu_s), len(path.time)
     if interrupted:
-        return replace(outcome, status=Status.TIMEOUT, message=f"interrupted after {found} loads")
+        message = f"interrupted after {found} loads"
+        return replace(outcome, status=Status.TIMEOUT, codes=(Code.INTERRUPTED,), message=message)
     if path.converged:
         return outcome
     (across, sideways), torque = loads.end_force[found], loads.torque[found]
     shown = f"{across:.4g} N along Y and {sideways:.4g} N along Z at the rack's end, {torque:.4g} N m"
     message = f"no equilibrium was found under {shown}; {path.residual:.3g} N remain unbalanced"
-    return replace(outcome, status=Status.NO_CONVERGENCE, message=message)
+    return replace(outcome, status=Status.NO_CONVERGENCE, codes=(Code.NO_EQUILIBRIUM,), message=message)
 
 
 def _signals(record: Record, loads: OutsideLoads, outside: np.ndarray, place: float) -> Signals:

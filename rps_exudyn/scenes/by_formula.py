@@ -4,13 +4,13 @@ from time import process_time
 
 import numpy as np
 
+from rps_exudyn.analysis.work_balance import integral_from_start
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.quadrature import integral_from_start
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import law_of_formulas
-from rps_exudyn.results.outcome import Outcome, Status
+from rps_exudyn.results.outcome import Code, Outcome, Remark, Status
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -37,20 +37,22 @@ def by_formula(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, optio
     signals = _turned(gear, maneuver) if maneuver.drive.body == "pinion" else _pushed(gear, maneuver)
     outcome = Outcome(
         Status.INVALID if beyond else Status.OK,
-        beyond or _other_law(gear),
+        beyond,
+        (Code.BEYOND_FORMULAS,) if beyond else (),
         time_reached=float(signals["time"][-1]),
         cpu_s=process_time() - start,
         settings={"name": "closed-form"},
     )
-    return SceneRun(outcome, signals)
+    return SceneRun(outcome, signals).noting(_other_law(gear))
 
 
-def _other_law(gear: SteeringGear) -> str:
-    """Tell which law the formulas take instead of the gear's; empty where they know it."""
+def _other_law(gear: SteeringGear) -> Remark | None:
+    """Return a remark on the law that the formulas take instead of the gear's."""
     law = law_of_formulas(gear.mesh.law)
     if law == gear.mesh.law:
-        return ""
-    return f"mesh.law is {gear.mesh.law}; the closed form takes loads per length as law {law} has them"
+        return None
+    taken = f"mesh.law is {gear.mesh.law}; the closed form takes loads per length as law {law} has them"
+    return Remark(Code.OTHER_LAW, taken)
 
 
 def _turned(gear: SteeringGear, maneuver: Maneuver) -> Signals:

@@ -5,12 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.direction import describe_directions
-from rps_exudyn.analysis.many import number_of
-from rps_exudyn.analysis.on_centre import describe_on_centre
-from rps_exudyn.analysis.passes import passes
+from rps_exudyn.analysis.passes import number_of, passes
 from rps_exudyn.analysis.rack_motion import describe_rack
-from rps_exudyn.analysis.torque import describe_torque
+from rps_exudyn.analysis.torque import describe_directions, describe_on_centre, describe_torque
 from rps_exudyn.analysis.work_balance import describe_losses, energy_residual
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear

@@ -41,7 +41,7 @@ def _by_formula(gear: SteeringGear) -> dict[str, float]:
 TEST = SteadyTest(
     maneuvers=lambda gear, step_angle, least: (maneuvers_of_test(gear, "pinion", step_angle, least), None),
     metrics=lambda turned: figures_of_turning(turned.signals, turned.gear, turned.gain),
-    force="pinion_torque",
+    curve=("time", "pinion_angle", "pinion_torque"),
     formulas=_by_formula,
 )
 

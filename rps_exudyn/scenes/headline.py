@@ -7,13 +7,11 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.maneuver import swing_maneuver
 
-SWINGS = "reversal", "steering-feel"  # scenes that steer to and fro and record whole cycles
-
 
 def curve_of(scene: str, signals: Signals, gear: SteeringGear, fidelity: Fidelity, name: str = "") -> Curve:
     """Return a signal over the time of the rig's motion, by default the scene's headline signal."""
     start = 0.0
-    if scene in SWINGS:  # recording begins at another phase with every step
+    if scene_named(scene).swings:  # recording begins at another phase with every step
         maneuver = swing_maneuver(gear, fidelity.step_angle)
         start = maneuver.lead * maneuver.time_step
     return Curve(start + signals["time"], signals[name or scene_named(scene).signal])

@@ -14,7 +14,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Interrupted
+from rps_exudyn.results.outcome import Interrupted, Remark
 from rps_exudyn.scenes.figures import figures_of_motion
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, maneuvers_of_test
 from rps_exudyn.scenes.remarks import remarks
@@ -77,7 +77,7 @@ def _metrics(turned: Turned) -> dict[str, float]:
     return {**describe_load_test(_load_test(turned)), **of_motion}
 
 
-def _remarks(turned: Turned) -> list[list[str]]:
+def _remarks(turned: Turned) -> list[list[Remark]]:
     """Remarks on numbers that are no efficiencies, a list for each gear."""
     test = _load_test(turned)
     columns = test.load, test.ideal_torque, test.torque_forward, test.torque_reverse, test.free_torque
@@ -105,7 +105,12 @@ def oriented(signals: Signals, gear: SteeringGear) -> Signals:
     }
 
 
-TEST = SteadyTest(maneuvers=_maneuvers, metrics=_metrics, force="pinion_torque", remarks=_remarks)
+TEST = SteadyTest(
+    maneuvers=_maneuvers,
+    metrics=_metrics,
+    curve=("time", "pinion_angle", "pinion_torque"),
+    remarks=_remarks,
+)
 
 SCENE = Scene(
     name="load-test",

@@ -69,4 +69,5 @@ SCENE = Scene(
     chart="lift",
     at_rest=True,
     revolutions=None,
+    at_test_speed=False,
 )

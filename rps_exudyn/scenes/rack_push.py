@@ -5,8 +5,7 @@ The rack moves as fast as the pinion would move it at the test's speed, over the
 
 import numpy as np
 
-from rps_exudyn.analysis.many import largest, number_of, spread
-from rps_exudyn.analysis.passes import passes
+from rps_exudyn.analysis.passes import largest, number_of, passes, spread
 from rps_exudyn.analysis.resolution import LEAST_FOR_PEAKS
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -59,7 +58,7 @@ def push_figures(signals: Signals) -> dict[str, float]:
 TEST = SteadyTest(
     maneuvers=lambda gear, step_angle, least: (maneuvers_of_test(gear, "rack", step_angle, least), None),
     metrics=_metrics,
-    force="rack_force",
+    curve=("time", "pinion_angle", "rack_displacement", "rack_force"),
 )
 
 SCENE = Scene(

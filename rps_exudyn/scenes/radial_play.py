@@ -10,6 +10,7 @@ import numpy as np
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.at_rest import OutsideLoads, bending, run_at_rest, to_and_fro
 from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.maneuver import check_travel
@@ -21,9 +22,10 @@ from rps_exudyn.solvers.drive import Steady
 
 STEPS = 10  # from no force to the largest
 WAYS = {"y": ("up", "down"), "z": ("side", "other_side")}  # of the force along each axis: its plus, its minus
-RIGID = (
+RIGID = Remark(
+    Code.RACK_RIGID,
     "the rack is rigid (fidelity.rack): a rigid bar shows only how its guides yield, of the default gear a "
-    "twentieth of the play; choose flexible"
+    "twentieth of the play; choose flexible",
 )
 
 
@@ -40,7 +42,7 @@ def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     along = np.concatenate([np.stack([force, still], 1), np.stack([still, force], 1)[1:]])
     drive = Steady("pinion", gear.test.start_angle, 0.0)
     run = run_at_rest(gear, chosen, drive, OutsideLoads.of_end_force(along), options)
-    return run.noting(*remarks(gear, run.signals), "" if chosen.rack == "flexible" else RIGID).described(
+    return run.noting(*remarks(gear, run.signals), None if chosen.rack == "flexible" else RIGID).described(
         lambda signals: {**play_figures(signals), **balance(signals)}
     )
 
@@ -72,4 +74,5 @@ SCENE = Scene(
     chart="play",
     at_rest=True,
     revolutions=None,
+    at_test_speed=False,
 )

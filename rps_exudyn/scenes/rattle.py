@@ -11,12 +11,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rps_exudyn.analysis.rattle import Band, describe_rattle, first_hit, split_at_repeats
+from rps_exudyn.analysis.rattle import FrequencyBand, describe_rattle, first_hit, split_at_repeats
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.external_load import RoadForce
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.maneuver import Maneuver, check_travel
 from rps_exudyn.scenes.run_maneuver import run_maneuvers
@@ -30,9 +31,10 @@ STEPS_PER_SWING = 7  # of the plunger between seat and yokenut, the fastest moti
 STEPS_PER_BAND = 20  # of the fastest vibration in the band of the acceleration
 KEPT = 4  # of so many instants one stays in the result, whose figures come from all of them
 GROWING = "growing-sine"
-RIGID = (
+RIGID = Remark(
+    Code.RACK_RIGID,
     "the rack is rigid (fidelity.rack): forces of impacts are up to twice too large and softer roads rattle; "
-    "choose flexible"
+    "choose flexible",
 )
 
 
@@ -83,7 +85,7 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
     maneuvers = list(shaken_by_road(gear, chosen.swing_steps or STEPS_PER_SWING))
     run = run_maneuvers(gear, chosen, maneuvers, options)
     growing = test.road_shape == GROWING
-    band = Band(test.band_low, test.band_high)
+    band = FrequencyBand(test.band_low, test.band_high)
 
     def figures(signals: Signals) -> dict[str, float]:
         if growing:
@@ -91,7 +93,7 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
         of_cycles = describe_rattle(signals, 1 / test.road_frequency, gear.yoke.plunger_mass, band)
         return of_cycles | balance(signals)
 
-    described = run.described(figures).noting("" if chosen.rack == "flexible" else RIGID)
+    described = run.described(figures).noting(None if chosen.rack == "flexible" else RIGID)
     if growing:
         described = described.noting(_threshold_remark(gear, described.summary))
     return replace(described, signals=_thinned(described.signals, maneuvers))
@@ -115,12 +117,14 @@ def threshold(signals: Signals, maneuvers: Sequence[Maneuver]) -> dict[str, floa
     }
 
 
-def _threshold_remark(gear: SteeringGear, figures: Mapping[str, float]) -> str:
+def _threshold_remark(gear: SteeringGear, figures: Mapping[str, float]) -> Remark:
     test = gear.test
     if "rattle_threshold_force" not in figures:
-        return f"the yokenut is not hit up to test.road_force = {test.road_force:.4g} N"
+        not_hit = f"the yokenut is not hit up to test.road_force = {test.road_force:.4g} N"
+        return Remark(Code.NOT_HIT, not_hit)
     growth = test.road_force / test.road_cycles
-    return f"the force grows by {growth:.3g} N per cycle, by which the threshold may be too high"
+    too_high = f"the force grows by {growth:.3g} N per cycle, by which the threshold may be too high"
+    return Remark(Code.THRESHOLD_RESOLUTION, too_high)
 
 
 def shaken_by_road(gear: SteeringGear, steps_per_swing: int = STEPS_PER_SWING) -> Iterator[Maneuver]:
@@ -166,6 +170,13 @@ def _thinned(signals: Signals, maneuvers: list[Maneuver]) -> Signals:
     return {name: np.concatenate([run[name] for run in kept]) for name in kept[0]} if kept else signals
 
 
+def _unpromised(gear: SteeringGear) -> str:
+    """Why no accuracy is promised of a test: a threshold is another quantity than the table's."""
+    if gear.test.road_shape != GROWING:
+        return ""
+    return f"test.road_shape is {GROWING}, which finds a threshold; known are sine and half-sine"
+
+
 SCENE = Scene(
     name="rattle",
     title="Rattle: yokenut's force under a road's",
@@ -175,4 +186,6 @@ SCENE = Scene(
     chart="rattle",
     needs_inertia=True,
     revolutions=None,
+    at_test_speed=False,
+    unpromised=_unpromised,
 )

@@ -1,20 +1,20 @@
 """Remarks on a run that is all right: which limits of the gear it met, with the numbers."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
 
-from rps_exudyn.analysis.first_angle import first_angle
-from rps_exudyn.analysis.passes import Signals, passes
+from rps_exudyn.analysis.passes import Signals, first_angle, passes
 from rps_exudyn.analysis.resolution import UNRESOLVED, unresolved
 from rps_exudyn.mesh_contact.steel import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.scene_run import SceneRun
 
-LIFTED, STOPPED = "carry nothing", "is used up"
-"""Words of a remark on a contact that opens or closes, beyond which numbers follow another law."""
+LIMITS = frozenset({Code.FLANK_LIFTED, Code.YOKE_STOPPED})
+"""Codes of a contact that opens or closes, beyond which numbers follow another law."""
 
 GROWN = 0.7  # power of e by which a vibration may grow over a way unseen
 DIED = 1.0  # power of e by which what began before a way, or with it, should die over it ...
@@ -23,68 +23,72 @@ UNSETTLED = 0.05  # of the largest force over the first pitch, which may depend 
 JUMP = 0.05  # of the mean between equilibria whose steps were halved as often as makes sense
 
 
-def met_limit(message: str) -> bool:
-    """Tell whether the remarks on a run speak of a contact that opened or closed."""
-    return LIFTED in message or STOPPED in message
+def met_limit(codes: Iterable[str]) -> bool:
+    """Tell whether the remarks on a run are about a contact that opened or closed."""
+    return not LIMITS.isdisjoint(codes)
 
 
-def remarks(gear: SteeringGear, signals: Signals) -> Iterator[str]:
-    """Yield remarks on a record, sentences without a full stop."""
+def remarks(gear: SteeringGear, signals: Signals) -> Iterator[Remark]:
+    """Yield remarks on a record."""
     if signals:
         yield from _flank_lifted(signals)
         yield from _yoke_stopped(gear, signals)
         yield from _teeth_overloaded(signals)
 
 
-def _teeth_overloaded(signals: Signals) -> Iterator[str]:
+def _teeth_overloaded(signals: Signals) -> Iterator[Remark]:
     pressure = signals.get("mesh_pressure", np.zeros(1))
     if (over := pressure > BEARABLE_PRESSURE).any():
-        yield (
+        yield Remark(
+            Code.TEETH_OVERLOADED,
             f"the flanks press with up to {1e-6 * pressure.max():.4g} MPa, first above the "
             f"{1e-6 * BEARABLE_PRESSURE:.4g} MPa that case-hardened steel bears (ISO 6336-5) at "
-            f"{first_angle(signals, over)}; all parts stay elastic in the model"
+            f"{first_angle(signals, over)}; all parts stay elastic in the model",
         )
 
 
-def _flank_lifted(signals: Signals) -> Iterator[str]:
+def _flank_lifted(signals: Signals) -> Iterator[Remark]:
     for side, loaded in (("drive", "coast"), ("coast", "drive")):
         force = signals.get(f"mesh_normal_force_{side}", np.ones(1))
         free = force <= 0
         if free.any():
-            yield (
-                f"the {side} flanks {LIFTED} in {free.mean():.0%} of the record, first at "
-                f"{first_angle(signals, free)}; all load is on the {loaded} flanks"
+            yield Remark(
+                Code.FLANK_LIFTED,
+                f"the {side} flanks carry nothing in {free.mean():.0%} of the record, first at "
+                f"{first_angle(signals, free)}; all load is on the {loaded} flanks",
             )
 
 
-def _yoke_stopped(gear: SteeringGear, signals: Signals) -> Iterator[str]:
+def _yoke_stopped(gear: SteeringGear, signals: Signals) -> Iterator[Remark]:
     force = signals.get("yokenut_force", np.zeros(1))
     if (force > 0).any():
-        yield (
-            f"yoke.clearance = {1e6 * gear.yoke.clearance:.4g} um {STOPPED}, first at "
-            f"{first_angle(signals, force > 0)}; the yokenut carries up to {force.max():.4g} N"
+        yield Remark(
+            Code.YOKE_STOPPED,
+            f"yoke.clearance = {1e6 * gear.yoke.clearance:.4g} um is used up, first at "
+            f"{first_angle(signals, force > 0)}; the yokenut carries up to {force.max():.4g} N",
         )
 
 
-def unresolved_peaks(fidelity: Fidelity, run: SceneRun, signal: str, place: str) -> str:
-    """Return a remark on a run whose steps do not show how large its signal becomes over a place; or ""."""
+def unresolved_peaks(fidelity: Fidelity, run: SceneRun, signal: str, place: str) -> Remark | None:
+    """Return a remark on a run whose steps do not show how large its signal becomes over a place."""
     if fidelity.solver == "closed-form" or signal not in run.signals:
-        return ""
+        return None
     if (depends := run.outcome.findings.get("start_unsettled", 0.0)) > UNSETTLED:
-        return (
+        return Remark(
+            Code.PEAKS_UNRESOLVED,
             f"up to {depends:.1%} of the force over the first tooth pitch depends on where the motion began, "
-            "for want of teeth before the start, so that its peak to peak is left out"
+            "for want of teeth before the start, so that its peak to peak is left out",
         )
     ways = [each.signals for each in passes(run.signals)]
     share = max((unresolved(way[place], way[signal]) for way in ways), default=0.0)
     seen = f"{signal} leaves the curve through its neighbours by up to {share:.1%} of its mean: "
     if fidelity.solver == "equilibrium":
         seen += "the gear snaps over, which equilibria only jump across, so that its peak to peak is left out"
-        return seen if share > JUMP else ""
+        return Remark(Code.PEAKS_UNRESOLVED, seen) if share > JUMP else None
     return _unresolved_vibration(run.outcome.findings, share, seen)
 
 
-def _unresolved_vibration(found: dict[str, Any], share: float, seen: str) -> str:
+def _unresolved_vibration(found: dict[str, Any], share: float, seen: str) -> Remark | None:
     """The remark on a dynamic run."""
     if (grown := found.get("vibration_grows", 0.0)) > GROWN:
         seen = (
@@ -94,19 +98,21 @@ def _unresolved_vibration(found: dict[str, Any], share: float, seen: str) -> str
     elif share > (UNRESOLVED_UNDAMPED if found.get("vibration_dies", np.inf) < DIED else UNRESOLVED):
         seen += "vibration that the steps do not resolve"
     else:
-        return ""
-    return (
+        return None
+    return Remark(
+        Code.PEAKS_UNRESOLVED,
         f"{seen}, so that its peak to peak is left out; lower fidelity.step_angle, or choose the fidelity "
-        "quasi-static, which knows no vibration"
+        "quasi-static, which knows no vibration",
     )
 
 
-def wide_zone(fidelity: Fidelity, numbers: str, widest: float) -> str:
+def wide_zone(fidelity: Fidelity, numbers: str, widest: float) -> Remark | None:
     """Return a remark on numbers that depend on the friction zone, in which what should rest creeps, where
-    its ratio is above the widest with which they are right; or ""."""
+    its ratio is above the widest with which they are right."""
     if fidelity.solver == "closed-form" or fidelity.zone_ratio <= widest:
-        return ""
-    return (
+        return None
+    return Remark(
+        Code.FRICTION_ZONE,
         f"{numbers} on the friction zone, in which what should rest creeps: fidelity.zone_ratio is "
-        f"{fidelity.zone_ratio:.3g}, at most {widest:g} does not matter"
+        f"{fidelity.zone_ratio:.3g}, at most {widest:g} does not matter",
     )

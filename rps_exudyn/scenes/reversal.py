@@ -37,5 +37,6 @@ SCENE = Scene(
     signal="pinion_torque",
     figure="hysteresis_area",
     chart="reversal",
+    swings=True,
     revolutions=swept_revolutions,
 )

@@ -13,28 +13,27 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import begin_part
-from rps_exudyn.checks.after_run import LAW_LEFT, UNSETTLED
-from rps_exudyn.checks.free_inertia import TOO_FAST
 from rps_exudyn.checks.memory import check_memory
 from rps_exudyn.checks.needs_finer import (
+    STRIPS_AGREE,
+    bends_more,
     finer_strips,
     needs_finer,
     rolls_over_late,
-    strips_agree,
+    strips_change,
     yoke_stops,
 )
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Interrupted, Outcome, Status
+from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Remark, Status
 from rps_exudyn.scenes.by_formula import by_formula
 from rps_exudyn.scenes.maneuver import Maneuver
+from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.run_options import DEFAULT, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined, outcome_of_path
-from rps_exudyn.solvers.adaptive_path import adaptive_path
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
-from rps_exudyn.solvers.closed_form import closed_form
-from rps_exudyn.solvers.drive import Drive, SetOff, Steady, Swing, travel_per_radian
+from rps_exudyn.solvers.drive import Drive, SetOff, Steady, Swing
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
 from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
@@ -50,7 +49,7 @@ LEAST_FORCE = 10.0  # of which a tolerance is a fraction [N]
 STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drifts less is settled
 UNDER_TORQUE = 0.1  # of the tolerance where a torque is given, for what is left over would hold the gear
 UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
-INCURABLE = TOO_FAST, LAW_LEFT, UNSETTLED  # by shorter steps: causes why a swing is invalid
+NOT_CURED_BY_STEPS = {Code.SWING_TOO_FAST, Code.BEYOND_LAW, Code.START_MATTERS}  # of an invalid swing
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
 JUMPS = (
     "; where the gear's torque falls by more than column.stiffness = {:.4g} N*m/rad, or the rack snaps "
@@ -59,6 +58,7 @@ JUMPS = (
 JUMPS_UNDER_TORQUE = (
     "; under a given torque the gear jumps where friction falls, which only generalized-alpha knows"
 )
+HALVINGS_FOR_TOLERANCE = 4  # more than a record asks for by itself: kinks are never resolved
 CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
 
 
@@ -77,7 +77,7 @@ def run_maneuver(
         return SOLVERS[fidelity.solver](gear, fidelity, maneuver, options)
     except np.linalg.LinAlgError as error:
         message = f"the gear yields without resistance at its start: {error}"
-        return SceneRun(Outcome(Status.NO_CONVERGENCE, message))
+        return SceneRun(Outcome(Status.NO_CONVERGENCE, message, (Code.NO_RESISTANCE,)))
 
 
 def run_maneuvers(
@@ -139,7 +139,8 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
     try:
         outcome = solve_one_after_another(model.mbs, plans)
     except KeyboardInterrupt:
-        outcome = Outcome(Status.TIMEOUT, f"interrupted at {recorder.reached:.4g} s of {recorder.end:.4g} s")
+        message = f"interrupted at {recorder.reached:.4g} s of {recorder.end:.4g} s"
+        outcome = Outcome(Status.TIMEOUT, message, (Code.INTERRUPTED,))
         interrupted = True
     record = recorder.record()
     if maneuver.is_steady and outcome.status is Status.OK:
@@ -163,11 +164,14 @@ def by_equilibrium(
     """
     if maneuver.pulse is not None:
         raise InputError("fidelity.solver is equilibrium, which knows no pulses: choose generalized-alpha.")
-    period, halved = maneuver.one_period(), 0
-    run = _settled(gear, fidelity, period, options)
-    while halved < options.least_steps.halvings and _is_coarse(run, gear, maneuver):
-        halved += 1
-        run = _settled(gear, fidelity, period.halved(halved), options)
+    period, tolerance = maneuver.one_period(), fidelity.torque_tolerance
+    refined = refine(
+        _settled(gear, fidelity, period, options),
+        lambda _, times: _settled(gear, fidelity, period.halved(times), options),
+        options.least_steps.halvings + (HALVINGS_FOR_TOLERANCE if tolerance else 0),
+        asks=lambda run: _is_coarse(run, gear, maneuver, tolerance),
+    )
+    run, halved = refined.finest, refined.times
     findings: dict[str, int] = {"halvings": halved} if halved else {}
     if run.ok and options.least_steps.halvings and yoke_stops(run.signals):
         if maneuver.is_steady:
@@ -189,26 +193,39 @@ def _by_finer_strips(
 ) -> tuple[SceneRun, Fidelity]:
     """Return the first run that strips of twice the stations confirm, and its model; the run as it is where
     its contact needs no finer ones or they find nothing."""
-    confirmed = False
-    while run.ok and not confirmed and (finer := finer_strips(fidelity, gear)):
-        better = _settled(gear, finer, period, options)
-        if not better.ok:
-            why = better.outcome.message
-            return run.noting(f"strips of {finer.strip_stations} stations do not confirm it: {why}"), fidelity
-        confirmed = strips_agree(run.signals, better.signals)
-        found = {**better.outcome.findings, "strip_stations": finer.strip_stations}
-        run, fidelity = replace(better, outcome=replace(better.outcome, findings=found)), finer
+    models = [fidelity]
+    while finer := finer_strips(models[-1], gear):
+        models.append(finer)
+    refined = refine(
+        run,
+        lambda _, times: _settled(gear, models[times], period, options),
+        len(models) - 1,
+        usable=lambda each: each.ok,
+        change=lambda coarse, fine: strips_change(coarse.signals, fine.signals),
+        allowed=STRIPS_AGREE,
+    )
+    run, fidelity = refined.finest, models[refined.times]
+    if refined.times:
+        found = {**run.outcome.findings, "strip_stations": fidelity.strip_stations}
+        run = replace(run, outcome=replace(run.outcome, findings=found))
+    if refined.failed is not None:
+        stations = models[refined.times + 1].strip_stations
+        why = f"strips of {stations} stations do not confirm it: {refined.failed.outcome.message}"
+        run = run.noting(Remark(Code.STRIPS_NOT_CONFIRMED, why))
     return run, fidelity
 
 
-def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver) -> bool:
-    """Tell whether a whole record of steady motion, or of a swing, asks for shorter steps."""
+def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver, tolerance: float) -> bool:
+    """Tell whether a whole record of steady motion, or of a swing, asks for shorter steps: for its own sake,
+    or to show the drive's torque to a tolerance."""
     if run.outcome.status not in (Status.OK, Status.INVALID) or not run.signals:
         return False
     if isinstance(maneuver.drive, Swing):
-        incurable = any(cause in run.outcome.message for cause in INCURABLE) and not run.ok
-        return not incurable and rolls_over_late(run.signals, gear)
-    return maneuver.is_steady and needs_finer(run.signals, gear)
+        cured = run.ok or NOT_CURED_BY_STEPS.isdisjoint(run.outcome.codes)
+        return cured and rolls_over_late(run.signals, gear)
+    if not maneuver.is_steady:
+        return False
+    return needs_finer(run.signals, gear) or (tolerance > 0 and bends_more(run.signals, gear, tolerance))
 
 
 def _settled(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:
@@ -243,7 +260,7 @@ def _along_equilibria(
     outcome = replace(outcome, findings={**outcome.findings, "angles": path.time.size})
     if interrupted:
         message = f"interrupted at {drive.shown(path.time[-1])}"
-        outcome = replace(outcome, status=Status.TIMEOUT, message=message)
+        outcome = replace(outcome, status=Status.TIMEOUT, codes=(Code.INTERRUPTED,), message=message)
     elif not path.converged:
         outcome = _lost(maneuver, path, outcome)
         if column is not None:
@@ -282,10 +299,6 @@ def _followed(
         if not led.converged:
             return led
         return equilibrium_path(balance, pair, BehindColumn("pinion", drive, column), time, led, column)
-    if fidelity.torque_tolerance > 0:
-        allowed = fidelity.torque_tolerance * abs(closed_form(gear).free_torque)
-        allowed /= travel_per_radian(drive.body, pair.gain)
-        return adaptive_path(balance, pair, drive, approach, time, allowed)
     return settled_path(balance, pair, drive, approach, time)
 
 
@@ -320,7 +333,7 @@ def _lost(maneuver: Maneuver, path: EquilibriumPath, outcome: Outcome) -> Outcom
     message = f"no equilibrium was found at {place}, {path.residual:.3g} N remain unbalanced"
     if path.residual <= TOLERANCE:
         message = f"no equilibrium was found near the one before at {place}"
-    return replace(outcome, status=Status.NO_CONVERGENCE, message=message)
+    return replace(outcome, status=Status.NO_CONVERGENCE, codes=(Code.NO_EQUILIBRIUM,), message=message)
 
 
 SOLVERS: dict[str, Callable[[SteeringGear, Fidelity, Maneuver, RunOptions], SceneRun]] = {

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rps_exudyn.results.outcome import Outcome, Status
+from rps_exudyn.results.outcome import Code, Outcome, Remark, Status, each_once, joined_text
 from rps_exudyn.results.quantities import is_work
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.settling import TOLERANCE
@@ -27,14 +27,19 @@ class SceneRun:
         """Tell whether it ended well."""
         return self.outcome.status is Status.OK
 
-    def noting(self, *remarks: str) -> "SceneRun":
+    def noting(self, *remarks: Remark | None) -> "SceneRun":
         """Return a run that is all right with remarks for its reader added; a failed one keeps its cause."""
-        text = "; ".join(remark for remark in (self.outcome.message, *remarks) if remark)
-        return replace(self, outcome=replace(self.outcome, message=text)) if self.ok and text else self
+        added = [remark for remark in remarks if remark]
+        if not (self.ok and added):
+            return self
+        text = "; ".join(part for part in (self.outcome.message, joined_text(added)) if part)
+        codes = each_once([*self.outcome.codes, *(remark.code for remark in added)])
+        return replace(self, outcome=replace(self.outcome, message=text, codes=codes))
 
-    def invalid(self, message: str) -> "SceneRun":
+    def invalid(self, code: Code, message: str) -> "SceneRun":
         """Return the run with what was recorded, as one that cannot be relied on."""
-        return replace(self, outcome=replace(self.outcome, status=Status.INVALID, message=message))
+        changed = replace(self.outcome, status=Status.INVALID, codes=(code,), message=message)
+        return replace(self, outcome=changed)
 
     def described(self, figures: Callable[[Signals], dict[str, float]]) -> "SceneRun":
         """Return the run with the summary that `figures` reads from its signals, if there are any."""

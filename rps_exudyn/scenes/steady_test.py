@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits
 from rps_exudyn.scenes.scene_run import Signals
 
@@ -41,13 +42,13 @@ class SteadyTest:
         maneuvers: (gear, step angle, least steps) -> those recorded, and one beside them or None; raises
             InputError if they leave the rack's teeth.
         metrics: the summary of a record; of many gears arrays.
-        force: signal of the drive's torque or force.
+        curve: signals that show the drive's torque or force alone.
         remarks: on that summary, a list for each gear.
         formulas: figures of a gear beside, without its record.
     """
 
     maneuvers: Callable[[SteeringGear, float, StepLimits], tuple[list[Maneuver], Maneuver | None]]
     metrics: Callable[[Turned], dict[str, Any]]
-    force: str
-    remarks: Callable[[Turned], list[list[str]]] = lambda turned: [[] for _ in range(np.size(turned.gain))]
+    curve: tuple[str, ...]
+    remarks: Callable[[Turned], list[list[Remark]]] = lambda turned: [[] for _ in range(np.size(turned.gain))]
     formulas: Callable[[SteeringGear], dict[str, float]] | None = None

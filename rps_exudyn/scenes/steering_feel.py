@@ -42,5 +42,6 @@ SCENE = Scene(
     signal="column_torque",
     figure="feel_area",
     chart="steering_feel",
+    swings=True,
     revolutions=swept_revolutions,
 )

@@ -9,11 +9,12 @@ quarter of a cycle: the wheel moves off where it overcomes the friction.
 
 import numpy as np
 
-from rps_exudyn.analysis.steering_torque import describe_breakaway, describe_steering_torque
+from rps_exudyn.analysis.steering_feel import describe_breakaway, describe_steering_torque
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.figures import figures_of_motion
 from rps_exudyn.scenes.maneuver import Maneuver, check_travel
 from rps_exudyn.scenes.remarks import remarks, wide_zone
@@ -91,14 +92,15 @@ def _largest_speed(gear: SteeringGear) -> float:
     return float(of_peak * gear.test.steer_frequency * _largest_turn(gear))
 
 
-def _held(gear: SteeringGear) -> str:
+def _held(gear: SteeringGear) -> Remark | None:
     """Remark on a torque that friction alone holds."""
     friction = abs(closed_form(gear).free_torque)
     if gear.test.steer_torque > friction:
-        return ""
-    return (
+        return None
+    return Remark(
+        Code.HELD_BY_FRICTION,
         f"test.steer_torque = {gear.test.steer_torque:.4g} N m is no more than the gear's friction of "
-        f"{friction:.4g} N m: the column twists and the gear stays"
+        f"{friction:.4g} N m: the column twists and the gear stays",
     )
 
 
@@ -110,4 +112,6 @@ SCENE = Scene(
     figure="feel_area",
     chart="steering_feel",
     revolutions=None,
+    at_test_speed=False,
+    unpromised=lambda gear: "it has a fixed number of steps per cycle, which no setting changes",
 )

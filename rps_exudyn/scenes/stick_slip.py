@@ -19,8 +19,10 @@ from rps_exudyn.analysis.stick_slip import describe_stick_slip, sticking_speed, 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.maneuver import Maneuver, check_travel
+from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import remarks, wide_zone
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.run_options import RunOptions
@@ -55,8 +57,8 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
         )
     model = reduced_gear(gear)
     run = _resolved(gear, fidelity, options)
-    nothing = "" if model.surplus > 0 else NOTHING_FALLS
-    zone = wide_zone(fidelity, "sticking depends", WIDEST_ZONE) if model.surplus > 0 else ""
+    nothing = None if model.surplus > 0 else NOTHING_FALLS
+    zone = wide_zone(fidelity, "sticking depends", WIDEST_ZONE) if model.surplus > 0 else None
     return run.noting(*remarks(gear, run.signals), nothing, zone).described(
         lambda signals: {**_seen(signals, gear), **predictions(gear, fidelity), **balance(signals)}
     )
@@ -65,26 +67,29 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
 def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
     """Make the motion, near the sticking speed in steps that decide nothing; it is invalid if none are."""
     maneuver = set_off(gear)
-    run = run_maneuver(gear, fidelity, maneuver, options)
-    halvings = min(MOST_HALVED, options.least_steps.halvings) if _near_sticking(gear) else 0
-    for halved in range(1, halvings + 1):
-        if not run.ok:
-            break
-        finer = run_maneuver(gear, fidelity, maneuver.halved(halved), options)
-        cpu = run.outcome.cpu_s + finer.outcome.cpu_s
-        if not finer.ok:
-            return run.invalid(
-                f"steps half as long, which should confirm the figures, fail: {finer.outcome.message}"
-            )
-        changed = _change(_seen(run.signals, gear), _seen(finer.signals, gear))
-        findings = {**finer.outcome.findings, "halvings": halved}
-        run = replace(finer, outcome=replace(finer.outcome, cpu_s=cpu, findings=findings))
-        if changed <= SAME:
-            return run
-    if halvings and run.ok:
+    refined = refine(
+        run_maneuver(gear, fidelity, maneuver, options),
+        lambda _, times: run_maneuver(gear, fidelity, maneuver.halved(times), options),
+        min(MOST_HALVED, options.least_steps.halvings) if _near_sticking(gear) else 0,
+        usable=lambda run: run.ok,
+        change=lambda coarse, fine: _change(_seen(coarse.signals, gear), _seen(fine.signals, gear)),
+        allowed=SAME,
+    )
+    run = refined.finest
+    if refined.times:
+        cpu = sum(each.outcome.cpu_s for each in refined.runs)
+        findings = {**run.outcome.findings, "halvings": refined.times}
+        run = replace(run, outcome=replace(run.outcome, cpu_s=cpu, findings=findings))
+    if refined.failed is not None:
         return run.invalid(
+            Code.STEPS_NOT_CONFIRMED,
+            f"steps half as long, which should confirm the figures, fail: {refined.failed.outcome.message}",
+        )
+    if refined.times and not refined.confirmed:
+        return run.invalid(
+            Code.STEPS_TOO_COARSE,
             f"the steps are too coarse: near the sticking speed steps half as long change the torque by "
-            f"{changed:.1%} of its peak"
+            f"{refined.change:.1%} of its peak",
         )
     return run
 
@@ -101,9 +106,10 @@ def _change(coarse: Mapping[str, float], fine: Mapping[str, float]) -> float:
     return max(abs(fine[name] - coarse[name]) for name in COMPARED) / peak if peak and coarse else 0.0
 
 
-NOTHING_FALLS = (
+NOTHING_FALLS = Remark(
+    Code.FRICTION_NEVER_FALLS,
     "no part's friction is larger at rest than in motion, so that the gear cannot stick and slip: choose "
-    "friction_law stribeck or bristle and a static_ratio above 1 for mesh, yoke, bush or bearing"
+    "friction_law stribeck or bristle and a static_ratio above 1 for mesh, yoke, bush or bearing",
 )
 
 
@@ -162,4 +168,5 @@ SCENE = Scene(
     chart="stick_slip",
     needs_inertia=True,
     revolutions=None,
+    unpromised=lambda gear: "it has steps of its own, which no setting changes",
 )

@@ -9,7 +9,9 @@ import numpy as np
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code
 from rps_exudyn.scenes.maneuver import Maneuver
+from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.run_options import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
@@ -25,16 +27,20 @@ IN_PLACE = 0.002  # ... and of the rack's travel: a drift this slow goes on for 
 
 def run_swing(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:
     """Make a swing, from earlier where its first cycle does not close; invalid if it never does."""
-    run = run_maneuver(gear, fidelity, maneuver, options)
-    for cycles in CYCLES_BEFORE.get(fidelity.solver, ()):
-        if not run.ok or unclosed(run.signals, maneuver) <= 1:
-            return run
-        run = run_maneuver(gear, fidelity, maneuver.begun_earlier(cycles), options)
-    if run.ok and (beyond := unclosed(run.signals, maneuver)) > 1:
+    before = CYCLES_BEFORE.get(fidelity.solver, ())
+    refined = refine(
+        run_maneuver(gear, fidelity, maneuver, options),
+        lambda _, times: run_maneuver(gear, fidelity, maneuver.begun_earlier(before[times - 1]), options),
+        len(before),
+        asks=lambda run: run.ok and unclosed(run.signals, maneuver) > 1,
+    )
+    run = refined.finest
+    if before and run.ok and (beyond := unclosed(run.signals, maneuver)) > 1:
         return run.invalid(
-            f"the swing does not settle: after {cycles} cycles the next one still ends {beyond:.2g} times as "
-            f"far from where it began as is allowed, {CLOSED:.0%} of the torque and {IN_PLACE:.1%} of the "
-            "rack's travel"
+            Code.SWING_NOT_SETTLED,
+            f"the swing does not settle: after {before[-1]} cycles the next one still ends {beyond:.2g} "
+            f"times as far from where it began as is allowed, {CLOSED:.0%} of the torque and "
+            f"{IN_PLACE:.1%} of the rack's travel",
         )
     return run
 

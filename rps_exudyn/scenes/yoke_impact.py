@@ -17,6 +17,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.maneuver import Maneuver, check_travel
 from rps_exudyn.scenes.remarks import wide_zone
@@ -57,14 +58,15 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     )
 
 
-def _rigid(fidelity: Fidelity) -> str:
+def _rigid(fidelity: Fidelity) -> Remark | None:
     """A remark on a rack that does not bend."""
     if fidelity.rack == "flexible":
-        return ""
-    return (
+        return None
+    return Remark(
+        Code.RACK_RIGID,
         "the rack is rigid (fidelity.rack): its bending is missing, without which the default gear's impulse "
         "is 45 % too small and its end moves a twentieth as far; choose flexible, with fidelity.mesh = flank "
-        "and fidelity.bush = condensed"
+        "and fidelity.bush = condensed",
     )
 
 
@@ -75,14 +77,15 @@ def end_deflection(signals: Signals) -> dict[str, float]:
     return {"rack_end_deflection": float(np.hypot(signals["rack_end_y"], signals["rack_end_z"]).max())}
 
 
-def _closed(gear: SteeringGear, signals: Signals) -> str:
+def _closed(gear: SteeringGear, signals: Signals) -> Remark | None:
     """A remark on a yokenut that is pressed on from the start: it is not hit by what presses more."""
     force = signals.get("yokenut_force", np.zeros(1))
     if not force[0] > 0:
-        return ""
-    return (
+        return None
+    return Remark(
+        Code.CLEARANCE_CLOSED,
         f"yoke.clearance = {1e6 * gear.yoke.clearance:.4g} um is closed from the start; the yokenut carries "
-        f"up to {force.max():.4g} N, and only contacts that open and close again count as impacts"
+        f"up to {force.max():.4g} N, and only contacts that open and close again count as impacts",
     )
 
 
@@ -118,4 +121,5 @@ SCENE = Scene(
     chart="impact",
     needs_inertia=True,
     revolutions=None,
+    at_test_speed=False,
 )

@@ -9,7 +9,9 @@ import numpy as np
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.figures import figures_of_turning
+from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_PINION_TORQUE
 from rps_exudyn.scenes.maneuver import largest_angle, maneuvers_of_test
 from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.run_maneuver import run_maneuvers
@@ -30,13 +32,16 @@ def yoke_set(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
     as_set = setting.of(gear).replace({"test.path": path})
     maneuvers = maneuvers_of_test(as_set, "pinion", fidelity.step_angle, options.least_steps)
     run = run_maneuvers(as_set, fidelity, maneuvers, options)
-    pressing = "the cap still presses the plunger: it is turned back by less than its compression"
+    pressing = Remark(
+        Code.CAP_PRESSES,
+        "the cap still presses the plunger: it is turned back by less than its compression",
+    )
     figures = {
         "cap_force": setting.cap_force,
         "clearance_set": setting.clearance,
         "preload_set": setting.preload,
     }
-    noted = run.noting(pressing if setting.clearance < 0 else "", *remarks(as_set, run.signals))
+    noted = run.noting(pressing if setting.clearance < 0 else None, *remarks(as_set, run.signals))
     return noted.described(lambda signals: {**figures_of_turning(signals, as_set), **figures})
 
 
@@ -55,4 +60,6 @@ SCENE = Scene(
     chart="torque",
     steady=True,
     revolutions=_revolutions,
+    short_path="there-and-back",
+    promised_as=FREE_PINION_TORQUE.name,  # the pinion is turned in the same way, the yoke set anew
 )

@@ -8,6 +8,7 @@ compared with dynamics as well, in which each tooth that enters sets the rack vi
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -15,9 +16,10 @@ from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Interrupted, Status
+from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.refine import refine
 from rps_exudyn.simulate.promised_quantity import error_between, is_signal
 
 AGREED = 0.5  # of the wanted error: what is left is at most as much again, where a curve has jumps
@@ -31,6 +33,7 @@ VIBRATION_STEP = 5e-5  # of dynamics that show it [s]
 PITCHES = 2  # over which it is looked for
 
 Run = Callable[[SteeringGear, Fidelity], Result]
+Modelled = tuple[Result, Fidelity]
 
 
 @dataclass(frozen=True)
@@ -60,49 +63,67 @@ def kept_by(run: Run, wanted: Wanted, gear: SteeringGear, first: Fidelity) -> Re
     Raises:
         Interrupted: Ctrl-C; it carries the last whole run, or else what was recorded.
     """
-    result, fidelity = run(gear, first), first
     own_steps = scene_named(wanted.scene).needs_inertia and not first.swing_steps
-    if result.status is not Status.OK or own_steps or first.solver not in MOST_FINER:
-        return result
-    for _ in range(MOST_FINER[first.solver]):
-        finer = finer_than(fidelity, taken_step(result, wanted.scene, fidelity))
+
+    def finer(coarse: Modelled, _: int) -> Modelled:
+        model = finer_than(coarse[1], taken_step(coarse[0], wanted.scene, coarse[1]))
         try:
-            truer = run(gear, finer)
+            return run(gear, model), model
         except Interrupted:
-            raise Interrupted(result) from None
-        if truer.status is not Status.OK:
-            return _finding(result, f"not confirmed: in finer steps it ends {truer.status}, {truer.message}")
-        error = wanted.error(gear, (result, fidelity), (truer, finer))
-        found = f"in half the steps and finer strips {_named(wanted)} differs by {error:.2g} %{_rms(wanted)}"
-        if error <= AGREED * wanted.percent:
-            return _finding(result, found + vibrating(run, wanted, gear, fidelity))
-        result, fidelity = truer, finer
-    return _finding(result, f"NOT reached: {found} from this one")
+            raise Interrupted(coarse[0]) from None
+
+    refined = refine(
+        (run(gear, first), first),
+        finer,
+        0 if own_steps else MOST_FINER.get(first.solver, 0),
+        usable=lambda each: each[0].status is Status.OK,
+        change=partial(wanted.error, gear),
+        allowed=AGREED * wanted.percent,
+    )
+    if (failed := refined.failed) is not None:
+        ends = f"not confirmed: in finer steps it ends {failed[0].status}, {failed[0].message}"
+        return _finding(refined.finest[0], ends, Code.ACCURACY_NOT_CONFIRMED)
+    if not refined.times:
+        return refined.finest[0]
+    found = (
+        f"in half the steps and finer strips {_named(wanted)} differs by {refined.change:.2g} %{_rms(wanted)}"
+    )
+    if not refined.confirmed:
+        return _finding(refined.finest[0], f"NOT reached: {found} from this one", Code.ACCURACY_NOT_REACHED)
+    result, fidelity = refined.runs[-2]
+    text, *codes = vibrating(run, wanted, gear, fidelity)
+    return _finding(result, found + text, *codes)
 
 
-def vibrating(run: Run, wanted: Wanted, gear: SteeringGear, fidelity: Fidelity) -> str:
+def vibrating(
+    run: Run, wanted: Wanted, gear: SteeringGear, fidelity: Fidelity
+) -> tuple[str] | tuple[str, Code]:
     """Compare equilibria of a fast steady test with dynamics over its first pitches; return what was found,
-    empty for other runs."""
+    empty for other runs, and the code of a promise that does not hold."""
+    scene = scene_named(wanted.scene)
     slow = gear.test.speed <= SLOW * (wanted.percent / SLOW_AT) ** GROWTH
-    if fidelity.solver != "equilibrium" or slow or not scene_named(wanted.scene).steady:
-        return ""
+    if fidelity.solver != "equilibrium" or slow or not scene.steady:
+        return ("",)
     turns = min(gear.test.turns, PITCHES / gear.pinion.teeth)
-    path = "there-and-back" if wanted.scene == "yoke-setting" else "one-way"
-    part = gear.replace({"test.turns": turns, "test.path": path})
+    part = gear.replace({"test.turns": turns, "test.path": scene.short_path})
     moving = Fidelity.preset("flank").replace({"step_angle": gear.test.speed * VIBRATION_STEP})
     try:
         still, moved = run(part, fidelity), run(part, moving)
     except InputError as beyond:  # the first pitches of a way from lock to lock may lie elsewhere
-        return f"; NOT promised: whether the gear vibrates at this speed is not known, {beyond}"
+        return _not_promised(f"whether the gear vibrates at this speed is not known, {beyond}")
     if not (still.status is Status.OK and moved.status is Status.OK):
-        return f"; NOT promised: dynamics, which would show vibration, end {moved.status}, {moved.message}"
+        return _not_promised(f"dynamics, which would show vibration, end {moved.status}, {moved.message}")
     error = wanted.error(part, (still, fidelity), (moved, moving))
     if error <= AGREED * wanted.percent:
-        return f", dynamics by {error:.2g} %"
-    return (
-        f"; NOT promised: at this speed the gear vibrates, dynamics differ by {error:.2g} % RMS from "
+        return (f", dynamics by {error:.2g} %",)
+    return _not_promised(
+        f"at this speed the gear vibrates, dynamics differ by {error:.2g} % RMS from "
         "equilibria, and by more in shorter steps"
     )
+
+
+def _not_promised(why: str) -> tuple[str, Code]:
+    return f"; NOT promised: {why}", Code.ACCURACY_NOT_PROMISED
 
 
 def taken_step(result: Result, scene: str, fidelity: Fidelity) -> float:
@@ -136,5 +157,6 @@ def _rms(wanted: Wanted) -> str:
     return " RMS" if is_signal(wanted.scene, wanted.quantity) else ""
 
 
-def _finding(result: Result, text: str) -> Result:
-    return replace(result, findings={**result.findings, "accuracy_checked": text})
+def _finding(result: Result, text: str, *codes: Code) -> Result:
+    findings = {**result.findings, "accuracy_checked": text}
+    return replace(result, findings=findings, codes=each_once([*result.codes, *codes]))

@@ -18,7 +18,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.interrupts import raise_wrapped
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Status, joined_text
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
@@ -26,12 +26,6 @@ from rps_exudyn.simulate.run import simulate
 from rps_exudyn.simulate.together import UNSUPPORTED, Together, together, unsupported_reason
 
 ROUNDING = 1e-9  # of an angle [rad]
-TORQUE = {
-    "free-pinion-torque": ("time", "pinion_angle", "pinion_torque"),
-    "load-test": ("time", "pinion_angle", "pinion_torque"),
-    "rack-push": ("time", "pinion_angle", "rack_displacement", "rack_force"),
-}
-"""Scene -> the signals of the drive's torque or force alone."""
 
 
 class Columns(dict[str, np.ndarray]):
@@ -77,10 +71,10 @@ class Batch:
     @property
     def messages(self) -> tuple[str, ...]:
         """Cause of each failure, or remarks on a gear that ended ok."""
-        together = [""] * len(self) if self.found is None else self.found.messages
+        together = [[]] * len(self) if self.found is None else self.found.remarks
         return tuple(
-            said if result is None else result.message
-            for result, said in zip(self.results, together, strict=True)
+            joined_text(remarks) if result is None else result.message
+            for result, remarks in zip(self.results, together, strict=True)
         )
 
     @property
@@ -109,7 +103,7 @@ class Batch:
         """Return a signal over pinion angles.
 
         Args:
-            name: of the signal, by `quantities`; with `keep` = "torque" one of `TORQUE`.
+            name: of the signal, by `quantities`; with `keep` = "torque" one of the scene's `test.curve`.
             angle: rising pinion angles [rad], shape (m,).
             direction: sense in which the pinion turns, +1 moves the rack along +X.
 
@@ -164,12 +158,12 @@ def batch(
         InputError: no such scene, fidelity or parameter, columns of different length, or nothing of that name
             to keep.
     """
-    scene_named(scene)
+    chosen_scene = scene_named(scene)
     if keep not in ("signals", "torque"):
         raise InputError(f"keep is {keep!r}; it must be signals or torque.")
     chosen = fidelity if isinstance(fidelity, Fidelity) else Fidelity.preset(fidelity)
     rows = rows_of(values)
-    kept = TORQUE[scene] if keep == "torque" and scene in TORQUE else None
+    kept = chosen_scene.test.curve if keep == "torque" and chosen_scene.test else None
     found, alone = _together(scene, gear, values, chosen, ranges, kept)
     return Batch(
         tuple(

@@ -28,20 +28,10 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity, unknown_preset
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import law_error
-from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes import SCENE_NAMES, scene_named
 from rps_exudyn.scenes.maneuver import whole_periods
-from rps_exudyn.scenes.rattle import GROWING
 
 LEAST_SLIDING = 0.2  # of the mean, somewhere in mesh: below it references of random gears do not agree
-
-SAME_MOTION = {"yoke-setting": "free-pinion-torque"}
-"""Scene -> the scene whose table it takes: the pinion is turned in the same way, the yoke set anew."""
-
-NO_TABLE = {
-    "steering-torque": "it has a fixed number of steps per cycle, which no setting changes",
-    "stick-slip": "it has steps of its own, which no setting changes",
-}
-"""Scene -> why nothing is promised of it."""
 
 TABLE = Path(__file__).with_name("table.json")
 
@@ -102,6 +92,7 @@ class Choice:
     quantity: str  # whose error is promised
     why: str
     beside: str  # what the promise leaves out: the error of the contact law
+    promised: bool  # False of a gear for which the table promises nothing
 
 
 def choose(
@@ -120,12 +111,9 @@ def choose(
         InputError: the accuracy is below the floor, no setting promises it, or nothing is known of the scene
             or its test.
     """
+    if why := scene_named(scene).unpromised(gear):
+        raise InputError(_nothing_promised(scene, why))
     tables = scene_tables(scene)
-    if scene == "rattle" and gear.test.road_shape == GROWING:
-        raise InputError(
-            f"test.road_shape is {GROWING}, which finds a threshold; --accuracy knows rattle under sine and "
-            "half-sine."
-        )
     if preset is not None and preset not in PRESETS:
         raise InputError(unknown_preset(preset))
     presets = {preset} if preset else PRESETS.keys() - set(without)
@@ -135,9 +123,10 @@ def choose(
         if enough and wanted >= table.floor:
             break
     taken = min(enough, key=lambda each: each.cost_for(gear))
-    why = _why(taken, table, gear, wanted, len(enough)) + _instead_of(tables[0], table) + beyond_promise(gear)
+    why, beyond = _why(taken, table, gear, wanted, len(enough)), beyond_promise(gear)
+    why += _instead_of(tables[0], table) + beyond
     fidelity = taken.for_gear(gear)
-    return Choice(fidelity, taken, table.quantity, why, _beside(gear, fidelity))
+    return Choice(fidelity, taken, table.quantity, why, _beside(gear, fidelity), not beyond)
 
 
 def _check_reach(
@@ -248,7 +237,17 @@ def percent(text: str) -> float:
 
 def known_scenes() -> list[str]:
     """Return the scenes that have a table."""
-    return [*_tables()["scenes"], *SAME_MOTION]
+    return [name for name in SCENE_NAMES if _measured_as(name) in _tables()["scenes"]]
+
+
+def _measured_as(scene: str) -> str:
+    """Return the name under which the table has a scene."""
+    return scene_named(scene).promised_as or scene
+
+
+def _nothing_promised(scene: str, why: str) -> str:
+    known = ", ".join(known_scenes())
+    return f"--accuracy knows {known}; for {scene} nothing can be promised{f': {why}' if why else ''}."
 
 
 def scene_tables(scene: str) -> list[SceneTable]:
@@ -257,12 +256,9 @@ def scene_tables(scene: str) -> list[SceneTable]:
     Raises:
         InputError: there is none.
     """
-    measured = SAME_MOTION.get(scene, scene)
+    measured = _measured_as(scene)
     if measured not in _tables()["scenes"]:
-        why = f": {NO_TABLE[scene]}" if scene in NO_TABLE else ""
-        raise InputError(
-            f"--accuracy knows {', '.join(known_scenes())}; for {scene} nothing can be promised{why}."
-        )
+        raise InputError(_nothing_promised(scene, ""))
     return [
         SceneTable(
             scene,

@@ -10,12 +10,13 @@ from typing import Any, Literal
 
 import numpy as np
 
-from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Status, each_once, joined_text
 from rps_exudyn.results.result import Result
-from rps_exudyn.simulate.batch import TORQUE, Batch, batch
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.simulate.batch import Batch, batch
 from rps_exudyn.solvers.settling import TOLERANCE
 
 FINDING = "many gears followed together: mean within 1e-5, other metrics mostly within 1e-3 of a single run"
@@ -39,7 +40,8 @@ class CaseGroup:
         """
         wall, cpu = perf_counter(), process_time()
         table = {path: [each[path] for each in self.settings] for path in self.settings[0]}
-        alone = signals is not None and set(signals) <= {*TORQUE.get(self.scene, ())}
+        test = scene_named(self.scene).test
+        alone = test is not None and signals is not None and set(signals) <= {*test.curve}
         keep: Literal["torque", "signals"] = "torque" if alone else "signals"
         found = batch(self.scene, self.gear, table, fidelity=self.fidelity, keep=keep, ranges=self.ranges)
         each_cpu = (process_time() - cpu) / len(self.settings)
@@ -63,7 +65,8 @@ class CaseGroup:
                 solver={"name": "equilibrium", "tolerance": TOLERANCE},
                 findings={"together": FINDING},
                 status=Status.OK,
-                message=found.messages[row],
+                message=joined_text(found.remarks[row]),
+                codes=each_once(remark.code for remark in found.remarks[row]),
                 signals=found.signals_of(row),
                 summary=own,
                 counters={name: int(count) for name, count in counted.items()},

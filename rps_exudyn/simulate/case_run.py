@@ -58,6 +58,7 @@ class CaseRunner:
         row = {
             "status": result.status.value,
             "message": result.message,
+            "codes": list(result.codes),
             "cpu_s": result.cpu_s,
             "wall_s": result.wall_s,
             "summary": dict(result.summary),

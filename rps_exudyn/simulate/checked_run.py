@@ -4,10 +4,10 @@ from dataclasses import replace
 from time import perf_counter, process_time
 
 from rps_exudyn.checks.before_run import refused
-from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Interrupted, Status
+from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.run_options import DEFAULT, RunOptions
@@ -25,7 +25,12 @@ def run_checked(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
         return run_unchecked(scene, gear, fidelity)
     message = "; ".join(sentences)
     nothing = failed(scene, gear, fidelity, Status.INVALID, f"not run: {message}")
-    return replace(nothing, findings={"refused": message}, geometry=geometry_report(gear).numbers)
+    return replace(
+        nothing,
+        codes=(Code.REFUSED.value,),
+        findings={"refused": message},
+        geometry=geometry_report(gear).numbers,
+    )
 
 
 def run_unchecked(
@@ -49,6 +54,7 @@ def run_unchecked(
             findings=done.outcome.findings,
             status=done.outcome.status,
             message=done.outcome.message,
+            codes=each_once(done.outcome.codes),
             signals=done.signals,
             summary=done.summary,
             counters={**done.outcome.counters, "solver_cpu": done.outcome.cpu_s},

@@ -14,9 +14,10 @@ from typing import Any
 from rps_exudyn.checks.before_run import breaches
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Code, Status, each_once
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.simulate.checked_run import run_unchecked
 
@@ -29,15 +30,22 @@ def run_with_fallback(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Res
     Raises:
         InputError: a gear that cannot exist, or a test that it does not allow.
     """
-    tries: list[dict[str, Any]] = []
-    results: list[Result] = []
-    for changes in _safer(scene_named(scene), gear, fidelity):
-        result = run_unchecked(scene, gear, fidelity.replace(changes) if changes else fidelity)
-        results.append(result)
-        tries.append({"changed": changes, "status": result.status.value, "message": result.message})
-        if result.status is Status.OK:
-            return _reported(result, tries)
-    return _reported(results[0], tries)
+    safer = list(_safer(scene_named(scene), gear, fidelity))
+
+    def tried(changes: Changes) -> Result:
+        return run_unchecked(scene, gear, fidelity.replace(changes) if changes else fidelity)
+
+    results = refine(
+        tried(safer[0]),
+        lambda _, times: tried(safer[times]),
+        len(safer) - 1,
+        asks=lambda result: result.status is not Status.OK,
+    ).runs
+    tries = [
+        {"changed": changes, "status": result.status.value, "message": result.message}
+        for changes, result in zip(safer, results, strict=False)
+    ]
+    return _reported(results[-1] if results[-1].status is Status.OK else results[0], tries)
 
 
 def _safer(scene: Scene, gear: SteeringGear, fidelity: Fidelity) -> Iterator[Changes]:
@@ -59,7 +67,7 @@ def _safer(scene: Scene, gear: SteeringGear, fidelity: Fidelity) -> Iterator[Cha
 
 def _reported(result: Result, tries: list[dict[str, Any]]) -> Result:
     """The result with its tries, and with a message if the plan was not the one given."""
-    findings = {**result.findings, "tries": tries}
+    findings, codes = {**result.findings, "tries": tries}, result.codes
     last, failures = (
         tries[-1],
         [f"{_shown(each)}: {each['status']} ({each['message']})" for each in tries[:-1]],
@@ -68,10 +76,11 @@ def _reported(result: Result, tries: list[dict[str, Any]]) -> Result:
         message = result.message
     elif result.status is Status.OK:
         remarks = [result.message] if result.message else []
+        codes = each_once([Code.OTHER_SETTINGS, *codes])
         message = "; ".join([*failures, f"ok with {_shown(last)}", *remarks])
     else:
         message = f"{result.message}; nor did {len(failures)} safer settings"
-    return replace(result, findings=findings, message=message)
+    return replace(result, findings=findings, codes=codes, message=message)
 
 
 def _shown(tried: dict[str, Any]) -> str:

@@ -10,7 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from rps_exudyn.analysis.many import spread
+from rps_exudyn.analysis.passes import spread
 from rps_exudyn.analysis.resolution import every_second, lag, missed
 from rps_exudyn.analysis.torque import mean
 from rps_exudyn.analysis.work_balance import losses

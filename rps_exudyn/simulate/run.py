@@ -19,7 +19,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Listener, following
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Code, Status, each_once
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.accuracy_kept import Wanted, kept_by
@@ -126,8 +126,10 @@ def _by_accuracy(
             choice = choose(scene, gear, wanted, without={failed.setting.preset})
             result = _kept(run, scene, gear, wanted, choice)
             why = f"{failed.setting.preset} ends {cause}; instead {choice.why}"
-    why += beyond_in_run(scene, result.signals)
-    return replace(result, findings={**result.findings, "accuracy": why + choice.beside})
+    beyond = beyond_in_run(scene, result.signals)
+    findings = {**result.findings, "accuracy": why + beyond + choice.beside}
+    codes = [Code.ACCURACY_NOT_PROMISED] if beyond or not choice.promised else []
+    return replace(result, findings=findings, codes=each_once([*result.codes, *codes]))
 
 
 def _kept(

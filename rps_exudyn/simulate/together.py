@@ -12,11 +12,11 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.checks.before_run import refused
-from rps_exudyn.gears.report import check_gear
+from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.mesh_contact.steel import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import RUBBING_PARTS, SteeringGear
+from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.remarks import remarks
@@ -33,7 +33,7 @@ NOT_NUMBERS = ("rack.bow", "rack.side_force", "rack.side_angle", "rack.travel", 
 GAIN = ("pinion.normal_module", "rack.tooth_angle")  # from lock to lock each gear turns by its own angle
 
 UNSUPPORTED = {
-    "scene": "only the scenes free-pinion-torque, load-test and rack-push follow many gears together",
+    "scene": "the gears of this scene are run singly",
     "fidelity": "many gears are followed together only by the fidelity quasi-static",
     "parts": "a bow, a side force or the weight of the rack asks for single runs",
     "friction": "bristles ask for single runs",
@@ -70,12 +70,12 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
 
 @dataclass(frozen=True, eq=False)
 class Together:
-    """Gears found together; rows that are left to single runs have nan, and no message."""
+    """Gears found together; rows that are left to single runs have nan, and no remarks."""
 
     ended: np.ndarray  # (n,) whether the row was found
     summary: dict[str, np.ndarray]  # metric -> (n,)
     counters: dict[str, np.ndarray]  # what it took -> (n,)
-    messages: list[str]
+    remarks: list[list[Remark]]
     signals: dict[str, np.ndarray]  # by time, (m,) where all gears have the same, else (n, m)
 
     def signals_of(self, row: int) -> dict[str, np.ndarray]:
@@ -240,7 +240,7 @@ class _Part:
     rows: np.ndarray  # of the table, of the gears found, (n,)
     summary: dict[str, np.ndarray]  # (n,) each
     counters: dict[str, np.ndarray]
-    messages: list[str]
+    remarks: list[list[Remark]]
     signals: dict[str, np.ndarray]
 
     @classmethod
@@ -264,10 +264,7 @@ class _Part:
         metrics = {name: np.broadcast_to(values, n) for name, values in test.metrics(turned).items()}
         own_gears = [gears[i] for i in np.flatnonzero(kept).tolist()]
         of_limits = _remarks(own_gears, joined)
-        messages = [
-            "; ".join(remark for remark in (limits, *own) if remark)
-            for limits, own in zip(of_limits, test.remarks(turned), strict=True)
-        ]
+        noted = [[*limits, *own] for limits, own in zip(of_limits, test.remarks(turned), strict=True)]
         names = joined if signals is None else [name for name in signals if name in joined]
         counters = {
             name: np.sum([way.counts[name] for way in ways[:recorded]], axis=0) for name in ways[0].counts
@@ -276,24 +273,24 @@ class _Part:
             figures = [test.formulas(each) for each in own_gears]
             for name in dict.fromkeys(name for own in figures for name in own):
                 metrics[name] = np.array([own.get(name, np.nan) for own in figures])
-        return cls(rows, metrics, counters, messages, {name: joined[name] for name in names})
+        return cls(rows, metrics, counters, noted, {name: joined[name] for name in names})
 
 
-def _remarks(gears: list[SteeringGear], signals: Signals) -> list[str]:
+def _remarks(gears: list[SteeringGear], signals: Signals) -> list[list[Remark]]:
     """Remarks on each gear by the function that remarks on single runs, where there is a cause."""
     pressed = np.minimum(signals["mesh_normal_force_drive"], signals["mesh_normal_force_coast"]).min(axis=1)
     overloaded = signals["mesh_pressure"].max(axis=1) > BEARABLE_PRESSURE
     said = (pressed <= 0) | overloaded | (signals["yokenut_force"].max(axis=1) > 0)
-    messages = [""] * len(gears)
+    noted: list[list[Remark]] = [[] for _ in gears]
     for i in np.flatnonzero(said).tolist():
         own = {name: each[i] if each.ndim > 1 else each for name, each in signals.items()}
-        messages[i] = "; ".join(remarks(gears[i], own))
-    return messages
+        noted[i] = list(remarks(gears[i], own))
+    return noted
 
 
 def _joined(parts: list[_Part], count: int) -> Together:
     """The parts one after the other, in the rows of the table."""
-    ended, messages = np.zeros(count, dtype=bool), [""] * count
+    ended, noted = np.zeros(count, dtype=bool), [list[Remark]() for _ in range(count)]
     summary: dict[str, np.ndarray] = {}
     counters: dict[str, np.ndarray] = {}
     signals: dict[str, np.ndarray] = {}
@@ -305,7 +302,7 @@ def _joined(parts: list[_Part], count: int) -> Together:
                     whole[name] = values
                 else:
                     whole.setdefault(name, np.full((count, *values.shape[1:]), np.nan))[part.rows] = values
-        for row, message in zip(part.rows.tolist(), part.messages, strict=True):
-            messages[row] = message
+        for row, remarks_of_row in zip(part.rows.tolist(), part.remarks, strict=True):
+            noted[row] = remarks_of_row
     found = {name: values for name, values in summary.items() if not np.isnan(values).all()}
-    return Together(ended, found, counters, messages, signals)
+    return Together(ended, found, counters, noted, signals)

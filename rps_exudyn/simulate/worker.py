@@ -82,7 +82,7 @@ def _begin_again(answer: Answer) -> NoReturn:
 
 
 def _store(path: str | None, content: bytes) -> dict[str, Any]:
-    from rps_exudyn.base.atomic import replacing
+    from rps_exudyn.base.files import replacing
 
     if path is None:
         return {"content": base64.b64encode(content).decode()}

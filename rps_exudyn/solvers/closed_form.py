@@ -19,16 +19,16 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 
 from rps_exudyn.analysis.efficiency import LoadTest
-from rps_exudyn.base.quadrature import gauss_legendre
-from rps_exudyn.base.roots import bracketed_root
 from rps_exudyn.forces.bush import bush_chain, housing_station, lateral_stiffness
 from rps_exudyn.forces.yoke import seat_wedge_factor
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 
 GRAVITY = 9.80665  # [m/s^2]
+_RULE = leggauss(24)  # over each side of the pitch point
 Y = np.array([0.0, 1.0, 0.0])
 
 
@@ -249,13 +249,15 @@ def pushing_force(gear: SteeringGear, direction: int, load: float = 0.0) -> floa
 
     The gear is driven back: no torque acts on the pinion but that of its bearings. `load` pulls towards -X.
     """
+    from scipy.optimize import brentq  # loads in a third of a second
+
     gain = GearPair.of(gear).gain
 
     def torque(force: float) -> float:
         return mean_state(gear, direction, load - force).torque
 
     scale = (1.0 + abs(mean_state(gear, direction, load).torque)) / gain
-    return bracketed_root(torque, load - 10 * scale, load + 10 * scale, tolerance=1e-9)
+    return float(brentq(torque, load - 10 * scale, load + 10 * scale, xtol=1e-9))
 
 
 @dataclass(frozen=True)
@@ -303,12 +305,12 @@ def _transverse(pair: GearPair, side: int) -> np.ndarray:
     return -side * np.cos(pair.alpha_t) * e + np.sin(pair.alpha_t) * Y
 
 
-def _field_rule(pair: GearPair, side: int, n: int = 24) -> tuple[np.ndarray, np.ndarray]:
+def _field_rule(pair: GearPair, side: int) -> tuple[np.ndarray, np.ndarray]:
     """Points q on the path of contact, and weights by the length of the face that the bar leaves there [m].
 
     Gauss-Legendre on both sides of the pitch point, where sliding may turn about.
     """
-    x, w = gauss_legendre(n)
+    x, w = _RULE
     q_0, q_a = pair.active_path
     ends = sorted({q_0, q_a, min(max(0.0, q_0), q_a)})
     q = np.concatenate([(b + a) / 2 + (b - a) / 2 * x for a, b in pairwise(ends)])

@@ -33,7 +33,6 @@ from rps_exudyn.base.compiled import (
     inline,
     kernel_of,
 )
-from rps_exudyn.base.linear import put
 from rps_exudyn.forces.memory import begin_step
 from rps_exudyn.solvers.gear_model import GEAR_TYPE, LAW_POINTER, OUTPUTS, SEAT_LOADS, WORK_TYPE
 from rps_exudyn.solvers.settling import TOLERANCE
@@ -50,6 +49,14 @@ ACCEPT = 0.05  # residual [N] from which a step of many gears is not evaluated
 
 X, Y, Z, YAW, PITCH = 1, 2, 3, 5, 6  # coordinates of the rack
 RIGID = 8  # coordinates whose motion is known beforehand
+
+
+@inline
+def put(numbers, row):  # type: ignore[no-untyped-def]
+    """Copy numbers into a row: for `row[:] = numbers` numba compiles the message of an error, which takes
+    half a second."""
+    for i in range(numbers.size):
+        row[i] = numbers[i]
 
 
 class Column(NamedTuple):
@@ -118,8 +125,9 @@ def largest_residual(forces, free, lengths):  # type: ignore[no-untyped-def]
     largest = 0.0
     for i in free:
         size = abs(forces[i]) / lengths[i]
-        if not size <= largest:  # also a nan
-            largest = size
+        if not np.isfinite(size):
+            return np.inf
+        largest = max(largest, size)
     return largest
 
 
@@ -170,8 +178,9 @@ def newton_move(system, pivots, forces, free, lengths, move):  # type: ignore[no
         for j in range(i + 1, n):
             move[i] -= system[i, j] * move[j]
         move[i] /= system[i, i]
-        if not abs(move[i]) <= largest:  # also a nan
-            largest = abs(move[i])
+        if not np.isfinite(move[i]):
+            return np.inf
+        largest = max(largest, abs(move[i]))
     for i in range(n):
         move[i] /= lengths[free[i]]
     return largest

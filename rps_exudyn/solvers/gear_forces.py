@@ -25,8 +25,7 @@ from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, pooled
 from rps_exudyn.mesh_contact.spheres import contact_data
 from rps_exudyn.mesh_contact.teeth_data import teeth_data
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import RUBBING_PARTS, SteeringGear
 from rps_exudyn.parameters.retired import choice_instead
 from rps_exudyn.solvers.balance import Balance, new_work
 from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar, bent_bar

@@ -15,7 +15,7 @@ from numpy.polynomial import chebyshev
 from rps_exudyn.base.compiled import ready
 from rps_exudyn.forces.friction import PLAIN
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.report import check_gear
+from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import GRAVITY

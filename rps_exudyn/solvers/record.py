@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from rps_exudyn.base.quadrature import integral_from_start
+from rps_exudyn.analysis.work_balance import integral_from_start
 from rps_exudyn.forces.force_element import (
     DAMPING_POWER,
     ELASTIC_ENERGY,

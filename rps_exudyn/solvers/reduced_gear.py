@@ -6,12 +6,11 @@ evenly loaded, plunger and bush with the rack, the bearing with the shaft.
 """
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 
 from rps_exudyn.analysis.stick_slip import Oscillator, Rubbing
-from rps_exudyn.base.quadrature import gauss_legendre
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters.friction_law import FrictionLaw
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import FrictionLaw, SteeringGear
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.gear_forces import following_inertia
 
@@ -41,7 +40,7 @@ def _parts(gear: SteeringGear) -> list[tuple[FrictionLaw, float, float]]:
     """Law, torque [N m] and lever [m] of what rubs."""
     formulas, pair = closed_form(gear), GearPair.of(gear)
     mean, gain = formulas.towards(gear.test.direction), float(pair.gain)
-    node, weight = gauss_legendre(LEVERS)
+    node, weight = leggauss(LEVERS)
     first, last = pair.active_path
     levers = friction_levers(pair, first + (last - first) * (1 + node) / 2)
     shares = weight * levers / (weight @ levers)

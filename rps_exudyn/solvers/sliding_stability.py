@@ -16,8 +16,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.gear import RUBBING_PARTS, SteeringGear
 from rps_exudyn.solvers.balance import SIZE
 from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 from rps_exudyn.solvers.drive import Steady

@@ -16,7 +16,7 @@ from rps_exudyn.study.toml_keys import Keys
 SHAPES = ("values", "linspace", "logspace")
 DISTRIBUTIONS = tuple(KINDS)
 AXIS_KEYS = ("name", "path", "paths", "unit", "along", *SHAPES, *DISTRIBUTIONS)
-NOT_AXES = ("hash", "status", "message", "cpu_s", "wall_s", "bytes", "modified_ns", "case", "sample")
+NOT_AXES = ("hash", "status", "message", "codes", "cpu_s", "wall_s", "bytes", "modified_ns", "case", "sample")
 """Names that tables of results need for themselves."""
 MOST_ON_AN_AXIS = 100_000
 

@@ -10,8 +10,8 @@ from functools import lru_cache
 from pathlib import Path
 from time import monotonic
 
-from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import replacing
 from rps_exudyn.results.block import Block, CaseRecord, packed
 from rps_exudyn.results.result import Result, read_result
 

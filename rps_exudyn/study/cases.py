@@ -11,8 +11,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import reached
 from rps_exudyn.parameters.declaration import Table
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.parameters.gear import Setup, SteeringGear
 from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import GRID_DESIGN, Case, Description, settings_of
 from rps_exudyn.study.designs import points, points_per_sample

@@ -14,10 +14,9 @@ from typing import Any
 import h5py
 import numpy as np
 
-from rps_exudyn.base.atomic import check_writable, replacing
+from rps_exudyn.base.files import check_writable, replacing, with_checksum
 from rps_exudyn.base.hdf5 import file_image, opened
-from rps_exudyn.base.seal import sealed
-from rps_exudyn.study.table import CaseTable, Column
+from rps_exudyn.study.table import CaseTable, TableColumn
 
 FILETYPE = "rps_exudyn-table"
 VERSION = (1, 1)
@@ -39,7 +38,7 @@ def write_table(table: CaseTable, path: str | Path) -> None:
         if Path(path).suffix.lower() == ".csv":
             _write_csv(table, partial)
         else:
-            partial.write_bytes(sealed(file_image(lambda file: _fill(table, file))))
+            partial.write_bytes(with_checksum(file_image(lambda file: _fill(table, file))))
 
 
 def read_table(path: str | Path) -> dict[str, dict[str, np.ndarray]]:
@@ -87,7 +86,7 @@ def _fill(table: CaseTable, file: h5py.File) -> None:
         _put(file[column.group], column)
 
 
-def _put(group: h5py.Group, column: Column) -> None:
+def _put(group: h5py.Group, column: TableColumn) -> None:
     values = column.values
     text = values.dtype.kind == "U"
     dataset = group.create_dataset(

@@ -32,7 +32,7 @@ from rps_exudyn.results.result import FILETYPE, VERSION
 from rps_exudyn.study.blocks import blocks_beside
 from rps_exudyn.study.description import Description
 from rps_exudyn.study.store import Store
-from rps_exudyn.study.table import CaseTable, Column, axis_quantity
+from rps_exudyn.study.table import CaseTable, TableColumn, axis_quantity
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -113,7 +113,7 @@ class _Layout:
         array[self.places] = values
         return array
 
-    def variable(self, column: Column) -> Variable:
+    def variable(self, column: TableColumn) -> Variable:
         """A column over the dimensions; points of a grid without a case have the status "absent"."""
         absent = {"hash": "", "status": "absent"}.get(column.name, np.nan)
         return Variable(self.dimensions, self.arranged(column.values, absent), _attributes(column.quantity))

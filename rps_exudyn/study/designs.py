@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.hypercube import latin_hypercube
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.study.description import GRID_DESIGN, UNCERTAIN_DESIGN, Axis, Value
 
@@ -81,7 +80,9 @@ def _unit_points(design: str, axes: int, samples: int, seed: int) -> np.ndarray:
     """Points of a sampled design in the unit cube, shape (points, axes)."""
     rng, problem = np.random.default_rng(seed), unit_problem(map(str, range(axes)))
     if design in ("latin-hypercube", UNCERTAIN_DESIGN):
-        points = latin_hypercube(rng, samples, axes)
+        from scipy.stats import qmc  # loads in a second
+
+        points = qmc.LatinHypercube(axes, rng=rng).random(samples)
     elif design == "sobol":
         from scipy.stats import qmc
 

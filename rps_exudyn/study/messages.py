@@ -1,17 +1,15 @@
 """What the cases of a study say, in groups: causes of failure, and remarks on cases that ended ok.
 
-Messages that differ only in their numbers are one group.
+Messages of the same codes are one group; without codes, those that differ only in their numbers.
 """
 
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Status, alike
 from rps_exudyn.study.description import Case
 from rps_exudyn.study.store import CaseRow
 
-_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 SILENT = "no message"
 
 
@@ -32,10 +30,10 @@ class Group:
 
 def groups(ended: Iterable[tuple[Case, CaseRow]]) -> list[Group]:
     """The groups of cases that have something to say, or failed; the largest first."""
-    found: dict[tuple[Status, str], list[tuple[Case, str]]] = {}
+    found: dict[tuple[str, ...], list[tuple[Case, str]]] = {}
     for case, row in ended:
         if row.message or row.status is not Status.OK:
-            key = row.status, _NUMBER.sub("#", row.message)
+            key = alike(row.status, row.codes, row.message)
             found.setdefault(key, []).append((case, row.message or SILENT))
-    made = [Group(key[0], pairs[0][1], [case for case, _ in pairs]) for key, pairs in found.items()]
+    made = [Group(Status(key[0]), pairs[0][1], [case for case, _ in pairs]) for key, pairs in found.items()]
     return sorted(made, key=lambda group: -len(group.cases))

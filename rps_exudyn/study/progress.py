@@ -6,7 +6,7 @@ from datetime import datetime
 from pathlib import Path
 from time import monotonic
 
-from rps_exudyn.base.atomic import append
+from rps_exudyn.base.files import append
 from rps_exudyn.base.progress import duration
 from rps_exudyn.base.screen import open_screen
 from rps_exudyn.results.outcome import Status

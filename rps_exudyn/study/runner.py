@@ -13,8 +13,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rps_exudyn.base.atomic import replacing
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import replacing
 from rps_exudyn.results.block import CaseRecord
 from rps_exudyn.results.case_file import FileForms
 from rps_exudyn.results.outcome import Status
@@ -160,6 +160,7 @@ def _stored(work: StudyWork, case: Case, done: Done, forms: FileForms) -> CaseRo
         hash=case.hash,
         status=Status(answer["status"]),
         message=" ".join(answer["message"].split()),
+        codes=tuple(answer["codes"]),
         cpu_s=answer["cpu_s"],
         wall_s=answer["wall_s"],
         summary=answer["summary"],

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
-from rps_exudyn.base.atomic import append, check_writable, number_existing, replacing
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import append, check_writable, number_existing, replacing
 from rps_exudyn.results.block import CaseRecord, summaries
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
@@ -28,7 +28,7 @@ from rps_exudyn.results.result import Result, read_result
 from rps_exudyn.study.blocks import Blocks
 from rps_exudyn.study.description import Case, Description
 
-FIXED_COLUMNS = ("hash", "status", "message", "cpu_s", "wall_s", "bytes", "modified_ns")
+FIXED_COLUMNS = ("hash", "status", "message", "codes", "cpu_s", "wall_s", "bytes", "modified_ns")
 MANY = 2000  # cases, from which they are kept in blocks unless the study says otherwise
 BEGUN = {".lock", "cases", "blocks", "study.toml"}  # what a runner that was stopped at its start may leave
 
@@ -43,12 +43,15 @@ class CaseRow:
     cpu_s: float  # CPU time [s]
     wall_s: float  # elapsed time [s]
     summary: Mapping[str, float]
+    codes: tuple[str, ...] = ()  # of the message, see `outcome.Code`
 
     @classmethod
     def of(cls, case_hash: str, result: Result) -> "CaseRow":
         """The row of a result."""
         message = " ".join(result.message.split())
-        return cls(case_hash, result.status, message, result.cpu_s, result.wall_s, dict(result.summary))
+        return cls(
+            case_hash, result.status, message, result.cpu_s, result.wall_s, dict(result.summary), result.codes
+        )
 
 
 class Store:
@@ -242,7 +245,7 @@ class Store:
     def _line(self, case: Case, row: CaseRow) -> str:
         size, modified = _stamp(self.path_of(row.hash).stat())
         text = io.StringIO()
-        outcome = (row.status.value, row.message, row.cpu_s, row.wall_s, size, modified)
+        outcome = (row.status.value, row.message, " ".join(row.codes), row.cpu_s, row.wall_s, size, modified)
         axes = (case.values[axis.name] for axis in self.description.axes)
         numbers = (row.summary.get(name, "") for name in SUMMARY)
         cells = [str(cell) for cell in (row.hash, *axes, *outcome, *numbers)]
@@ -327,6 +330,7 @@ def _indexed(
                 hash=cell["hash"],
                 status=Status(cell["status"]),
                 message=cell["message"],
+                codes=tuple(cell["codes"].split()),
                 cpu_s=float(cell["cpu_s"]),
                 wall_s=float(cell["wall_s"]),
                 summary={name: float(cell[name]) for name in SUMMARY if cell[name]},

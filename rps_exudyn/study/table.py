@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from rps_exudyn.base.units import pretty
-from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY, Quantity
 from rps_exudyn.scenes.remarks import met_limit
@@ -36,7 +36,7 @@ OUTCOME = {
 
 
 @dataclass(frozen=True, eq=False)
-class Column:
+class TableColumn:
     """One column with its definition."""
 
     group: str  # "axes", "outcome" or "summary"
@@ -84,7 +84,7 @@ class CaseTable:
     @cached_property
     def limited(self) -> np.ndarray:
         """Tell whether an ok case met a limit of the gear, where a contact opens or closes."""
-        met = [row is not None and met_limit(row.message) for row in self.rows]
+        met = [row is not None and met_limit(row.codes) for row in self.rows]
         return self.ok & np.array(met, dtype=bool)
 
     @cached_property
@@ -102,8 +102,8 @@ class CaseTable:
         """`cpu_s` or `wall_s` of the finished cases [s], else nan."""
         return np.array([getattr(row, name) if row else np.nan for row in self.rows], dtype=float)
 
-    def columns(self) -> list[Column]:
-        """Axes, outcome and numbers, in the order of `Column.group`."""
+    def columns(self) -> list[TableColumn]:
+        """Axes, outcome and numbers, in the order of `TableColumn.group`."""
         outcome: dict[str, np.ndarray] = {
             "hash": np.array([case.hash for case in self.cases], dtype=np.str_),
             "status": self.status,
@@ -113,9 +113,9 @@ class CaseTable:
         }
         axes = self.description.axes
         return [
-            *(Column("axes", axis.name, self.axes[axis.name], axis_quantity(axis)) for axis in axes),
-            *(Column("outcome", name, outcome[name], quantity) for name, quantity in OUTCOME.items()),
-            *(Column("summary", name, values, SUMMARY[name]) for name, values in self.numbers.items()),
+            *(TableColumn("axes", axis.name, self.axes[axis.name], axis_quantity(axis)) for axis in axes),
+            *(TableColumn("outcome", name, outcome[name], quantity) for name, quantity in OUTCOME.items()),
+            *(TableColumn("summary", name, values, SUMMARY[name]) for name, values in self.numbers.items()),
         ]
 
     def ended(self) -> Iterator[tuple[Case, CaseRow]]:

@@ -13,7 +13,7 @@ from typing import Any
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import shown
-from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.parameters.gear import Setup
 
 
 class Keys:

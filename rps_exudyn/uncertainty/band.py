@@ -7,7 +7,6 @@ Beside the band stand what it is made of (contributions) and what it does not co
 solution, by the same gear in half the steps, and that of the contact law.
 """
 
-import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -22,10 +21,11 @@ from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import LawError, law_error
-from rps_exudyn.results.outcome import Interrupted, Status
+from rps_exudyn.results.outcome import Interrupted, Status, alike
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.headline import curve_of
+from rps_exudyn.scenes.refine import refine
 from rps_exudyn.simulate.batch import Batch
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.uncertainty.contributions import Contributions, Polynomials
@@ -34,7 +34,6 @@ from rps_exudyn.uncertainty.samples import Samples, runs_at
 
 LEAST_OK = 8  # samples with a number, for quantiles
 FEWEST, MOST = LEAST_OK, 100_000  # samples that may be asked for
-NUMBER = re.compile(r"\d[\d.]*(?:e[-+]?\d+)?")  # in which messages of one cause differ
 LEFT_OUT = ("energy_residual",)  # figures that say nothing about the gear
 Told = Callable[[int, int], None]
 """Told how many samples of how many are done."""
@@ -224,7 +223,7 @@ class _Seen:
     rows: list[list[float]] = field(default_factory=list)
     curves: list[np.ndarray] | None = field(default_factory=list)
     causes: Counter[str] = field(default_factory=Counter)
-    examples: dict[str, str] = field(default_factory=dict)
+    examples: dict[tuple[str, ...], str] = field(default_factory=dict)
 
     @property
     def ok(self) -> int:
@@ -247,8 +246,8 @@ class _Seen:
         ):
             if status is not Status.OK:
                 self.rows.append([np.nan] * len(self.names))
-                cause = f"{status}: {message}"
-                self.causes[self.examples.setdefault(NUMBER.sub("", cause), cause)] += 1
+                kind = alike(status, () if result is None else result.codes, message)
+                self.causes[self.examples.setdefault(kind, f"{status}: {message}")] += 1
             elif result is None:
                 self.rows.append(
                     [float(summary[name][i]) if name in summary else np.nan for name in self.names]
@@ -316,14 +315,17 @@ def numerical_error(nominal: Result, fidelity: Fidelity) -> dict[str, float]:
     """Return how far half the steps move each figure of the nominal run; {} of a model without steps."""
     if fidelity.solver == "closed-form":
         return {}
-    finer = simulate(nominal.scene, nominal.gear, fidelity.replace({"step_angle": fidelity.step_angle / 2}))
-    if finer.status is not Status.OK:
+    halved = fidelity.replace({"step_angle": fidelity.step_angle / 2})
+    refined = refine(
+        nominal,
+        lambda coarse, _: simulate(coarse.scene, coarse.gear, halved),
+        1,
+        usable=lambda result: result.status is Status.OK,
+    )
+    if not refined.times:
         return {}
-    return {
-        name: abs(finer.summary[name] - value)
-        for name, value in nominal.summary.items()
-        if name in finer.summary
-    }
+    finer = refined.finest.summary
+    return {name: abs(finer[name] - value) for name, value in nominal.summary.items() if name in finer}
 
 
 def _plain(column: Iterable[float]) -> list[float | None]:

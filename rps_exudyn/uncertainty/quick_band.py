@@ -13,6 +13,7 @@ import numpy as np
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_PINION_TORQUE
 from rps_exudyn.solvers.closed_form import mean_state, torque_per_preload
 from rps_exudyn.solvers.yoke_stop import stop_stiffness
 from rps_exudyn.uncertainty.band import (
@@ -29,7 +30,7 @@ from rps_exudyn.uncertainty.contributions import contributions
 from rps_exudyn.uncertainty.quantiles import LEVELS, RESAMPLES, SEED, Quantiles, quantiles
 from rps_exudyn.uncertainty.samples import Samples
 
-SCENE, FIGURE = "free-pinion-torque", "torque_mean"
+SCENE, FIGURE = FREE_PINION_TORQUE.name, "torque_mean"
 POINTS, RUNS = 1024, 64
 ERRORS = (
     "installation.angle_error",

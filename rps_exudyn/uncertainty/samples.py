@@ -6,7 +6,6 @@ from typing import Literal
 
 import numpy as np
 
-from rps_exudyn.base.hypercube import latin_hypercube
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -26,7 +25,10 @@ class Samples:
     @classmethod
     def drawn(cls, inputs: Mapping[str, Distribution], count: int, seed: int) -> "Samples":
         """Draw a Latin hypercube: even in each input, and independent enough to tell inputs apart."""
-        return cls(inputs, latin_hypercube(np.random.default_rng(seed), count, len(inputs)))
+        from scipy.stats import qmc  # loads in a second
+
+        points = qmc.LatinHypercube(len(inputs), rng=np.random.default_rng(seed)).random(count)
+        return cls(inputs, points)
 
     def __len__(self) -> int:
         return len(self.quantile)

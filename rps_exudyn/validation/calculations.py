@@ -21,6 +21,9 @@ from rps_exudyn.gears.tooth_stiffness import (
 )
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_PINION_TORQUE
+from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
+from rps_exudyn.scenes.rack_lift import SCENE as RACK_LIFT
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.solvers.yoke_stop import lift_of_torque
 
@@ -87,14 +90,14 @@ def load_test_half_difference(mass: float) -> float:
 def rack_lift_over_closed_form(torque: float) -> float:
     """Return the lift of the default rack by equilibria over its closed form."""
     gear = SteeringGear().replace({"test.lift_torque": torque})
-    result = simulate("rack-lift", gear, Fidelity.preset("quasi-static"))
+    result = simulate(RACK_LIFT.name, gear, Fidelity.preset("quasi-static"))
     return result.summary["rack_lift"] / lift_of_torque(gear, torque)
 
 
 def dynamics_over_equilibria() -> float:
     """Return the default gear's mean free torque in motion over that by equilibria."""
     moving, still = (
-        simulate("free-pinion-torque", SteeringGear(), Fidelity.preset(name)).summary["torque_mean"]
+        simulate(FREE_PINION_TORQUE.name, SteeringGear(), Fidelity.preset(name)).summary["torque_mean"]
         for name in ("flank", "quasi-static")
     )
     return moving / still
@@ -102,7 +105,7 @@ def dynamics_over_equilibria() -> float:
 
 def _load_test(mass: float) -> LoadTest:
     gear = SteeringGear().replace({"test.load_mass": mass, "test.turns": 1 / 3})
-    found = simulate("load-test", gear, Fidelity.preset("quasi-static")).summary
+    found = simulate(LOAD_TEST.name, gear, Fidelity.preset("quasi-static")).summary
     return LoadTest(1.0, 1.0, found["torque_forward"], found["torque_reverse"], found["free_torque"])
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.carried import carried
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -17,7 +17,7 @@ from rps_exudyn.simulate.run import simulate
 from rps_exudyn.uncertainty.band import Band, band_of_runs, numerical_error
 from rps_exudyn.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.uncertainty.quantiles import MEDIAN
-from rps_exudyn.uncertainty.quick_band import quick_band
+from rps_exudyn.uncertainty.quick_band import SCENE, quick_band
 from rps_exudyn.validation.calculations import CALCULATIONS
 from rps_exudyn.validation.row import Procedure, Row
 from rps_exudyn.validation.verdict import Verdict, verdict, verdict_on_limit
@@ -152,7 +152,7 @@ def _model(name: str) -> Fidelity:
 
 def _band(procedure: Procedure, gear: SteeringGear, fidelity: Fidelity) -> Band:
     inputs = uncertain_inputs(gear, procedure.inputs, carried({}, procedure.settings))
-    if procedure.scene == "free-pinion-torque":
+    if procedure.scene == SCENE:
         return quick_band(gear, fidelity, inputs, procedure.samples)
     return band_of_runs(procedure.scene, gear, fidelity, inputs, procedure.samples)
 

@@ -8,9 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rps_exudyn.charts import style
-from rps_exudyn.report.blocks import Article, Facts, Grid, Pictures, Section, Text
-from rps_exudyn.report.common import provenance_facts
-from rps_exudyn.report.html import page
+from rps_exudyn.report.html import Article, Facts, Grid, Pictures, Section, Text, page, provenance_facts
 from rps_exudyn.report.pictures import picture
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.validation.comparison import Comparison

@@ -22,7 +22,7 @@ VERDICTS = {
     "wrong input": {"status": "input-error"},
     "beyond the contact's law": {
         "status": "invalid",
-        "message": "above 91 um to which the contact's law holds",
+        "codes": ("beyond-law",),
     },
 }
 

@@ -11,7 +11,7 @@ import pytest
 
 import rps_exudyn as rps
 import rps_exudyn.scenes as scenes
-from conftest import QUICK, SLOW
+from conftest import LONG, QUICK, SLOW
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.scenes.scene_run import SceneRun
@@ -65,8 +65,8 @@ def test_a_scene_is_one_module_and_one_name(monkeypatch: pytest.MonkeyPatch) -> 
     assert result.summary == {"torque_mean": 1.0}
 
 
-@pytest.mark.parametrize("name", [*QUICK, *SLOW])
-def test_lists_of_quick_and_slow_tests_name_what_exists(name: str) -> None:
+@pytest.mark.parametrize("name", [*QUICK, *SLOW, *LONG])
+def test_lists_of_tests_name_what_exists(name: str) -> None:
     file, _, test = name.partition("::")
     path = ROOT / "tests" / file
     assert path.exists()

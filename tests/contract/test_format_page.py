@@ -9,11 +9,10 @@ import h5py
 import pytest
 
 from made_up_study import description, grid_points, make_study
-from rps_exudyn.gears.report import GeometryReport
-from rps_exudyn.results.measured_torque import KEPT
+from rps_exudyn.gears.geometry_report import GeometryReport
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GROUPS, SIGNALS
-from rps_exudyn.results.result import FILETYPE, VERSION, Result
+from rps_exudyn.results.result import FILETYPE, MEASURED_SIGNALS, VERSION, Result
 from rps_exudyn.study import collected
 from rps_exudyn.study import description as study
 from rps_exudyn.study.store import Store
@@ -38,7 +37,7 @@ def test_page_lists_every_quantity(group: str) -> None:
 
 
 def test_page_lists_what_is_kept_of_a_measured_torque() -> None:
-    expected = [(f"`{name}`", SIGNALS[name].unit, SIGNALS[name].long_name) for name in KEPT]
+    expected = [(f"`{name}`", SIGNALS[name].unit, SIGNALS[name].long_name) for name in MEASURED_SIGNALS]
     assert rows("`/measured`") == expected
 
 

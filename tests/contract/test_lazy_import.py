@@ -33,13 +33,13 @@ def test_import_loads_nothing_heavy_and_no_numpy() -> None:
     ],
 )
 def test_quick_commands_load_nothing_heavy(arguments: list[str]) -> None:
-    assert loaded_after(f"from rps_exudyn.cli.commands import main; assert main({arguments}) == 0") == set()
+    assert loaded_after(f"from rps_exudyn.cli.main import main; assert main({arguments}) == 0") == set()
 
 
 @pytest.mark.parametrize("arguments", [["describe"], ["describe", "yoke.preload"], ["describe", "--json"]])
 def test_list_of_parameters_does_without_numpy_and_the_library_of_the_help(arguments: list[str]) -> None:
     """Each of them takes a quarter of the 0.3 s that the command may take."""
-    probe = f"from rps_exudyn.cli.commands import main; assert main({arguments}) == 0; import sys"
+    probe = f"from rps_exudyn.cli.main import main; assert main({arguments}) == 0; import sys"
     assert loaded_after(f"{probe}; assert not set(sys.modules) & {{'numpy', 'rich'}}") == set()
 
 

@@ -1,14 +1,13 @@
-"""What replaces heavy imports gives their numbers: units, roots, integrals and rules."""
+"""What replaces heavy imports gives their numbers: units, integrals and rules."""
 
 import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
-from scipy.optimize import brentq
 from scipy.special import roots_jacobi
 
+from rps_exudyn.analysis.work_balance import integral_from_start
 from rps_exudyn.base import units
-from rps_exudyn.base.quadrature import gauss_jacobi, integral_from_start
-from rps_exudyn.base.roots import bracketed_root
+from rps_exudyn.mesh_contact.flank_data import gauss_jacobi
 
 
 @pytest.mark.parametrize(
@@ -27,28 +26,6 @@ def test_common_units_are_those_of_pint_bit_for_bit(si_unit: str, unit: str) -> 
 def test_angles_and_lengths_are_no_plain_numbers(text: str) -> None:
     with pytest.raises(ValueError, match="is no quantity in plain numbers"):
         units.to_si(text, "")
-
-
-def test_roots_are_those_of_scipy_bit_for_bit() -> None:
-    random, compared = np.random.default_rng(1), 0
-    while compared < 200:
-        factors, (low, high) = random.normal(size=5), sorted(random.uniform(-3, 3, 2))
-
-        def curve(x: float, factors: np.ndarray = factors) -> float:
-            return float(np.polyval(factors, x) + factors[0] * np.sin(7 * x))
-
-        if curve(low) * curve(high) < 0:
-            compared += 1
-            for tolerance in (1e-15, 1e-10, 1e-4):
-                root = bracketed_root(curve, low, high, tolerance=tolerance)
-                assert root == brentq(curve, low, high, xtol=tolerance)
-
-
-def test_ends_without_a_root_between_them_are_refused() -> None:
-    with pytest.raises(ValueError, match="both ends have one sign"):
-        bracketed_root(lambda x: x * x + 1, -1.0, 2.0, tolerance=1e-9)
-    with pytest.raises(ValueError, match="not a number"):
-        bracketed_root(lambda x: float("nan"), -1.0, 2.0, tolerance=1e-9)
 
 
 @pytest.mark.parametrize("n", [1, 2, 4, 9])

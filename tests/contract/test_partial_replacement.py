@@ -4,14 +4,10 @@ import hashlib
 import json
 import random
 
-import numpy as np
 import pytest
-from scipy.stats import qmc
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.hypercube import latin_hypercube
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.parameters.gear import Setup, SteeringGear
 from rps_exudyn.study.cases import MODEL_VERSION, case_hash
 
 BASE = Setup().replace({"pinion.teeth": 7, "yoke.preload": "320 N"})
@@ -79,9 +75,3 @@ def test_random_replacements_are_those_of_a_whole_validation() -> None:
 )
 def test_odd_replacements_are_those_of_a_whole_validation(settings: dict[str, object]) -> None:
     assert part(settings) == whole(settings)
-
-
-@pytest.mark.parametrize(("samples", "axes"), [(1, 1), (7, 3), (200, 8)])
-def test_latin_hypercube_is_that_of_scipy_bit_for_bit(samples: int, axes: int) -> None:
-    expected = qmc.LatinHypercube(axes, rng=np.random.default_rng(3)).random(samples)
-    np.testing.assert_array_equal(latin_hypercube(np.random.default_rng(3), samples, axes), expected)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from rps_exudyn.cli.commands import app
+from rps_exudyn.cli.main import app
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -64,7 +64,7 @@ def ci_run(folder: Path) -> "subprocess.CompletedProcess[str]":
     return subprocess.run([folder / ".ci" / "run"], env={"PATH": path}, capture_output=True, text=True)
 
 
-def test_ci_checks_everything_and_ends_with_the_printed_command(bare: Path) -> None:
+def test_ci_checks_everything_and_runs_the_printed_command_and_the_long_tests(bare: Path) -> None:
     done = ci_run(bare)
     assert done.returncode == 0, done.stderr
     ran = [line for line in done.stdout.splitlines() if not line.startswith("+")]
@@ -83,6 +83,7 @@ def test_ci_checks_everything_and_ends_with_the_printed_command(bare: Path) -> N
         "python3 -m venv .venv",
         "pip install -q -e .[test]",
         "python -m pytest -q",
+        "python -m pytest -q -m long",
     ]
     assert f"+ {command_line('test')}" in done.stdout.splitlines()
 

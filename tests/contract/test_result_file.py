@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 from edited import edited
 from rps_exudyn import load
-from rps_exudyn.base.atomic import check_writable
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import check_writable
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.provenance import FIELDS, git_hash, provenance
 from rps_exudyn.results.quantities import GROUPS

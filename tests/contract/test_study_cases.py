@@ -9,7 +9,7 @@ import pytest
 from made_up_study import description
 from rps_exudyn import load
 from rps_exudyn.parameters.distribution import Distribution
-from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.case_file import FileForms, Keep, kept
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result, failed

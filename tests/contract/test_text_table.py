@@ -6,9 +6,9 @@ import pytest
 from rich.console import Console
 from rich.table import Table as Grid
 
-from rps_exudyn.cli import text_table
-from rps_exudyn.cli.text_table import GAP, put, put_table
-from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.cli import output
+from rps_exudyn.cli.output import GAP, put, put_table
+from rps_exudyn.parameters.gear import Setup
 
 HEADS = ("parameter", "value", "meaning", "source")
 
@@ -22,7 +22,7 @@ def rows() -> list[tuple[str, ...]]:
 def lines_at(
     width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], rows: list
 ) -> list:
-    monkeypatch.setattr(text_table, "IN_FILES", width)
+    monkeypatch.setattr(output, "IN_FILES", width)
     put_table(HEADS, rows)
     return capsys.readouterr().out.splitlines()
 
@@ -43,7 +43,7 @@ def test_wide_table_is_that_of_the_library_for_help(
     """An independent layout of the same table; it pads its last column."""
     grid = Grid(box=None, pad_edge=False, padding=(0, GAP, 0, 0))
     for head in HEADS:
-        grid.add_column(head, no_wrap=head in text_table.UNBROKEN)
+        grid.add_column(head, no_wrap=head in output.UNBROKEN)
     for row in rows:
         grid.add_row(*row)
     console = Console(width=400, highlight=False, markup=False, emoji=False)
@@ -54,8 +54,8 @@ def test_wide_table_is_that_of_the_library_for_help(
 
 
 def test_columns_that_stay_whole_may_exceed_a_narrow_terminal() -> None:
-    widths = text_table.column_widths(("parameter", "meaning"), [("a" * 30, "b " * 40)], 20)
-    assert widths == [30, text_table.NARROWEST]
+    widths = output.column_widths(("parameter", "meaning"), [("a" * 30, "b " * 40)], 20)
+    assert widths == [30, output.NARROWEST]
 
 
 def test_terminal_gets_styles_and_lines_of_its_width(

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.gears.clearance import pinion_tip_interference
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.limits import violations
-from rps_exudyn.gears.report import check_gear, geometry_report
+from rps_exudyn.gears.geometry_limits import pinion_tip_interference, violations
+from rps_exudyn.gears.geometry_report import check_gear, geometry_report
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import GEOMETRY
 

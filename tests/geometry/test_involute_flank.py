@@ -18,8 +18,8 @@ from rps_exudyn.gears.basic_rack import (
     tip_radius_for_crest,
     undercut_limit,
 )
-from rps_exudyn.gears.clearance import path_on_involute
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.geometry_limits import path_on_involute
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.trochoid import form_point, trochoid

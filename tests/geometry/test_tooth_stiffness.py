@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.gears.tooth_stiffness import (
     basic_rack_factor,
     line_stiffness,

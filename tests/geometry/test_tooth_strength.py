@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rps_exudyn.gears.clearance import transverse_contact_ratio
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.geometry_limits import transverse_contact_ratio
 from rps_exudyn.gears.tooth_strength import (
     ToothForm,
     flank_stress,

@@ -24,17 +24,14 @@ from benchmarks.measured_fit import (
     true_level,
 )
 from rps_exudyn.fitting.bench_tests import BenchTest, MeasuredPass, measurement_of
-from rps_exudyn.fitting.curved import OtherEnd
-from rps_exudyn.fitting.estimate import Estimate, Fit, Verdict
 from rps_exudyn.fitting.findings import fit_as_dict, open_sentences
 from rps_exudyn.fitting.fit import fit
-from rps_exudyn.fitting.identify import LevelData, advice_of
-from rps_exudyn.fitting.more_runs import more_runs
+from rps_exudyn.fitting.fitted import Estimate, Fit, Verdict, shape_claims, with_others
+from rps_exudyn.fitting.identify import LevelData, advice_of, more_runs
 from rps_exudyn.fitting.noise import found_noise
+from rps_exudyn.fitting.nonlinear import OtherEnd
 from rps_exudyn.fitting.problem import PassRows
 from rps_exudyn.fitting.series import read_series, write_series
-from rps_exudyn.fitting.shape_claims import shape_claims
-from rps_exudyn.fitting.shape_estimates import with_others
 from rps_exudyn.fitting.unknowns import LEVEL, USUAL
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import GRAVITY

@@ -3,15 +3,13 @@
 import numpy as np
 import pytest
 
-from rps_exudyn.analysis.direction import describe_directions
 from rps_exudyn.analysis.efficiency import LoadTest, describe_load_test, free_torque_of, measured_load_test
 from rps_exudyn.analysis.harmonics import order_amplitude, order_spectrum
 from rps_exudyn.analysis.hysteresis import describe_reversal, loop_area
 from rps_exudyn.analysis.impacts import describe_impacts, find_impacts
-from rps_exudyn.analysis.on_centre import describe_on_centre
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.rack_motion import describe_rack
-from rps_exudyn.analysis.torque import describe_torque
+from rps_exudyn.analysis.torque import describe_directions, describe_on_centre, describe_torque
 from rps_exudyn.analysis.work_balance import describe_losses, energy_residual, loss_torques
 from rps_exudyn.results.quantities import SUMMARY
 
@@ -164,7 +162,7 @@ def test_efficiencies_are_means_over_whole_pitches(turns: float) -> None:
 def test_numbers_that_are_no_efficiencies_are_said_with_their_reason() -> None:
     """Reverse below 0: self-locking. Net above 1: friction under load is less than the free torque tared."""
     assert list(LoadTest(10, 1.0, 1.2, 0.8, 0.2).remarks()) == []
-    locking, above = LoadTest(10, 0.55, 1.19, -0.08, 0.64).remarks()
+    locking, above = (remark.text for remark in LoadTest(10, 0.55, 1.19, -0.08, 0.64).remarks())
     assert locking.startswith("the gear is self-locking: the weight must be pushed down with 0.08 N m")
     assert "friction takes 0.63 N m and the weight gives 0.55" in locking
     assert above.startswith("efficiency_reverse_net is 101.8% and no efficiency")

@@ -93,7 +93,7 @@ def test_what_cannot_be_computed_is_not_evaluated(monkeypatch: pytest.MonkeyPatc
 def test_command_prints_what_is_not_evaluated(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     limit, nan = read_limits()["free_torque"], float("nan")
     made = [Judged("free_torque", limit, nan, nan, nan, 0.0, remark="Not evaluated: contact-lost")]
-    monkeypatch.setattr("rps_exudyn.cli.check_command.judge", lambda *_, **__: iter(made))
+    monkeypatch.setattr("rps_exudyn.requirements.sheet.judge", lambda *_, **__: iter(made))
     answer = command(["check", "--out", "sheet.json"])
     assert answer.status == 1
     assert "not evaluated" in answer.out
@@ -136,7 +136,7 @@ def test_limits_that_cannot_be(tmp_path: Path, text: str, said: str) -> None:
 def test_command_judges_and_says_so_by_its_status(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     limit = read_limits()["free_torque"]
     made = [Judged("free_torque", limit, 0.6, 0.5, 0.7, 1.0), Judged("gain", limit, 0.035, 0.035, 0.035, 0.0)]
-    monkeypatch.setattr("rps_exudyn.cli.check_command.judge", lambda *_, **__: iter(made))
+    monkeypatch.setattr("rps_exudyn.requirements.sheet.judge", lambda *_, **__: iter(made))
     answer = command(["check", "--out", "sheet.json"])
     assert answer.status == 1
     assert "free_torque" in answer.out

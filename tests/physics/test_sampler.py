@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from rps_exudyn.gears.report import check_gear
+from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.parameters.declaration import Length, Number, Table, parameter
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear

@@ -9,9 +9,8 @@ from rps_exudyn.checks.after_run import start_forgotten
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.scenes.maneuver import maneuvers_of_test, swing_maneuver
-from rps_exudyn.solvers import adaptive_path
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.drive import Swing
 from rps_exudyn.solvers.equilibrium import SETTLED, Start, equilibrium_path, starting_guess, steady_rates
@@ -75,19 +74,6 @@ def test_steps_that_lead_to_the_start_are_not_followed_twice() -> None:
     assert parts.coordinates == pytest.approx(whole.coordinates, abs=1e-7)
     assert parts.forces[:, 0] == pytest.approx(whole.forces[:, 0], rel=1e-4)
     assert parts.evaluations < 1.1 * whole.evaluations
-
-
-def test_refined_steps_share_one_search_for_the_start(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The start is the same whatever the steps after it; the search for it may take far longer than these."""
-    gear, searches = SteeringGear().replace({"pinion.runout": "20 um"}), []
-    monkeypatch.setattr(
-        adaptive_path, "settled_start", lambda *course: searches.append(course) or settled_start(*course)
-    )
-    maneuver = maneuvers_of_test(gear, "pinion", np.deg2rad(20))[0].one_period()
-    course = gear_forces(gear, FIDELITY).statics, GearPair.of(gear), maneuver.drive, maneuver.approach
-    path = adaptive_path.adaptive_path(*course, maneuver.time, 1e-3)
-    assert len(searches) == 1
-    assert len(path.time) > 1.5 * len(maneuver.time)
 
 
 @pytest.mark.parametrize("per_time", [0.0, 5.0])
@@ -186,9 +172,8 @@ def test_what_the_start_remembers_is_refused_where_it_moves_the_mean(
     found = list(start_forgotten(start, {"time": np.array([0.0, recorded])}, SteeringGear()))
     assert bool(found) is fails
     if found:
-        status, message = found[0]
-        assert status is Status.INVALID
-        assert "does not settle" in message
+        status, code, _ = found[0]
+        assert (status, code) == (Status.INVALID, Code.START_MATTERS)
 
 
 @pytest.mark.parametrize(

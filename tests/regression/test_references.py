@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import GEOMETRY

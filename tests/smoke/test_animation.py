@@ -13,14 +13,13 @@ import pytest
 from PIL import Image
 
 import rps_exudyn as rps
-from rps_exudyn.analysis.rack_pose import rack_poses
+from rps_exudyn.analysis.rack_motion import rack_poses
 from rps_exudyn.animation import film
 from rps_exudyn.animation.camera import Camera, in_front
 from rps_exudyn.animation.contact_lines import ContactLines, contact_lines
-from rps_exudyn.animation.encode import decoded
 from rps_exudyn.animation.motion import MOST_FRAMES, Factors, Motion
 from rps_exudyn.animation.page import page
-from rps_exudyn.animation.page_data import page_data
+from rps_exudyn.animation.page_data import decoded, page_data
 from rps_exudyn.animation.parts import CHORD_ERROR, picture_parts
 from rps_exudyn.animation.raster import FILL, SUN, paint
 from rps_exudyn.gears.gear_pair import GearPair

@@ -13,7 +13,7 @@ import pytest
 
 from rps_exudyn import load
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
-from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GEOMETRY
 from rps_exudyn.results.result import Result

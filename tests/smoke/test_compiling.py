@@ -12,12 +12,10 @@ import pytest
 
 import rps_exudyn.base.compiling
 from rps_exudyn.base.compiled import NUMBER, kernel, kernel_of, ready
-from rps_exudyn.base.compiling import Step, called, listening, publish
-from rps_exudyn.base.compiling_progress import CompilingProgress
+from rps_exudyn.base.compiling import CompilingProgress, Step, called, listening, publish
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Progress, passed_on
-from rps_exudyn.base.screen import TextRow, open_screen
-from rps_exudyn.cli.progress import shown_progress
+from rps_exudyn.base.screen import TextRow, open_screen, shown_progress
 from rps_exudyn.explore.server import Explorer
 from rps_exudyn.results.result import Result
 from shell import Command, reader_environment
@@ -133,10 +131,9 @@ def compiling(monkeypatch: pytest.MonkeyPatch) -> None:
         "fitting.prediction.Prediction.simulated",
         "animation.page.write_page",
         "report.report.write_report",
-        "cli.animate_command.write_page",
     ):
         monkeypatch.setattr(f"rps_exudyn.{place}", begin)
-    monkeypatch.setattr("rps_exudyn.cli.view_command.has_display", lambda: True)
+    monkeypatch.setattr("rps_exudyn.cli.view.has_display", lambda: True)
     monkeypatch.setattr(Explorer, "serve_forever", lambda *_, **__: None)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.analysis.passes import passes
-from rps_exudyn.cli import doctor_command
+from rps_exudyn.cli import doctor
 from rps_exudyn.study.study_file import read_study
 from shell import Command, in_fresh_process
 
@@ -53,7 +53,7 @@ def test_doctor_runs_a_reference(command: Command, monkeypatch: pytest.MonkeyPat
     assert answer.status == 0
     assert re.search(r"ok  reference run +0\.6196\d N m, published 0\.6196 N m", answer.out)
     assert f"ok  folder is writable {tmp_path}" in answer.out
-    monkeypatch.setattr(doctor_command, "PUBLISHED", 0.62)
+    monkeypatch.setattr(doctor, "PUBLISHED", 0.62)
     wrong = command(["doctor"])
     assert (wrong.status, "NO  reference run" in wrong.out) == (1, True)
 
@@ -87,7 +87,7 @@ def test_doctor_removes_kernels_of_this_package_only(
     own, foreign = tmp_path / "gear_model.line_gear-1.py311.nbi", tmp_path / "users_own.f-1.py311.nbi"
     for file in (own, foreign, own.with_name(f"{own.name}.sha256")):
         file.touch()
-    doctor_command._clear([tmp_path])
+    doctor._clear([tmp_path])
     assert list(tmp_path.iterdir()) == [foreign]
     assert capsys.readouterr().out == "removed: 1 files of compiled kernels\n"
 

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.patches import Rectangle
 
 import rps_exudyn as rps
-from rps_exudyn.charts.torque import torque_figure
+from rps_exudyn.charts.scene import torque_figure
 from rps_exudyn.parameters.fidelity import PRESETS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.report.report import write_report

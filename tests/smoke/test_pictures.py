@@ -18,10 +18,8 @@ import rps_exudyn
 from made_up_study import FRICTION, PRELOAD, description, grid_points, make_study, sampled
 from picture_album import Album, figure_functions
 from rps_exudyn.charts import style
-from rps_exudyn.charts.losses import losses_figure
-from rps_exudyn.charts.several import torques_figure
-from rps_exudyn.charts.spectrum import spectrum_figure
-from rps_exudyn.cli import commands
+from rps_exudyn.charts.analyses import losses_figure, spectrum_figure, torques_figure
+from rps_exudyn.cli.main import main
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.blocks import load
@@ -42,7 +40,7 @@ OPTIONS: dict[str, tuple[str, ...]] = {
 CLOSE_UP = "a close-up of the impacts, under the whole record in the panel above"
 SECTION = "the section around the pitch point; pinion and rack are drawn whole in other pictures"
 ZOOMS = {
-    "rps_exudyn.charts.impact.impact_figure": {1: CLOSE_UP, 2: CLOSE_UP},
+    "rps_exudyn.charts.scene.impact_figure": {1: CLOSE_UP, 2: CLOSE_UP},
     "rps_exudyn.charts.geometry.geometry_figure": {2: SECTION},
 }
 LONG = "a_long_name_of_a_file_with_$signs$_2024-04-03_12-00-00_run_17"
@@ -69,7 +67,7 @@ def album(place: Path) -> Album:
 def do(album: Album, *arguments: str, status: Iterable[int] = (0,)) -> None:
     """Run a command that draws."""
     with album.looking(" ".join(arguments)):
-        assert commands.main([*arguments]) in status
+        assert main([*arguments]) in status
     assert album.pages[" ".join(arguments)]
 
 
@@ -172,7 +170,7 @@ def validations(album: Album) -> None:
     none = [each for each in compared if each.row.not_comparable]
     for rows in (compared, compared[:1], none[:1]):
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("rps_exudyn.cli.validate_command.compare_rows", lambda *_, rows=rows: iter(rows))
+            patch.setattr("rps_exudyn.validation.comparison.compare_rows", lambda *_, rows=rows: iter(rows))
             do(album, "validate", "--out", f"validation_{len(rows)}.html")
 
 

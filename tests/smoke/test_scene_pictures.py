@@ -13,15 +13,10 @@ from matplotlib.lines import Line2D
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.charts import style
+from rps_exudyn.charts.analyses import losses_figure, spectrum_figure, torques_figure
 from rps_exudyn.charts.curves import NOT_SIMULATED
-from rps_exudyn.charts.load_test import load_test_figure
-from rps_exudyn.charts.losses import losses_figure
-from rps_exudyn.charts.scene import draw
-from rps_exudyn.charts.several import torques_figure
-from rps_exudyn.charts.spectrum import spectrum_figure
-from rps_exudyn.charts.torque import torque_figure
-from rps_exudyn.results.measured_torque import MeasuredTorque
-from rps_exudyn.results.result import Result, content_of
+from rps_exudyn.charts.scene import draw, load_test_figure, torque_figure
+from rps_exudyn.results.result import MeasuredTorque, Result, content_of
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.blocks import load
 from shell import Command

@@ -8,9 +8,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from rps_exudyn.charts import style
-from rps_exudyn.charts.scene import draw
+from rps_exudyn.charts.scene import draw, torque_figure
 from rps_exudyn.charts.style import NOT_ZERO
-from rps_exudyn.charts.torque import torque_figure
 from rps_exudyn.results.result import Result
 from shell import Command
 

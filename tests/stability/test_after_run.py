@@ -10,7 +10,7 @@ import pytest
 
 from rps_exudyn.checks import after_run
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.outcome import Code, Status
 
 DEEPEST = 50e-6
 VALID_TO = {"mesh_penetration": DEEPEST}
@@ -43,36 +43,36 @@ def test_sound_signals_pass(signals: dict[str, np.ndarray]) -> None:
 
 def test_not_a_number(signals: dict[str, np.ndarray]) -> None:
     signals["pinion_torque"][7] = np.nan
-    ((status, message),) = after_run.finite(signals)
-    assert status is Status.DIVERGED
+    ((status, code, message),) = after_run.finite(signals)
+    assert (status, code) == (Status.DIVERGED, Code.NOT_FINITE)
     assert "pinion_torque" in message
 
 
 def test_rack_out_of_mesh(signals: dict[str, np.ndarray]) -> None:
     signals["rack_y"][20:] = 9e-3
-    ((status, message),) = after_run.rack_in_mesh(signals, 0.0, 0.9e-3)
-    assert status is Status.CONTACT_LOST
+    ((status, code, message),) = after_run.rack_in_mesh(signals, 0.0, 0.9e-3)
+    assert (status, code) == (Status.CONTACT_LOST, Code.RACK_OUT_OF_MESH)
     assert f"{np.degrees(signals['pinion_angle'][20]):.4g} deg" in message
 
 
 def test_teeth_without_load(signals: dict[str, np.ndarray]) -> None:
     signals["mesh_normal_force"][30] = 0.0
-    ((status, _),) = after_run.teeth_loaded(signals)
-    assert status is Status.CONTACT_LOST
+    ((status, code, _),) = after_run.teeth_loaded(signals)
+    assert (status, code) == (Status.CONTACT_LOST, Code.TEETH_UNLOADED)
 
 
 def test_teeth_deeper_than_their_law_allows(signals: dict[str, np.ndarray]) -> None:
     signals["mesh_penetration"][3] = 1.1 * DEEPEST
-    ((status, message),) = after_run.law_valid(VALID_TO, signals)
-    assert status is Status.INVALID
+    ((status, code, message),) = after_run.law_valid(VALID_TO, signals)
+    assert (status, code) == (Status.INVALID, Code.BEYOND_LAW)
     assert "µm" in message
 
 
 @pytest.mark.parametrize("residual", [0.003, -0.003, float("nan")])
 def test_work_that_does_not_add_up(signals: dict[str, np.ndarray], residual: float) -> None:
     signals["work_mesh_friction"] *= 1 - residual
-    ((status, _),) = after_run.work_balanced(signals, 2e-3)
-    assert status is Status.INVALID
+    ((status, code, _),) = after_run.work_balanced(signals, 2e-3)
+    assert (status, code) == (Status.INVALID, Code.WORK_MISSING)
 
 
 def test_a_gear_without_friction_may_miss_a_large_share_of_nothing(signals: dict[str, np.ndarray]) -> None:
@@ -82,16 +82,16 @@ def test_a_gear_without_friction_may_miss_a_large_share_of_nothing(signals: dict
 
 def test_work_that_goes_over_the_edges(signals: dict[str, np.ndarray]) -> None:
     signals["work_mesh_edges"] = 0.02 * signals["work_drive"]
-    ((status, message),) = after_run.edges_spared(signals, 1.5e-2)
-    assert status is Status.INVALID
+    ((status, code, message),) = after_run.edges_spared(signals, 1.5e-2)
+    assert (status, code) == (Status.INVALID, Code.EDGES_LOADED)
     assert "2.00%" in message
     assert not list(after_run.edges_spared(signals, 2.5e-2))
 
 
 @pytest.mark.parametrize("disagreement", [0.5, float("nan")])
 def test_two_evaluations_that_differ(disagreement: float) -> None:
-    ((status, _),) = after_run.contact_agreed(disagreement)
-    assert status is Status.INVALID
+    ((status, code, _),) = after_run.contact_agreed(disagreement)
+    assert (status, code) == (Status.INVALID, Code.CONTACT_DISAGREES)
 
 
 @pytest.mark.parametrize(("ripple", "reported"), [(0.5, True), (0.01, False)])
@@ -116,8 +116,8 @@ def test_spheres_on_a_rack_that_stands_elsewhere(signals: dict[str, np.ndarray])
     record, gear = SimpleNamespace(forces=SimpleNamespace(spheres="some")), SteeringGear()
     assert not list(after_run.spheres_in_place(record, gear, signals))
     signals["rack_y"] += 200e-6
-    ((status, message),) = after_run.spheres_in_place(record, gear, signals)
-    assert status is Status.INVALID
+    ((status, code, message),) = after_run.spheres_in_place(record, gear, signals)
+    assert (status, code) == (Status.INVALID, Code.SPHERES_OUT_OF_PLACE)
     assert "moves its tips by" in message
     record.forces.spheres = None  # other contacts have their ends where the rack is
     assert not list(after_run.spheres_in_place(record, gear, signals))

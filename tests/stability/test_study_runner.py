@@ -169,7 +169,7 @@ def test_storing_that_fails_ends_the_study_in_a_sentence(
     folder = Path(os.environ["PYTHONPATH"])
     with (folder / "sitecustomize.py").open("a") as text:
         text.write(
-            "\nimport errno\nimport rps_exudyn.base.atomic as atomic\nflush = atomic._flush_to_disk\n"
+            "\nimport errno\nimport rps_exudyn.base.files as atomic\nflush = atomic._flush_to_disk\n"
             "def full(path):\n"
             "    if len(list(path.parent.glob('[!.]*.h5'))) >= 2 and path.parent.name == 'cases':\n"
             "        raise OSError(errno.ENOSPC, 'No space left on device')\n"

@@ -15,7 +15,7 @@ import pytest
 from rps_exudyn import load
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.checks import memory
-from rps_exudyn.gears.report import geometry_report
+from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status

@@ -10,7 +10,7 @@ from edited import edited
 from made_up_study import make_study
 from rps_exudyn import load
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.seal import SIZE, is_intact, sealed, without_seal
+from rps_exudyn.base.files import CHECKSUM_SIZE, fits_checksum, with_checksum, without_checksum
 from rps_exudyn.results.result import Result
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable
@@ -43,18 +43,18 @@ def test_published_table_says_that_all_were_noticed(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("where", ["heading", "digest", "filling", "content"])
 def test_any_changed_byte_breaks_the_seal(where: str) -> None:
-    whole = sealed(b"some content")
-    at = {"heading": 3, "digest": 60, "filling": SIZE - 1, "content": SIZE + 4}[where]
-    assert is_intact(whole)
-    assert not is_intact(whole[:at] + b"\0" + whole[at + 1 :])
-    assert without_seal(whole) == b"some content"
+    whole = with_checksum(b"some content")
+    at = {"heading": 3, "digest": 60, "filling": CHECKSUM_SIZE - 1, "content": CHECKSUM_SIZE + 4}[where]
+    assert fits_checksum(whole)
+    assert not fits_checksum(whole[:at] + b"\0" + whole[at + 1 :])
+    assert without_checksum(whole) == b"some content"
 
 
 def test_files_without_a_checksum_are_read(study: Path) -> None:
     """As earlier versions wrote them; HDF5's own bytes are the same."""
     path = next((study / "cases").glob("*.h5"))
     new = load(path)
-    path.write_bytes(without_seal(path.read_bytes()))
+    path.write_bytes(without_checksum(path.read_bytes()))
     assert load(path).summary == new.summary
 
 

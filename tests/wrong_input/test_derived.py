@@ -7,7 +7,7 @@ import pytest
 import rps_exudyn as rps
 from rps_exudyn.gears.basic_rack import crest_width
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.report import check_gear
+from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.gears.solids import plunger_ends
 from rps_exudyn.parameters.derived import DEFAULT, DERIVED, SOURCES, derived_values
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.parameters.setup import Setup
+from rps_exudyn.parameters.gear import Setup
 from shell import Command, in_fresh_process
 
 NUMBERS = [item.path for item in Setup.declared() if item.field.annotation is float]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.cli.fit_command import parse_priors
+from rps_exudyn.cli.fit import parse_priors
 from rps_exudyn.fitting.bench_tests import mixed_speeds, named_test, read_measurement
 from rps_exudyn.fitting.fit import fit
 from rps_exudyn.fitting.series import read_series

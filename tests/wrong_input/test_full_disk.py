@@ -15,7 +15,7 @@ from shell import Command
 
 FIT = """
 import resource, signal, sys
-from rps_exudyn.cli.commands import main
+from rps_exudyn.cli.main import main
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, ({bytes}, {bytes}))  # no file may be larger
 raise SystemExit(main())

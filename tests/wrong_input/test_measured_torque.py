@@ -21,7 +21,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.measured.numbers import Format, as_number
 from rps_exudyn.measured.reading import read_curve, read_measured_torque
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.measured_torque import MeasuredTorque
+from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.solvers.closed_form import closed_form
 from shell import Command
 

@@ -1,0 +1,194 @@
+"""Files: written so that they are complete or absent, read as tables of JSON, checked by a checksum."""
+
+import json
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.units import short
+
+RESULT_FILES = (".h5", ".hdf5")
+"""Suffixes of the files that hold a result."""
+
+PICTURES = (".png", ".svg", ".pdf")
+"""Suffixes of the files that a chart can be saved as, without loading the library that draws."""
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[Path]:
+    """A temporary file in the same folder that becomes `path` when the block succeeds.
+
+    An existing `path` is replaced by the finished file or stays unmodified.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    check_writable(path)
+    target = Path(path).resolve()
+    partial = _beside(target)
+    try:
+        yield partial
+        _flush_to_disk(partial)
+        partial.replace(target)
+    except OSError as error:
+        raise InputError(f"{path} cannot be written: {error.strerror or error}.") from error
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def write_json(path: str | Path, content: Any) -> None:
+    """Write content as JSON of one value a line.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    with replacing(path) as partial:
+        partial.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+
+def check_writable(path: str | Path, suffixes: Sequence[str] = ()) -> Path:
+    """Return the path if a file can be written there, checked before the work; nothing is modified.
+
+    Raises:
+        InputError: `path` cannot be written, or ends in none of the suffixes, if any are given.
+    """
+    if suffixes and Path(path).suffix.lower() not in suffixes:
+        raise InputError(f"{path} cannot be written: its name must end in {' or '.join(suffixes)}.")
+    target = _resolved(path)
+    if target.exists() and not target.is_file():
+        raise InputError(f"{path} cannot be written: it is not a file.")
+    if not target.parent.is_dir():
+        raise InputError(f"{path} cannot be written: there is no folder {target.parent}.")
+    if target.exists() and not os.access(target, os.W_OK):
+        raise InputError(f"{path} cannot be written: the existing file is read-only.")
+    probe = _beside(target)
+    try:
+        probe.write_bytes(b"\0")
+    except OSError as error:
+        raise InputError(f"{short(str(path))} cannot be written: {error.strerror or error}.") from None
+    finally:
+        with suppress(OSError):  # of a name too long, reported above
+            probe.unlink(missing_ok=True)
+    return Path(path)
+
+
+def number_existing(path: Path) -> Path | None:
+    """Rename an existing file to the first free of NAME.1, NAME.2, ... and return that name; None without
+    one.
+
+    Raises:
+        InputError: it cannot be renamed.
+    """
+    if not path.exists():
+        return None
+    numbered = (path.with_suffix(f".{number}{path.suffix}") for number in count(1))
+    older = next(name for name in numbered if not name.exists())
+    try:
+        return path.rename(older)
+    except OSError as error:
+        raise InputError(f"{path} cannot be kept as {older}: {error.strerror or error}.") from error
+
+
+def append(path: Path, text: str) -> None:
+    """Append to a file in one write, so that several writers cannot mix their lines.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    descriptor = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
+    try:
+        os.write(descriptor, text.encode())
+    finally:
+        os.close(descriptor)
+
+
+def _resolved(path: str | Path) -> Path:
+    target = Path(path).resolve()
+    try:
+        target.exists()
+    except OSError as error:  # a name too long for a file
+        raise InputError(f"{short(str(path))} cannot be written: {error.strerror or error}.") from None
+    return target
+
+
+def _beside(target: Path) -> Path:
+    """A hidden name in the same folder with the same suffix, by which writers choose their format."""
+    return target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
+
+
+def _flush_to_disk(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDWR)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+# --- Tables written as JSON in files of others: read to a depth that all their readers can bear
+
+DEEPEST = 50
+"""Levels of lists and tables within each other; our own files have six. Python refuses some hundreds."""
+
+
+def read_json_tables(text: str, what: str) -> dict[str, Any]:
+    """Return the table that a text holds as JSON; `what` names the text in messages.
+
+    Raises:
+        ValueError: it is no JSON, no table, or nested too deep.
+    """
+    too_deep = f"{what} is nested more than {DEEPEST} levels deep"
+    try:
+        tables = json.loads(text)
+    except RecursionError:
+        raise ValueError(too_deep) from None
+    if not isinstance(tables, dict):
+        raise ValueError(f"{what} is no set of tables")
+    level: list[Any] = [tables]
+    for _ in range(DEEPEST):
+        containers = [each for each in level if isinstance(each, dict | list)]
+        level = [item for each in containers for item in (each.values() if isinstance(each, dict) else each)]
+        if not level:
+            return tables
+    raise ValueError(too_deep)
+
+
+# --- A checksum in front of an HDF5 file, by which any byte that was changed later is noticed
+#
+# HDF5 allows 512 bytes of any kind in front of its own, and all its readers skip them. Here they hold the
+# SHA-256 of all bytes that follow, so that numbers, attributes and structure are covered alike:
+#
+#     rps-exudyn: sha256 of the bytes after the first 512
+#     4f1c...
+#
+# Files of earlier versions begin with HDF5's own first bytes; they have no checksum and are read as they are.
+
+HDF5_BEGIN = b"\x89HDF\r\n\x1a\n"
+CHECKSUM_SIZE = 512
+HEADING = b"rps-exudyn: sha256 of the bytes after the first 512\n"
+
+
+def with_checksum(content: bytes) -> bytes:
+    """Return the bytes of an HDF5 file with its checksum before them."""
+    return _checksum(content) + content
+
+
+def fits_checksum(content: bytes) -> bool:
+    """Tell whether the bytes of a file fit its checksum, or are those of an HDF5 file that has none."""
+    if content.startswith(HDF5_BEGIN):
+        return True
+    return content[:CHECKSUM_SIZE] == _checksum(memoryview(content)[CHECKSUM_SIZE:])
+
+
+def without_checksum(content: bytes) -> bytes:
+    """Return the bytes of a file as HDF5 itself would have written them, without a checksum."""
+    return content if content.startswith(HDF5_BEGIN) else content[CHECKSUM_SIZE:]
+
+
+def _checksum(content: bytes | memoryview) -> bytes:
+    import hashlib
+
+    return (HEADING + hashlib.sha256(content).hexdigest().encode()).ljust(CHECKSUM_SIZE, b"\n")

@@ -1,0 +1,105 @@
+"""The command `check`: the requirement sheet of a gear."""
+
+from collections.abc import Sequence
+from math import isnan
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import check_writable, write_json
+from rps_exudyn.base.screen import shown_progress
+from rps_exudyn.base.units import to_si
+from rps_exudyn.cli.options import PAPER_GEAR, GearOptions, Inputs, Json
+from rps_exudyn.cli.output import DONE, FAILED, print_json, put, put_table
+
+if TYPE_CHECKING:
+    from rps_exudyn.requirements.sheet import Judged
+
+COLUMNS = ("requirement", "limit", "nominal", "5 to 95 %", "gears that keep it", "verdict")
+
+
+def check(
+    *,
+    gear: GearOptions = PAPER_GEAR,
+    inputs: Inputs = None,
+    limits: Path | None = None,
+    rated_torque: str = "30 N*m",
+    out: Path | None = None,
+    json: Json = False,
+) -> int:
+    """Judge a gear by its requirement sheet: torque, variation, efficiency, strength, lift, travel, gain.
+
+    Exit status 1: a requirement is not kept.
+
+    Args:
+        limits: TOML file whose limits replace the shipped ones, which `rps_exudyn/requirements/limits.toml`
+            lists with their sources.
+        rated_torque: on the pinion, for the strength of the teeth and the lift.
+        out: the sheet as a file (.json).
+    """
+    from rps_exudyn.requirements.limits import read_limits
+    from rps_exudyn.requirements.sheet import judge
+    from rps_exudyn.uncertainty.input_sets import uncertain_inputs
+
+    own, chosen, asked = gear.carried(), gear.load(), read_limits(limits)
+    if out is not None:
+        check_writable(out, (".json",))
+    try:
+        torque = to_si(rated_torque, "N*m")
+    except ValueError as error:
+        raise InputError(f"--rated-torque {error}.") from None
+    drawn = uncertain_inputs(chosen, inputs, own)
+    with shown_progress() as show:
+        sheet = list(judge(chosen, drawn, asked, torque, told=lambda text: show(f"computing: {text}", None)))
+    if out is not None:
+        write_json(out, _as_dict(sheet))
+    if json:
+        print_json(_as_dict(sheet))
+    else:
+        _print(sheet, torque, out)
+    return DONE if all(each.kept for each in sheet) else FAILED
+
+
+def _known(value: float) -> float | None:
+    """The number, for JSON, which has no nan."""
+    return None if isnan(value) else value
+
+
+def _as_dict(sheet: "Sequence[Judged]") -> dict[str, object]:
+    from rps_exudyn.requirements.limits import REQUIRED
+
+    rows = {
+        each.name: {
+            "verdict": each.verdict,
+            "nominal": _known(each.nominal),
+            "band": [_known(each.low), _known(each.high)],
+            "unit": REQUIRED[each.name].unit,
+            "limit": each.limit.show(REQUIRED[each.name]),
+            "share": each.share,
+            "source": each.limit.source,
+            "remark": each.remark,
+        }
+        for each in sheet
+    }
+    return {"all_kept": all(each.kept for each in sheet), "requirements": rows}
+
+
+def _print(sheet: "Sequence[Judged]", torque: float, out: Path | None) -> None:
+    from rps_exudyn.requirements.limits import REQUIRED
+    from rps_exudyn.requirements.sheet import ASSURED
+
+    rows = []
+    for each in sheet:
+        show, evaluated = REQUIRED[each.name].show, not isnan(each.nominal)
+        band = f"{show(each.low)} to {show(each.high)}" if evaluated and each.low != each.high else ""
+        share = f"{each.share:.0%}" if band else ""
+        nominal = show(each.nominal) if evaluated else ""
+        rows.append((each.name, each.limit.show(REQUIRED[each.name]), nominal, band, share, each.verdict))
+    put_table(COLUMNS, rows)
+    for each in sheet:
+        remark = f" {each.remark}." if each.remark else ""
+        text = f"{each.name}: {REQUIRED[each.name].long_name}. From: {each.limit.source}.{remark}"
+        put(text)
+    put(f"Rated torque {torque:g} N m. A requirement passes if {ASSURED:.0%} of the gears keep it.")
+    if out is not None:
+        put(f"written: {out}")

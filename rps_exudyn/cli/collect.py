@@ -1,0 +1,32 @@
+"""The command `collect`: one table of all cases of a study."""
+
+from pathlib import Path
+
+from rps_exudyn.base.files import check_writable
+from rps_exudyn.cli.output import DONE, say
+from rps_exudyn.cli.study import SHOWN_SKIPPED, print_said
+
+
+def collect(folder: Path, /, *, out: Path | None = None) -> int:
+    """Write one table of all cases of a study: what was varied, how each ended, its numbers.
+
+    Args:
+        folder: folder that `study` wrote.
+        out: table (.h5, .csv); without it table.h5 in the folder.
+    """
+    from rps_exudyn.study.collected import SUFFIXES, write_table
+    from rps_exudyn.study.messages import groups
+    from rps_exudyn.study.store import Store
+    from rps_exudyn.study.table import CaseTable
+
+    store = Store.open(folder)
+    out = check_writable(out or folder / "table.h5", SUFFIXES)
+    table = CaseTable.of(store)
+    for _, sentence in table.skipped[:SHOWN_SKIPPED]:
+        say(f"left out: {sentence}")
+    if (count := len(table.skipped)) > SHOWN_SKIPPED:
+        say(f"{count} files are left out, these among them; the command study does them again.")
+    write_table(table, out)
+    print(f"written: {out}")
+    print_said(groups(table.ended()))
+    return DONE

@@ -1,0 +1,67 @@
+"""The command `describe`: parameters with their values, units, meanings and sources."""
+
+from typing import TYPE_CHECKING, Any
+
+from rps_exudyn.cli.options import PAPER_SETUP, Json, SetupOptions
+from rps_exudyn.cli.output import DONE, print_json, put, put_table
+
+if TYPE_CHECKING:
+    from rps_exudyn.parameters.declaration import Declared
+    from rps_exudyn.parameters.gear import Setup
+
+
+def describe(path: str = "", /, *, setup: SetupOptions = PAPER_SETUP, json: Json = False) -> int:
+    """Print parameters of gear, test and fidelity: value, unit, meaning, and where the value is from.
+
+    Args:
+        path: a parameter such as yoke.preload, or a table such as yoke or fidelity; without it all.
+    """
+    from rps_exudyn.parameters.gear import Setup
+
+    items = Setup.declared_at(path)
+    if json:
+        print_json(parameters_as_dict(setup.load(), items))
+    else:
+        print_parameters(setup.load(), items)
+    return DONE
+
+
+def print_parameters(table: "Setup", items: "list[Declared]") -> None:
+    """Print value, meaning and source of parameters; of a single one its allowed values, too."""
+    from rps_exudyn.results.law_error import law_error
+
+    rows = [(item.path, item.show(table.value_at(item.path)), item.meaning, item.source) for item in items]
+    put_table(("parameter", "value", "meaning", "source"), rows)
+    for item in items:
+        if (derived := _derived(table, item)) is not None and item.unit is not None:
+            put(f"{item.path} is {item.unit.show(derived)} for this gear.")
+    law = law_error(table, table.fidelity.model_dump())
+    if law and "mesh.law" in (item.path for item in items):
+        put(law.sentence)
+    if len(items) == 1:
+        put(f"{items[0].path} must be {items[0].allowed}.")
+
+
+def _derived(table: "Setup", item: "Declared") -> float | None:
+    """The value that the gear has for a parameter which is not given (SI)."""
+    if table.value_at(item.path):
+        return None
+    from rps_exudyn.gears.tooth_stiffness import DERIVED  # with what makes them
+
+    return DERIVED[item.path](table) if item.path in DERIVED else None
+
+
+def parameters_as_dict(table: "Setup", items: "list[Declared]") -> dict[str, Any]:
+    """Path -> value in SI, unit, and the rest of the declaration."""
+    return {
+        item.path: {
+            "value": table.value_at(item.path),
+            "unit": item.unit.si if item.unit else "",
+            "shown": item.show(table.value_at(item.path)),
+            **({} if (derived := _derived(table, item)) is None else {"derived": derived}),
+            "meaning": item.meaning,
+            "allowed": item.allowed,
+            "source": item.source,
+        }
+        for item in items
+    }

@@ -1,0 +1,107 @@
+"""The command `diff`: two results compared."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rps_exudyn.base.files import PICTURES, check_writable
+from rps_exudyn.cli.options import Json
+from rps_exudyn.cli.output import DONE, print_files, print_json, put, put_table
+
+if TYPE_CHECKING:
+    from rps_exudyn.analysis.comparison import Comparison
+
+
+def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Json = False) -> int:
+    """Compare two results: settings that differ, summary side by side, signals over the pinion angle.
+
+    Args:
+        first: HDF5 file that `run` wrote.
+        second: HDF5 file to compare with it; differences are second minus first.
+        plot: picture (.png, .svg, .pdf) of both torques and their difference.
+    """
+    from rps_exudyn.analysis.comparison import compare
+    from rps_exudyn.charts.analyses import draw_comparison
+    from rps_exudyn.study.blocks import load
+
+    if plot:
+        check_writable(plot, PICTURES)
+    comparison = compare(load(first), load(second))
+    names = (first.stem, second.stem) if first.stem != second.stem else (str(first), str(second))
+    if plot:
+        draw_comparison(comparison, names, plot)
+    files = [plot] if plot else []
+    if json:
+        print_json(comparison_as_dict(comparison, files))
+    else:
+        print_comparison(comparison, names, files)
+    return DONE
+
+
+def print_comparison(comparison: "Comparison", names: tuple[str, str], files: Iterable[Path] = ()) -> None:
+    """Print the settings that differ, both summaries, and how far the curves of each signal lie apart."""
+    for name, scene, status in zip(names, comparison.scene, comparison.status, strict=True):
+        put(f"{name}: {scene} · status {status}", "bold")
+    settings = [(path, *_both_shown(path, pair)) for path, pair in comparison.settings.items()]
+    if settings:
+        put_table(("setting", *names), settings)
+    else:
+        put("No setting differs.")
+    put()
+    put_table(("quantity", *names, "difference"), _summary_differences(comparison))
+    put()
+    if comparison.signals:
+        angles = f"{_angle(comparison.angle[0])} to {_angle(comparison.angle[-1])}"
+        put(f"Signals over pinion angles of {angles}, the torque's in % of its mean:")
+        rows = (
+            (name, pair.shown(pair.rms), pair.shown(pair.largest), _angle(pair.angle))
+            for name, pair in comparison.signals.items()
+        )
+        put_table(("quantity", "RMS difference", "largest", "at"), rows)
+    else:
+        put("The results share no range of the pinion angle: no signals are compared.")
+    print_files(files)
+
+
+def comparison_as_dict(comparison: "Comparison", files: Iterable[Path] = ()) -> dict[str, Any]:
+    """A comparison without the curves, in SI units; pairs are [first, second]."""
+    from rps_exudyn.cli.printed import differences
+    from rps_exudyn.results.quantities import SIGNALS
+
+    return {
+        "scene": comparison.scene,
+        "status": comparison.status,
+        "settings": comparison.settings,
+        "summary": comparison.summary,
+        "common_angle": comparison.angle[[0, -1]].tolist() if comparison.angle.size else None,
+        "signals": {
+            name: {"unit": SIGNALS[name].unit, "mean": pair.mean, **differences(pair)}
+            for name, pair in comparison.signals.items()
+        },
+        "files": [str(file) for file in files],
+    }
+
+
+def _angle(angle: float) -> str:
+    """A pinion angle [rad] as text, without rounding noise and negative zeros."""
+    from rps_exudyn.results.quantities import SIGNALS
+
+    return SIGNALS["pinion_angle"].show(round(float(angle), 9) + 0.0)
+
+
+def _both_shown(path: str, pair: tuple[Any, Any]) -> tuple[str, str]:
+    """Two values of a setting as text; those of a parameter in its unit."""
+    from rps_exudyn.parameters.gear import Setup
+
+    item = {item.path: item for item in Setup.declared()}.get(path)
+    first, second = ("-" if value is None else item.show(value) if item else str(value) for value in pair)
+    return first, second
+
+
+def _summary_differences(comparison: "Comparison") -> Iterable[tuple[str, ...]]:
+    from rps_exudyn.results.quantities import SUMMARY
+
+    for name, (first, second) in comparison.summary.items():
+        values = ["-" if value is None else SUMMARY[name].show(value) for value in (first, second)]
+        known = first is not None and second is not None
+        yield name, *values, SUMMARY[name].show(second - first) if known else "-"

@@ -1,0 +1,41 @@
+"""The command `explore`: a server that ends with Ctrl-C."""
+
+import webbrowser
+from contextlib import suppress
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.screen import shown_progress
+from rps_exudyn.cli.options import PAPER_GEAR, GearOptions
+from rps_exudyn.cli.output import DONE, say
+
+
+def explore(
+    *, gear: GearOptions = PAPER_GEAR, host: str = "127.0.0.1", port: int = 0, browser: bool = True
+) -> int:
+    """Serve a page with sliders on this machine: torque, losses, geometry and limits while they are dragged.
+
+    Args:
+        host: address to listen at; another than this machine's own lets others compute here.
+        port: its port; 0 takes a free one.
+        browser: open the page in the browser.
+    """
+    from rps_exudyn.explore.answer import answer
+    from rps_exudyn.explore.server import Explorer
+
+    chosen = gear.load()
+    if not host.strip():
+        raise InputError("--host is empty; give an address, for instance 127.0.0.1 for this machine alone.")
+    if not 0 <= port <= 65535:
+        raise InputError(f"--port is {port}; it must be from 0 to 65535, 0 for a free one.")
+    with Explorer(chosen, host, port) as server:
+        if not server.local:
+            say(f"anyone who reaches {host} can compute on this machine now; there is no password.")
+        with shown_progress():
+            answer(chosen, {})
+        print(f"serving: {server.address} (Ctrl-C ends it)", flush=True)
+        if browser:
+            with suppress(webbrowser.Error):
+                webbrowser.open(server.address)
+        with suppress(KeyboardInterrupt):
+            server.serve_forever(poll_interval=0.2)
+    return DONE

@@ -1,0 +1,208 @@
+"""The command `fit`: a gear estimated from measured curves."""
+
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from rps_exudyn.base import units
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import PICTURES, check_writable, number_existing, replacing
+from rps_exudyn.base.screen import shown_progress
+from rps_exudyn.cli.options import PAPER_GEAR, Columns, Flag, GearOptions, Json, chosen_columns
+from rps_exudyn.cli.output import (
+    DONE,
+    FAILED,
+    named_if_interrupted,
+    print_files,
+    print_json,
+    put,
+    put_table,
+    say,
+)
+
+if TYPE_CHECKING:
+    from rps_exudyn.fitting.fitted import Fit
+
+PAGES = (".html", ".htm")
+_PRIOR = re.compile(r"(?P<value>.+?)\s*(?:\+-|\+/-|±)\s*(?P<sd>.+)")
+
+Priors = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--prior",
+        negative=(),
+        show_default=False,
+        help='PATH="VALUE +- DEVIATION": what is expected of a parameter and its standard deviation, for '
+        'instance --prior yoke.preload="300 N +- 10 %"; may be repeated.',
+    ),
+]
+
+Freed = Annotated[
+    tuple[str, ...],
+    Parameter(
+        name="--free",
+        negative=(),
+        show_default=False,
+        help="PATH of a parameter that is fitted, instead of the usual ones, such as --free bush.drag; may "
+        "be repeated.",
+    ),
+]
+
+
+def fit(
+    *files: str,
+    gear: GearOptions = PAPER_GEAR,
+    prior: Priors = (),
+    free: Freed = (),
+    column: Columns = (),
+    single_law: Flag = False,
+    out: Path = Path("fitted.toml"),
+    plot: Path | None = None,
+    report: Path | None = None,
+    series: Path | None = None,
+    like: Path | None = None,
+    json: Json = False,
+) -> int:
+    """Estimate preload, friction, drag and runout from measured curves, and name what they cannot separate.
+
+    Args:
+        files: measured files, FILE of a free turning or TEST=FILE, where TEST is free, reversal,
+            load-test@80kg, rack-push, yoke-out or bearing; several of one test are its repeats.
+        single_law: leave out the fit by another contact law, whose difference is added to the intervals.
+        out: gear file (.toml) with the estimates in place.
+        plot: picture (.png, .svg, .pdf) of measured and fitted torque.
+        report: page (.html) with pictures, intervals, correlations and what was assumed.
+        series: file (.json) with what this fit leaves for the next gear of the series.
+        like: such a file of another gear, with the same tests: this fit begins there.
+    """
+    from rps_exudyn.fitting import findings
+    from rps_exudyn.fitting.fit import fit as fitted
+    from rps_exudyn.fitting.series import read_series
+    from rps_exudyn.fitting.unknowns import USUAL
+
+    if not files:
+        raise InputError("fit needs at least one measured file, for instance rps-exudyn fit measured.csv.")
+    check_writable(out, (".toml",))
+    for path, suffixes in ((plot, PICTURES), (report, PAGES), (series, (".json",))):
+        if path:
+            check_writable(path, suffixes)
+    with shown_progress(asked=False):
+        found = fitted(
+            files,
+            gear.load(),
+            free=free or USUAL,
+            priors=parse_priors(prior),
+            columns=chosen_columns(column),
+            other_law=not single_law,
+            like=read_series(like) if like else None,
+        )
+    written: list[Path] = []
+    with named_if_interrupted(written):
+        written.extend(_written_files(found, out, plot, report, series))  # keeps those before an interrupt
+    if json:
+        print_json(findings.fit_as_dict(found) | {"files": [str(file) for file in written]})
+    else:
+        print_fit(found, written)
+    return DONE if found.converged else FAILED
+
+
+def parse_priors(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
+    """Path -> expected value and standard deviation, of texts PATH="VALUE +- DEVIATION".
+
+    Raises:
+        InputError: everything that is wrong with them.
+    """
+    from rps_exudyn.fitting.unknowns import FREEABLE
+    from rps_exudyn.parameters.gear import SteeringGear
+
+    priors, problems = {}, []
+    for text in texts:
+        path, _, prior = text.partition("=")
+        path, found = path.strip(), _PRIOR.fullmatch(prior.strip())
+        if path not in FREEABLE:
+            problems.append(f"--prior {text}: {path} cannot be fitted; there are {', '.join(FREEABLE)}.")
+            continue
+        if not found:
+            example = 'yoke.preload="300 N +- 30 N"'
+            problems.append(
+                f"--prior {text} is no prior; write PATH=VALUE +- DEVIATION, for instance {example}."
+            )
+            continue
+        unit = SteeringGear.declared_at(path)[0].unit
+        try:
+            priors[path] = _prior(found["value"], found["sd"], unit.si if unit else "")
+            SteeringGear().replace({path: priors[path][0]})
+        except InputError as error:
+            problems += [f"--prior {text}: {problem}" for problem in error.problems]
+        except ValueError as error:
+            problems.append(f"--prior {text}: it {error}.")
+    if problems:
+        raise InputError(problems)
+    return priors
+
+
+def _prior(value: str, deviation: str, si: str) -> tuple[float, float]:
+    """Value and deviation; a deviation in % is one of the value."""
+    expected = units.to_si(value, si)
+    part = deviation.strip()
+    sd = abs(expected) * units.to_si(part, "") if part.endswith("%") and si else units.to_si(part, si)
+    if not si and part.endswith("%"):
+        sd = abs(expected) * units.to_si(part, "")
+    if not 0 < sd < float("inf"):
+        raise ValueError(f"has the standard deviation {deviation}, which must be more than 0")
+    return expected, sd
+
+
+def print_fit(fit: "Fit", files: Iterable[Path]) -> None:
+    """Print level, what is not separable, the table of parameters, and warnings."""
+    from rps_exudyn.fitting import findings
+
+    tests = ", ".join(dict.fromkeys(each.test for each in fit.passes))
+    put(f"fit · tests: {tests} · {'converged' if fit.converged else 'NOT CONVERGED'}", "bold")
+    for sentence in (findings.level_sentence(fit), *findings.open_sentences(fit)):
+        if sentence:
+            put(sentence)
+    columns = ("parameter", "value", "95 % interval", "expected before", "verdict")
+    put_table(columns, findings.rows(fit))
+    if sentence := findings.offset_sentence(fit):
+        put(sentence)
+    for sentence in (*fit.left_out, *fit.warnings):
+        put(f"note: {sentence}")
+    put(f"{fit.simulations} simulations, {fit.cpu_s:.2g} s of CPU time")
+    print_files(files)
+
+
+def _written_files(
+    fit: "Fit", out: Path, plot: Path | None, report: Path | None, series: Path | None
+) -> Iterator[Path]:
+    """Write the files one after the other, the gear first and the pictures last."""
+    from rps_exudyn.fitting.findings import gear_text, headline
+    from rps_exudyn.parameters.gear import gear_file
+
+    if older := number_existing(out):
+        say(f"an older file is kept: {older}.")
+    with replacing(out) as partial:
+        partial.write_text(gear_text(fit, gear_file(fit.gear)), encoding="utf-8")
+    yield out
+    if series:
+        from rps_exudyn.fitting.series import write_series
+
+        write_series(fit.series, series)
+        yield series
+    if plot:
+        from rps_exudyn.charts import style
+        from rps_exudyn.charts.fit import beliefs_figure, curves_figure
+
+        figure = curves_figure(fit) or beliefs_figure(fit)
+        if figure is not None:
+            style.title(figure, headline(fit))
+            style.save(figure, plot)
+            yield plot
+    if report:
+        from rps_exudyn.report.fit_page import write_fit_page
+
+        write_fit_page(fit, report)
+        yield report

@@ -1,0 +1,56 @@
+"""The command `geometry`: the geometry report, the solids, their drawing."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rps_exudyn.base.files import PICTURES, check_writable
+from rps_exudyn.cli.options import PAPER_GEAR, Flag, GearOptions, Json
+from rps_exudyn.cli.output import DONE, print_files, print_json, put, put_table
+
+if TYPE_CHECKING:
+    from rps_exudyn.gears.geometry_report import GeometryReport
+
+
+def geometry(
+    *, gear: GearOptions = PAPER_GEAR, out: Path | None = None, force: Flag = False, json: Json = False
+) -> int:
+    """Print the geometry report; write the solids or their drawing.
+
+    Args:
+        out: solids (.glb, .stl) or drawing (.png, .svg, .pdf).
+        force: build the gear even if it is undercut.
+    """
+    from rps_exudyn.charts.geometry import draw_geometry
+    from rps_exudyn.gears.assembly import FORMATS, export_solids
+    from rps_exudyn.gears.geometry_report import geometry_report
+
+    chosen = gear.load()
+    if out:
+        check_writable(out, (*FORMATS, *PICTURES))
+    report = geometry_report(chosen, force)
+    if out and out.suffix.lower() in FORMATS:
+        export_solids(chosen, out)
+    elif out:
+        draw_geometry(chosen, out, force)
+    files = [out] if out else []
+    if json:
+        print_json(report.as_dict() | {"files": files})
+    else:
+        print_geometry(report, files)
+    return DONE
+
+
+def print_geometry(report: "GeometryReport", files: Iterable[Path] = ()) -> None:
+    """Print every number with its unit and definition, masses, and warnings to the designer."""
+    from rps_exudyn.results.quantities import GEOMETRY
+
+    rows = [(name, item.show(getattr(report, name)), item.long_name) for name, item in GEOMETRY.items()]
+    rows += [
+        (f"mass of {part}", f"{properties.mass:.4g} kg", "")
+        for part, properties in report.mass_properties.items()
+    ]
+    put_table(("quantity", "value", "definition"), rows)
+    for warning in report.warnings:
+        put(f"warning: {warning}")
+    print_files(files)

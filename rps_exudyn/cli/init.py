@@ -1,0 +1,45 @@
+"""The command `init`: a starter folder, from the gear and the studies that come with the package."""
+
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import replacing
+from rps_exudyn.cli.output import DONE
+
+if TYPE_CHECKING:
+    from importlib.resources.abc import Traversable
+
+SUFFIXES = (".toml", ".py", ".ipynb", ".csv", ".md")
+
+
+def init(folder: Path = Path(), /) -> int:
+    """Create a starter folder: the paper's gear, the shipped studies and examples; existing files stay.
+
+    Args:
+        folder: where; without it the current folder.
+    """
+    for source, name in _templates(files("rps_exudyn") / "templates"):
+        target = folder / name
+        if target.exists():
+            continue
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{target.parent} cannot be written: {error.strerror}.") from None
+        with replacing(target) as partial:
+            partial.write_text(source.read_text(encoding="utf-8"), "utf-8")
+        print(f"written: {target}")
+    return DONE
+
+
+def _templates(folder: "Traversable", below: Path = Path()) -> "list[tuple[Traversable, Path]]":
+    """All files of a folder of the package that are text for users, with their places in it."""
+    found: list[tuple[Traversable, Path]] = []
+    for item in sorted(folder.iterdir(), key=lambda each: each.name):
+        if item.is_dir():
+            found += _templates(item, below / item.name)
+        elif item.name.endswith(SUFFIXES):
+            found.append((item, below / item.name))
+    return found

@@ -1,0 +1,124 @@
+"""The command line `rps-exudyn`: its commands, and what becomes of their errors.
+
+Each command is a function in a file of its name. What it needs is imported inside the function, so that
+`--help` and `describe` are quick.
+"""
+
+import atexit
+import gc
+import os
+import sys
+from collections.abc import Iterable, Sequence
+from io import TextIOWrapper
+from pathlib import Path
+
+from cyclopts import App, CycloptsError, UnusedCliTokensError
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.interrupts import unwrapped_interrupts
+from rps_exudyn.cli.animate import animate
+from rps_exudyn.cli.check import check
+from rps_exudyn.cli.collect import collect
+from rps_exudyn.cli.describe import describe
+from rps_exudyn.cli.diff import diff
+from rps_exudyn.cli.doctor import doctor
+from rps_exudyn.cli.explore import explore
+from rps_exudyn.cli.fit import fit
+from rps_exudyn.cli.geometry import geometry
+from rps_exudyn.cli.init import init
+from rps_exudyn.cli.output import DONE, INTERRUPTED, WRONG_INPUT, say
+from rps_exudyn.cli.report import report
+from rps_exudyn.cli.rerun import rerun
+from rps_exudyn.cli.run import run
+from rps_exudyn.cli.show import show
+from rps_exudyn.cli.study import study
+from rps_exudyn.cli.validate import validate
+from rps_exudyn.cli.view import view
+
+COMMANDS = (
+    *(run, study, show, diff, rerun, geometry, describe, collect, report, fit, check, validate),
+    *(animate, view, explore, doctor, init),
+)
+
+SELDOM = (500_000, 100, 1000)
+"""Thresholds of the search for unused objects: as often as Python's own it is a fourteenth of a short run."""
+
+
+def _version() -> str:
+    from importlib.metadata import version  # loads what reads the heads of mails, too
+
+    return version("rps-exudyn")
+
+
+app = App(
+    name="rps-exudyn",
+    help="Rack-and-pinion steering gears: pinion torque, its variation, and how far to trust it.",
+    version=_version,
+    suppress_keyboard_interrupt=False,  # `main` reports which files remain
+)
+app.register_install_completion_command(add_to_startup=False)
+for command in COMMANDS:
+    app.command(command)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return the exit status.
+
+    0 done; 1 the simulation failed (its file says how); 2 wrong input, one sentence for each problem on
+    standard error; 130 interrupted.
+    """
+    prepare_process()
+    try:
+        _check_folder()
+        with unwrapped_interrupts():
+            status = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
+        sys.stdout.flush()
+        return status or DONE
+    except BrokenPipeError:  # whoever reads the output has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
+    except OSError as error:
+        what = f"{error.filename} cannot be used" if error.filename else "the output cannot be written"
+        return _refuse([f"{what}: {error.strerror or error}."])
+    except MemoryError:
+        return _refuse(["there is not enough memory for that; nothing was written."])
+    except InputError as error:
+        return _refuse(error.problems)
+    except CycloptsError as error:
+        return _refuse([_sentence(error)])
+    except KeyboardInterrupt as interrupt:
+        say(str(interrupt) or "interrupted; nothing was written.")
+        return INTERRUPTED
+
+
+def prepare_process() -> None:
+    """Set what must be set before a command loads anything."""
+    gc.set_threshold(*SELDOM)
+    atexit.register(gc.freeze)  # the system takes all memory back: to free each object takes a quarter second
+    sys.modules.setdefault("coverage", None)  # type: ignore[arg-type] # numba would load it for kernels' lines
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")  # of a terminal without Greek letters
+    os.environ["MPLBACKEND"] = "agg"  # pictures are files; a user's own choice may not exist here
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # to look for some opens every package
+
+
+def _check_folder() -> None:
+    try:
+        Path.cwd()
+    except FileNotFoundError:
+        raise InputError("the current folder does not exist any more; change to another one.") from None
+
+
+def _sentence(error: CycloptsError) -> str:
+    """The error of the command line's grammar in one sentence."""
+    if isinstance(error, UnusedCliTokensError):
+        surplus = " ".join(error.unused_tokens or ())
+        return f"{surplus} is more than the command takes; --help shows what it takes."
+    return " ".join(str(error).split())
+
+
+def _refuse(problems: Iterable[str]) -> int:
+    for problem in problems:
+        say(problem)
+    return WRONG_INPUT

@@ -1,0 +1,157 @@
+"""What commands print, and the exit statuses: sentences, tables, JSON, names of files.
+
+In a terminal text and tables are in bold or dim, and broken between words. The library that prints the help
+does this too, but takes longer for the list of all parameters than Python takes to begin.
+"""
+
+import json
+import math
+import os
+import sys
+import textwrap
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.interrupts import unwrapped_interrupts
+
+DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
+"""Exit statuses."""
+
+UNBROKEN = ("quantity", "parameter", "value")
+"""Columns that stay on one line, by their heads."""
+
+GAP = 2  # blanks between columns
+NARROWEST = 8  # letters in a line of a column that is broken
+IN_FILES = 200  # letters in a line of a table that goes to a file or a pipe
+
+_CODES = {"bold": "1", "dim": "2"}
+
+
+def say(sentence: str) -> None:
+    """Print a sentence that is no result on standard error."""
+    print(f"rps-exudyn: {sentence}", file=sys.stderr)
+
+
+def put(text: str = "", style: str = "") -> None:
+    """Print a line, "bold" or "dim" in a terminal and broken there between words."""
+    if sys.stdout.isatty():
+        lines = textwrap.wrap(text, _width(), break_long_words=False, break_on_hyphens=False) or [""]
+        text = "\n".join(_styled(line, style) for line in lines)
+    print(text)
+
+
+def put_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print rows of cells below their heads, without lines between them; long cells are broken."""
+    rows = list(rows)
+    widths = column_widths(heads, rows, _width() if sys.stdout.isatty() else IN_FILES)
+    style = "dim" if sys.stdout.isatty() else ""
+    print("\n".join(_styled(line, style) for line in _row_lines(heads, widths)))
+    for row in rows:
+        print("\n".join(_row_lines(row, widths)))
+
+
+def column_widths(heads: Sequence[str], rows: Sequence[Sequence[str]], width: int) -> list[int]:
+    """Return how many letters each column has, so that a line has at most `width` of them if that can be:
+    the widest of the columns that may be broken become narrower first."""
+    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+    breakable = [i for i, head in enumerate(heads) if head not in UNBROKEN]
+    surplus = sum(widths) + GAP * (len(widths) - 1) - width
+    while surplus > 0 and breakable:
+        widest = max(widths[i] for i in breakable)
+        if widest <= NARROWEST:
+            break
+        first = [i for i in breakable if widths[i] == widest]
+        next_widest = max((widths[i] for i in breakable if widths[i] < widest), default=NARROWEST)
+        less = min(widest - max(next_widest, NARROWEST), -(-surplus // len(first)))
+        for i in first:
+            widths[i] -= less
+        surplus -= less * len(first)
+    return widths
+
+
+def _row_lines(cells: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
+    """The lines of one row."""
+    if all(len(cell) <= width for cell, width in zip(cells, widths, strict=True)):
+        broken = [[cell] for cell in cells]
+    else:
+        broken = [_broken(cell, width) for cell, width in zip(cells, widths, strict=True)]
+    for k in range(max(map(len, broken))):
+        parts = [lines[k] if k < len(lines) else "" for lines in broken]
+        yield (" " * GAP).join(f"{part:{width}}" for part, width in zip(parts, widths, strict=True)).rstrip()
+
+
+def _broken(text: str, width: int) -> list[str]:
+    """The text in lines of at most so many letters."""
+    if len(text) <= width:
+        return [text]
+    return textwrap.wrap(text, width, break_on_hyphens=False) or [""]
+
+
+def _styled(line: str, style: str) -> str:
+    plain = not style or os.environ.get("TERM") == "dumb"
+    return line if plain else f"\x1b[{_CODES[style]}m{line}\x1b[0m"
+
+
+def _width() -> int:
+    import shutil  # for terminals alone
+
+    return shutil.get_terminal_size().columns
+
+
+def print_json(content: Mapping[str, Any]) -> None:
+    """Print strict JSON on standard output; numbers that are not finite become null."""
+    print(json.dumps(_finite(content), indent=2, default=str))
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def print_files(files: Iterable[Path]) -> None:
+    """Print the paths of the files that were written."""
+    for file in files:
+        put(f"written: {file}")
+
+
+@contextmanager
+def named_if_interrupted(files: Sequence[Path]) -> Iterator[None]:
+    """Name the files that are written by then where the block is interrupted; it may add to them.
+
+    Raises:
+        KeyboardInterrupt: it is.
+    """
+    try:
+        with unwrapped_interrupts():
+            yield
+    except KeyboardInterrupt as interrupt:
+        if str(interrupt) or not files:
+            raise
+        verb = "is" if len(files) == 1 else "are"
+        names = ", ".join(map(str, files))
+        raise KeyboardInterrupt(f"interrupted; {names} {verb} written, the rest is not.") from None
+
+
+@contextmanager
+def naming(files: Sequence[Path]) -> Iterator[None]:
+    """Name the files of a result where its printing fails: it is not lost with what was printed of it.
+
+    Raises:
+        InputError: the output cannot be written.
+        KeyboardInterrupt: the printing is interrupted.
+    """
+    try:
+        with named_if_interrupted(files):
+            yield
+            sys.stdout.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        where = f" The result is kept in {files[0]}." if files else ""
+        raise InputError(f"the output cannot be written: {error.strerror}.{where}") from None

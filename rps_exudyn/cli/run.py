@@ -1,0 +1,174 @@
+"""The command `run`: one simulation, and the files that it leaves, kept whatever disk and terminal do."""
+
+import sys
+from collections.abc import Sequence
+from contextlib import redirect_stdout, suppress
+from dataclasses import replace
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import PICTURES, RESULT_FILES, check_writable, number_existing
+from rps_exudyn.base.screen import shown_progress
+from rps_exudyn.cli.options import (
+    PAPER_SETUP,
+    Columns,
+    Flag,
+    Inputs,
+    Json,
+    SetupOptions,
+    chosen_columns,
+)
+from rps_exudyn.cli.output import DONE, FAILED, named_if_interrupted, naming, say
+from rps_exudyn.scenes import SCENE_NAMES
+
+if TYPE_CHECKING:
+    from rps_exudyn.results.result import MeasuredTorque, Result
+
+Scene = Annotated[str, Parameter(help=f"what the test rig does: {', '.join(SCENE_NAMES)}.")]
+
+
+def run(
+    scene: Scene = SCENE_NAMES[0],
+    /,
+    *,
+    setup: SetupOptions = PAPER_SETUP,
+    accuracy: str | None = None,
+    out: Path | None = None,
+    plot: Path | None = None,
+    measured: Path | None = None,
+    column: Columns = (),
+    band: Annotated[list[int] | None, Parameter(consume_multiple=True, negative=())] = None,
+    inputs: Inputs = None,
+    robust: Flag = False,
+    time_limit: str | None = None,
+    progress: Flag = False,
+    json: Json = False,
+) -> int:
+    """Simulate one scene: print a summary, write an HDF5 file and a picture.
+
+    Existing files stay: a failed run is written beside them as NAME.failed, another one keeps them as NAME.1.
+
+    Args:
+        accuracy: error of the torque that is allowed, for instance 1%: takes the cheapest model that keeps
+            it, of all or of the --fidelity given; see docs/accuracy.md.
+        out: HDF5 file; without it SCENE.h5 in the current folder.
+        plot: picture (.png, .svg, .pdf); without it a .png beside the HDF5 file.
+        measured: text file of a measured torque over the pinion angle, each column with its unit; it is drawn
+            with the simulated one, compared with it and kept in the HDF5 file. Angles are compared by whole
+            turns where the run covers one. What was assumed of the file is said on standard error.
+        band: the band that uncertain inputs make of the result, from this number of runs; without a number a
+            quick one from 64 runs. NAME.band.json keeps every sample.
+        robust: where the run fails or its plan is refused, take the next safer settings, and say which.
+        time_limit: for instance "20 s": the run is ended after it, whatever it does then (starting, compiling
+            and settling count); what it has recorded is kept.
+        progress: print on standard error how far a long run is, as a terminal shows anyway.
+    """
+    began = monotonic()
+    from rps_exudyn.cli.printed import put_result, verdict
+    from rps_exudyn.results.outcome import Interrupted
+    from rps_exudyn.simulate.run import simulate
+    from rps_exudyn.simulate.time_limit import TimeLimit
+
+    limit = replace(TimeLimit.of(time_limit), begun=began) if time_limit is not None else None
+    preset = setup.preset_alone() if accuracy is not None else None
+    chosen = setup.load()
+    out = check_writable(out or Path(f"{scene}.h5"), RESULT_FILES)
+    plot = check_writable(plot or out.with_suffix(".png"), PICTURES)
+    if band is not None or inputs is not None:
+        from rps_exudyn.cli.run_band import do_band, sample_count
+
+        refused = {"accuracy": accuracy, "measured": measured, "robust": robust, "time-limit": time_limit}
+        count = sample_count(band, [name for name, given in refused.items() if given])
+        return do_band(scene, setup, count, inputs, out, plot, json)
+    setup.say_medians()
+    curve = read_measured(measured, column) if measured else None
+    model = chosen.fidelity if accuracy is None else preset
+    try:
+        with redirect_stdout(sys.stderr), shown_progress(progress):  # standard output is for the result
+            result = simulate(
+                scene, chosen.steering_gear, model, accuracy=accuracy, robust=robust, time_limit=limit
+            )
+    except Interrupted as interrupt:
+        kept, _ = keep(replace(interrupt.recorded, measured=curve), out, plot)
+        where = f"kept in {kept[0]}" if kept else "lost"
+        raise KeyboardInterrupt(f"interrupted; what was recorded until then is {where}.") from None
+    result = replace(result, measured=curve)
+    for finding in ("accuracy", "accuracy_checked"):
+        if finding in result.findings:
+            say(result.findings[finding])
+    files, problems = keep(result, out, plot)
+    with naming(files):
+        put_result(result, json, files)
+    return max(verdict(result), FAILED if problems else DONE)
+
+
+def read_measured(path: Path, columns: Sequence[str]) -> "MeasuredTorque":
+    """The measured torque in a file; what was assumed is said on standard error.
+
+    Raises:
+        InputError: no such file, or one that is no curve.
+    """
+    from rps_exudyn.measured.reading import read_measured_torque
+
+    measured = read_measured_torque(path, chosen_columns(columns))
+    say(f"{path}: {'; '.join(measured.assumed)}.")
+    return measured
+
+
+def keep(result: "Result", out: Path, plot: Path) -> tuple[list[Path], bool]:
+    """Write both files; return the paths of those written, and whether there were problems.
+
+    A failed run is written beside existing files as NAME.failed, any other one keeps them as NAME.1, NAME.2,
+    ... A result that cannot be written there goes to the folder of temporary files.
+
+    Raises:
+        KeyboardInterrupt: while the picture is drawn; it names the file that is written.
+    """
+    from rps_exudyn.results.outcome import Status
+
+    try:
+        if result.status is not Status.OK and (out.exists() or plot.exists()):
+            out, plot = (path.with_suffix(f".failed{path.suffix}") for path in (out, plot))
+        elif older := [str(kept) for path in (out, plot) if (kept := number_existing(path))]:
+            say(f"older files are kept: {', '.join(older)}.")
+        result.save(out)
+    except (InputError, OSError) as error:
+        return _kept_elsewhere(result, out, str(error))
+    if not result.signals:
+        return [out], False
+    try:
+        with named_if_interrupted([out]):
+            _draw(result, plot)
+    except (OSError, ValueError) as error:  # also what matplotlib makes of a strange environment
+        say(f"the picture is missing: {error}")
+        return [out], True
+    return [out, plot], False
+
+
+def _draw(result: "Result", plot: Path) -> None:
+    """Draw the picture; the result is safe by then."""
+    from rps_exudyn.charts.scene import draw
+
+    draw(result, plot)
+
+
+def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Path], bool]:
+    """Write a result whose own place cannot be written, and say where; never fails."""
+    from tempfile import mkdtemp
+
+    folder = None
+    try:
+        folder = Path(mkdtemp(prefix="rps-exudyn-"))
+        result.save(other := folder / out.name)
+    except (InputError, OSError) as error:
+        if folder:
+            with suppress(OSError):
+                folder.rmdir()
+        say(f"{problem} Nor could the result be kept elsewhere: {error}")
+        return [], True
+    say(f"{problem} The result is kept in {other} instead.")
+    return [other], True

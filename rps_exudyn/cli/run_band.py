@@ -1,0 +1,152 @@
+"""The option `run --band`: a scene with the uncertainty of its inputs."""
+
+import sys
+from collections.abc import Iterable
+from contextlib import redirect_stdout
+from dataclasses import replace
+from pathlib import Path
+
+from rps_exudyn.base.errors import InputError, as_sentence
+from rps_exudyn.base.files import number_existing, write_json
+from rps_exudyn.base.screen import shown_progress
+from rps_exudyn.cli.options import SetupOptions
+from rps_exudyn.cli.output import DONE, INTERRUPTED, naming, print_files, print_json, put, put_table, say
+from rps_exudyn.cli.printed import result_as_dict
+from rps_exudyn.parameters.gear import Setup
+from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.uncertainty.band import Band, band_of_runs
+from rps_exudyn.uncertainty.input_sets import uncertain_inputs
+from rps_exudyn.uncertainty.quick_band import SCENE, quick_band
+
+STEP = "2 deg"  # of equilibria, where no model is chosen: the mean to 0.001 %, the peak to peak to 0.1 %
+QUICK_OTHERWISE = 64  # runs of a scene without a quick band
+SHOWN = 5  # contributions
+
+
+def do_band(
+    scene: str,
+    options: SetupOptions,
+    count: int | None,
+    inputs: str | None,
+    out: Path,
+    plot: Path,
+    as_json: bool,
+) -> int:
+    """Compute, keep and print a band; the nominal result goes to the HDF5 file as of any run.
+
+    Raises:
+        InputError: distributions or a number of samples that cannot be, or a gear that fails.
+    """
+    from rps_exudyn.charts.band import band_figure
+    from rps_exudyn.charts.style import save
+
+    own = options.carried()
+    setup = _with_cheap_model(options)
+    gear = setup.steering_gear
+    chosen = uncertain_inputs(gear, inputs, own)
+    quick = count is None and scene == SCENE
+    with redirect_stdout(sys.stderr), shown_progress() as show:
+
+        def told(done: int, of: int) -> None:
+            show(f"sample {done} of {of}", done / of)
+
+        if quick:
+            band = quick_band(gear, setup.fidelity, chosen, told=told)
+        else:
+            band = band_of_runs(scene, gear, setup.fidelity, chosen, count or QUICK_OTHERWISE, told=told)
+    table = out.with_suffix(".band.json")
+    if older := [str(kept) for path in (out, plot, table) if (kept := number_existing(path))]:
+        say(f"older files are kept: {', '.join(older)}.")
+    files: list[Path] = []
+    with naming(files):
+        band.nominal.save(out)
+        files.append(out)
+        content = band.as_dict()
+        write_json(table, content)
+        files.append(table)
+        save(band_figure(band), plot)
+        files.append(plot)
+        if as_json:
+            del content["values"]  # the file has them
+            print_json(
+                content | {"nominal": result_as_dict(band.nominal), "files": [str(file) for file in files]}
+            )
+        else:
+            print_band(band, files)
+    return INTERRUPTED if band.interrupted else DONE
+
+
+def print_band(band: Band, files: Iterable[Path]) -> None:
+    """Print quantiles with their errors, contributions, and what the band does not contain."""
+    count, failed = len(band.drawn.samples), band.drawn.failed
+    put(f"{band.nominal.scene} · {band.method} · {failed} of {count} samples failed", "bold")
+    if band.interrupted:
+        put("Interrupted: the band is that of the samples done until then.")
+    for cause, number in band.drawn.failures.items():
+        put(f"{number} x {cause}")
+    put_table(_HEAD, list(_figure_rows(band)))
+    put("Errors are standard errors of quantiles, from the number of samples; the file has more quantiles.")
+    name = scene_named(band.nominal.scene).figure
+    if (shares := band.contributions.get(name)) is not None:
+        largest = list(shares.fractions.items())[:SHOWN]
+        text = ", ".join(f"{path} {100 * share:.0f} %" for path, share in largest)
+        put(f"Contributions to {name}: {text}; acting together {100 * shares.together:.0f} %.")
+    if failed and name in band.figures:
+        low, high = band.figures[name].lowest[0], band.figures[name].highest[-1]
+        put(
+            f"With the failed samples at either end, 5 to 95 % of {name}: {_end(name, low)} to "
+            f"{_end(name, high)}."
+        )
+    put(_beside(band, name))
+    print_files(files)
+
+
+_HEAD = ("quantity", "medians' run", "5 %", "median", "95 %", "error of 5 %", "error of 95 %")
+
+
+def _figure_rows(band: Band) -> Iterable[tuple[str, ...]]:
+    for name, found in band.figures.items():
+        show = SUMMARY[name].show
+        errors = [show(float(found.errors[at])) for at in (0, -1)]
+        nominal = band.nominal.summary.get(name)
+        shown = "" if nominal is None else show(nominal)
+        yield name, shown, show(found.low), show(found.median), show(found.high), *errors
+
+
+def _end(name: str, value: float) -> str:
+    return SUMMARY[name].show(value) if abs(value) < float("inf") else "unknown"
+
+
+def _beside(band: Band, name: str) -> str:
+    """What the band does not contain: errors of the solution and of the contact law."""
+    half = band.figures[name].half_width if name in band.figures else float("nan")
+    parts = [f"half the band of 90 % of {name} is {SUMMARY[name].show(half)}"]
+    if name in band.numerical:
+        parts.append(f"half the steps move it by {SUMMARY[name].show(band.numerical[name])}")
+    if band.law is not None:
+        low, high = (100 * each for each in band.law.mean_torque)
+        parts.append(f"the contact law {band.law.law} is off by {low:+.2g} to {high:+.2g} %")
+    return as_sentence("; ".join(parts))
+
+
+def _with_cheap_model(options: SetupOptions) -> Setup:
+    """Gear and model; equilibria in steps that a band needs where no model is chosen."""
+    if options.chooses_model:
+        return options.load()
+    return replace(options, fidelity="quasi-static").load().replace({"fidelity.step_angle": STEP})
+
+
+def sample_count(band: list[int] | None, beside: list[str]) -> int | None:
+    """Return the number of samples that --band asks for; None for the quick band.
+
+    Raises:
+        InputError: several numbers, none of --band itself, or options that a band does not go with.
+    """
+    if band is None:
+        raise InputError("--inputs says what a band is made of; add --band.")
+    if beside:
+        raise InputError(f"--band makes many runs of its own; leave out --{', --'.join(beside)}.")
+    if len(band) > 1:
+        raise InputError(f"--band has {len(band)} numbers; it takes one, the number of samples, or none.")
+    return band[0] if band else None

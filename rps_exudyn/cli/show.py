@@ -1,0 +1,29 @@
+"""The command `show`: the summary of a result, and its picture."""
+
+from pathlib import Path
+
+from rps_exudyn.base.files import PICTURES, check_writable
+from rps_exudyn.cli.options import Flag, Json
+from rps_exudyn.cli.output import DONE, naming
+
+
+def show(file: Path, /, *, plot: Path | None = None, from_zero: Flag = False, json: Json = False) -> int:
+    """Print the summary of a result, and draw it again.
+
+    Args:
+        file: HDF5 file that `run` wrote.
+        plot: picture (.png, .svg, .pdf) of the result.
+        from_zero: torques and forces of the picture are drawn from zero on.
+    """
+    from rps_exudyn.cli.printed import put_result
+    from rps_exudyn.study.blocks import load
+
+    if plot:
+        check_writable(plot, PICTURES)
+    result = load(file)
+    if plot:
+        result.plot(plot, from_zero=from_zero)
+    files = [plot] if plot else []
+    with naming(files):
+        put_result(result, json, files)
+    return DONE

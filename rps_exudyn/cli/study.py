@@ -1,0 +1,214 @@
+"""The command `study`: options checked before anything runs, cases listed, outcome printed."""
+
+import json as json_text
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.progress import duration
+from rps_exudyn.base.screen import shown_progress
+from rps_exudyn.cli.options import Flag, Json
+from rps_exudyn.cli.output import DONE, FAILED, say
+
+if TYPE_CHECKING:
+    from rps_exudyn.study.messages import Group
+    from rps_exudyn.study.runner import StudyWork, Tally
+
+MANY_CASES = 5000
+"""More need `--yes`."""
+
+_NOT_TOGETHER = "  none followed together: {}"
+
+SHOWN_SKIPPED = 5
+SHOWN_GROUPS = 5
+
+
+def study(
+    file: Path,
+    /,
+    *,
+    out: Path | None = None,
+    jobs: int | None = None,
+    cluster: str | None = None,
+    dry_run: Flag = False,
+    toy: Flag = False,
+    yes: Flag = False,
+    json: Json = False,
+) -> int:
+    """Simulate all cases of a study file; interrupted or repeated, it does only what is missing.
+
+    Args:
+        file: TOML file, see docs/studies.md.
+        out: folder of the study; without it one of the file's name in the current folder.
+        jobs: number of worker processes; without it one for each processor.
+        cluster: address of a Dask scheduler that does the cases instead, for instance tcp://10.0.0.1:8786.
+        dry_run: list the cases and estimate the time without simulating.
+        toy: try the study at its smallest size, two values of each axis, in a folder NAME-toy.
+        yes: run it also if there are very many cases.
+    """
+    folder = out or Path(f"{file.stem}-toy" if toy else file.stem)
+    request = Request(file, folder, jobs, cluster, toy, yes)
+    return _list_cases(request, json) if dry_run else _simulate(request, json)
+
+
+@dataclass(frozen=True)
+class Request:
+    """The command's options."""
+
+    file: Path
+    out: Path
+    jobs: int | None
+    cluster: str | None
+    toy: bool
+    yes: bool
+
+    @property
+    def processes(self) -> int:
+        """Number of worker processes.
+
+        Raises:
+            InputError: `jobs` is not from 1 to 1024.
+        """
+        available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        jobs = available if self.jobs is None else self.jobs
+        if not 1 <= jobs <= 1024:
+            raise InputError(f"--jobs is {jobs}; it must be a whole number from 1 to 1024.")
+        return jobs
+
+    def work(self) -> "StudyWork":
+        """The study in its folder.
+
+        Raises:
+            InputError: everything that is wrong with file and folder, or more cases than run without `yes`.
+        """
+        from rps_exudyn.study.cases import count_of
+        from rps_exudyn.study.runner import StudyWork
+        from rps_exudyn.study.study_file import read_study
+
+        study = read_study(self.file)
+        if self.toy:
+            study = study.toy()
+        count = count_of(study)
+        if count > MANY_CASES and not self.yes:
+            raise InputError(
+                f"{self.file} has {count} cases; more than {MANY_CASES} are run with --yes only "
+                "(--dry-run --yes estimates how long they take)."
+            )
+        with shown_progress(asked=False):
+            return StudyWork.of(study, self.out)
+
+
+def _simulate(request: Request, json: bool) -> int:
+    """Simulate the missing cases and print the outcome; exit status 0, or 1 if cases failed."""
+    jobs, work = request.processes, request.work()
+    from rps_exudyn.results.outcome import Status
+    from rps_exudyn.simulate.processes import StartError, StorageError
+    from rps_exudyn.study.runner import run_study
+
+    limit = work.study.time_limit
+    if request.cluster:
+        from rps_exudyn.study.cluster import SECONDS, cluster
+
+        def run_all() -> "Tally":
+            with cluster(request.cluster or "", limit) as (run, threads):
+                return run_study(work, run, workers_write=False, workers=threads, seconds=SECONDS)
+    else:
+        from rps_exudyn.simulate.processes import Processes
+
+        def run_all() -> "Tally":
+            with Processes(jobs, limit, request.out / "messages.log") as processes:
+                return run_study(work, processes.run, workers_write=True, workers=jobs)
+
+    try:
+        with shown_progress():
+            tally = run_all()
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"interrupted; finished cases are {_kept(request)}.") from None
+    except (StorageError, StartError) as error:
+        raise InputError(f"{error} Finished cases are {_kept(request)}.") from None
+    _print_tally(work, tally, json)
+    return DONE if set(tally.statuses) <= {Status.OK} else FAILED
+
+
+def _kept(request: Request) -> str:
+    return f"kept in {request.out}, and the same command does the others"
+
+
+def _list_cases(request: Request, json: bool) -> int:
+    """Print the cases, which of them are missing, and the estimated time; exit status 0."""
+    from rps_exudyn.study.estimate import estimate
+    from rps_exudyn.study.table import show_value
+    from rps_exudyn.study.ways import ways_of
+
+    work, jobs = request.work(), request.processes
+    time = estimate(work, jobs)
+    with shown_progress():
+        ways = ways_of(work.study, work.description, len(work.missing))
+    missing = {case.hash for case in work.missing}
+    cases = work.description.cases
+    if json:
+        rows = [{"hash": case.hash, "values": case.values, "missing": case.hash in missing} for case in cases]
+        content = {"cases": rows, "missing": len(missing), "jobs": jobs, "seconds": time.seconds}
+        content |= {"in_loop": ways.ranges is not None, "not_in_loop": ways.alone}
+        print(json_text.dumps(content, indent=2))
+        return DONE
+    for case in cases:
+        state = "to do" if case.hash in missing else "done "
+        values = (f"{axis.name} = {show_value(axis, case.values[axis.name])}" for axis in work.study.axes)
+        print(f"{case.hash}  {state}  {', '.join(values)}")
+    print(
+        f"{len(cases)} cases, {len(missing)} of them to be done: about {duration(time.seconds)} "
+        f"with {jobs} {'process' if jobs == 1 else 'processes'} ({time.source})"
+    )
+    if ways.ranges is not None:
+        print("  most of them followed together, several times as fast")
+    elif ways.alone:
+        print(_NOT_TOGETHER.format(ways.alone))
+    return DONE
+
+
+def _print_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
+    for path, sentence in tally.skipped[:SHOWN_SKIPPED]:
+        say(f"{sentence} It was set aside as {path.stem}.set-aside.")
+    if len(tally.skipped) > SHOWN_SKIPPED:
+        say(f"{len(tally.skipped) - SHOWN_SKIPPED} more files like these.")
+    folder, count = work.store.path, sum(tally.statuses.values())
+    if json:
+        statuses = {status.value: number for status, number in tally.statuses.items()}
+        said = [
+            {"status": group.status.value, "cases": len(group.cases), "message": group.example}
+            for group in tally.said
+        ]
+        content: dict[str, Any] = {"folder": str(folder), "cases": count, "statuses": statuses}
+        content |= {
+            "said": said,
+            "done_now": tally.done_now,
+            "in_groups": tally.through_batch,
+            "in_loop": tally.in_loop,
+            "not_in_loop": tally.alone,
+        }
+        print(json_text.dumps(content, indent=2))
+        return
+    outcomes = ", ".join(f"{number} {status}" for status, number in sorted(tally.statuses.items()))
+    loop = f", {tally.in_loop} followed together" if tally.in_loop else ""
+    how = f" ({tally.through_batch} in groups{loop})" if tally.through_batch else ""
+    print(
+        f"{work.study.title}: {count} cases in {folder} ({outcomes}), {tally.done_now} of them done now{how}"
+    )
+    if tally.alone and tally.through_batch:
+        print(_NOT_TOGETHER.format(tally.alone))
+    print_said(tally.said)
+
+
+def print_said(said: "Sequence[Group]") -> None:
+    """Print causes of failure, then remarks, with the numbers of their cases; the commonest of each."""
+    from rps_exudyn.results.outcome import Status
+
+    for failed in (True, False):
+        lines = [f"  {group.line()}" for group in said if (group.status is not Status.OK) is failed]
+        print(*lines[:SHOWN_GROUPS], sep="\n", end="\n" if lines else "")
+        if (more := len(lines) - SHOWN_GROUPS) > 0:
+            print(f"  {more} more {'causes' if failed else 'kinds of remarks'}, see the report")

@@ -1,0 +1,66 @@
+"""The command `validate`: rows of data from outside against this package, on one page."""
+
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import check_writable, replacing, write_json
+from rps_exudyn.base.screen import shown_progress
+from rps_exudyn.cli.options import Json
+from rps_exudyn.cli.output import DONE, naming, print_files, print_json, put, put_table
+
+if TYPE_CHECKING:
+    from rps_exudyn.validation.comparison import Comparison
+
+DATA, PICTURE = ".json", ".png"  # beside the page
+
+
+def validate(
+    rows: Path | None = None, /, *, only: tuple[str, ...] = (), out: Path | None = None, json: Json = False
+) -> int:
+    """Compare with data from outside: manuals, standards, other programs, closed forms; a verdict for each.
+
+    Args:
+        rows: folder of rows, each a folder with a row.toml; without it those that come with the package.
+        only: name of a row to run alone; may be repeated.
+        out: page (.html), with data (.json) and picture (.png) beside it; without it validation.html.
+    """
+    from rps_exudyn.charts.style import save
+    from rps_exudyn.results.provenance import provenance
+    from rps_exudyn.validation.comparison import compare_rows
+    from rps_exudyn.validation.page import validation_figure, validation_page
+    from rps_exudyn.validation.row import SHIPPED, read_rows
+
+    found = read_rows(rows or SHIPPED)
+    if unknown := set(only) - {row.name for row in found}:
+        known = ", ".join(row.name for row in found)
+        raise InputError(f"there is no row {', '.join(sorted(unknown))}; there are {known}.")
+    out = check_writable(out or Path("validation.html"), (".html",))
+    chosen = [row for row in found if not only or row.name in only]
+    with shown_progress() as show:
+        comparisons = list(compare_rows(chosen, lambda title: show(f"running: {title}", None)))
+    content = {"origin": provenance(), "rows": [each.as_dict() for each in comparisons]}
+    files: list[Path] = []
+    with naming(files):
+        write_json(out.with_suffix(DATA), content)
+        files.append(out.with_suffix(DATA))
+        with replacing(out) as partial:
+            partial.write_text(validation_page(comparisons), encoding="utf-8")
+        files.append(out)
+        save(validation_figure(comparisons), out.with_suffix(PICTURE))
+        files.append(out.with_suffix(PICTURE))
+        if json:
+            print_json(content | {"files": [str(file) for file in files]})
+        else:
+            _print(comparisons, files)
+    return DONE
+
+
+def _print(comparisons: "list[Comparison]", files: list[Path]) -> None:
+    from rps_exudyn.validation.page import COLUMNS, row_cells
+
+    put_table(COLUMNS, [tuple(row_cells(each)) for each in comparisons])
+    counts = Counter(each.verdict.value for each in comparisons)
+    put(", ".join(f"{count} {verdict}" for verdict, count in counts.items()) + ".", "bold")
+    print_files(files)

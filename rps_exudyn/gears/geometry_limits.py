@@ -1,0 +1,323 @@
+"""Limits of a gear: each with the parameter that should change and its nearest admissible value.
+
+Later limits make sense only if earlier ones hold, so they come in stages: the cutter, the teeth, the
+mesh, the parts around it. `report.check_gear` puts the sentences before the user.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
+from functools import lru_cache, partial
+
+import numpy as np
+
+from rps_exudyn.base import units
+from rps_exudyn.base.units import factor
+from rps_exudyn.gears import basic_rack
+from rps_exudyn.gears.basic_rack import cutter_tip_centre, half_angle, straight_depth
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.gears.trochoid import form_point
+from rps_exudyn.parameters.gear import SteeringGear
+
+mm = partial(units.mm, digits=4)  # computed lengths, of which a reader needs no more
+
+LEAST_CREST = 0.05  # narrowest crest, in modules; below it a tooth counts as pointed
+# ISO 53 rounds rho_fP: its flank ends 0.00003 m_n before the rack's tips do
+STANDARD_ROUNDING = 1e-4  # in modules
+ROUNDING = 1e-9  # a limit met to a nanometre is met [m]
+
+
+@dataclass(frozen=True)
+class Violation:
+    """One limit that a gear does not keep."""
+
+    what: str  # "The crest is -0.2 mm wide; it must be at least 0.09 mm"
+    path: str  # the parameter that should change
+    nearest: float | None  # its nearest admissible value; None if this parameter alone cannot mend it
+    forgivable: bool = False  # a gear with it can be built all the same
+
+    def sentence(self, gear: SteeringGear) -> str:
+        """The message: what is wrong, the parameter's value, and its nearest admissible value."""
+        parameter = gear.declared_at(self.path)[0]
+        now = f"{self.path} is {parameter.show(gear.value_at(self.path))}"
+        if self.nearest is None:
+            return f"{self.what}; {now}, and no other value of it alone helps."
+        return f"{self.what}; {now}, the nearest admissible value is {parameter.show(self.nearest)}."
+
+
+def violations(gear: SteeringGear, force: bool = False) -> list[Violation]:
+    """All limits of the first stage that fails; with `force` forgivable ones do not end the search."""
+    found: list[Violation] = []
+    for stage in (_cutter, _teeth, _mesh, _parts):
+        found += stage(gear, GearPair.of(gear))
+        if any(not (force and item.forgivable) for item in found):
+            break
+    return found
+
+
+# --- the stages ----------------------------------------------------------------------------------
+def _cutter(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
+    m = pair.module
+    if basic_rack.cutter_tip_centre(pair)[0] < 0:
+        alpha = pair.alpha_n
+        # pi/4 - (h - rho) tan(alpha) - rho / cos(alpha) = 0, solved for rho
+        rho = (np.pi / 4 - pair.rack_dedendum / m * np.tan(alpha)) / (1 / np.cos(alpha) - np.tan(alpha))
+        yield Violation(
+            "The cutter's tip would be pointed: its roundings overlap by "
+            f"{mm(-2 * basic_rack.cutter_tip_centre(pair)[0])}, and may not",
+            "basic_rack.fillet_radius",
+            _inward(gear, "basic_rack.fillet_radius", rho, -1) if rho >= 0 else None,
+        )
+    if rack_tip_interference(pair) > STANDARD_ROUNDING * m:
+        needed = (pair.rack_addendum + pair.fillet_radius * (1 - np.sin(pair.alpha_n))) / m
+        yield Violation(
+            "The cutter does not reach: its straight flank ends "
+            f"{mm(basic_rack.straight_depth(pair))} from the reference line, "
+            f"and the rack's tips, {mm(pair.rack_addendum)} from it, cut into the root",
+            "basic_rack.dedendum",
+            _inward(gear, "basic_rack.dedendum", needed, +1),
+        )
+    if pair.root_radius <= 0.1 * m:
+        least = max((pair.rack_dedendum - pair.reference_radius) / m + 0.1, basic_rack.undercut_limit(pair))
+        yield Violation(
+            f"The root radius is {mm(pair.root_radius)}; it must be at least {mm(0.1 * m)}",
+            "pinion.profile_shift",
+            _inward(gear, "pinion.profile_shift", least, +1),
+        )
+
+
+def _teeth(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
+    least_shift = basic_rack.undercut_limit(pair)
+    undercut = pair.profile_shift < least_shift - 1e-9
+    if undercut:
+        yield Violation(
+            f"The teeth are undercut: the profile shift coefficient is {pair.profile_shift:.4g}; it must be "
+            f"at least {least_shift:.4g}",
+            "pinion.profile_shift",
+            _inward(gear, "pinion.profile_shift", least_shift, +1),
+            forgivable=True,
+        )
+    try:
+        form = form_point(pair).radius
+    except ValueError:
+        yield Violation(
+            "Undercut leaves nothing of the involute",
+            "pinion.profile_shift",
+            _inward(gear, "pinion.profile_shift", least_shift, +1),
+        )
+        return
+    if pair.tip_radius <= form * (1 + 1e-6):
+        yield Violation(
+            f"The tip diameter is {mm(2 * pair.tip_radius)}; it must be above the form diameter "
+            f"{mm(2 * form)}, where the involute begins",
+            "pinion.tip_diameter",
+            _inward(gear, "pinion.tip_diameter", 2 * form * (1 + 2e-6), +1),
+        )
+        return
+    yield from _crest(gear, pair, form)
+
+
+def _crest(gear: SteeringGear, pair: GearPair, form: float) -> Iterator[Violation]:
+    crest, least = basic_rack.crest_width(pair, pair.tip_radius), LEAST_CREST * pair.module
+    if crest < least:
+        enough = basic_rack.crest_width(pair, form) > least
+        yield Violation(
+            f"The teeth are pointed: the crest is {mm(crest)} wide; it must be at least {mm(least)}",
+            "pinion.tip_diameter",
+            _inward(gear, "pinion.tip_diameter", 2 * basic_rack.tip_radius_for_crest(pair, least), -1)
+            if enough
+            else None,
+        )
+    elif 2 * gear.pinion.tip_relief > crest:
+        yield Violation(
+            f"The tip relief takes more than the crest, which is {mm(crest)} wide",
+            "pinion.tip_relief",
+            _inward(gear, "pinion.tip_relief", crest / 2, -1),
+        )
+    rack_crest = np.pi * pair.module / 2 - 2 * pair.rack_addendum * np.tan(pair.alpha_n)
+    if rack_crest < least:
+        addendum = (np.pi / 2 - LEAST_CREST) / (2 * np.tan(pair.alpha_n))
+        yield Violation(
+            f"The rack's teeth are pointed: their crest is {mm(rack_crest)} wide; it must be "
+            f"at least {mm(least)}",
+            "basic_rack.addendum",
+            _inward(gear, "basic_rack.addendum", addendum, -1),
+        )
+
+
+def _mesh(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
+    yield from _contact(gear, pair)
+    at_rack, at_pinion = rack_root_clearance(pair), pinion_root_clearance(pair)
+    room, cut = min(at_rack, at_pinion), pinion_tip_interference(pair)
+    if at_rack < 0:
+        yield Violation(
+            f"The pinion's tips reach {mm(-at_rack)} into the rack's root",
+            "pinion.tip_diameter",
+            _inward(gear, "pinion.tip_diameter", 2 * _largest_tip_radius(pair), -1),
+        )
+    elif cut > ROUNDING:
+        yield Violation(
+            f"The pinion's tips cut {mm(cut)} into the fillets of the rack's root",
+            "pinion.tip_diameter",
+            _inward(gear, "pinion.tip_diameter", 2 * _largest_tip_radius(pair), -1),
+        )
+    elif pair.runout > room:
+        yield Violation(
+            f"The runout is {mm(pair.runout)}; it must be at most the smaller root clearance, {mm(room)}",
+            "pinion.runout",
+            _inward(gear, "pinion.runout", room, -1),
+        )
+    rack_tips = pair.reference_line_height - pair.rack_addendum
+    shaft = gear.pinion.shaft_diameter / 2
+    if shaft + pair.runout > rack_tips:
+        yield Violation(
+            f"The rack's tips cut into the pinion's shaft: they come to {mm(rack_tips)} from its axis",
+            "pinion.shaft_diameter",
+            _inward(gear, "pinion.shaft_diameter", 2 * (rack_tips - pair.runout), -1),
+        )
+
+
+def _contact(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
+    q0, qa = path_on_involute(pair)
+    transverse = transverse_contact_ratio(pair)
+    total = transverse + pair.overlap_ratio
+    if qa <= q0:
+        contact = q0 + pair.reference_radius * np.sin(pair.alpha_t)
+        yield Violation(
+            "The teeth do not meet: the pinion's tips end below the rack's",
+            "pinion.tip_diameter",
+            _inward(gear, "pinion.tip_diameter", 2 * float(np.hypot(pair.base_radius, contact)) + 1e-6, +1),
+        )
+    elif total < 1:
+        helix = abs(np.sin(pair.beta_p))
+        width = (1 - transverse) * np.pi * pair.module / helix if helix > 0 else np.inf
+        yield Violation(
+            f"The teeth lose contact between one pair and the next: the total contact ratio is {total:.4g} "
+            f"(transverse {transverse:.4g}, overlap {pair.overlap_ratio:.4g}); it must be at least 1",
+            "pinion.face_width",
+            _inward(gear, "pinion.face_width", width, +1) if width < 10 * pair.tip_radius else None,
+        )
+    elif gear.pinion.tip_relief > 0 and gear.pinion.tip_relief_length > qa - q0 + ROUNDING:
+        yield Violation(
+            f"The tip relief reaches beyond the active flank, which is {mm(qa - q0)} of roll long",
+            "pinion.tip_relief_length",
+            _inward(gear, "pinion.tip_relief_length", qa - q0, -1),
+        )
+
+
+def _parts(gear: SteeringGear, pair: GearPair) -> Iterator[Violation]:
+    bar, yoke, radius = RackBar.of(gear), gear.yoke, gear.rack.bar_diameter / 2
+    missing = bar.x_min - bar.toothed_ends[0]
+    if missing > 0:
+        yield Violation(
+            f"The rack's teeth need {mm(missing)} more than the bar offers on the side away from the bush",
+            "rack.length",
+            _inward(gear, "rack.length", gear.rack.length + missing, +1),
+        )
+    seat_half_width, plunger = radius * np.sin(yoke.seat_angle), yoke.plunger_diameter / 2
+    corner = float(np.hypot(seat_half_width, yoke.seat_length / 2))
+    if corner > plunger:
+        room = plunger**2 - seat_half_width**2
+        yield Violation(
+            f"The seat's corners reach {mm(corner)} from the plunger's axis; its radius is {mm(plunger)}",
+            "yoke.seat_length",
+            _inward(gear, "yoke.seat_length", 2 * np.sqrt(room), -1) if room > 0 else None,
+        )
+    depth = radius * (1 - np.cos(yoke.seat_angle))
+    if yoke.plunger_length <= depth:
+        yield Violation(
+            f"The seat is {mm(depth)} deep; the plunger must be longer than that",
+            "yoke.plunger_length",
+            _inward(gear, "yoke.plunger_length", depth + 1e-3, +1),
+        )
+
+
+# --- nearest values --------------------------------------------------------------------------------
+def _largest_tip_radius(pair: GearPair) -> float:
+    """Bisection for the largest tip circle that keeps out of the rack's root and fillets [m]."""
+    inside, outside = form_point(pair).radius, pair.tip_radius + min(rack_root_clearance(pair), 0)
+    while outside - inside > ROUNDING:
+        middle = (inside + outside) / 2
+        if pinion_tip_interference(replace(pair, tip_radius=middle)) > 0:
+            outside = middle
+        else:
+            inside = middle
+    return inside
+
+
+def _inward(gear: SteeringGear, path: str, value: float, sense: int) -> float | None:
+    """The value with four decimals of its display unit, rounded up (+1) or down (-1) into what is admissible.
+
+    None if the parameter's own declaration does not allow it.
+    """
+    unit = gear.declared_at(path)[0].unit
+    assert unit is not None
+    scale = factor(unit.display, unit.si) if unit.si else 1.0
+    rounding = ROUND_CEILING if sense > 0 else ROUND_FLOOR
+    shown = float(Decimal(float(value) / scale).quantize(Decimal("1e-4"), rounding))
+    try:
+        gear.replace({path: shown * scale})
+    except ValueError:
+        return None
+    return shown * scale
+
+
+# --- Clearances of pinion and rack away from the flanks, and where they would cut into each other
+#
+# All in the pinion's transverse section: the rack's section there is the basic rack, stretched by
+# 1 / cos beta_p along X, for any shaft angle. Runout takes away from every clearance.
+
+
+def pinion_root_clearance(pair: GearPair) -> float:
+    """Clearance of the rack's tips from the pinion's root circle [m]."""
+    return pair.rack_dedendum - pair.rack_addendum
+
+
+def rack_root_clearance(pair: GearPair) -> float:
+    """Clearance of the pinion's tip circle from the rack's root [m]."""
+    return pair.reference_line_height + pair.rack_dedendum - pair.tip_radius
+
+
+def rack_tip_interference(pair: GearPair) -> float:
+    """Reach of the rack's tips beyond the end of the cutter's straight flank, if positive [m].
+
+    A rack tooth inside the cutter's outline only sweeps room that the cutter swept before. Beyond C1 the
+    cutter is rounded and the rack is not: its corners then cut into the pinion's root.
+    """
+    return pair.rack_addendum - straight_depth(pair)
+
+
+def pinion_tip_interference(pair: GearPair, positions: int = 2001) -> float:
+    """Depth to which the pinion's tip corners cut into the rack's root fillets, across the teeth [m].
+
+    Negative: the least room; minus infinity if the corners never come as deep as the fillets.
+    """
+    return _pinion_tip_interference(pair.design, positions)
+
+
+@lru_cache(maxsize=64)
+def _pinion_tip_interference(pair: GearPair, positions: int) -> float:
+    r, ra, half = pair.reference_radius, pair.tip_radius, half_angle(pair, pair.tip_radius)
+    from_centre = np.linspace(-0.5, 0.5, positions) * np.pi  # of the corner, from the line pinion to rack
+    turn = from_centre + half  # of its tooth; the rack's space is at X = -r turn
+    depth = ra * np.cos(from_centre) - pair.reference_line_height
+    across = np.abs(-ra * np.sin(from_centre) + r * turn) * np.cos(pair.beta_p)
+    u, y = cutter_tip_centre(pair)
+    in_fillet = (depth > straight_depth(pair)) & (depth < pair.rack_dedendum)
+    if not in_fillet.any():
+        return -np.inf
+    half_space = u + np.sqrt(pair.fillet_radius**2 - (depth[in_fillet] + y) ** 2)
+    return float((across[in_fillet] - half_space).max())
+
+
+def path_on_involute(pair: GearPair) -> tuple[float, float]:
+    """q0, qa: ends from the pitch point of the active path of contact where the involute exists [m]."""
+    q0, qa = pair.active_path
+    return max(q0, form_point(pair).tangent_length - pair.reference_radius * float(np.sin(pair.alpha_t))), qa
+
+
+def transverse_contact_ratio(pair: GearPair) -> float:
+    """Transverse contact ratio epsilon_alpha; negative if the teeth do not meet."""
+    q0, qa = path_on_involute(pair)
+    return (qa - q0) * float(np.cos(pair.beta_b)) / pair.normal_base_pitch
