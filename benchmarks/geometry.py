@@ -12,9 +12,9 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pinion_mesh import flank_patch, pinion_mesh
-from rps_exudyn.gears.shaping import shaped_pinion
 from rps_exudyn.gears.solids import rack_solid
 from rps_exudyn.parameters.gear import SteeringGear
+from verification.shaping import shaped_pinion
 
 GEAR = SteeringGear()
 PAIR = GearPair.of(GEAR)

@@ -12,6 +12,7 @@ import rps_exudyn as rps
 from benchmarks.topic import Topic, digits, load_data, markdown, save_data
 from rps_exudyn.charts import style
 from rps_exudyn.charts.scene import draw
+from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam
@@ -20,7 +21,6 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes.at_rest import OutsideLoads, moved_by_modes
 from rps_exudyn.solvers.balance import SIZE
-from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.forces.force_element import Part
-from rps_exudyn.solvers.coordinates import stacked
+from rps_exudyn.forces.force_element import Part, stacked
 from rps_exudyn.solvers.gear_forces import GearForces
 from rps_exudyn.solvers.gear_model import COLUMNS
 

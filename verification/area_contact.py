@@ -13,7 +13,7 @@ for.
 import numpy as np
 
 from rps_exudyn.base.compiled import inline, kernel
-from rps_exudyn.mesh_contact.contact_tangent import slopes_of
+from rps_exudyn.mesh_contact.contact_tangent import press, slopes_of
 from rps_exudyn.mesh_contact.flank_contact import begin_contact, end_side, note_line
 from rps_exudyn.mesh_contact.flank_line import (
     DEEPEST,
@@ -45,7 +45,6 @@ from rps_exudyn.mesh_contact.flank_strip import (
     within_band,
 )
 from rps_exudyn.mesh_contact.plain_line import clip
-from rps_exudyn.mesh_contact.pressed_point import press
 from rps_exudyn.mesh_contact.strip_limits import ends_of, watch_limits
 
 COARSE, GENERATORS = 28, 32  # for the few strips that are too wide for an expansion

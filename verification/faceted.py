@@ -17,7 +17,6 @@ import numpy as np
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pinion_mesh import pinion_mesh
-from rps_exudyn.gears.shaping import shaped_pinion
 from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
 from rps_exudyn.mesh_contact.sampled_contact import pooled
 from rps_exudyn.mesh_contact.samples import FlankSamples, mesh_distance, sample_flank
@@ -30,6 +29,7 @@ from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.gear_model import GEAR, LAWS
 from rps_exudyn.solvers.settling import static_approach
 from verification.equilibria import equilibria
+from verification.shaping import shaped_pinion
 
 Surface = Callable[[GearPair], np.ndarray]
 """Facets of a pinion, (m, 3, 3) [m]."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag, eigh
 
-from rps_exudyn.forces.force_element import Part
+from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, Part, stacked
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
@@ -22,7 +22,6 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.solvers.balance import SIZE, Balance
-from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, stacked
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.gear_model import COLUMNS, LAWS

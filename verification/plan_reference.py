@@ -18,13 +18,13 @@ import numpy as np
 
 from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.forces.external_load import TimedForce
+from rps_exudyn.forces.force_element import PLUNGER
 from rps_exudyn.scenes.yoke_impact import shaken
+from rps_exudyn.solvers.balance import eigenvalues
 from rps_exudyn.solvers.closed_form import GRAVITY
-from rps_exudyn.solvers.coordinates import PLUNGER
 from rps_exudyn.solvers.drive import Drive, Steady, Swing
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
-from rps_exudyn.solvers.linearised_motion import eigenvalues
 from verification.led_ways import (
     Way,
     equilibria_at,

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rps_exudyn.forces.external_load import TimedForce
+from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears.masses import rack_masses
 from rps_exudyn.gears.polyhedron import MassProperties
@@ -18,11 +19,9 @@ from rps_exudyn.multibody.solve import SolverPlan, solve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.scene_run import Signals
-from rps_exudyn.solvers.balance import SIZE, Balance
-from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
+from rps_exudyn.solvers.balance import SIZE, Balance, slopes
 from rps_exudyn.solvers.drive import Drive, Steady
 from rps_exudyn.solvers.gear_forces import GearForces
-from rps_exudyn.solvers.linearised_motion import slopes
 from rps_exudyn.solvers.record import Record, signals_of
 
 

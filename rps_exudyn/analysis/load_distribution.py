@@ -17,8 +17,8 @@ from rps_exudyn.base.compiled import called
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.rigid_motion import rotation_matrix
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS
 from rps_exudyn.mesh_contact.line_loads import LineLoads, line_loads, loads_data
-from rps_exudyn.mesh_contact.steel import EFFECTIVE_MODULUS
 from rps_exudyn.parameters.gear import SteeringGear
 
 Line = tuple[int, int]  # side (-1 drives the rack towards +X), number of the rack's tooth

@@ -11,9 +11,9 @@ from PIL import Image, ImageDraw
 
 from rps_exudyn.animation.camera import Camera
 from rps_exudyn.animation.camera import view as camera_of
-from rps_exudyn.animation.contact_lines import ContactLines, contact_lines
 from rps_exudyn.animation.drawn import Drawing
 from rps_exudyn.animation.motion import Motion
+from rps_exudyn.animation.overlays import ContactLines, contact_lines
 from rps_exudyn.animation.parts import Part, picture_parts
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import replacing

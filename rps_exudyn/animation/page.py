@@ -10,9 +10,9 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from rps_exudyn.animation.camera import VIEWS
-from rps_exudyn.animation.contact_lines import ContactLines, contact_lines
 from rps_exudyn.animation.film import image_bytes, still
 from rps_exudyn.animation.motion import Motion
+from rps_exudyn.animation.overlays import ContactLines, contact_lines
 from rps_exudyn.animation.page_data import page_data
 from rps_exudyn.animation.parts import picture_parts
 from rps_exudyn.base.files import replacing

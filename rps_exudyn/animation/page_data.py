@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.animation.arrows import arrows
 from rps_exudyn.animation.camera import VIEWS, Camera, view
-from rps_exudyn.animation.contact_lines import ContactLines
 from rps_exudyn.animation.motion import DISPLACEMENTS, TILTS, Factors, Motion, exploded
+from rps_exudyn.animation.overlays import ContactLines, arrows
 from rps_exudyn.animation.parts import COLOURS, Part
 from rps_exudyn.base.units import pretty, words
 from rps_exudyn.gears.gear_pair import GearPair

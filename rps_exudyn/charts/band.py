@@ -12,8 +12,7 @@ from rps_exudyn.charts.style import scene_of
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.uncertainty.band import Band
-from rps_exudyn.uncertainty.contributions import Contributions
-from rps_exudyn.uncertainty.quantiles import LEVELS
+from rps_exudyn.uncertainty.statistics import LEVELS, Contributions
 
 SHOWN = 6  # contributions by name
 BANDS = ((0, -1, 0.18), (1, -2, 0.32))  # outer and inner quantiles, opacity

@@ -7,10 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.impacts import Impact, find_impacts
+from rps_exudyn.analysis.impacts import Impact, find_impacts, split_at_repeats
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.analysis.rack_motion import transmission_error
-from rps_exudyn.analysis.rattle import split_at_repeats
 from rps_exudyn.charts import style
 from rps_exudyn.charts.curves import DIRECTIONS, Panel, add_measured, panels_over_angle
 from rps_exudyn.charts.style import head, scene_of

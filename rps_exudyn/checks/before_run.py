@@ -1,4 +1,4 @@
-"""Checks of a plan before it is run: the limits beyond which its method ends with a wrong number.
+"""Checks of a plan before it is run: limits of its method, and the memory that its record needs.
 
     for breach in breaches(gear, fidelity, steady=True):
         breach.sentence          which quantity, its value, the limit, why
@@ -8,12 +8,15 @@ Each limit is a formula of `predicted` quantities; docs/stability.md shows them 
 only be seen in what came out is checked in after_run.
 """
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.mean_depth import mean_depth
 from rps_exudyn.mesh_contact.spheres import sphere_radius
@@ -128,3 +131,69 @@ def _spheres_deep_enough(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Bre
             {"mesh": "flank"},
             "{:.0f} um",
         )
+
+
+# --- Plans whose record no memory holds, refused before they start
+
+BYTES_PER_STEP = 1500  # of a run: states, forces, signals, and the file made of them; measured 1200
+BYTES_PER_SPHERE = 200  # of a sphere on the flanks: coordinates, and its row in the contact's search
+SMALL = 16e6  # [bytes]: less than the package itself takes, once it runs
+SHARE = 0.7  # of the free memory that a run may take
+
+
+def check_memory(steps: int, spheres: int = 0) -> None:
+    """Check that the record of so many steps, and so many spheres on the flanks, fit into the free memory.
+
+    Raises:
+        InputError: they do not.
+    """
+    needed = BYTES_PER_STEP * steps + BYTES_PER_SPHERE * spheres
+    if needed < SMALL:
+        return
+    free = free_memory()
+    if needed > SHARE * free:
+        size = f"{steps:.3g} steps" + (f" and {spheres:.3g} spheres" if spheres else "")
+        cure = "a larger fidelity.step_angle or a shorter test" + (" or fewer spheres" if spheres else "")
+        raise InputError(
+            f"the test has {size}, which take about {needed / 1e9:.3g} GB of memory; {free / 1e9:.3g} GB are "
+            f"free: choose {cure}."
+        )
+
+
+def free_memory() -> float:
+    """Return the memory that a process may still take [bytes]; infinite where the system does not tell."""
+    return min(_of_machine(), _of_group(), _of_process())
+
+
+def _of_machine() -> float:
+    try:
+        lines = dict(line.split(":") for line in Path("/proc/meminfo").read_text().splitlines())
+        return 1024.0 * int(lines["MemAvailable"].split()[0])
+    except (OSError, ValueError, KeyError):
+        pass
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, OSError, ValueError):
+        return float("inf")
+
+
+def _of_group() -> float:
+    """What a container allows."""
+    group = Path("/sys/fs/cgroup")
+    try:
+        return float(int((group / "memory.max").read_text()) - int((group / "memory.current").read_text()))
+    except (OSError, ValueError):  # no such group, or "max"
+        return float("inf")
+
+
+def _of_process() -> float:
+    try:
+        import resource
+
+        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        return (
+            float(limit - pages * resource.getpagesize()) if limit != resource.RLIM_INFINITY else float("inf")
+        )
+    except (ImportError, OSError, ValueError):
+        return float("inf")

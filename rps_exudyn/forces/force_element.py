@@ -1,10 +1,13 @@
-"""What a part's force law returns: the order of its outputs.
+"""What a part's force law returns, and the order in which the coordinates of the bodies are stacked.
 
 A law reads coordinates q and rates v of its bodies, and fills the generalised forces on them, then the energy
 terms (stored energy and dissipated powers), then values of its own.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 # The energy terms, behind the generalised forces in every part's output [J, W, W]
 ELASTIC_ENERGY, FRICTION_POWER, DAMPING_POWER = 0, 1, 2
@@ -36,3 +39,19 @@ class Part:
     def columns(self) -> int:
         """Number of its outputs: forces, energy terms, own values."""
         return self.size + ENERGY_TERMS + len(self.outputs)
+
+
+# --- The order in which the coordinates of the bodies are stacked
+
+COORDINATE_BLOCKS = {
+    "pinion": slice(0, 1),
+    "rack": slice(1, 7),
+    "plunger": slice(7, 8),
+    "segment": slice(8, 14),
+}
+PINION, RACK, PLUNGER = (COORDINATE_BLOCKS[body].start for body in ("pinion", "rack", "plunger"))
+
+
+def stacked(bodies: Sequence[str]) -> np.ndarray:
+    """Indices of some bodies' coordinates in the stack, in the order of the bodies."""
+    return np.concatenate([np.r_[COORDINATE_BLOCKS[body]] for body in bodies])

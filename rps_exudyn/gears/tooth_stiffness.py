@@ -12,7 +12,7 @@ x up to 1 lie at the edge of what it was fitted to: an error of 10 % must be exp
 default gear say 14.3, the standard 13.8 N/(mm um).
 """
 
-from math import asin, cos, degrees, inf, sin
+from math import asin, cos, degrees, inf, pi, sin
 from typing import TYPE_CHECKING
 
 from rps_exudyn.parameters.gear import SteeringGear
@@ -126,3 +126,12 @@ def line_stiffness(gear: SteeringGear) -> float:
 
 DERIVED = {"mesh.line_stiffness": line_stiffness}
 """Parameters that a gear itself has a value for where none is given: path -> that value (SI)."""
+
+
+# --- The steel that the teeth are made of, and what its contact bears
+
+YOUNGS_MODULUS, POISSON_RATIO = 206e9, 0.3  # as in ISO 6336-2
+EFFECTIVE_MODULUS = YOUNGS_MODULUS / (2 * (1 - POISSON_RATIO**2))  # E* of two bodies of it [Pa]
+HERTZ = 2 * (1 - POISSON_RATIO**2) / (pi * YOUNGS_MODULUS)  # K of a line's flattening [m^2/N]
+FLATTENED = POISSON_RATIO / (1 - POISSON_RATIO)  # what its logarithm is less by
+BEARABLE_PRESSURE = 1.5e9  # Hertzian, of case-hardened steel, ISO 6336-5, quality MQ [Pa]

@@ -20,16 +20,19 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.base.compiled import inline
-from rps_exudyn.forces.friction import BRISTLE, rubbing
+from rps_exudyn.forces.friction import rubbing
 from rps_exudyn.forces.rigid_motion import Vector, cross, dot, minus, on_angles, plus, scaled, vector
 from rps_exudyn.mesh_contact import wrench
 from rps_exudyn.mesh_contact.flank_line import (
+    DAMPING_LOSS,
     DRAG_B,
     DRAG_R,
+    ENERGY,
     LOAD,
     LOAD_R,
     LOAD_T,
     LOAD_Z,
+    add_load,
     affine,
     gear_centre,
     patch_of,
@@ -108,7 +111,7 @@ def friction_at(p_r, p_t, z, side, data, work, slopes):  # type: ignore[no-untyp
     stance, law = slopes.stance, data.law
     slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t
     slip_b = affine(side.slip, p_r, p_t, z)
-    if law.kind == BRISTLE:
+    if law.has_state:
         w_r, w_b = rolling_slip(p_r, p_t, side, data)
         along, across = w_r * slip_r + w_b * slip_b, w_r * slip_b - w_b * slip_r
         patch = patch_of(side, data)
@@ -240,3 +243,26 @@ def add_on_coordinates(out, q, turn, axis, to_axis, stiffness, factor_q, tangent
     tangent[5, 4] += factor_q * (ca * moment[2] - sa * moment[1])
     tangent[6, 4] -= factor_q * cb * (ca * moment[1] + sa * moment[2])
     tangent[6, 5] += factor_q * (cb * moment[0] + sb * (sa * moment[1] - ca * moment[2]))
+
+
+# --- Load at one point of the flanks by its depth, with friction, damping and, if asked for, its tangent
+
+
+@inline
+def press(depth, stiffness, eased, p_r, p_t, z, side, data, work, slopes):  # type: ignore[no-untyped-def]
+    """Add the load stiffness * (depth + d * its rate) at a point, with its friction.
+
+    `eased` is the stiffness's weight over the load's in the rule that the point belongs to; `slopes` says
+    where to add the tangent.
+    """
+    pressing = depth
+    if data.damping > 0:
+        approach = affine(side.part, p_r, p_t, z)
+        pressing += data.damping * approach
+        if not pressing > 0:
+            return
+        work.sums[DAMPING_LOSS] += stiffness * (pressing - depth) * approach
+    add_load(stiffness * pressing, p_r, p_t, z, side, data, work)
+    work.sums[ENERGY] += stiffness * depth * depth / 2
+    if slopes.wanted:
+        add_station(eased * stiffness, stiffness * pressing, p_r, p_t, z, side, data, work, slopes)

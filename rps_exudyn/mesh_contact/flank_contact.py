@@ -17,7 +17,7 @@ GeneralContact). Loads act normal to the rack's plane, at points of the pinion's
 """
 
 from rps_exudyn.base.compiled import inline, kernel
-from rps_exudyn.mesh_contact.contact_tangent import add_turn_of_loads, slopes_of
+from rps_exudyn.mesh_contact.contact_tangent import add_turn_of_loads, press, slopes_of
 from rps_exudyn.mesh_contact.flank_line import (
     DEEPEST,
     LINES,
@@ -41,7 +41,6 @@ from rps_exudyn.mesh_contact.flank_strip import (
     within_band,
 )
 from rps_exudyn.mesh_contact.plain_line import is_plain, plain_ends, plain_point
-from rps_exudyn.mesh_contact.pressed_point import press
 from rps_exudyn.mesh_contact.strip_limits import ends_of, watch_limits
 from rps_exudyn.mesh_contact.wrench import WRENCH_SIZE
 

@@ -5,7 +5,7 @@ import numpy as np
 from rps_exudyn.base.compiled import record, record_type
 from rps_exudyn.gears.basic_rack import half_angle
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.steel import EFFECTIVE_MODULUS, POISSON_RATIO, YOUNGS_MODULUS
+from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS, POISSON_RATIO, YOUNGS_MODULUS
 from rps_exudyn.mesh_contact.tooth_compliance import TOOTH, pinion_tooth, rack_tooth
 from rps_exudyn.parameters.gear import SteeringGear
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.base.compiled import inline
+from rps_exudyn.gears.tooth_stiffness import FLATTENED
 from rps_exudyn.mesh_contact import flank_strip
 from rps_exudyn.mesh_contact.flank_line import (
     Band,
@@ -31,7 +32,6 @@ from rps_exudyn.mesh_contact.flank_strip import (
     within_band,
 )
 from rps_exudyn.mesh_contact.plain_line import is_plain, plain_ends, plain_point
-from rps_exudyn.mesh_contact.steel import FLATTENED
 from rps_exudyn.mesh_contact.strip_limits import ends_of
 from rps_exudyn.mesh_contact.tooth_compliance import PLACE_SIZE, fill_between_ends, fill_place
 

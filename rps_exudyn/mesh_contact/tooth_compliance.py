@@ -26,8 +26,8 @@ import numpy as np
 from rps_exudyn.base.compiled import inline, record, record_type
 from rps_exudyn.gears.basic_rack import cutter_tip_centre
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.tooth_stiffness import POISSON_RATIO, YOUNGS_MODULUS
 from rps_exudyn.gears.trochoid import root_section
-from rps_exudyn.mesh_contact.steel import POISSON_RATIO, YOUNGS_MODULUS
 
 
 class Spread(NamedTuple):

@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.gears import masses, solids
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.solvers.balance import SIZE
-from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 
 if TYPE_CHECKING:
     from collections.abc import Callable

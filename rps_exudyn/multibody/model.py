@@ -26,6 +26,7 @@ import numpy as np
 
 from rps_exudyn.forces.bush import resting_segments
 from rps_exudyn.forces.external_load import TimedForce
+from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, stacked
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears import solids
 from rps_exudyn.gears.gear_pair import GearPair
@@ -38,7 +39,6 @@ from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.bent_bar import BentBar
-from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, stacked
 from rps_exudyn.solvers.drive import Drive, Steady
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_model import COLUMNS

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rps_exudyn.forces.external_load import TimedForce
-from rps_exudyn.forces.force_element import COORDINATES
+from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, COORDINATES
 from rps_exudyn.multibody.general_contact import GeneralContacts
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import GearForces

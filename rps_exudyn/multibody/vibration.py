@@ -8,7 +8,7 @@ motion tells.
 import numpy as np
 
 from rps_exudyn.multibody.steering_model import SteeringModel
-from rps_exudyn.solvers.linearised_motion import eigenvalues, slopes
+from rps_exudyn.solvers.balance import eigenvalues, slopes
 from rps_exudyn.solvers.record import Record
 
 INSTANTS = 12  # of a record at which the motion is linearised

@@ -22,8 +22,7 @@ from rps_exudyn.study.description import UNCERTAIN_DESIGN, Case
 from rps_exudyn.study.messages import Group, groups
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import PENDING, CaseTable, show_value
-from rps_exudyn.uncertainty.contributions import contributions
-from rps_exudyn.uncertainty.quantiles import LEVELS, quantiles
+from rps_exudyn.uncertainty.statistics import LEVELS, contributions, quantiles
 
 MOST_ROWS = 300  # cases listed one by one
 MOST_LINKS = 40  # cases of one group

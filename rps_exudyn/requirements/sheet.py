@@ -17,7 +17,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.tooth_strength import flank_stress, pinion_form, rack_form, root_stress
 from rps_exudyn.parameters.distribution import Distribution
-from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.fidelity import FOR_MEANS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.requirements.limits import Limit
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
@@ -29,7 +29,6 @@ from rps_exudyn.uncertainty.quick_band import quick_band
 ASSURED = 0.95  # of the gears
 RATED_TORQUE = 30.0  # [N m]
 LIGHTEST, HEAVIEST = 0.5, 400.0  # weights between which a kept efficiency is looked for [kg]
-MODEL = Fidelity.preset("quasi-static").replace({"step_angle": "2 deg"})
 TURNING = {
     "free_torque": "torque_mean",
     "variation_on_centre": "torque_on_centre_variation",
@@ -130,7 +129,7 @@ def _of_turning(
         start = -np.pi * gear.test.direction
         path = {"test.path": "there-and-back", "test.start_angle": start, "test.turns": 1.0}
     try:
-        band = quick_band(gear.replace(path), MODEL, inputs, samples)
+        band = quick_band(gear.replace(path), FOR_MEANS, inputs, samples)
     except InputError as error:
         yield from (_not_evaluated(name, limits, error) for name in TURNING)
         return
@@ -142,7 +141,7 @@ def _of_efficiency(
     gear: SteeringGear, inputs: Mapping[str, Distribution], limits: Mapping[str, Limit], samples: int
 ) -> Judged:
     short = gear.replace({"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth})
-    band = band_of_runs(LOAD_TEST.name, short, MODEL, inputs, max(samples // 2, 8))
+    band = band_of_runs(LOAD_TEST.name, short, FOR_MEANS, inputs, max(samples // 2, 8))
     judged = _from_band("efficiency_ratio", "efficiency_ratio", band, limits)
     weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 - (T_0 / W s')^2"
     if judged.kept:
@@ -164,7 +163,7 @@ def _of_lift(
     samples: int,
 ) -> Judged:
     lifting = gear.replace({"test.lift_torque": rated_torque})
-    lift = band_of_runs(RACK_LIFT.name, lifting, MODEL, inputs, max(samples // 2, 8))
+    lift = band_of_runs(RACK_LIFT.name, lifting, FOR_MEANS, inputs, max(samples // 2, 8))
     return _from_band("rated_lift", "rack_lift", lift, limits)
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rps_exudyn.analysis.rattle import FrequencyBand, describe_rattle, first_hit, split_at_repeats
+from rps_exudyn.analysis.impacts import FrequencyBand, describe_rattle, first_hit, split_at_repeats
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.external_load import RoadForce
 from rps_exudyn.gears.rack_bar import RackBar

@@ -7,7 +7,7 @@ import numpy as np
 
 from rps_exudyn.analysis.passes import Signals, first_angle, passes
 from rps_exudyn.analysis.resolution import UNRESOLVED, unresolved
-from rps_exudyn.mesh_contact.steel import BEARABLE_PRESSURE
+from rps_exudyn.gears.tooth_stiffness import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark

@@ -13,7 +13,7 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import begin_part
-from rps_exudyn.checks.memory import check_memory
+from rps_exudyn.checks.before_run import check_memory
 from rps_exudyn.checks.needs_finer import (
     STRIPS_AGREE,
     bends_more,

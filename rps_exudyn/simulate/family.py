@@ -23,13 +23,13 @@ from rps_exudyn.checks.after_run import (
     hidden_share,
 )
 from rps_exudyn.checks.needs_finer import MEAN, PEAK, ROLLING
+from rps_exudyn.forces.force_element import RACK
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import Maneuver, largest_angle
 from rps_exudyn.scenes.run_maneuver import CLOSED
 from rps_exudyn.scenes.scene_run import Signals
-from rps_exudyn.solvers.coordinates import RACK
 from rps_exudyn.solvers.drive import Steady, travel_per_radian
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.many_gears import (

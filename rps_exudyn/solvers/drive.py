@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
+from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 
 DrivenBody = Literal["pinion", "rack", "wheel"]
 OVERCOME = {"pinion": "pinion_torque", "rack": "rack_force", "wheel": "wheel_torque"}

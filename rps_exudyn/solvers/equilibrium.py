@@ -16,10 +16,10 @@ import numpy as np
 
 from rps_exudyn.base.compiled import ready
 from rps_exudyn.base.progress import reached
+from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
 from rps_exudyn.forces.memory import TIME, reset
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import SIZE, Balance
-from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
 from rps_exudyn.solvers.drive import Drive, Steady, travel_per_radian
 from rps_exudyn.solvers.follower import NO_COLUMN, RIGID, add_column_to, follow
 from rps_exudyn.solvers.gear_model import OUTPUTS

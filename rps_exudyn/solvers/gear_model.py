@@ -50,8 +50,7 @@ from rps_exudyn.forces.yoke import (
 )
 from rps_exudyn.mesh_contact import wrench
 from rps_exudyn.mesh_contact.laws import line_law, sphere_law, teeth_law
-from rps_exudyn.mesh_contact.mesh_record import MESH
-from rps_exudyn.mesh_contact.scratch import SCRATCH
+from rps_exudyn.mesh_contact.mesh_record import MESH, SCRATCH
 from rps_exudyn.solvers.bent_rack import (
     BAR,
     POSE,

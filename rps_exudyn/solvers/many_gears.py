@@ -13,13 +13,13 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from rps_exudyn.base.compiled import ready
+from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
 from rps_exudyn.forces.friction import PLAIN
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import GRAVITY
-from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
 from rps_exudyn.solvers.drive import DrivenBody
 from rps_exudyn.solvers.follower import ACCEPT, NO_COLUMN, RIGID, follow
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces

@@ -12,15 +12,16 @@ import numpy as np
 
 from rps_exudyn.analysis.work_balance import integral_from_start
 from rps_exudyn.forces.force_element import (
+    COORDINATE_BLOCKS,
     DAMPING_POWER,
     ELASTIC_ENERGY,
     ENERGY_TERMS,
     FRICTION_POWER,
     Part,
+    stacked,
 )
 from rps_exudyn.forces.memory import PLACES, TIME
 from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar
-from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS, stacked
 from rps_exudyn.solvers.drive import OVERCOME, Drive, DrivenBody
 from rps_exudyn.solvers.equilibrium import SETTLED, EquilibriumPath, Start
 from rps_exudyn.solvers.gear_forces import GearForces

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS, Balance
-from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, Start, equilibrium_path
 from rps_exudyn.solvers.steering_column import SteeringColumn, pinion_at_start

@@ -11,17 +11,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
+from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import RUBBING_PARTS, SteeringGear
-from rps_exudyn.solvers.balance import SIZE
-from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.balance import SIZE, eigenvalues, slopes
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
-from rps_exudyn.solvers.linearised_motion import eigenvalues, slopes
 from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
 from rps_exudyn.solvers.settled_start import SteadyApproach, settled_path
 
@@ -56,8 +56,8 @@ def sliding_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
 def linearised_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
     """Return the same with friction that knows the speed alone, up to three times what one inertia needs; 0
     where the gear is stable without any, nan without an equilibrium."""
-    bristles = [part for part in RUBBING_PARTS if getattr(gear, part).friction_law == "bristle"]
-    gear = gear.replace({f"{part}.friction_law": "stribeck" for part in bristles})
+    laws = {f"{part}.friction_law": getattr(gear, part).facts.at_speed for part in RUBBING_PARTS}
+    gear = gear.replace(laws)
     vibration = Vibration.of(gear, fidelity)
     if vibration is None:
         return float("nan")

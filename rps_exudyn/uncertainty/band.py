@@ -28,9 +28,8 @@ from rps_exudyn.scenes.headline import curve_of
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.simulate.batch import Batch
 from rps_exudyn.simulate.run import simulate
-from rps_exudyn.uncertainty.contributions import Contributions, Polynomials
-from rps_exudyn.uncertainty.quantiles import LEVELS, Quantiles, quantiles
 from rps_exudyn.uncertainty.samples import Samples, runs_at
+from rps_exudyn.uncertainty.statistics import LEVELS, Contributions, Polynomials, Quantiles, quantiles
 
 LEAST_OK = 8  # samples with a number, for quantiles
 FEWEST, MOST = LEAST_OK, 100_000  # samples that may be asked for

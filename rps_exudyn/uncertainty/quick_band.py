@@ -26,9 +26,8 @@ from rps_exudyn.uncertainty.band import (
     numerical_error,
     runs_of,
 )
-from rps_exudyn.uncertainty.contributions import contributions
-from rps_exudyn.uncertainty.quantiles import LEVELS, RESAMPLES, SEED, Quantiles, quantiles
 from rps_exudyn.uncertainty.samples import Samples
+from rps_exudyn.uncertainty.statistics import LEVELS, RESAMPLES, SEED, Quantiles, contributions, quantiles
 
 SCENE, FIGURE = FREE_PINION_TORQUE.name, "torque_mean"
 POINTS, RUNS = 1024, 64

@@ -10,19 +10,17 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.carried import carried
-from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.fidelity import MEAN_STEP, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.uncertainty.band import Band, band_of_runs, numerical_error
 from rps_exudyn.uncertainty.input_sets import uncertain_inputs
-from rps_exudyn.uncertainty.quantiles import MEDIAN
 from rps_exudyn.uncertainty.quick_band import SCENE, quick_band
+from rps_exudyn.uncertainty.statistics import MEDIAN
 from rps_exudyn.validation.calculations import CALCULATIONS
 from rps_exudyn.validation.row import Procedure, Row
 from rps_exudyn.validation.verdict import Verdict, verdict, verdict_on_limit
-
-STEP = "2 deg"  # of equilibria
 
 
 @dataclass(frozen=True)
@@ -147,7 +145,7 @@ def _simulated(procedure: Procedure) -> dict[str, Simulated]:
 
 def _model(name: str) -> Fidelity:
     preset = Fidelity.preset(name)
-    return preset if preset.solver == "closed-form" else preset.replace({"step_angle": STEP})
+    return preset if preset.solver == "closed-form" else preset.replace({"step_angle": MEAN_STEP})
 
 
 def _band(procedure: Procedure, gear: SteeringGear, fidelity: Fidelity) -> Band:

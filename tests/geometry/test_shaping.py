@@ -7,8 +7,8 @@ from benchmarks.flank_deviation import flank_deviation
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.pinion_mesh import pinion_mesh
 from rps_exudyn.gears.polyhedron import Solid, defect
-from rps_exudyn.gears.shaping import shaped_pinion
 from rps_exudyn.parameters.gear import SteeringGear
+from verification.shaping import shaped_pinion
 
 PAPER = GearPair.of(SteeringGear())
 STEPS = (100, 200, 400)

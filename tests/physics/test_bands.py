@@ -12,11 +12,10 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted
 from rps_exudyn.uncertainty import band as band_module
 from rps_exudyn.uncertainty.band import Band, band_of_runs
-from rps_exudyn.uncertainty.contributions import contributions
 from rps_exudyn.uncertainty.input_sets import SETS, uncertain_inputs
-from rps_exudyn.uncertainty.quantiles import LEVELS, quantiles
 from rps_exudyn.uncertainty.quick_band import quick_band
 from rps_exudyn.uncertainty.samples import TOGETHER, Samples
+from rps_exudyn.uncertainty.statistics import LEVELS, contributions, quantiles
 
 FORMULA = Fidelity.preset("closed-form")
 EQUILIBRIA = Fidelity.preset("quasi-static").replace({"step_angle": "2 deg"})

@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 
 from part_law import PartLaw, with_records
-from rps_exudyn.forces.force_element import ELASTIC_ENERGY, FRICTION_POWER
+from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, ELASTIC_ENERGY, FRICTION_POWER
 from rps_exudyn.forces.rigid_motion import spin_map
 from rps_exudyn.forces.yoke import seat_record, seat_wedge_factor
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.coordinates import COORDINATE_BLOCKS
 from rps_exudyn.solvers.equilibrium import starting_guess, steady_rates
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.gear_model import COLUMNS

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
-from rps_exudyn.analysis.rattle import FrequencyBand, describe_rattle, split_at_repeats
+from rps_exudyn.analysis.impacts import FrequencyBand, describe_rattle, split_at_repeats
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.external_load import RoadForce
 from rps_exudyn.parameters.fidelity import Fidelity

@@ -21,7 +21,7 @@ from rps_exudyn.mesh_contact.wrench import NORMAL_COAST, NORMAL_DRIVE, TORQUE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.run import run
-from rps_exudyn.solvers.linear_spheres import standing_out
+from rps_exudyn.solvers.sphere_groups import standing_out
 from verification.contact_at import flank_contact, sampled_wrench
 from verification.law_area import by_law
 

@@ -14,7 +14,7 @@ import pytest
 
 from rps_exudyn import load
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.checks import memory
+from rps_exudyn.checks import before_run
 from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -150,7 +150,7 @@ def test_limit_begins_when_it_is_made() -> None:
 def test_plan_that_no_memory_holds_is_refused_before_it_starts(
     settings: dict[str, object], command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(memory, "free_memory", lambda: 5e8)
+    monkeypatch.setattr(before_run, "free_memory", lambda: 5e8)
     words = [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
     scene = "reversal" if "test.cycles" in settings else "free-pinion-torque"
     answer = command(["run", scene, *words])
@@ -160,10 +160,10 @@ def test_plan_that_no_memory_holds_is_refused_before_it_starts(
 
 
 def test_memory_that_is_enough_is_not_refused() -> None:
-    assert memory.free_memory() > 1e8
-    memory.check_memory(1000)
+    assert before_run.free_memory() > 1e8
+    before_run.check_memory(1000)
     with pytest.raises(InputError, match="1e\\+12 steps"):
-        memory.check_memory(10**12)
+        before_run.check_memory(10**12)
 
 
 def in_a_callback_of_the_collector() -> None:

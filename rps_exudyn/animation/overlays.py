@@ -1,9 +1,6 @@
-"""The lines on which the teeth touch, frame by frame, with the load along each.
+"""What is drawn over the bodies: forces as arrows, and the lines of contact with their loads."""
 
-A line of contact is a straight generator of the pinion's flank, so it is kept as two points in the pinion's
-frame and the loads at equally spaced stations between them.
-"""
-
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +10,55 @@ from rps_exudyn.animation.motion import Motion
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
+from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.gears.solids import plunger_ends
 from rps_exudyn.mesh_contact.line_loads import STATIONS
 from rps_exudyn.parameters.gear import SteeringGear
+
+LEAST = 1e-3  # of the largest force: a smaller one gets no arrow
+
+
+@dataclass(frozen=True, eq=False)
+class Arrow:
+    """A force that follows a signal; its head is at the point where it acts."""
+
+    signal: str
+    label: str
+    part: str  # in whose frame the point is; the direction is the housing's
+    point: np.ndarray  # [m], shape (3,)
+    direction: np.ndarray  # of the force where the signal is above zero, shape (3,)
+    colour: str
+
+
+def arrows(motion: Motion) -> list[Arrow]:
+    """The arrows of the forces that the record has and that are above zero at some instant."""
+    present = [each for each in _all(motion) if each.signal in motion.signals]
+    sizes = {each.signal: float(np.abs(motion.signals[each.signal]).max()) for each in present}
+    least = LEAST * max(sizes.values(), default=0.0)
+    return [each for each in present if sizes[each.signal] > least]
+
+
+def _all(motion: Motion) -> Iterator[Arrow]:
+    gear = motion.gear
+    pair, bar, up = GearPair.of(gear), RackBar.of(gear), np.array([0.0, 1.0, 0.0])
+    back = np.array([0.0, gear.rack.bar_diameter / 2, 0.0])
+    yield Arrow("seat_force", "plunger on the rack", "plunger", back, -up, "#7b3fa0")
+    nut = np.array([0.0, plunger_ends(gear)[1], 0.0])
+    yield Arrow("yokenut_force", "yokenut on the plunger", "plunger", nut, -up, "#b00020")
+    to_flank = np.array([0.0, -gear.rack.reference_height, 0.0])
+    for side, name, colour in ((-1, "drive", "#d9480f"), (1, "coast", "#1971c2")):
+        push = -pair.rack_flank_normal(side)  # of the pinion on the rack
+        label = f"pinion on the rack, {name} flanks"
+        yield Arrow(f"mesh_normal_force_{name}", label, "mesh", to_flank, push, colour)
+    end = np.array([bar.x_min, 0.0, 0.0])
+    yield Arrow("load_force", "load on the rack's end", "rack", end, np.array([-1.0, 0, 0]), "#2b8a3e")
+    yield Arrow("rack_force", "drive of the rack", "rack", end, np.array([1.0, 0, 0]), "#2b8a3e")
+
+
+# --- The lines on which the teeth touch, frame by frame, with the load along each
+#
+# A line of contact is a straight generator of the pinion's flank, so it is kept as two points in the pinion's
+# frame and the loads at equally spaced stations between them.
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,144 @@
+"""Statistics of drawn numbers: quantiles with their errors, and the contribution of each input."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial.legendre import legval
+
+LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
+"""Fractions below the quantiles: the band of 90 %, that of 50 %, and the median."""
+
+MEDIAN = LEVELS.index(0.5)
+RESAMPLES, SEED = 200, 0
+
+
+@dataclass(frozen=True, eq=False)
+class Quantiles:
+    """Quantiles of one number at `LEVELS`, in its SI unit, shape (5,) each."""
+
+    values: np.ndarray
+    errors: np.ndarray  # standard errors, by bootstrap
+    lowest: np.ndarray  # what they would be with every failed sample below all others, -inf: unknown
+    highest: np.ndarray  # likewise above, inf: unknown
+
+    @property
+    def low(self) -> float:
+        """Lower end of the band of 90 %."""
+        return float(self.values[0])
+
+    @property
+    def median(self) -> float:
+        """The median."""
+        return float(self.values[MEDIAN])
+
+    @property
+    def high(self) -> float:
+        """Upper end of the band of 90 %."""
+        return float(self.values[-1])
+
+    @property
+    def half_width(self) -> float:
+        """Half the width of the band of 90 %."""
+        return (self.high - self.low) / 2
+
+    @property
+    def standard(self) -> float:
+        """Standard uncertainty of a normal distribution with the same band of 90 %."""
+        return self.half_width / 1.6449
+
+
+def quantiles(numbers: np.ndarray, failed: int = 0, resampled: np.ndarray | None = None) -> Quantiles:
+    """Return the quantiles of numbers of shape (n,), beside which `failed` samples gave none.
+
+    Args:
+        numbers: finite, at least one.
+        failed: samples without a number.
+        resampled: the numbers drawn again, shape (resamples, n), where they are not independent of each
+            other; by default they are drawn with replacement.
+    """
+    if resampled is None:
+        rng = np.random.default_rng(SEED)
+        resampled = numbers[rng.integers(0, numbers.size, (RESAMPLES, numbers.size))]
+    values = np.quantile(numbers, LEVELS)
+    errors = np.quantile(resampled, LEVELS, axis=1).std(axis=1)
+    whole, known = numbers.size + failed, np.sort(numbers)
+    below = (np.array(LEVELS) * (whole - 1) - failed) / max(numbers.size - 1, 1)
+    above = np.array(LEVELS) * (whole - 1) / max(numbers.size - 1, 1)
+    return Quantiles(values, errors, _at(known, below, -np.inf), _at(known, above, np.inf))
+
+
+def _at(known: np.ndarray, levels: np.ndarray, beyond: float) -> np.ndarray:
+    """Quantiles at levels of which those outside 0 to 1 are not known."""
+    inside = (levels >= -1e-9) & (levels <= 1 + 1e-9)
+    return np.where(inside, np.quantile(known, np.clip(levels, 0, 1)), beyond)
+
+
+# --- Which input makes a number uncertain: fractions of its variance, from random or Latin-hypercube points
+#
+# The number is fitted by a sum of polynomials of one input each, in the input's own quantile u; the variance
+# of each polynomial over u is the input's contribution (its first-order Sobol index), what no sum explains is
+# due to inputs acting together, and to what the polynomials cannot follow. Legendre polynomials are
+# orthogonal over u, so that variances are sums of squared coefficients; what chance adds to them is taken
+# off.
+
+POINTS_PER_TERM = 8  # least
+HIGHEST_DEGREE = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Contributions:
+    """Fractions of the variance, most first."""
+
+    fractions: dict[str, float]  # input -> its own
+    together: float  # not explained by single inputs
+    error: float  # standard error of a fraction, by the number of points
+
+
+@dataclass(frozen=True, eq=False)
+class Polynomials:
+    """Polynomials of single inputs at some points, to which any number of figures is fitted."""
+
+    names: list[str]  # of the inputs
+    degree: int  # 0 where there are too few points
+    terms: np.ndarray  # (n, 1 + inputs degree)
+    inverse: np.ndarray  # of the terms, (1 + inputs degree, n)
+
+    @classmethod
+    def at(cls, u: np.ndarray, names: list[str]) -> "Polynomials":
+        """From quantiles of the inputs, shape (n, inputs), independent and even over 0 to 1."""
+        count, inputs = u.shape
+        degree = min(HIGHEST_DEGREE, count // (POINTS_PER_TERM * inputs))
+        columns = [_orthonormal(u[:, i], d) for i in range(inputs) for d in range(1, degree + 1)]
+        terms = np.stack([np.ones(count), *columns], axis=1)
+        return cls(names, degree, terms, np.linalg.pinv(terms))
+
+    def contributions(self, numbers: np.ndarray) -> Contributions | None:
+        """Return what each input contributes to the variance; None for numbers that do not vary, or too few.
+
+        Args:
+            numbers: at the points, shape (n,), finite.
+        """
+        if self.degree < 1 or not np.ptp(numbers) > 1e-9 * np.abs(numbers).max():
+            return None
+        count = len(numbers)
+        scaled = (numbers - numbers.mean()) / numbers.std()
+        coefficients = self.inverse @ scaled
+        left = scaled - self.terms @ coefficients
+        noise = float(left @ left) / max(count - self.terms.shape[1], 1)
+        chance = noise * (self.inverse[1:] ** 2).sum(axis=1)
+        each = (coefficients[1:] ** 2 - chance).reshape(-1, self.degree).sum(axis=1)
+        each = np.maximum(each, 0.0)
+        whole = float(each.sum()) + noise  # not the sample's variance, which chance correlations change
+        shares = zip(self.names, (each / whole).tolist(), strict=True)
+        fractions = dict(sorted(shares, key=lambda pair: -pair[1]))
+        return Contributions(fractions, noise / whole, float(2 * np.sqrt(self.degree * noise / count)))
+
+
+def contributions(u: np.ndarray, numbers: np.ndarray, names: list[str]) -> Contributions | None:
+    """Return what each input contributes to the variance of one figure, see `Polynomials`."""
+    return Polynomials.at(u, names).contributions(numbers)
+
+
+def _orthonormal(u: np.ndarray, degree: int) -> np.ndarray:
+    """The Legendre polynomial of u, of mean 0 and variance 1 over 0 to 1."""
+    return np.asarray(np.sqrt(2 * degree + 1) * legval(2 * u - 1, np.eye(degree + 1)[degree]))
