@@ -20,7 +20,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Status
-from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, outcome_of_path
 from rps_exudyn.solvers.balance import SIZE
 from rps_exudyn.solvers.drive import Drive

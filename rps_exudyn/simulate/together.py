@@ -21,8 +21,8 @@ from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.scene import SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
-from rps_exudyn.scenes.steady_test import SteadyTest, Turned
 from rps_exudyn.simulate.family import Family, FamilyRecord, is_alike
 from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
 
