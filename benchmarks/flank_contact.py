@@ -19,13 +19,15 @@ from scipy.spatial.transform import Rotation
 from benchmarks.topic import Topic, digits, load_data, markdown, save_data
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.elastic_teeth import teeth_contact
-from rps_exudyn.mesh_contact.flank_contact import area_contact, line_contact
+from rps_exudyn.mesh_contact.flank_contact import line_contact
 from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.mesh_contact.mesh_record import SCRATCH
 from rps_exudyn.parameters.gear import SteeringGear
+from verification.area_contact import area_contact
 from verification.contact_at import flank_contact, mesh_of_teeth
+from verification.law_area import by_law
 
-GEAR = SteeringGear().replace({"mesh.law": "area"})
+GEAR = by_law(SteeringGear(), "area")
 TIP = {"pinion.tip_diameter": "18.2 mm"}  # which would follow from the helix angle
 ANGLES = np.linspace(0, np.pi / 3, 25)[:-1]
 PRESS = 12e-6  # by which the rack is pressed into the mesh [m]

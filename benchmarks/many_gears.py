@@ -24,6 +24,7 @@ from rps_exudyn.solvers.many_gears import RUNOUT_ANGLE
 from rps_exudyn.study.description import settings_of
 from rps_exudyn.study.runner import StudyWork
 from rps_exudyn.study.study_file import read_study
+from verification.law_area import by_law
 
 SCENE = "free-pinion-torque"
 STUDY = ROOT / "studies" / "tolerance.toml"
@@ -54,7 +55,7 @@ class Gears:
         table = {path: np.array([each[path] for each in settings], dtype=float) for path in settings[0]}
         if span == "pitch":
             table = {path: each for path, each in table.items() if path not in (*SINGLE_OUT, RUNOUT_ANGLE)}
-        return cls(SteeringGear().replace({"mesh.law": law}), table)
+        return cls(by_law(SteeringGear(), law), table)
 
     def some(self, count: int) -> dict[str, np.ndarray]:
         """The table's first rows."""
@@ -63,7 +64,7 @@ class Gears:
 
 def run(
     folder: Path,
-    laws: Sequence[str] = ("line", "area"),
+    laws: Sequence[str] = ("line", "teeth"),
     spans: Sequence[str] = tuple(SPANS),
     gears: int = 1000,
     singles: int = 300,

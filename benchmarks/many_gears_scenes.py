@@ -55,7 +55,7 @@ KINDS = {
 def run(
     folder: Path,
     kinds: Sequence[str] = tuple(KINDS),
-    laws: Sequence[str] = ("line", "area"),
+    laws: Sequence[str] = ("line", "teeth"),
     spans: Sequence[str] = tuple(SPANS),
     gears: int = 200,
     singles: int = 200,

@@ -25,6 +25,7 @@ from rps_exudyn.fitting.unknowns import LEVEL
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.solvers.closed_form import GRAVITY
+from verification.law_area import by_law
 from verification.made_up_curves import REAL, BenchNoise, measured_curve, true_curve, with_noise
 
 TRUE: dict[str, object] = {
@@ -101,7 +102,7 @@ def level_case(case: str, seed: int) -> dict[str, Any]:
     files = [measured(FREE, noise, random, law) for _ in range(3 if case == "repeats" else 1)]
     if case in DISTURBANCES:
         files = [(test, DISTURBANCES[case](curve, random)) for test, curve in files]
-    gear = SteeringGear().replace({"mesh.law": "area"}) if case == "law line" else SteeringGear()
+    gear = by_law(SteeringGear(), "area") if case == "law line" else SteeringGear()
     found = fit(measurement_of(files), gear, other_law=case == "white" and seed < 10)
     return of_level(found, true_level(law))
 

@@ -50,7 +50,6 @@ CHANGES = {
     "plunger: tilts in its bore by 0.1 mm": Change(gear={"yoke.bore_clearance": "0.1 mm"}),
     "inertia: none (equilibria)": Change({"solver": "equilibrium"}),
     "inertia: pinion twice as heavy": Change(gear={"pinion.density": 2 * SteeringGear().pinion.density}),
-    "teeth: pressure per depth": Change(gear={"mesh.law": "area"}),
     "teeth: bending together": Change(gear={"mesh.law": "teeth"}),
     "teeth: half as stiff": Change(gear={"mesh.line_stiffness": line_stiffness(SteeringGear()) / 2}),
     "teeth: contact damping 0.1 ms": Change(gear={"mesh.damping": "0.1 ms"}),

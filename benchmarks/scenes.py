@@ -84,8 +84,7 @@ def run(
         "40 µm, yoke clearance 20 µm": done("free-pinion-torque", test | STOPPED),
     }
     rows += [figures(name, result, OF_RUNOUT) for name, result in runouts.items()]
-    pressed = done("free-pinion-torque", test | {"mesh.law": "area"})  # whose contact has a pressure
-    draw_runouts(runouts, pressed, folder)
+    draw_runouts(runouts, folder)
     checked = [[name, *(LAWS[name](preset) for preset in PRESETS)] for name in laws or LAWS]
     save_data(folder / DATA, {"scenes": rows, "laws": checked})
 
@@ -110,7 +109,7 @@ def figures(title: str, result: Result, names: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def draw_runouts(runouts: dict[str, Result], pressed: Result, folder: Path) -> None:
+def draw_runouts(runouts: dict[str, Result], folder: Path) -> None:
     """Torques, orders and losses without and with runout, and with a yoke that stops; contact pattern."""
     free = dict(list(runouts.items())[:2])
     eccentric = free["40 µm"]
@@ -119,7 +118,7 @@ def draw_runouts(runouts: dict[str, Result], pressed: Result, folder: Path) -> N
         "runout_stopped": torques_figure(runouts, "The same with a yoke that stops"),
         "spectrum": spectrum_figure(free),
         "losses": losses_figure(eccentric),
-        "contact_pattern": pattern_figure(pressed),
+        "contact_pattern": pattern_figure(runouts["runout 0"]),
     }
     for name, figure in drawn.items():
         style.save(figure, folder / f"{name}.png")

@@ -15,6 +15,7 @@ from typing import Any
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
+from verification.law_area import replaced
 from verification.stability import ScenePlan
 
 TORQUE = "free-pinion-torque"
@@ -50,8 +51,9 @@ def bad_cases() -> dict[str, BadCase]:
 def _plan(scene: str, values: Settings) -> ScenePlan:
     # their numbers are those of this law, under which they were found
     settings = {"mesh.law": "area"} | {path: value for path, value in values.items() if "." in path}
+    gear = replaced(SteeringGear(), settings)
     choices = {path: value for path, value in values.items() if "." not in path}
-    return ScenePlan(scene, SteeringGear().replace(settings), Fidelity.preset("flank").replace(choices))
+    return ScenePlan(scene, gear, Fidelity.preset("flank").replace(choices))
 
 
 def _made_up() -> Iterator[tuple[str, str, Settings]]:

@@ -11,8 +11,9 @@ from scipy.spatial.transform import Rotation
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.mesh_contact.wrench import NORMAL_COAST, NORMAL_DRIVE
 from rps_exudyn.parameters.gear import SteeringGear
+from verification.law_area import by_law
 
-PAPER = SteeringGear().replace({"mesh.law": "area"})
+PAPER = by_law(SteeringGear(), "area")
 ZONE = 1e-5  # [m/s], far below all sliding here
 PRESS = 10e-6  # of the rack into the mesh [m]
 FINE = 640  # generators of the reference integral

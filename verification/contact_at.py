@@ -6,11 +6,12 @@ import numpy as np
 
 from rps_exudyn.forces.memory import reset
 from rps_exudyn.mesh_contact.elastic_teeth import teeth_contact
-from rps_exudyn.mesh_contact.flank_contact import area_contact, line_contact
+from rps_exudyn.mesh_contact.flank_contact import line_contact
 from rps_exudyn.mesh_contact.mesh_record import MESH, SCRATCH
 from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, pooled, sphere_contact
 from rps_exudyn.mesh_contact.teeth_data import teeth_data
 from rps_exudyn.parameters.gear import SteeringGear
+from verification.area_contact import area_contact
 
 
 def flank_contact(*at: Any) -> np.ndarray:

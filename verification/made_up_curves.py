@@ -17,6 +17,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.solvers.closed_form import GRAVITY
+from verification.law_area import by_law
 
 SCENES = {
     "free": "free-pinion-torque",
@@ -52,7 +53,7 @@ def true_curve(gear: SteeringGear, test: BenchTest, law: str | None = None) -> d
 
     gear = gear.replace({"test.path": "there-and-back", "test.start_angle": -np.pi})
     if law:
-        gear = gear.replace({"mesh.law": law})
+        gear = by_law(gear, law)
     if test.kind in ("yoke-out", "bearing"):
         angle = np.concatenate([np.linspace(-np.pi, np.pi, 361), np.linspace(np.pi, -np.pi, 361)[1:]])
         forth, back = formula_means(gear, test)

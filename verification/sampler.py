@@ -168,7 +168,7 @@ def usual_plan(rng: np.random.Generator, preset: str) -> ScenePlan:
         gear = random_gear(rng, scene)
         return ScenePlan(scene, gear, affordable(gear, scene, fidelity))
     gear = random_gear(rng, "free-pinion-torque")
-    part = {"test.path": "one-way", "test.turns": PART_OF_PITCH / gear.pinion.teeth, "mesh.law": "area"}
+    part = {"test.path": "one-way", "test.turns": PART_OF_PITCH / gear.pinion.teeth}
     return ScenePlan("free-pinion-torque", gear.replace(part), fidelity)
 
 

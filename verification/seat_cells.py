@@ -21,13 +21,12 @@ from rps_exudyn.solvers.gear_model import (
     COLUMNS,
     LAW,
     LAWS,
-    area_gear,
-    area_gear_on_bent_rack,
     line_gear,
     line_gear_on_bent_rack,
     teeth_gear,
     teeth_gear_on_bent_rack,
 )
+from verification.law_area import area_gear, area_gear_on_bent_rack
 
 ARC_CELLS, LENGTH_CELLS = 160, 16
 SEAT_SIZE = 12  # outputs of the seat

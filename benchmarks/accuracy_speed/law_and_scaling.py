@@ -29,9 +29,6 @@ LAWS: dict[str, dict[str, object]] = {
     "the same, 10 N/mm/um": {"mesh.law": "line", "mesh.line_stiffness": 10e9},
     "the same, 20 N/mm/um": {"mesh.law": "line", "mesh.line_stiffness": 20e9},
     BENDING: {"mesh.law": "teeth"},
-    "pressure per depth, 2e13 N/m^3": {"mesh.law": "area"},
-    "the same, 5e12 N/m^3": {"mesh.law": "area", "mesh.stiffness": 5e12},
-    "the same, 1e14 N/m^3": {"mesh.law": "area", "mesh.stiffness": 1e14},
 }
 BANDS = {DEFAULT: MEASURED["line"], BENDING: MEASURED["teeth"]}
 """Laws that are drawn with what they are off by."""

@@ -38,6 +38,7 @@ from rps_exudyn.study.study_file import read_study
 from rps_exudyn.study.table import axis_quantity
 from verification.faceted import Surface, faceted_run, largest_deviation, meshed, shaped, spheres
 from verification.flywheel import explicit_run
+from verification.law_area import by_law
 from verification.references import Method, as_run, by_strips, over_generators, reference_of, still
 from verification.runs import SceneReference, run_scene
 from verification.work_precision import Reference
@@ -82,7 +83,7 @@ CHORDS = (3e-6, 1e-6, 0.3e-6, 0.1e-6)
 """Errors of the pinion's triangles [m]; the package's spheres sit on the last."""
 
 FACETED = spheres(108, 36, "1 deg")
-GEAR = SteeringGear().replace({"mesh.law": "area"})  # as in the plans
+GEAR = by_law(SteeringGear(), "area")  # as of the plans that set no law
 PITCH = GEAR.replace({"test.turns": 1 / 6})
 
 
@@ -149,7 +150,9 @@ def points_of(scene: str, plans: Sequence[str], thinned: Callable[[Study], Study
         for case in describe(study, {}).cases:
             setup = setup_of(study, case)
             label = ", ".join(_shown(axis, case.values[axis.name]) for axis in study.axes)
-            yield PlannedPoint.of_scene(name, label, scene, setup.steering_gear, setup.fidelity)
+            gear = setup.steering_gear
+            gear = gear if "mesh.law" in study.settings else by_law(gear, "area")  # known in three ways
+            yield PlannedPoint.of_scene(name, label, scene, gear, setup.fidelity)
 
 
 def explicit_points(scene: str) -> Iterator[PlannedPoint]:

@@ -44,7 +44,7 @@ def run(
     scenes: Mapping[str, Measured] = MappingProxyType(SCENES),
     gears: int | None = None,
     table: Path = TABLE,
-    laws: Sequence[str] = ("area", "teeth"),
+    laws: Sequence[str] = ("teeth",),
 ) -> None:
     """Measure the settings of these scenes on random gears; a run goes on with what the folder has.
 
@@ -135,9 +135,7 @@ def publish(
     if tables:
         scenes[scene] = {"tried": len(rows), "quantities": tables}
     if scene == LAW_SCENE and tables:
-        laws = {"line": 1.0} | {
-            law: factor_of(raw[law], tables[0]) for law in ("area", "teeth") if law in raw
-        }
+        laws = {"line": 1.0} | {law: factor_of(raw[law], tables[0]) for law in ("teeth",) if law in raw}
     scenes = {name: scenes[name] for name in SCENES if name in scenes}
     write_json(path, {"origin": provenance(), "seed": SEED, "laws": laws, "scenes": scenes})
 

@@ -223,7 +223,7 @@ def _limits() -> Iterator[BadInput]:
         ("--fidelity", "quasi-static", "--set", "pinion.runout=10 um"),
         ("--fidelity", "full"),
         ("--set", "test.speed=0.001 rpm"),
-        ("--mesh", "flank-generators"),
+        ("--set", "mesh.law=teeth"),
         ("--mesh", "general-contact", "--set", "fidelity.profile_samples=400"),
         ("--set", "pinion.teeth=40"),
         ("--robust",),

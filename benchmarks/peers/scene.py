@@ -14,6 +14,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import rack_masses
 from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
 from rps_exudyn.parameters.gear import SteeringGear
+from verification.law_area import by_law
 
 SETTINGS: dict[str, Any] = {
     "yoke.preload": "700 N",
@@ -22,10 +23,9 @@ SETTINGS: dict[str, Any] = {
     "yoke.clearance": "0.5 mm",
     "bush.drag": 0,
     "bearing.friction_torque": 0,
-    "mesh.law": "area",
     "test.speed": "60 rpm",
 }
-GEAR = SteeringGear().replace(SETTINGS)
+GEAR = by_law(SteeringGear().replace(SETTINGS), "area")
 PAIR = GearPair.of(GEAR)
 GUIDED = {"rack": "guided", "bush": "condensed"}
 """The package's choices for this scene."""

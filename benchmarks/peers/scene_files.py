@@ -40,7 +40,7 @@ def run(folder: Path, methods: Mapping[str, Method] | None = None) -> None:
         {
             "scene": scene_parameters(),
             "gear": GEAR.model_dump(include={"basic_rack", "pinion", "rack", "installation", "mesh"}),
-            "changed_from_default": SETTINGS,
+            "changed_from_default": {**SETTINGS, "mesh.law": GEAR.mesh.law},
             "reference": {
                 "mean": float(np.mean(torque[:-1])),
                 "peak_to_peak": float(np.ptp(torque)),

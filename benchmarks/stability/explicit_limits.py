@@ -32,11 +32,12 @@ from rps_exudyn.multibody.bush_chain import add_chain
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import DrivenBody, Steady, travel_per_radian
+from verification.law_area import by_law
 from verification.runge_kutta import FreeMotion
 from verification.stability import bisected
 
 DATA = "explicit.json"
-GEAR = SteeringGear().replace({"mesh.law": "area"})  # whose stiffness is varied
+GEAR = by_law(SteeringGear(), "area")  # whose stiffness is varied
 RPM = np.pi / 30
 
 

@@ -19,6 +19,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
+from verification.law_area import by_law
 from verification.stability import (
     STILL,
     STRIP,
@@ -32,7 +33,7 @@ from verification.stability import (
 )
 
 DATA = "implicit.json"
-GEAR = SteeringGear().replace({"mesh.law": "area"})  # whose stiffness is varied
+GEAR = by_law(SteeringGear(), "area")  # whose stiffness is varied
 FINEST, COARSEST, LADDER = 2.0, 40.0, 1.35  # [deg], [deg], from step to step
 PITCHES = 5.4  # of a record
 BOUNDS = (0.01, 0.05)

@@ -40,6 +40,7 @@ from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Axis, Case
 from rps_exudyn.study.study_file import read_study
 from rps_exudyn.study.table import axis_quantity
+from verification.law_area import by_law
 from verification.runge_kutta import runge_kutta
 from verification.stability import (
     INACCURATE,
@@ -84,7 +85,8 @@ def maps_of(
 
         def plan_of(a: Any, b: Any, fixed: dict[str, Any] = fixed) -> ScenePlan:
             setup = setup_of(study, Case("", fixed | {x.name: a, y.name: b}))
-            return ScenePlan(study.scene, setup.steering_gear, setup.fidelity)
+            gear = by_law(setup.steering_gear, "area")  # whose stiffness is varied
+            return ScenePlan(study.scene, gear, setup.fidelity)
 
         cells = [[cell_and_flag(plan_of(a, b), methods) for a in _rising(x)] for b in _rising(y)]
         plans = [plan_of(a, _rising(y)[0]) for a in _rising(x)]

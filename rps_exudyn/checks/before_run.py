@@ -124,7 +124,7 @@ def _spheres_deep_enough(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Bre
     radius = sphere_radius(GearPair.of(gear))
     if depth > radius:
         yield Breach(
-            "the deepest contact predicted from yoke.preload and mesh.stiffness",
+            "the deepest contact predicted from yoke.preload and the teeth's stiffness",
             1e6 * depth,
             1e6 * radius,
             "general contact, through whose flanks a sphere passes that is deeper than its radius,",

@@ -24,14 +24,17 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Json = False) -> int:
     from rps_exudyn.analysis.comparison import differing_numbers, largest_difference
     from rps_exudyn.cli.printed import print_result, result_as_dict, verdict
     from rps_exudyn.parameters.fidelity import Fidelity
+    from rps_exudyn.parameters.gear import SteeringGear
     from rps_exudyn.simulate.run import simulate
     from rps_exudyn.study.blocks import load
 
     if out and check_writable(out, RESULT_FILES).resolve() == file.resolve():
         raise InputError(f"--out {out} is the result that is simulated again; name another file.")
     old = load(file)
+    gear = SteeringGear.from_tables(old.gear.model_dump(), where=str(file))
+    fidelity = Fidelity.from_tables(old.fidelity, where=str(file))
     with redirect_stdout(sys.stderr), shown_progress(asked=False):
-        new = simulate(old.scene, old.gear, Fidelity.from_tables(old.fidelity, where=str(file)))
+        new = simulate(old.scene, gear, fidelity)
     new = replace(new, measured=old.measured)
     if out:
         new.save(out)

@@ -33,7 +33,7 @@ from rps_exudyn.solvers.closed_form import closed_form
 
 LEAST_TURN = 0.8  # of a turn, that a curve must cover to tell of the runout
 COARSE = 0.3  # of a standard error: a step that ends the fit by another law
-OTHER_LAW = {"line": "area", "area": "line", "teeth": "line"}
+OTHER_LAW = {"line": "teeth", "teeth": "line", "area": "line"}
 
 
 def fit(

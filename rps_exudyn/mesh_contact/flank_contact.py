@@ -8,15 +8,9 @@
          | /    /       |        \\  |       breakpoints: where another limit cuts a corner off
          |/____/________|_________\\_|
 
-The few strips that become too wide for this, near the form circle, are integrated along their generators.
-
 No search is needed for the teeth of both sides: psi* gives q*(Z) of every tooth, and the flank is where
-q_form <= q <= q_tip. Two laws, one per `mesh.law`:
-
-"area"  pressure = stiffness * (depth + damping * its rate), never pulling: a bed of springs, the same
-        law as spheres of many samples on planes; line load ~ sqrt(rho) depth^1.5.
-"line"  load per length of line = line_stiffness * (depth + damping * its rate) at the strip's crest:
-        what ISO 6336 assumes of teeth.
+q_form <= q <= q_tip. The law "line": load per length of line = line_stiffness * (depth + damping * its rate)
+at the strip's crest, which is what ISO 6336 assumes of teeth.
 
 Friction is Coulomb's with the local sliding velocity, linear in it below the zone speed (as in Exudyn's
 GeneralContact). Loads act normal to the rack's plane, at points of the pinion's flank.
@@ -24,7 +18,6 @@ GeneralContact). Loads act normal to the rack's plane, at points of the pinion's
 
 from rps_exudyn.base.compiled import inline, kernel
 from rps_exudyn.mesh_contact.contact_tangent import add_turn_of_loads, press, slopes_of
-from rps_exudyn.mesh_contact.flank_generator import press_area
 from rps_exudyn.mesh_contact.flank_line import (
     DEEPEST,
     LINES,
@@ -41,25 +34,15 @@ from rps_exudyn.mesh_contact.flank_line import (
     side_of,
 )
 from rps_exudyn.mesh_contact.flank_strip import (
-    DEPTH,
-    PRESSING,
     crest_of,
     deepest_crest,
     describe_strip,
-    edges,
-    greatest_width,
-    is_wide,
-    slanted,
     touching,
     within_band,
 )
 from rps_exudyn.mesh_contact.plain_line import is_plain, plain_ends, plain_point
-from rps_exudyn.mesh_contact.strip_limits import bound, ends_of, watch_limits
+from rps_exudyn.mesh_contact.strip_limits import ends_of, watch_limits
 from rps_exudyn.mesh_contact.wrench import WRENCH_SIZE
-
-COARSE, GENERATORS = 28, 32  # for the few strips that are too wide for an expansion
-SHALLOW = 0.9  # a crest less deep than this share of another holds no deeper place
-FINE = 200  # where all is integrated along generators
 
 
 @inline
@@ -91,30 +74,12 @@ def line_contact(angle, rate, position, rotation, velocity, spin, data, work, fa
             else:
                 for part in range(bands(data)):
                     depth = max(depth, _line_in_band(band_of(part, data), line, side, data, work, slopes))
-            _note_line(before, depth, work)
-        end_side(angle, position, side, data, work, slopes)
-
-
-@kernel
-def area_contact(angle, rate, position, rotation, velocity, spin, data, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
-    """The same for law "area"."""
-    begin_contact(work)
-    for sign in (-1.0, 1.0):
-        side = side_of(sign, angle, rate, position, rotation, velocity, spin, data)
-        first, last, turn = first_tooth(angle, side, data)
-        begin_side(side, data, work)
-        slopes = slopes_of(work.stiffness, factor_q, factor_v, side, angle, position, data)
-        for tooth in range(first, last + 1):
-            line = line_of(tooth, turn, side, data)
-            before, depth = work.sums[LOAD], 0.0
-            for part in range(bands(data)):
-                depth = max(depth, _area_in_band(band_of(part, data), line, side, data, work, slopes))
-            _note_line(before, depth, work)
+            note_line(before, depth, work)
         end_side(angle, position, side, data, work, slopes)
 
 
 @inline
-def _note_line(before, depth, work):  # type: ignore[no-untyped-def]
+def note_line(before, depth, work):  # type: ignore[no-untyped-def]
     """Count a line that bears more than the load before it."""
     if work.sums[LOAD] > before:
         work.sums[LINES] += 1
@@ -168,104 +133,6 @@ def _line_in_band(band, line, side, data, work, slopes):  # type: ignore[no-unty
             p_r, p_t, q = formed_point(xi, z, line, band, side, data)
             _press_line(depth, weight, p_r, p_t, q, z, side, data, work, slopes)
     return deepest_crest(strip, breaks[0], breaks[count - 1])
-
-
-@inline
-def _area_in_band(band, line, side, data, work, slopes):  # type: ignore[no-untyped-def]
-    """Law "area": add the loads on one line within a band of the flank; the greatest depth."""
-    strip, cuts, breaks, band = work.strip, work.cuts, work.breaks, band_on_flank(line, band, data)
-    if data.generators > 0:
-        return press_area(FINE, data.generators, band, line, side, data, work, slopes)
-    low, high = within_band(line, band, data)
-    if not low < high:
-        return 0.0
-    describe_strip(strip, line, band, side, data)
-    if is_wide(strip, low, high):
-        return press_area(COARSE, GENERATORS, band, line, side, data, work, slopes)
-    low, high, low_ends, high_ends = touching(strip, low, high)
-    if not low < high:
-        return 0.0
-    half = greatest_width(strip, low, high)
-    ends = ends_of(strip, low, high, half)
-    low_ends, high_ends = low_ends and ends.limit_low < 0, high_ends and ends.limit_high < 0
-    watched, count, low_ends, high_ends = watch_limits(strip, ends, half, low_ends, high_ends, cuts, breaks)
-    if count == 0:
-        return 0.0
-    for i in range(count - 1):
-        z_0, length = breaks[i], breaks[i + 1] - breaks[i]
-        rule = int(low_ends and i == 0) + 2 * int(high_ends and i == count - 2)  # where the load fades out
-        for k in range(data.stations):
-            z = z_0 + length * data.along[rule, 0, k]
-            weight = length * data.along[rule, 1, k] / data.cos_base_helix
-            eased = data.ease_along[rule]
-            _area_station(strip, z, ends, weight, eased, cuts, watched, line, band, side, data, work, slopes)
-    if deepest_crest(strip, breaks[0], breaks[count - 1]) < SHALLOW * work.sums[DEEPEST]:
-        return 0.0
-    return _deepest_place(strip, ends, cuts, watched, breaks, count, data)
-
-
-@inline
-def _deepest_place(strip, ends, cuts, watched, breaks, count, data):  # type: ignore[no-untyped-def]
-    """The greatest depth of a strip: where its crest is highest, or at an end, or where a limit cuts it."""
-    low, high, deepest = breaks[0], breaks[count - 1], 0.0
-    for i in range(count + watched + 1):
-        if i < count:
-            z = breaks[i]
-        elif i < count + watched:  # it crosses the crest about half-way between the edges
-            z = (cuts[i - count, 2] + cuts[i - count, 3]) / 2
-        elif strip[DEPTH, 2] < 0:
-            z = -strip[DEPTH, 1] / (2 * strip[DEPTH, 2])
-        else:
-            break
-        if low <= z <= high:
-            from_, to, _, c_0, c_1, c_2, _ = _across_station(strip, z, ends, cuts, watched, data)
-            xi = min(max(-c_1 / (2 * c_2), from_), to)
-            if from_ < to:
-                deepest = max(deepest, c_0 + xi * (c_1 + xi * c_2))
-    return deepest
-
-
-@inline
-def _across_station(strip, z, ends, cuts, watched, data):  # type: ignore[no-untyped-def]
-    """Where the leaning station at Z is pressed, the rule across it, and its depth's coefficients in xi."""
-    lean = ends.lean + ends.turn * (z - ends.low)
-    c_0, c_1, c_2, c_3 = slanted(strip, PRESSING, z, lean)
-    low, high = edges(c_0, c_1, c_2, c_3)
-    rule = 3  # the pressure vanishes at both ends
-    if data.damping > 0:  # but not where it is the flanks that part
-        c_0, c_1, c_2, c_3 = slanted(strip, DEPTH, z, lean)
-        from_, to = edges(c_0, c_1, c_2, c_3)
-        if from_ > low:
-            low, rule = from_, rule & 2
-        if to < high:
-            high, rule = to, rule & 1
-    for i in range(watched):
-        if cuts[i, 0] <= z <= cuts[i, 1]:
-            xi, rise = bound(strip, int(cuts[i, 4]), z, lean)
-            if rise > 0 and xi > low:
-                low, rule = xi, rule & 2
-            elif rise < 0 and xi < high:
-                high, rule = xi, rule & 1
-    return low, high, rule, c_0, c_1, c_2, c_3
-
-
-@inline
-def _area_station(strip, z, ends, length, eased, cuts, watched, line, band, side, data, work, slopes):  # type: ignore[no-untyped-def]
-    """Law "area": add the pressure on the leaning station at Z."""
-    low, high, rule, c_0, c_1, c_2, c_3 = _across_station(strip, z, ends, cuts, watched, data)
-    if not low < high:
-        return
-    lean = ends.lean + ends.turn * (z - ends.low)
-    scale, before = data.stiffness * length * (high - low), work.sums[LOAD]
-    eased *= data.ease_across[rule]
-    for k in range(data.points):  # numbers one by one: a view of a rule costs more than its use
-        xi = low + (high - low) * data.across[rule, 0, k]
-        place = z + lean * xi
-        p_r, p_t, q = formed_point(xi, place, line, band, side, data)
-        depth = c_0 + xi * (c_1 + xi * (c_2 * (1 - xi * xi / 12) + xi * c_3))
-        area = scale * data.across[rule, 1, k] * q * (1 + ends.turn * xi)
-        press(depth, area, eased, p_r, p_t, place, side, data, work, slopes)
-    note_line_load((work.sums[LOAD] - before) / length, line.q_0 + line.q_1 * z, work)
 
 
 @inline

@@ -22,8 +22,6 @@ RACK_TIP, FACE_LOW, FACE_HIGH, BAR = 4, 5, 6, 7  # the rack's tips, pinion's fac
 STRIP_SHAPE = (8, 10)
 
 MARGIN = 0.15  # half width of a strip at most [rad]
-WIDE = 0.25  # relative size of the cubic term at the edges beyond which the expansions are too crude
-EDGE_STEPS = 2  # Halley steps from the parabola to the edges of the strip
 
 
 @inline
@@ -150,28 +148,14 @@ def crest(strip, z):  # type: ignore[no-untyped-def]
     crest, and what a sloping flank adds to its depth, over q, would have no bound.
     """
     c_0, c_1, c_2 = across(strip, PRESSING, z)
-    c_2 += _per_roll(strip) * min(at(strip, LOW_END, z), 0.0)
+    c_2 += per_roll(strip) * min(at(strip, LOW_END, z), 0.0)
     return c_0 - c_1 * c_1 / (4 * c_2) if c_2 < 0 else c_0
 
 
 @inline
-def _per_roll(strip):  # type: ignore[no-untyped-def]
+def per_roll(strip):  # type: ignore[no-untyped-def]
     """Half of N_p, by which the depth's curvature across the strip falls with q."""
     return 1.5 * abs(strip[DEPTH, 9]) / abs(strip[LOW_END, 3])
-
-
-@inline
-def is_wide(strip, from_, to):  # type: ignore[no-untyped-def]
-    """Tell whether the strip grows so wide, near the form circle, that the expansions do not hold.
-
-    The half width over the tangent length is largest where the latter is least, at an end.
-    """
-    c_3, wide = abs(strip[DEPTH, 9]), False
-    for z in (from_, to):
-        d_0, _, d_2 = across(strip, DEPTH, z)
-        d_2 += _per_roll(strip) * min(at(strip, LOW_END, z), 0.0)  # q is not less than at the band's low end
-        wide = wide or c_3 * c_3 * d_0 > -WIDE * WIDE * d_2 * d_2 * d_2
-    return wide
 
 
 @inline
@@ -210,18 +194,6 @@ def touching(strip, from_, to):  # type: ignore[no-untyped-def]
 
 
 @inline
-def greatest_width(strip, from_, to):  # type: ignore[no-untyped-def]
-    """How far the strip reaches from xi = 0 at its ends or in its middle, whichever is farthest, with some
-    margin: relief and slope move its crest away from there."""
-    reach = 0.0
-    for z in (from_, (from_ + to) / 2, to):
-        middle, square, _ = width(strip, z)
-        if square > 0:
-            reach = max(reach, abs(middle) + np.sqrt(square))
-    return min(1.2 * reach, MARGIN)
-
-
-@inline
 def width(strip, z):  # type: ignore[no-untyped-def]
     """xi of the crest, square of the half width and its slope along Z; without the term in xi^3."""
     c_0, c_1, c_2 = across(strip, PRESSING, z)
@@ -231,33 +203,6 @@ def width(strip, z):  # type: ignore[no-untyped-def]
 
 
 # --- across the strip ------------------------------------------------------------------------------
-@inline
-def edges(c_0, c_1, c_2, c_3):  # type: ignore[no-untyped-def]
-    """Return where c_0 + c_1 xi + c_2 xi^2 + c_3 xi^3 > 0, about its crest: (low, high), low > high if
-    nowhere."""
-    per_c_2 = 1 / c_2
-    middle = -c_1 * per_c_2 / 2
-    square = middle * middle - c_0 * per_c_2
-    if not (c_2 < 0 and square > 0):
-        return 1.0, -1.0
-    half, cubic = np.sqrt(square), c_3 * per_c_2
-    return _edge(middle - half, middle, cubic, square), _edge(middle + half, middle, cubic, square)
-
-
-@inline
-def _edge(xi, middle, cubic, square):  # type: ignore[no-untyped-def]
-    """A root of (xi - middle)^2 + cubic xi^3 = square from the parabola's.
-
-    The cubic is a tenth of it: a step by Halley's rule leaves 1e-4 of the width, another 1e-9.
-    """
-    for _ in range(EDGE_STEPS):
-        from_middle, bend = xi - middle, cubic * xi
-        value = from_middle * from_middle - square + bend * xi * xi
-        slope, half_curve = 2 * from_middle + 3 * bend * xi, 1 + 3 * bend
-        xi -= value * slope / (slope * slope - value * half_curve)
-    return xi
-
-
 @inline
 def crest_of(strip, z):  # type: ignore[no-untyped-def]
     """xi of the strip's crest at Z, and the depth there."""

@@ -13,7 +13,7 @@ from rps_exudyn.base.compiled import inline
 from rps_exudyn.forces.rigid_motion import fill_rotation, minus, spin_of, turn_of, vector
 from rps_exudyn.mesh_contact.contact_tangent import add_on_coordinates, pinion_axis
 from rps_exudyn.mesh_contact.elastic_teeth import teeth_contact
-from rps_exudyn.mesh_contact.flank_contact import area_contact, line_contact
+from rps_exudyn.mesh_contact.flank_contact import line_contact
 from rps_exudyn.mesh_contact.sampled_contact import sphere_contact
 from rps_exudyn.mesh_contact.wrench import on_coordinates
 
@@ -21,7 +21,7 @@ DEEPEST = 0.055  # penetration over the module: the strip's half width is a sixt
 
 
 @inline
-def _pose(q, v, reference, pose):  # type: ignore[no-untyped-def]
+def pose_of(q, v, reference, pose):  # type: ignore[no-untyped-def]
     """Fill the rack's rotation, position and angular velocity, the rows of `pose` (5, 3); return its turn."""
     turn = turn_of(q[4:7])
     fill_rotation(q[4:7], pose)
@@ -32,7 +32,7 @@ def _pose(q, v, reference, pose):  # type: ignore[no-untyped-def]
 
 
 @inline
-def _on_flanks(q, turn, flank, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
+def on_flanks(q, turn, flank, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
     """Turn the wrench of flanks, and its stiffness, into those on the coordinates."""
     if factor_q != 0 or factor_v != 0:
         axis, to_axis = pinion_axis(q[0], work.pose[3], flank)
@@ -43,32 +43,24 @@ def _on_flanks(q, turn, flank, work, factor_q, factor_v, out, tangent):  # type:
 @inline
 def line_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
     """Load per length of line in proportion to the flanks' depth: law "line"."""
-    turn, pose = _pose(q, v, mesh.flank.rack_reference, work.pose), work.pose
+    turn, pose = pose_of(q, v, mesh.flank.rack_reference, work.pose), work.pose
     line_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], mesh.flank, work, factor_q, factor_v)
-    _on_flanks(q, turn, mesh.flank, work, factor_q, factor_v, out, tangent)
-
-
-@inline
-def area_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
-    """Pressure in proportion to the flanks' depth: law "area"."""
-    turn, pose = _pose(q, v, mesh.flank.rack_reference, work.pose), work.pose
-    area_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], mesh.flank, work, factor_q, factor_v)
-    _on_flanks(q, turn, mesh.flank, work, factor_q, factor_v, out, tangent)
+    on_flanks(q, turn, mesh.flank, work, factor_q, factor_v, out, tangent)
 
 
 @inline
 def teeth_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
     """Teeth that bend together: law "teeth"."""
-    turn, pose = _pose(q, v, mesh.flank.rack_reference, work.pose), work.pose
+    turn, pose = pose_of(q, v, mesh.flank.rack_reference, work.pose), work.pose
     teeth_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], mesh, work, factor_q, factor_v)
-    _on_flanks(q, turn, mesh.flank, work, factor_q, factor_v, out, tangent)
+    on_flanks(q, turn, mesh.flank, work, factor_q, factor_v, out, tangent)
 
 
 @inline
 def sphere_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
     """Spheres on the pinion's flanks against the rack's planes, as in general contact."""
     spheres = mesh.spheres
-    turn, pose = _pose(q, v, spheres.rack_reference, work.pose), work.pose
+    turn, pose = pose_of(q, v, spheres.rack_reference, work.pose), work.pose
     sphere_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], spheres, pool, work, factor_q, factor_v)
     if factor_q != 0 or factor_v != 0:
         axis = spheres.pinion_frame[0, 2], spheres.pinion_frame[1, 2], spheres.pinion_frame[2, 2]

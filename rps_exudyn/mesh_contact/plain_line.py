@@ -5,9 +5,26 @@ the limits of the flank and to the rack's tips are linear in Z, and the bar's su
 that take loads at the crest need no strip.
 """
 
+import numpy as np
+
 from rps_exudyn.base.compiled import inline
-from rps_exudyn.mesh_contact.flank_generator import clip
 from rps_exudyn.mesh_contact.flank_line import affine
+
+
+@inline
+def clip(low, high, c_0, c_1, c_2):  # type: ignore[no-untyped-def]
+    """The part of an interval where c_0 + c_1 Z + c_2 Z^2 > 0, c_2 <= 0."""
+    square = c_1 * c_1 - 4 * c_2 * c_0
+    if not square > 0:
+        return (low, high) if c_1 == 0 and c_2 == 0 and c_0 > 0 else (1.0, -1.0)
+    q = -(c_1 + np.copysign(np.sqrt(square), c_1)) / 2
+    for root in (c_0 / q, q / c_2):
+        rise = c_1 + 2 * c_2 * root
+        if rise > 0:
+            low = max(low, root)
+        elif rise < 0:
+            high = min(high, root)
+    return low, high
 
 
 @inline

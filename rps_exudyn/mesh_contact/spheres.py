@@ -94,7 +94,9 @@ def stiffness_per_area(gear: SteeringGear, depth: float, rho: np.ndarray) -> np.
     """
     law = gear.mesh.law
     if law not in ("area", "line"):
-        raise InputError(f"mesh.law is {law}; fidelity.mesh = general-contact knows only area and line.")
+        raise InputError(
+            f"mesh.law is {law}, but fidelity.mesh = general-contact has only line: set mesh.law = line."
+        )
     fits = np.sqrt(np.maximum(1 - sphere_radius(GearPair.of(gear)) / rho, 0.0))
     if law == "area":
         return gear.mesh.stiffness * fits

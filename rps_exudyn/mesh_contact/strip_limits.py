@@ -12,7 +12,6 @@ from rps_exudyn.base.compiled import inline
 from rps_exudyn.mesh_contact.flank_strip import (
     BAR,
     HIGH_END,
-    LOW_END,
     PRESSING,
     across,
     at,
@@ -209,20 +208,3 @@ def _root(strip, row, limit):  # type: ignore[no-untyped-def]
     if row != BAR:  # all but straight
         return -strip[row, 0] / (half + np.copysign(root, half))
     return (-half - root if limit == LIMITS - 1 else -half + root) / strip[row, 2]
-
-
-@inline
-def bound(strip, row, z, g):  # type: ignore[no-untyped-def]
-    """xi where a limit cuts across a station, and its slope there: positive, then the strip remains above.
-
-    Followed from the crest or, where that is not in the band, from the band's low end.
-    """
-    l_0, l_1, l_2, _ = slanted(strip, row, z, g)
-    inside, per_xi, _, _ = slanted(strip, LOW_END, z, g)
-    start = -inside / per_xi if inside < 0 else 0.0
-    l_0 += start * (l_1 + start * l_2)
-    l_1 += 2 * start * l_2
-    square = l_1 * l_1 - 4 * l_0 * l_2
-    if square < 0:  # nowhere
-        return np.copysign(np.inf, -l_0 * l_1), l_1
-    return start - 2 * l_0 / (l_1 + np.copysign(np.sqrt(square), l_1)), l_1

@@ -29,6 +29,7 @@ from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of
 from rps_exudyn.parameters.distribution import Distribution, is_distribution
+from rps_exudyn.parameters.retired import STORED, choice_instead
 from rps_exudyn.parameters.wrong_values import ConflictError, Problem, nearest, problems_of
 
 DEG = math.pi / 180  # for limits of angles
@@ -145,16 +146,21 @@ class Table(BaseModel):
 
     @classmethod
     def from_tables(
-        cls, tables: Mapping[str, Any], settings: Mapping[str, object] | None = None, where: str = ""
+        cls,
+        tables: Mapping[str, Any],
+        settings: Mapping[str, object] | None = None,
+        where: str = "",
+        context: Mapping[str, bool] | None = None,
     ) -> Self:
-        """Build it from nested dictionaries; `where` names their origin in messages.
+        """Build it from nested dictionaries; `where` names their origin in messages. In the context
+        `retired.STORED` choices of earlier versions are read.
 
         Raises:
             InputError: parameters that are wrong (all of them at once).
         """
         merged = _merged(tables, settings or {})
         try:
-            return cls.model_validate(merged)
+            return cls.model_validate(merged, context=context)
         except ValidationError as error:
             problems = problems_of(cls, error, merged, settings or {})
         raise InputError(
@@ -176,10 +182,11 @@ class Table(BaseModel):
         Raises:
             InputError: an unknown path, or a value that is not allowed.
         """
+        context = None if any(choice_instead(*each) for each in settings.items()) else STORED
         if settings and all(self._stands_alone(path) for path in settings):
             with suppress(ValidationError):  # the whole is asked then, which says what is wrong
-                return type(self).model_validate(self._with(settings))
-        return self.from_tables(self.model_dump(), settings, where)
+                return type(self).model_validate(self._with(settings), context=context)
+        return self.from_tables(self.model_dump(), settings, where, context)
 
     def _stands_alone(self, path: str) -> bool:
         """Tell whether a path leads into a nested table, and nothing follows from its parameter."""

@@ -5,9 +5,9 @@ Sources: "paper" (Kamble & Saha state it), "inferred" (follows from what the pap
 """
 
 from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import model_validator
+from pydantic import PlainSerializer, WrapValidator, model_validator
 
 from rps_exudyn.base.units import mm
 from rps_exudyn.parameters import derived
@@ -35,6 +35,7 @@ from rps_exudyn.parameters.declaration import (
 )
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import FrictionLaw, LoadedFrictionLaw
+from rps_exudyn.parameters.retired import read_choice
 from rps_exudyn.parameters.rig import Test, conflicts_of_test
 from rps_exudyn.parameters.wrong_values import Problem
 
@@ -278,13 +279,14 @@ class Mesh(LoadedFrictionLaw):
 
     friction: Number = parameter(0.1, "friction coefficient rack/pinion", "estimate", ge=0, le=1)
     stiffness: ContactStiffness = parameter(
-        "2e13 N/m^3", "contact pressure per penetration depth", "estimate", gt=0
+        "2e13 N/m^3",
+        "contact pressure per penetration depth, by the law area of earlier versions",
+        "estimate",
+        gt=0,
     )
     damping: Time = parameter(0.0, "damping time: damping over stiffness", "estimate", ge=0, le=1e-2)
-    law: Literal["line", "area", "teeth"] = parameter(
-        "line",
-        "flank contact: load per length of line and depth; pressure per depth; or teeth that bend together",
-        "estimate",
+    law: Annotated[Literal["line", "teeth"], WrapValidator(read_choice), PlainSerializer(str)] = parameter(
+        "line", "flank contact: load per length of line and depth, or teeth that bend together", "estimate"
     )
     line_stiffness: LineStiffness = parameter(
         0.0, "load per length of contact line and depth, law line; 0: c' of ISO 6336-1", "estimate", ge=0
@@ -313,14 +315,20 @@ class SteeringGear(Table):
 
     @classmethod
     def from_tables(
-        cls, tables: Mapping[str, Any], settings: Mapping[str, object] | None = None, where: str = ""
+        cls,
+        tables: Mapping[str, Any],
+        settings: Mapping[str, object] | None = None,
+        where: str = "",
+        context: Mapping[str, bool] | None = None,
     ) -> Self:
         """Build it from nested dictionaries; parameters that follow from others follow the settings.
 
         Raises:
             InputError: parameters that are wrong (all of them at once).
         """
-        return super().from_tables(derived.without_followers(tables, settings or {}), settings, where)
+        return super().from_tables(
+            derived.without_followers(tables, settings or {}), settings, where, context
+        )
 
     def _stands_alone(self, path: str) -> bool:
         return not derived.is_involved(path) and super()._stands_alone(path)

@@ -19,6 +19,7 @@ import numpy as np
 from rps_exudyn.base.files import with_checksum
 from rps_exudyn.base.hdf5 import file_image, opened
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.retired import STORED
 from rps_exudyn.results import provenance as origin
 from rps_exudyn.results.outcome import Status, codes_of
 from rps_exudyn.results.quantities import GROUPS
@@ -99,7 +100,7 @@ class CaseRecord:
         about = self.attributes
         return Result(
             scene=about["scene"],
-            gear=SteeringGear.from_tables(json.loads(about["parameters"]), where=where),
+            gear=SteeringGear.from_tables(json.loads(about["parameters"]), where=where, context=STORED),
             fidelity=json.loads(about["fidelity"]),
             solver=json.loads(about["solver"]),
             findings=json.loads(about["findings"]),

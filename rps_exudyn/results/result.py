@@ -22,6 +22,7 @@ from rps_exudyn.base.files import read_json_tables, replacing, with_checksum
 from rps_exudyn.base.hdf5 import file_image, from_bytes, opened
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.retired import STORED
 from rps_exudyn.results import provenance as origin
 from rps_exudyn.results.outcome import Status, codes_of
 from rps_exudyn.results.quantities import GROUPS, SIGNALS, SUMMARY
@@ -327,7 +328,7 @@ def _read(file: h5py.File, path: str | Path) -> Result:
     findings |= {name: value for name, value in solver.items() if name in _FINDINGS}
     return Result(
         scene=_text(file, "scene"),
-        gear=SteeringGear.from_tables(_tables(file, "parameters"), where=str(path)),
+        gear=SteeringGear.from_tables(_tables(file, "parameters"), where=str(path), context=STORED),
         fidelity=fidelity,
         solver={name: value for name, value in solver.items() if name not in _FINDINGS},
         findings=findings,

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces import external_load, sliding_fit, yoke
 from rps_exudyn.forces.bearing import bearing_record
 from rps_exudyn.forces.bush import Chain, bush_chain
@@ -26,6 +27,7 @@ from rps_exudyn.mesh_contact.teeth_data import teeth_data
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS, check_friction_laws
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.retired import choice_instead
 from rps_exudyn.solvers.balance import Balance, new_work
 from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar, bent_bar
 from rps_exudyn.solvers.gear_model import GEAR, LAWS, outputs_along, parts_of
@@ -200,6 +202,9 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
             _ideal_spheres(gear, fidelity, zone), first + numbers.size
         )
         pool = np.concatenate([pool, numbers, of_ideal])
+    if (mesh.law, bar is not None) not in LAWS:
+        instead = choice_instead("mesh.law", mesh.law)
+        raise InputError(f"mesh.law is {mesh.law!r}, which earlier versions had: {instead}.")
     law = LAWS[mesh.law, bar is not None]
     approach = static_approach(gear.yoke.preload, LAWS[mesh.law, False], ideal, pool, pair.axis_offset)
     rest_gap = approach + gear.yoke.preload / gear.yoke.seat_stiffness

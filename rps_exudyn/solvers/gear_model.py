@@ -49,7 +49,7 @@ from rps_exudyn.forces.yoke import (
     spring_force,
 )
 from rps_exudyn.mesh_contact import wrench
-from rps_exudyn.mesh_contact.laws import area_law, line_law, sphere_law, teeth_law
+from rps_exudyn.mesh_contact.laws import line_law, sphere_law, teeth_law
 from rps_exudyn.mesh_contact.mesh_record import MESH, SCRATCH
 from rps_exudyn.solvers.bent_rack import (
     BAR,
@@ -365,26 +365,6 @@ def teeth_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, tot
 
 
 @kernel_of(*LAW)
-def area_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """A gear with the contact law "area"."""
-    gear, work = gears[g], works[0]
-    factor_v = begin(q, v, gear, work, factor_q, factor_v)
-    at = work.place, work.rate, gear.mesh, pool, work.contact
-    area_law(*at, factor_q, factor_v, work.out, work.near)
-    finish(q, gear, work, factor_q, factor_v, total, tangent)
-
-
-@kernel_of(*LAW)
-def area_gear_on_bent_rack(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
-    """The same whose rack bends or is not straight."""
-    gear, work = gears[g], works[0]
-    factor_v = begin_on_bent_rack(q, v, gear, pool, work, factor_q, factor_v)
-    at = work.place, work.rate, gear.mesh, pool, work.contact
-    area_law(*at, factor_q, factor_v, work.out, work.near)
-    finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
-
-
-@kernel_of(*LAW)
 def sphere_gear(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent):  # type: ignore[no-untyped-def]
     """A gear with teeth that touch by spheres, as in general contact."""
     gear, work = gears[g], works[0]
@@ -409,12 +389,11 @@ LAWS = {
     ("line", True): line_gear_on_bent_rack,
     ("teeth", False): teeth_gear,
     ("teeth", True): teeth_gear_on_bent_rack,
-    ("area", False): area_gear,
-    ("area", True): area_gear_on_bent_rack,
     ("spheres", False): sphere_gear,
     ("spheres", True): sphere_gear_on_bent_rack,
 }
-"""Law of the teeth's contact, whether the rack bends or is not straight -> the forces of such a gear."""
+"""Law of the teeth's contact, whether the rack bends or is not straight -> the forces of such a gear.
+Other laws may be added to it from outside."""
 
 
 # --- along a motion --------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ from bad_cases import bad_cases
 from benchmarks.stability.maps import cell_and_flag
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from verification.law_area import by_law
 from verification.stability import STILL, STRIP, Cell, ScenePlan
 
 REFERENCE = (STILL | STRIP,)
@@ -26,8 +27,8 @@ def test_a_wrong_plan_is_flagged(name: str) -> None:
 
 def test_a_plan_that_fails_says_so() -> None:
     """A preload that soft teeth do not carry."""
-    soft = {"mesh.law": "area", "mesh.stiffness": 1e11}
-    gear = SteeringGear().replace({"test.turns": 1 / 6, "yoke.preload": 3000.0, **soft})
+    settings = {"test.turns": 1 / 6, "yoke.preload": 3000.0, "mesh.stiffness": 1e11}
+    gear = by_law(SteeringGear().replace(settings), "area")
     spheres = Fidelity().replace({"mesh": "general-contact", "solver": "equilibrium", "step_angle": "3 deg"})
     cell, _ = cell_and_flag(ScenePlan("free-pinion-torque", gear, spheres), REFERENCE)
     assert cell is Cell.FAILED

@@ -15,6 +15,7 @@ from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.simulate.accuracy_kept import SLOW, Wanted, finer_than, kept_by, taken_step
 from rps_exudyn.simulate.promised_quantity import error_between
 from rps_exudyn.simulate.run import simulate
+from verification.law_area import by_law
 
 SCENE, SIGNAL = "free-pinion-torque", "pinion_torque"
 GEAR = SteeringGear().replace({"mesh.law": "teeth", "test.turns": 0.3})
@@ -97,7 +98,7 @@ def test_a_choice_whose_finer_run_fails_says_that_it_is_not_confirmed() -> None:
     first = STILL.replace({"step_angle": "1 deg"})
 
     def run(gear: SteeringGear, fidelity: Fidelity) -> rps.Result:
-        gear = GEAR if fidelity == first else GEAR.replace({"mesh.law": "area", "mesh.stiffness": 1e11})
+        gear = GEAR if fidelity == first else by_law(GEAR.replace({"mesh.stiffness": 1e11}), "area")
         return simulate(SCENE, gear, fidelity)
 
     result = kept_by(run, Wanted(SCENE, SIGNAL, 1.0), GEAR, first)

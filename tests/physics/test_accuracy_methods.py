@@ -11,9 +11,10 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from verification.faceted import faceted_run, largest_deviation, meshed, shaped, spheres
 from verification.flywheel import explicit_run
+from verification.law_area import by_law
 from verification.references import as_run, by_strips, moving, over_generators, reference_of, slowly
 
-GEAR = SteeringGear().replace({"mesh.law": "area"})  # the law that generators know
+GEAR = by_law(SteeringGear(), "area")  # the law that generators know
 PITCH = GEAR.replace({"test.turns": 1 / 6})
 
 

@@ -21,6 +21,7 @@ from rps_exudyn.solvers.closed_form import (
     seat_wedge_factor,
     torque_per_preload,
 )
+from verification.law_area import by_law
 
 PAPER = SteeringGear()
 FLAT = 0.1 / seat_wedge_factor(PAPER.yoke.seat_angle)  # plunger friction that makes kappa mu_p 0.1
@@ -68,7 +69,7 @@ def test_no_friction_no_torque_and_wedge_forces() -> None:
 @pytest.mark.parametrize("load", [0.0, 300.0, 5000.0])
 def test_power_balance(law: str, direction: int, load: float) -> None:
     """Law: what the pinion gives is the load's work and the losses; also with one flank lifted."""
-    gear = PAPER.replace({"mesh.law": law})
+    gear = by_law(PAPER, law)
     state = mean_state(gear, direction, load)
     work = load * GearPair.of(gear).gain
     assert state.torque - work == pytest.approx(direction * state.losses, rel=1e-9)
@@ -93,7 +94,7 @@ def test_load_test_sum_and_difference(law: str) -> None:
 
     Up to the part of the friction that grows with the load: second order in mu, some 1.3 %.
     """
-    test = load_test(PAPER.replace({"mesh.law": law}), 10.0)
+    test = load_test(by_law(PAPER, law), 10.0)
     forward, reverse = test.torque_forward, test.torque_reverse
     assert (forward + reverse) / 2 == pytest.approx(test.ideal_torque, rel=2e-2)
     assert (forward - reverse) / 2 == pytest.approx(test.free_torque, rel=2e-2)

@@ -11,6 +11,7 @@ from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.mesh_contact.wrench import NORMAL_COAST, NORMAL_DRIVE, PENETRATION, TORQUE
 from rps_exudyn.parameters.gear import SteeringGear
 from verification.contact_at import elastic_contact, flank_contact, mesh_of_teeth
+from verification.law_area import by_law
 
 LAWS = ("line", "area", "teeth")
 NORMALS = [NORMAL_DRIVE, NORMAL_COAST]
@@ -40,7 +41,7 @@ def contact_of(gear: SteeringGear) -> Contact:
 
 
 def gear_by(law: str, **settings: object) -> SteeringGear:
-    return SteeringGear().replace({"mesh.law": law} | {p.replace("__", "."): v for p, v in settings.items()})
+    return by_law(SteeringGear().replace({p.replace("__", "."): v for p, v in settings.items()}), law)
 
 
 @pytest.mark.parametrize("law", LAWS)

@@ -11,6 +11,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.charts.analyses import pattern_figure
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.results.result import Result
+from verification.law_area import by_law
 
 STIFFNESS = 2e13  # [N/m^3], mesh.stiffness
 
@@ -18,8 +19,8 @@ STIFFNESS = 2e13  # [N/m^3], mesh.stiffness
 @pytest.fixture(scope="module")
 def pitch() -> Result:
     """One tooth pitch of a gear with every motion of the rack, away from the centre."""
-    settings = {"pinion.runout": 40e-6, "mesh.law": "area", "mesh.stiffness": STIFFNESS}
-    gear = rps.SteeringGear().replace(settings)
+    settings = {"pinion.runout": 40e-6, "mesh.stiffness": STIFFNESS}
+    gear = by_law(rps.SteeringGear().replace(settings), "area")
     return rps.run("free-pinion-torque", gear, fidelity="quasi-static", turns=1 / 6, start_angle=4.0)
 
 
@@ -56,7 +57,7 @@ def test_what_has_no_pattern_is_told(pitch: Result) -> None:
 @pytest.mark.parametrize("law", ["line", "teeth"])
 def test_pattern_of_lines_has_the_pressure_of_hertz(law: str) -> None:
     """What lies between the stations of a pitch's lines is no higher than they, and not much lower."""
-    gear = rps.SteeringGear().replace({"mesh.law": law})
+    gear = by_law(rps.SteeringGear(), law)
     result = rps.run("free-pinion-torque", gear, fidelity="quasi-static", turns=1 / 6)
     both = contact_pattern(result.gear, one_pitch(result.signals, 6))
     highest = max(pattern.pressure.max() for pattern in both)

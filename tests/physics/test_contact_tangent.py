@@ -9,6 +9,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
+from verification.law_area import by_law
 
 LENGTHS = CHARACTERISTIC_LENGTHS[:7]  # of pinion (1), rack (6)
 STEP = 1e-8  # of differences [m]: their error is below 1e-6 of the largest entry
@@ -46,7 +47,7 @@ def mesh_of(gear: SteeringGear, along: int, across: int) -> GearForces:
 @pytest.mark.parametrize("law", ["line", "teeth", "area"])
 def test_tangent_is_the_derivative_of_the_forces(law: str) -> None:
     """Along paths on which rates follow places, as the equilibria's: dF/dq + per_time dF/dv."""
-    balance = mesh_of(GEAR.replace({"mesh.law": law}), *POINTS[law]).statics
+    balance = mesh_of(by_law(GEAR, law), *POINTS[law]).statics
     errors = []
     for q, v in poses(10):
         for per_time in (0.0, 500.0):
@@ -71,8 +72,8 @@ def test_unmodified_flanks_are_the_limit_of_modified_ones(law: str) -> None:
 
     Both begin the solution of the loads at the same place: what rounding makes of it is below 1e-7.
     """
-    crowned = GEAR.replace({"mesh.law": law, "pinion.crowning": 1e-16})
-    plain, modified = (mesh_of(gear, 4, 2).statics for gear in (GEAR.replace({"mesh.law": law}), crowned))
+    crowned = by_law(GEAR.replace({"pinion.crowning": 1e-16}), law)
+    plain, modified = (mesh_of(gear, 4, 2).statics for gear in (by_law(GEAR, law), crowned))
     for q, v in poses(10):
         found, expected = (each.force(q, v)[:7] / LENGTHS for each in (plain, modified))
         assert found == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())

@@ -9,12 +9,13 @@ from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
+from verification.law_area import by_law
 from verification.references import as_run, by_strips, over_generators
 from verification.runs import run_scene
 from verification.work_precision import Reference, curve_errors, power_law
 
 SCENE = "free-pinion-torque"
-GEAR = SteeringGear().replace({"test.turns": 1 / 6, "mesh.law": "area"})
+GEAR = by_law(SteeringGear().replace({"test.turns": 1 / 6}), "area")
 STEPS = (1.25, 2.5, 5.0)  # [deg]
 FINE = {"strip_stations": 6, "strip_points": 3}  # whose error is far below that of the steps
 

@@ -20,6 +20,7 @@ from rps_exudyn.report.result_page import contact_section
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.solvers.gear_forces import gear_forces
+from verification.law_area import by_law
 from verification.population import random_gears
 
 TEETH = {"mesh.law": "teeth", "test.turns": 1 / 6, "test.start_angle": 0.0}
@@ -115,7 +116,7 @@ def test_page_says_the_loads_of_both_flanks(guided: Result) -> None:
 def test_page_says_why_there_are_no_loads(guided: Result) -> None:
     full = dataclasses.replace(guided, fidelity=guided.fidelity | {"mesh": "general-contact"})
     failed = dataclasses.replace(guided, status=Status.DIVERGED)
-    area = dataclasses.replace(guided, gear=guided.gear.replace({"mesh.law": "area"}))
+    area = dataclasses.replace(guided, gear=by_law(guided.gear, "area"))
     for result, words in ((full, "general-contact"), (failed, "failed"), (area, "no load per length")):
         *_, block = contact_section(result).blocks
         assert words in block.text
@@ -158,7 +159,7 @@ def _pose(rng: np.random.Generator, lift: float) -> np.ndarray:
 @pytest.mark.parametrize("law", ["area", "line", "teeth"])
 def test_flanks_press_and_never_pull(law: str) -> None:
     """Also where the depth is the same all along a line, as with a guided rack."""
-    gear, rng = SteeringGear().replace({"mesh.law": law}), np.random.default_rng(3)
+    gear, rng = by_law(SteeringGear(), law), np.random.default_rng(3)
     for lift in (APART, PRESSED):
         level = np.array([0.3, -0.3 * GAIN, lift, 0, 0, 0, 0])
         for q in (level, _pose(rng, lift)):

@@ -14,6 +14,7 @@ from rps_exudyn.solvers.drive import Steady, Swing
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.record import record_of_path
+from verification.law_area import by_law
 
 HEAVY = {"pinion.density": 4e6}
 """A pinion that asks for a tenth of the torque at 30 rpm and 10 degrees."""
@@ -22,7 +23,7 @@ HEAVY = {"pinion.density": 4e6}
 def reversal(model: str, rpm: float, degrees: float, settings: dict[str, float] | None = None) -> Result:
     """A reversal of the default gear at this speed and amplitude."""
     swing = {"test.speed": f"{rpm} rpm", "test.amplitude": f"{degrees} deg", **(settings or {})}
-    return rps.run("reversal", SteeringGear().replace({"mesh.law": "area", **swing}), fidelity=model)
+    return rps.run("reversal", by_law(SteeringGear().replace(swing), "area"), fidelity=model)
 
 
 @pytest.mark.parametrize(("rpm", "degrees"), [(60, 20), (60, 8)])
@@ -54,7 +55,7 @@ def test_the_racks_inertia_loads_the_teeth() -> None:
     m a / (cos alpha_n cos beta_r), to 2 %: friction on the teeth turns the force by up to 0.1 rad."""
     dense = {"rack.density": 7.85e5 / 20}
     light, heavy = reversal("quasi-static", 60, 20), reversal("quasi-static", 60, 20, dense)
-    gears = [SteeringGear().replace({"mesh.law": "area", **settings}) for settings in ({}, dense)]
+    gears = [by_law(SteeringGear().replace(settings), "area") for settings in ({}, dense)]
     added = np.subtract(*(rack_masses(gear).mass for gear in reversed(gears)))
     pair = GearPair.of(gears[0])
     middle = gears[0].test.start_angle

@@ -15,6 +15,7 @@ from rps_exudyn.solvers.equilibrium import EquilibriumPath, equilibrium_path
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.record import record_of_path
 from rps_exudyn.solvers.settling import TOLERANCE
+from verification.law_area import replaced
 
 FIDELITY = Fidelity.preset("quasi-static")
 ERRORS = {"pinion.runout": 15e-6, "pinion.runout_angle": 1.0, "pinion.profile_slope": 3e-6}
@@ -41,7 +42,7 @@ MODELS = {
 
 
 def course(name: str, body: str = "pinion") -> tuple[GearForces, GearPair, Maneuver]:
-    gear = SteeringGear().replace({"test.turns": 0.5, **GEARS[name]})
+    gear = replaced(SteeringGear(), {"test.turns": 0.5, **GEARS[name]})
     maneuver = steady_maneuver(gear, body, 0.0, np.pi, np.radians(3.0))  # type: ignore[arg-type]
     return gear_forces(gear, MODELS.get(name, FIDELITY)), GearPair.of(gear), maneuver
 

@@ -18,6 +18,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.equilibrium import starting_guess, steady_rates
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.gear_model import COLUMNS
+from verification.law_area import by_law
 
 GEAR = SteeringGear()
 PAIR = GearPair.of(GEAR)
@@ -29,18 +30,17 @@ SPREAD = {  # of coordinates, of rates
     "plunger": ([PLACE], [SPEED]),
     "segment": ([PLACE] * 3 + [TILT] * 3, [SPEED] * 3 + [SPIN] * 3),
 }
-PRESSED = {"mesh.law": "area"}  # by which the states below press teeth and seat
 ANGLES = np.deg2rad([-47.0, 0.0, 13.0, 31.0, 90.0])
 
 
 @pytest.fixture(scope="module")
 def forces() -> GearForces:
-    return gear_forces(GEAR.replace(PRESSED), FULL)
+    return gear_forces(by_law(GEAR, "area"), FULL)
 
 
 @pytest.fixture(scope="module")
 def frictionless() -> GearForces:
-    return gear_forces(GEAR.replace({**PRESSED, "mesh.friction": 0}), FULL)
+    return gear_forces(by_law(GEAR.replace({"mesh.friction": 0}), "area"), FULL)
 
 
 def state_near(bodies: tuple[str, ...], angle: float, seed: int) -> tuple[np.ndarray, np.ndarray]:

@@ -24,10 +24,11 @@ from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_model import COLUMNS
 from rps_exudyn.solvers.record import contact_disagreement
+from verification.law_area import by_law
 
 FULL = Fidelity.preset("full").replace({"profile_samples": 20, "axial_samples": 14, "step_angle": "0.25 deg"})
 CONDENSED = FULL.replace({"bush": "condensed"})
-GEAR = SteeringGear().replace({"mesh.law": "area"})
+GEAR = by_law(SteeringGear(), "area")
 PAIR = GearPair.of(GEAR)
 PITCH = 1 / GEAR.pinion.teeth  # of a turn
 NO_FRICTION = {"mesh.friction": 0, "yoke.friction": 0, "bush.drag": 0, "bearing.friction_torque": 0}
@@ -140,7 +141,7 @@ def test_both_flanks_carry_the_yoke(pitch: Result) -> None:
 def test_general_contact_and_compiled_samples_give_the_same_forces(damping: str, law: str) -> None:
     """Exudyn's spheres and triangles, found by its search, against the same samples without a search. The
     rest, 1e-9, is the elasticity of the triangles in series."""
-    model = build_model(GEAR.replace({"mesh.damping": damping, "mesh.law": law}), FULL)
+    model = build_model(by_law(GEAR.replace({"mesh.damping": damping}), law), FULL)
     recorder = Recorder(model).attach()
     model.mbs.Assemble()
     solve(model.mbs, SolverPlan(end_time=np.deg2rad(5) / GEAR.test.speed, steps=20))

@@ -11,6 +11,7 @@ import rps_exudyn as rps
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import is_work
+from verification.law_area import by_law
 
 MEANS = {  # by scene; of them `batch` states 1e-5
     "free-pinion-torque": ("torque_mean", "rack_gain"),
@@ -170,7 +171,7 @@ def test_transmission_error_is_against_each_gears_own_gain() -> None:
 def test_a_gear_to_learn_from_is_found_where_its_contact_jumps() -> None:
     """Under a weight by law area the quadrature jumps at single angles, which the follower may not pass; a
     gear of the table that is lost there is run singly."""
-    gear = rps.SteeringGear().replace({"test.turns": 1 / 2, "test.load_mass": "80 kg", "mesh.law": "area"})
+    gear = by_law(rps.SteeringGear().replace({"test.turns": 1 / 2, "test.load_mass": "80 kg"}), "area")
     found = rps.batch("load-test", gear, {"yoke.preload": np.linspace(295.0, 305.0, 12)}, keep="torque")
     alone = rps.run("load-test", gear.replace({"yoke.preload": 295.0}), fidelity="quasi-static")
     assert found.in_loop.mean() > 0.7

@@ -23,6 +23,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.run import run
 from rps_exudyn.solvers.sphere_groups import standing_out
 from verification.contact_at import flank_contact, sampled_wrench
+from verification.law_area import by_law
 
 ZONE = 1e-5  # [m/s]
 BOTH = [NORMAL_DRIVE, NORMAL_COAST]
@@ -54,7 +55,7 @@ SOFT: dict[str, Any] = {
 
 
 def gear_of(settings: dict[str, Any], law: str) -> SteeringGear:
-    return SteeringGear().replace(settings | {"mesh.law": law})
+    return by_law(SteeringGear().replace(settings), law)
 
 
 def pressed(gear: SteeringGear, angle: float) -> Any:
@@ -162,10 +163,10 @@ def test_spheres_grow_with_the_module() -> None:
 
 
 @pytest.mark.quick
-def test_spheres_know_two_laws_only() -> None:
+def test_spheres_have_no_law_of_teeth() -> None:
     gear = gear_of(PAPER, "line")
     other = gear.model_copy(update={"mesh": gear.mesh.model_copy(update={"law": "teeth"})})
-    with pytest.raises(InputError, match=r"mesh\.law is teeth; fidelity\.mesh = general-contact knows only"):
+    with pytest.raises(InputError, match=r"mesh\.law is teeth, but .* has only line"):
         stiffness_per_area(other, 2e-6, np.ones(1))
 
 

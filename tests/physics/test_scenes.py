@@ -222,11 +222,10 @@ def test_loop_encloses_what_friction_takes(fidelity: str) -> None:
     assert found["torque_jump"] == pytest.approx(2 * free, rel=0.01)
 
 
-@pytest.mark.parametrize("law", ["line", "area"])
-def test_reversal_angle_at_the_limit_of_no_friction_zone(law: str) -> None:
+def test_reversal_angle_at_the_limit_of_no_friction_zone() -> None:
     """The default zone and steps are within 2 % of a zone and steps five times as narrow; a hundred times the
     zone is not and says so."""
-    gear = {"mesh.law": law, "test.amplitude": "30 deg"}
+    gear = {"test.amplitude": "30 deg"}
     fine = Fidelity.preset("quasi-static").replace({"zone_ratio": 0.0002, "step_angle": "0.2 deg"})
     wide = Fidelity.preset("quasi-static").replace({"zone_ratio": 0.1})
     limit, here, beyond = (ran("reversal", gear, model) for model in (fine, "quasi-static", wide))

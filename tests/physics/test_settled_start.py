@@ -18,6 +18,7 @@ from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.rescue import Settling
 from rps_exudyn.solvers.settled_start import settled_path, settled_start, start_of_motion
 from rps_exudyn.solvers.settling import TOLERANCE, differences
+from verification.law_area import by_law
 from verification.stability import ScenePlan, unchecked
 
 CASES = bad_cases()
@@ -183,9 +184,8 @@ def test_long_slow_steps_begin_near_their_equilibria(stiffness: float, zone: flo
     """Coulomb's friction knows no speed: the mean at 0.5 rpm in long steps is that in steps of a degree to
     0.5 %. Rates over far shorter steps than these threw the rack out of the contact, and so did the
     accelerations that the equilibrium's tolerance leaves over the mass."""
-    gear = SteeringGear().replace(
-        {"mesh.law": "area", "mesh.stiffness": stiffness, "test.turns": 1.0, "test.speed": "0.5 rpm"}
-    )
+    settings = {"mesh.stiffness": stiffness, "test.turns": 1.0, "test.speed": "0.5 rpm"}
+    gear = by_law(SteeringGear().replace(settings), "area")
     means = []
     for each in (step, "1 deg"):
         model = Fidelity.preset("flank").replace({"step_angle": each, "zone_ratio": zone})

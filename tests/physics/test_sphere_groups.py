@@ -18,6 +18,7 @@ from rps_exudyn.simulate.run import run
 from rps_exudyn.solvers import gear_forces
 from rps_exudyn.solvers.sphere_groups import by_touching_angle
 from verification.contact_at import sampled_wrench
+from verification.law_area import by_law
 
 WITH_ERRORS: dict[str, Any] = {
     "pinion.runout": "40 um",
@@ -76,7 +77,7 @@ def turned() -> Result:
     """General contact there and back, over more angles than a contact is held for."""
     choices = {"bush": "condensed", "profile_samples": 14, "axial_samples": 10, "step_angle": "3 deg"}
     fidelity = Fidelity.preset("full").replace(choices)
-    gear = SteeringGear().replace({"mesh.law": "area", "test.path": "there-and-back"})
+    gear = by_law(SteeringGear().replace({"test.path": "there-and-back"}), "area")
     result = run("free-pinion-torque", gear, fidelity=fidelity, turns=0.2)
     assert result["pinion_angle"].max() - result["pinion_angle"].min() > np.deg2rad(70)
     return result

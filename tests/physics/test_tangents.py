@@ -22,6 +22,7 @@ from rps_exudyn.solvers.equilibrium import EquilibriumPath, equilibrium_path
 from rps_exudyn.solvers.follower import add_column_to
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.gear_model import SEAT_LOADS
+from verification.law_area import replaced
 
 STEP, RATE_STEP = 1e-9, 1e-7  # of differences [m], [m/s]
 PARTS = ("mesh", "yoke", "bush", "bearing")
@@ -39,7 +40,7 @@ def rubbing(law: str) -> Settings:
 
 def followed(settings: Settings, fidelity: Settings | None = None) -> tuple[GearForces, EquilibriumPath]:
     """The forces of a gear with errors, and twelve equilibria 3 degrees apart."""
-    gear = SteeringGear().replace({"test.turns": 0.5, **ERRORS, **settings})
+    gear = replaced(SteeringGear(), {"test.turns": 0.5, **ERRORS, **settings})
     model = Fidelity.preset("quasi-static").replace({"rack": "free", **(fidelity or {})})
     forces, maneuver = gear_forces(gear, model), steady_maneuver(gear, "pinion", 0.0, np.pi, np.radians(3.0))
     path = equilibrium_path(forces.statics, GearPair.of(gear), maneuver.drive, maneuver.time[:12])

@@ -15,6 +15,7 @@ from rps_exudyn.results.law_error import MEASURED, law_error
 from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.by_accuracy import Setting, choose, knows_law
 from shell import Command
+from verification.law_area import by_law
 
 # Mean free torque [N mm]: gear, finite elements of whole teeth, laws line and area
 ELASTIC = [
@@ -35,7 +36,7 @@ FLANK, FORMULAS = {"mesh": "flank", "solver": "equilibrium"}, {"mesh": "flank", 
 
 
 def gear_by(law: str) -> SteeringGear:
-    return SteeringGear().replace({"mesh.law": law})
+    return by_law(SteeringGear(), law)
 
 
 @pytest.mark.parametrize(("law", "column"), [("line", 1), ("area", 2)])
@@ -77,7 +78,7 @@ def test_error_is_that_of_the_law_that_the_model_takes(
     assert (error and error.law) == taken
 
 
-def by_law(result: Result, law: str) -> Result:
+def with_law(result: Result, law: str) -> Result:
     return dataclasses.replace(result, gear=gear_by(law))
 
 
@@ -96,7 +97,7 @@ def test_torque_chart_shades_the_mean_by_finite_elements(made_up_result: Result)
     mean = made_up_result.summary["torque_mean"]
     spans = {}
     for law, error in MEASURED.items():
-        shaded = band(by_law(made_up_result, law))
+        shaded = band(with_law(made_up_result, law))
         assert shaded == pytest.approx(error.elastic_range(mean))
         spans[law] = shaded[1] - shaded[0]
     assert spans["teeth"] < 0.5 * spans["line"] < 0.5 * spans["area"]
@@ -108,7 +109,7 @@ def test_no_band_without_a_law_or_a_good_run(made_up_result: Result, failed_resu
 
 
 def test_page_says_it(made_up_result: Result, tmp_path: Path) -> None:
-    by_law(made_up_result, "area").save(tmp_path / "a.h5")
+    with_law(made_up_result, "area").save(tmp_path / "a.h5")
     write_report([tmp_path / "a.h5"], tmp_path / "a.html")
     assert MEASURED["area"].sentence in (tmp_path / "a.html").read_text(encoding="utf-8")
 
@@ -148,4 +149,4 @@ def test_formulas_say_that_they_take_another_law() -> None:
 def test_general_contact_refuses_teeth_that_bend(command: Command) -> None:
     answer = command(["run", "--fidelity", "full", "--set", "mesh.law=teeth"])
     assert answer.status == 2
-    assert "mesh.law is teeth; fidelity.mesh = general-contact knows only area and line." in answer.err
+    assert "mesh.law is teeth, but fidelity.mesh = general-contact has only line" in answer.err

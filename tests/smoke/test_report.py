@@ -160,15 +160,15 @@ def test_sampled_study_shows_its_distribution(
 
 
 def test_words_as_an_axis(made_up_result: Result, tmp_path: Path, command: Command) -> None:
-    law = dataclasses.replace(GRID[1], name="law", paths=("mesh.law",), values=("area", "line"))
-    points = [{"law": word, "preload": 100.0, "friction": 0.1} for word in ("area", "line")]
+    law = dataclasses.replace(GRID[1], name="law", paths=("mesh.law",), values=("teeth", "line"))
+    points = [{"law": word, "preload": 100.0, "friction": 0.1} for word in ("teeth", "line")]
     axes = (law, *(dataclasses.replace(axis, values=(0.1 if axis is GRID[1] else 100.0,)) for axis in GRID))
     study = description(points, axes=axes)
     make_study(tmp_path / "s", made_up_result, study)
     assert command(["report", "s"]).status == 0
     page = Page(tmp_path / "s" / "report.html")
-    assert re.search(r"law\s+mesh\.law\s+area, line", page.sections["What was run"])
-    assert re.search(r"area\s+100 N\s+0\.1\s+ok", page.sections["All cases"])
+    assert re.search(r"law\s+mesh\.law\s+teeth, line", page.sections["What was run"])
+    assert re.search(r"teeth\s+100 N\s+0\.1\s+ok", page.sections["All cases"])
 
 
 def test_nothing_of_a_file_becomes_markup(made_up_result: Result, tmp_path: Path, command: Command) -> None:

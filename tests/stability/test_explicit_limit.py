@@ -16,10 +16,11 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import Steady
+from verification.law_area import by_law
 from verification.runge_kutta import FreeMotion
 
 STEPS = 120
-GEAR = SteeringGear().replace({"mesh.law": "area"})  # whose stiffness is varied
+GEAR = by_law(SteeringGear(), "area")  # whose stiffness is varied
 SPEED = GEAR.test.speed
 TRAVEL = float(GearPair.of(GEAR).gain) * SPEED
 DRIVES = {

@@ -9,9 +9,10 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.fallback import run_with_fallback
 from rps_exudyn.simulate.run import isolated_run, run
+from verification.law_area import by_law
 from verification.references import STRIPS
 
-GEAR = SteeringGear().replace({"test.turns": 1 / 6, "mesh.law": "area"})
+GEAR = by_law(SteeringGear().replace({"test.turns": 1 / 6}), "area")
 TORQUE = "free-pinion-torque"
 STILL = Fidelity.preset("quasi-static")
 SPHERES = Fidelity.preset("full").replace({"bush": "condensed", "profile_samples": 6, "axial_samples": 5})
@@ -86,7 +87,8 @@ def test_time_limit_ends_a_run_from_outside() -> None:
 
 
 def test_run_within_its_time_limit_is_the_same_run() -> None:
-    result = isolated_run(TORQUE, GEAR, STILL, TimeLimit(60.0))
+    gear = SteeringGear().replace({"test.turns": 1 / 6})
+    result = isolated_run(TORQUE, gear, STILL, TimeLimit(60.0))
     assert result.summary["torque_mean"] == pytest.approx(
-        run(TORQUE, GEAR, fidelity=STILL).summary["torque_mean"]
+        run(TORQUE, gear, fidelity=STILL).summary["torque_mean"]
     )

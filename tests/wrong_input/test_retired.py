@@ -5,11 +5,14 @@ from pathlib import Path
 
 import pytest
 
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.retired import CHOICES, PARAMETERS
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.parameters.retired import CHOICES, PARAMETERS, STORED
 from rps_exudyn.results.result import Result
 from rps_exudyn.study.blocks import load
 from shell import Command
+from verification.law_area import by_law
 
 RETIRED = [(path, value, instead) for path, values in CHOICES.items() for value, instead in values.items()]
 
@@ -43,19 +46,22 @@ def test_parameter_is_answered_with_what_replaces_it(path: str, command: Command
     assert PARAMETERS[path] in answer.err
 
 
-def test_axis_of_a_study_is_answered_too(command: Command) -> None:
-    for path, value in (
-        ("fidelity.mesh", "ratio"),
-        ("fidelity.yoke", "force"),
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        ("fidelity.mesh", '"ratio"'),
+        ("fidelity.yoke", '"force"'),
         ("fidelity.generators", "20"),
-    ):
-        text = value if value.isdigit() else f'"{value}"'
-        Path("study.toml").write_text(
-            f'title = "Old"\nscene = "free-pinion-torque"\n[[axis]]\npath = "{path}"\nvalues = [{text}]\n'
-        )
-        answer = command(["study", "study.toml", "--dry-run"])
-        assert answer.status == 2, (path, answer.out, answer.err)
-        assert "which earlier versions had" in answer.err or PARAMETERS.get(path, "-") in answer.err
+        ("mesh.law", '"area"'),
+    ],
+)
+def test_axis_of_a_study_is_answered_too(path: str, value: str, command: Command) -> None:
+    Path("study.toml").write_text(
+        f'title = "Old"\nscene = "free-pinion-torque"\n[[axis]]\npath = "{path}"\nvalues = [{value}]\n'
+    )
+    answer = command(["study", "study.toml", "--dry-run"])
+    assert answer.status == 2, answer.out
+    assert "which earlier versions had" in answer.err or PARAMETERS.get(path, "-") in answer.err
 
 
 def test_what_remains_of_a_choice_is_read() -> None:
@@ -64,25 +70,32 @@ def test_what_remains_of_a_choice_is_read() -> None:
     assert Fidelity.from_tables(stored) == Fidelity() == Fidelity.from_tables({"yoke": "body"})
 
 
-@pytest.fixture
-def old(made_up_result: Result, tmp_path: Path) -> Path:
-    """A result of an earlier version."""
-    fidelity = {
-        **Fidelity().model_dump(),
-        "name": "flank with mesh ratio",
-        "mesh": "ratio",
-        "yoke": "force",
-        "generators": 160,
-    }
-    file = tmp_path / "old.h5"
-    dataclasses.replace(made_up_result, fidelity=fidelity).save(file)
+@pytest.fixture(params=["ratio", "area"])
+def old(made_up_result: Result, tmp_path: Path, request: pytest.FixtureRequest) -> Path:
+    """A result of an earlier version, by its kinematic ratio or its contact law."""
+    stored = {**Fidelity().model_dump(), "yoke": "body", "generators": 160}
+    if request.param == "ratio":
+        stored |= {"name": "flank with mesh ratio", "mesh": "ratio", "yoke": "force"}
+        made = dataclasses.replace(made_up_result, fidelity=stored)
+    else:
+        made = dataclasses.replace(
+            made_up_result, fidelity=stored, gear=by_law(made_up_result.gear, request.param)
+        )
+    file = tmp_path / f"{request.param}.h5"
+    made.save(file)
     return file
 
 
 def test_result_of_a_retired_choice_is_read_and_not_run_again(old: Path, command: Command) -> None:
-    assert load(old).fidelity["mesh"] == "ratio"
-    for words in (["show", str(old)], ["diff", str(old), str(old)]):
+    read = load(old)
+    assert old.stem in (read.fidelity["mesh"], read.gear.mesh.law)
+    for words in (["show", str(old)], ["diff", str(old), str(old)], ["report", str(old), "--out", "r.html"]):
         assert command(words).status == 0, words
     answer = command(["rerun", str(old)])
     assert answer.status == 2
-    assert "mesh is 'ratio', which earlier versions had" in answer.err
+    assert f" is '{old.stem}', which earlier versions had" in answer.err
+
+
+def test_stored_nonsense_is_no_choice_of_an_earlier_version() -> None:
+    with pytest.raises(InputError, match=r"mesh\.law is 'gear'; it must be line or teeth"):
+        SteeringGear.from_tables({"mesh": {"law": "gear"}}, context=STORED)
