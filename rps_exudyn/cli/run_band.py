@@ -13,6 +13,7 @@ from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import SetupOptions
 from rps_exudyn.cli.output import DONE, INTERRUPTED, naming, print_files, print_json, put, put_table, say
 from rps_exudyn.cli.printed import result_as_dict
+from rps_exudyn.parameters.fidelity import MEAN_STEP
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes import scene_named
@@ -21,7 +22,6 @@ from rps_exudyn.uncertainty.band import Band, band_of_runs
 from rps_exudyn.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.uncertainty.quick_band import SCENE, quick_band
 
-STEP = "2 deg"  # of equilibria, where no model is chosen: the mean to 0.001 %, the peak to peak to 0.1 %
 QUICK_OTHERWISE = 64  # runs of a scene without a quick band
 SHOWN = 5  # contributions
 
@@ -140,7 +140,7 @@ def _with_cheap_model(options: SetupOptions) -> Setup:
     """Gear and model; equilibria in steps that a band needs where no model is chosen."""
     if options.chooses_model:
         return options.load()
-    return replace(options, fidelity="quasi-static").load().replace({"fidelity.step_angle": STEP})
+    return replace(options, fidelity="quasi-static").load().replace({"fidelity.step_angle": MEAN_STEP})
 
 
 def sample_count(band: list[int] | None, beside: list[str]) -> int | None:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import replacing
+from rps_exudyn.base.files import content_of, replacing
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.simulate.cases.run_cases import Executor
@@ -138,7 +138,7 @@ def _storing() -> Iterator[None]:
 def _begin(work: StudyWork) -> None:
     """Write what the folder holds before the first case, and set files aside that cannot be used."""
     store = work.store
-    content = work.study.file.read_bytes()
+    content = content_of(work.study.file)
     with replacing(store.path / "study.toml") as partial:
         partial.write_bytes(content)
     store.write_description()

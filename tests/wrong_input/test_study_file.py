@@ -118,7 +118,7 @@ MISTAKES = {
     "path upwards": (f'gear = "../gear.toml"\n{START}{AXIS}', "it must lie in the study file's folder"),
     "absolute path": (f'gear = "/etc/passwd"\n{START}{AXIS}', "it must lie in the study file's folder"),
     "through a link": (f'gear = "link/gear.toml"\n{START}{AXIS}', "it must lie in the study file's folder"),
-    "gear missing": (f'gear = "none.toml"\n{START}{AXIS}', "none.toml cannot be read: No such file"),
+    "gear missing": (f'gear = "none.toml"\n{START}{AXIS}', "none.toml cannot be read: there is no such file"),
     "too many cases": (
         axis('path = "yoke.preload"\nlinspace = [1, 2, 6000]'),
         "more than 5000 are run with --yes",
