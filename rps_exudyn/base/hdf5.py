@@ -40,34 +40,22 @@ def opened(path: str | Path, filetype: str, what: str, version: tuple[int, int])
     Raises:
         InputError: no such file, no HDF5, damaged, of another type, or of another format version.
     """
-    with from_bytes(content_of(path), path, filetype, what, version) as file:
-        yield file
-
-
-@contextmanager
-def from_bytes(
-    content: bytes, name: str | Path, filetype: str, what: str, version: tuple[int, int]
-) -> Iterator[h5py.File]:
-    """The file of these bytes, as `opened`; `name` stands for it in messages.
-
-    Raises:
-        InputError: as `opened`.
-    """
-    _check_intact(content, name)
+    content = content_of(path)
+    _check_intact(content, path)
     try:
-        with _image(content, name) as file:
+        with _image(content, path) as file:
             if file.attrs.get("filetype") != filetype:
-                raise InputError(f"{name} is an HDF5 file, but not a {what} of rps-exudyn.")
-            check_version(np.ravel(file.attrs.get("version", ())), name, version)
-            _check_self_contained(file, len(content), name)
+                raise InputError(f"{path} is an HDF5 file, but not a {what} of rps-exudyn.")
+            check_version(np.ravel(file.attrs.get("version", ())), path, version)
+            _check_self_contained(file, len(content), path)
             yield file
     except InputError:
         raise
     except MemoryError:
-        raise InputError(f"{name} is damaged, or needs more memory than there is.") from None
+        raise InputError(f"{path} is damaged, or needs more memory than there is.") from None
     except Exception as error:  # whatever HDF5 and JSON make of damaged bytes
         reason = str(error.args[0] if isinstance(error, KeyError) and error.args else error)
-        raise InputError(f"{name} is damaged: {reason.rstrip('.')}.") from None
+        raise InputError(f"{path} is damaged: {reason.rstrip('.')}.") from None
 
 
 def _check_self_contained(file: h5py.File, size: int, name: str | Path) -> None:

@@ -19,7 +19,7 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import read_json_tables, replacing, with_checksum
-from rps_exudyn.base.hdf5 import file_image, from_bytes, opened
+from rps_exudyn.base.hdf5 import file_image, opened
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.retired import STORED
@@ -238,16 +238,6 @@ def read_result(path: str | Path) -> Result:
     """
     with opened(path, FILETYPE, "result", VERSION) as file:
         return _read(file, path)
-
-
-def loads(content: bytes, name: str) -> Result:
-    """Read the result in the bytes of an HDF5 file; `name` stands for it in messages.
-
-    Raises:
-        InputError: as `read_result`.
-    """
-    with from_bytes(content, name, FILETYPE, "result", VERSION) as file:
-        return _read(file, name)
 
 
 # --- writing -----------------------------------------------------------------------------------

@@ -6,7 +6,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn.parameters.derived import is_involved, with_values
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.block import Keep
 from rps_exudyn.study.description import Axis
@@ -52,17 +51,6 @@ class Study:
             InputError: they do not fit each other.
         """
         return self.base.replace(settings, where=str(self.file))
-
-    def tables_of(self, settings: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the tables of a setup that is known to be right, without another validation."""
-        if any(is_involved(path) or path.count(".") != 1 for path in settings):
-            return self.setup(settings).model_dump()  # what follows from the settings changes too
-        return with_values(self._base_tables, settings)
-
-    @cached_property
-    def _base_tables(self) -> dict[str, Any]:
-        """The base in SI, so that units are converted once and not in every case."""
-        return self.base.model_dump()
 
     def toy(self) -> "Study":
         """The same study at the smallest size: two values of each axis, or four samples."""
