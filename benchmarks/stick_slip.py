@@ -17,7 +17,8 @@ from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.analysis.stick_slip import Oscillator, sticking_speed, sticks
 from rps_exudyn.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import RUBBING_PARTS, SteeringGear
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
 from rps_exudyn.solvers.sliding_stability import one_inertia_damping, sliding_damping

@@ -54,7 +54,7 @@ def run(
             copy = ["git", "clone", "-q", "--depth", "1", ROOT.as_uri(), str(place / "clone")]
             steps.append(timed("git clone", copy, place, {}))
         if first:
-            cache = {"XDG_CACHE_HOME": str(place / "cache")}
+            cache = {"NUMBA_CACHE_DIR": str(place / "cache")}
             steps.append(timed(f"rps-exudyn {FIRST}, compiling", command(FIRST), place, cache))
         for line in commands:
             if "--measured" in line:
@@ -84,7 +84,7 @@ def timed(name: str, process: list[str], place: Path, environment: dict[str, str
         subprocess.CalledProcessError: it failed.
     """
     settings = surroundings() | environment
-    if "XDG_CACHE_HOME" in environment:
+    if "NUMBA_CACHE_DIR" in environment:
         settings.pop("NUMBA_CACHE_DIR", None)
     before, began = children(), perf_counter()
     done = subprocess.run(process, cwd=place, env=settings, capture_output=True)

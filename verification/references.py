@@ -14,7 +14,6 @@ from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import SCENE_NAMES, scene_named
-from rps_exudyn.scenes.headline import curve_of
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.scenes.yoke_impact import WIDEST_ZONE, shaken
@@ -162,6 +161,6 @@ def reference_of(
             signals, fidelity = method(scene, gear)
         except ArithmeticError as error:
             raise ArithmeticError(f"{name}: {error}") from error
-        curves[name] = curve_of(scene, signals, gear, fidelity)
-        lifts.append(curve_of(scene, signals, gear, fidelity, "rack_y"))
+        curves[name] = scene_named(scene).curve(signals, gear, fidelity)
+        lifts.append(scene_named(scene).curve(signals, gear, fidelity, "rack_y"))
     return SceneReference(scene, gear, agreed_reference(curves), lifts[0])

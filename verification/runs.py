@@ -11,8 +11,7 @@ from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.headline import curve_of
-from rps_exudyn.scenes.run_options import DEFAULT
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from verification.work_precision import Errors, Reference, curve_errors
 
@@ -29,13 +28,13 @@ class SceneReference:
     def errors_of(self, signals: Signals, fidelity: Fidelity) -> tuple[Errors, float | None]:
         """Errors of the headline signal [%], and the RMS of the lift [m] or None if there is no lift."""
         turned = self._turned if self.scene == "free-pinion-torque" else None
-        curve = curve_of(self.scene, signals, self.gear, fidelity)
+        curve = scene_named(self.scene).curve(signals, self.gear, fidelity)
         errors = curve_errors(curve, self.headline, turned, self.gear.pinion.teeth)
         if scene_named(self.scene).at_rest:  # the same loads in every run, between which nothing is asked
             errors = replace(errors, rms_linear=errors.rms)
         if "rack_y" not in signals:
             return errors, None
-        lift = curve_of(self.scene, signals, self.gear, fidelity, "rack_y")
+        lift = scene_named(self.scene).curve(signals, self.gear, fidelity, "rack_y")
         as_reference = Reference(self.lift, 0.0, {})
         fraction = curve_errors(lift, as_reference).rms / 100
         return errors, fraction * float(np.mean(np.abs(self.lift.values)))
@@ -47,7 +46,7 @@ class SceneReference:
 
 def run_scene(scene: str, gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
     """One checked run, whatever its outcome."""
-    return scene_named(scene).run(gear, fidelity, DEFAULT)
+    return scene_named(scene).run(gear, fidelity, DEFAULT_OPTIONS)
 
 
 def revolutions(scene: str, gear: SteeringGear) -> float:

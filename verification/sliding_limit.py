@@ -14,7 +14,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_maneuver import run_maneuver
-from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.reduced_gear import reduced_gear
 from rps_exudyn.solvers.settled_start import SteadyApproach

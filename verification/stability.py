@@ -24,7 +24,7 @@ from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.maneuver import StepLimits
-from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.simulate.checked_run import run_unchecked
 
 INACCURATE, WRONG = 0.01, 0.05  # error of the figure

@@ -30,7 +30,7 @@ from rps_exudyn.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
-from rps_exudyn.scenes.headline import curve_of
+from rps_exudyn.scenes import scene_named
 from rps_exudyn.study.cases import describe, setup_of
 from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Axis, Value
@@ -189,7 +189,7 @@ def reference_for(plan: PlannedPoint, reference: SceneReference) -> SceneReferen
 def on_analytic_flank(scene: str) -> SceneReference:
     """Reference of faceted pinions: the torque of the same spheres on the analytic flank."""
     signals = faceted_run(PITCH, FACETED, None).signals
-    curve, lift = (curve_of(scene, signals, PITCH, FACETED, name) for name in ("", "rack_y"))
+    curve, lift = (scene_named(scene).curve(signals, PITCH, FACETED, name) for name in ("", "rack_y"))
     return SceneReference(scene, PITCH, Reference(curve, 0.0, {}), lift)
 
 

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 from functools import cache
 
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import RUBBING_PARTS, SteeringGear
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
 from verification.references import (
     Method,

@@ -12,7 +12,7 @@ from rps_exudyn.checks.before_run import refused
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.simulate.checked_run import run_unchecked
 
 PITCH = 1 / SteeringGear().pinion.teeth

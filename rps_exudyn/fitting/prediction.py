@@ -16,17 +16,15 @@ from rps_exudyn.analysis.torque import mean
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.fitting.bench_tests import BenchTest
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.fidelity import FOR_MEANS, MEAN_STEP, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import largest_angle, steady_maneuver
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.solvers.closed_form import mean_state, pushing_force
 from rps_exudyn.solvers.drive import DrivenBody
 
-STEP = np.radians(2.0)  # the mean to 0.001 %
 TURN = 2 * np.pi
 SEEN = 4e-6  # of a runout, that changes means by a percent of what 20 um do [m]
-FIDELITY = Fidelity.preset("quasi-static").replace({"step_angle": STEP})
 
 
 class NoPredictionError(Exception):
@@ -72,7 +70,7 @@ class Prediction:
     """Predicts the values of all tests, and counts what it took."""
 
     blocks: Sequence[CurveBlock]
-    fidelity: Fidelity = FIDELITY
+    fidelity: Fidelity = FOR_MEANS
     simulations: int = 0  # of all tests together
 
     @classmethod
@@ -117,9 +115,9 @@ class Prediction:
             ends = float(block.grid[0]), float(block.grid[-1])
             return np.concatenate([self._turned(gear, ends, sense, block.grid) for sense in (1, -1)])
         true = gear.replace({"pinion.pitch_error": 0.0, "rack.bow": 0.0})
-        half, step = TURN / 2, 2 * STEP
+        half, step = TURN / 2, 2 * MEAN_STEP
         if gear.pinion.runout < SEEN:
-            true, half, step = true.replace({"pinion.runout": 0.0}), half / gear.pinion.teeth, STEP
+            true, half, step = true.replace({"pinion.runout": 0.0}), half / gear.pinion.teeth, MEAN_STEP
         body: DrivenBody = "rack" if test.pushed else "pinion"
         means = []
         for first, last in ((-half, half), (half, -half)):
@@ -135,7 +133,7 @@ class Prediction:
         self, gear: SteeringGear, ends: tuple[float, float], sense: int, grid: np.ndarray
     ) -> np.ndarray:
         first, last = ends[::sense]
-        run = run_maneuver(gear, self.fidelity, steady_maneuver(gear, "pinion", first, last, STEP))
+        run = run_maneuver(gear, self.fidelity, steady_maneuver(gear, "pinion", first, last, MEAN_STEP))
         if not run.ok:
             raise NoPredictionError(run.outcome.message)
         angle, torque = run.signals["pinion_angle"], run.signals["pinion_torque"]
@@ -158,10 +156,10 @@ def _block(test: BenchTest, whole: tuple[float, float] | None) -> CurveBlock:
     if not test.of_kind.by_angle:
         return CurveBlock(test, np.zeros(1), True)
     low, high = whole or (-np.pi, np.pi)
-    return CurveBlock(test, np.linspace(low, high, round((high - low) / STEP) + 1), whole is None)
+    return CurveBlock(test, np.linspace(low, high, round((high - low) / MEAN_STEP) + 1), whole is None)
 
 
 def within_the_teeth(gear: SteeringGear, low: float, high: float) -> tuple[float, float]:
     """Return a range of pinion angles [rad] as far as the rack has teeth."""
-    farthest = largest_angle(gear) * (1 - 1e-6) - 2 * STEP
+    farthest = largest_angle(gear) * (1 - 1e-6) - 2 * MEAN_STEP
     return max(low, -farthest), min(high, farthest)

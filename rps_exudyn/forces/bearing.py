@@ -5,9 +5,7 @@ import numpy as np
 from rps_exudyn.base.compiled import inline, record, record_type
 from rps_exudyn.forces.force_element import Part
 from rps_exudyn.forces.friction import (
-    BRISTLE,
     LAW,
-    STRIBECK,
     bristle,
     clear,
     constant_drag,
@@ -36,16 +34,14 @@ PART = Part("bearing", ("pinion",), ("bearing_torque",))
 def bearing_force(rate, data, memory, out):  # type: ignore[no-untyped-def]
     """Friction torque against the pinion's rate, linear below the zone; fills out (5,)."""
     law = data.law
-    if law.kind == BRISTLE:
+    if law.has_state:
         load = data.torque / data.radius
         clear(law.place, memory)
         drag, _, lost = bristle(1.0, data.radius * rate, 0.0, law.place, load, law, memory)
         torque = drag * data.radius
         out[1], out[2] = stored(law.place, load, law, memory), lost
     else:
-        torque = constant_drag(data.torque, rate, data.zone)
-        if law.kind == STRIBECK:
-            torque *= stribeck(data.radius * abs(rate), law)
+        torque = constant_drag(data.torque, rate, data.zone) * stribeck(data.radius * abs(rate), law)
         out[1], out[2] = 0.0, torque * rate
     out[0], out[3], out[4] = -torque, 0.0, torque
 

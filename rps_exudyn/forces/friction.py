@@ -17,10 +17,10 @@ import numpy as np
 
 from rps_exudyn.base.compiled import inline, record, record_type
 from rps_exudyn.forces.memory import TIME, Patches
-from rps_exudyn.parameters.gear import FrictionLaw
+from rps_exudyn.parameters.friction_law import LAWS, PLAIN_LAW, FrictionLaw
 
-COULOMB, STRIBECK, BRISTLE = 0, 1, 2
-KINDS = {"coulomb": COULOMB, "stribeck": STRIBECK, "bristle": BRISTLE}
+KINDS = {name: number for number, name in enumerate(LAWS)}  # by which kernels tell laws apart
+COULOMB = KINDS[PLAIN_LAW]
 
 # What a patch remembers, from its first column on: sums over its points of load times deflection, and load
 ALONG, ACROSS, LOAD = 0, 1, 2
@@ -32,6 +32,7 @@ ROUNDED = 0.04  # of the friction zone, over which a tangent rounds the corner a
 LAW = record_type(
     [
         ("kind", "i8"),
+        ("has_state", "i8"),
         ("surplus", "f8"),  # static over kinetic friction, less 1
         ("speed", "f8"),  # Stribeck's [m/s]
         ("exponent", "f8"),
@@ -47,6 +48,7 @@ LAW = record_type(
 PLAIN = record(
     LAW,
     kind=COULOMB,
+    has_state=0,
     surplus=0.0,
     speed=1.0,
     exponent=2.0,
@@ -63,18 +65,19 @@ def law_of(part: FrictionLaw, patches: Patches, count: int = 1, usual_load: floa
 
     `usual_load` [N] is that under which a load exponent changes nothing.
     """
-    kind = KINDS[part.friction_law]
+    facts = part.facts
     return record(
         LAW,
-        kind=kind,
-        surplus=part.static_ratio - 1.0 if kind else 0.0,  # Coulomb's law has one coefficient
+        kind=KINDS[part.friction_law],
+        has_state=int(facts.has_state),
+        surplus=part.surplus,
         speed=part.stribeck_speed,
         exponent=part.stribeck_exponent,
-        load_exponent=float(getattr(part, "load_exponent", 1.0)) if kind else 1.0,
+        load_exponent=float(getattr(part, "load_exponent", 1.0)) if facts.falls else 1.0,
         usual_load=usual_load,
         presliding=part.bristle_travel,
         damping=part.bristle_damping,
-        place=patches.taken(PATCH * count) if kind == BRISTLE else 0,
+        place=patches.taken(PATCH * count) if facts.has_state else 0,
     )
 
 
@@ -183,7 +186,7 @@ def rubbing(along, across, patch, friction, zone, law, memory):  # type: ignore[
     slip = np.sqrt(along * along + across * across)
     d_a, d_b = (along / slip, across / slip) if slip > 0 else (1.0, 0.0)
     g, rise = stribeck(slip, law), stribeck_slope(slip, law)
-    if law.kind != BRISTLE:
+    if not law.has_state:
         drag = friction * g / max(slip, zone)
         # over the corner at the zone's edge the slope fades: Newton's method would jump to and fro there
         within = min(max((1 + ROUNDED / 2 - slip / zone) / ROUNDED, 0.0), 1.0)

@@ -12,7 +12,6 @@ from rps_exudyn.base.compiled import inline, record, record_type
 from rps_exudyn.forces.bush import RIGID_END, Chain, housing_station, lateral_stiffness
 from rps_exudyn.forces.force_element import Part
 from rps_exudyn.forces.friction import (
-    BRISTLE,
     LAW,
     bristle,
     clear,
@@ -96,7 +95,7 @@ def fit_loads(carrier, rack, data, memory):  # type: ignore[no-untyped-def]
     roll = data.radius * dot(minus(rack.spin, carrier.spin), rack.axis)
     speed = np.sqrt(slide**2 + roll**2)
     law, held = data.law, 0.0
-    if law.kind == BRISTLE:
+    if law.has_state:
         clear(law.place, memory)
         drag, turning, lost = bristle(1.0, slide, roll, law.place, data.drag, law, memory)
         held = stored(law.place, data.drag, law, memory)

@@ -17,7 +17,6 @@ from numpy.polynomial.legendre import leggauss
 from rps_exudyn.base.compiled import inline, kernel, record, record_type
 from rps_exudyn.forces.force_element import Part
 from rps_exudyn.forces.friction import (
-    BRISTLE,
     LAW,
     bristle,
     by_load,
@@ -194,7 +193,7 @@ def seat_force(q, v, data, memory, points, out):  # type: ignore[no-untyped-def]
     law, friction = data.law, data.friction
     if law.load_exponent != 1.0:
         friction *= by_load(_whole_load(points, count, q, turn.axis, tilt, data), law)
-    if law.kind == BRISTLE:
+    if law.has_state:
         clear(law.place, memory)
     for i in range(count):
         ny, nz = points[i, 0], points[i, 1]
@@ -215,7 +214,7 @@ def seat_force(q, v, data, memory, points, out):  # type: ignore[no-untyped-def]
         parting = (vx * nx + vy * ny + vz * nz) / (1 + nx * nx)
         vx, vy, vz = vx - parting * nx, vy - parting * ny, vz - parting * nz
         speed = np.sqrt(vx * vx + vy * vy + vz * vz)
-        if law.kind == BRISTLE:
+        if law.has_state:
             # along the bar's surface and around it
             size = np.sqrt(1 + nx * nx)
             along_bar, around = (vx - nx * (vy * ny + vz * nz)) / size, vz * ny - vy * nz
@@ -241,7 +240,7 @@ def seat_force(q, v, data, memory, points, out):  # type: ignore[no-untyped-def]
         out[8] += lost
         out[10] += load
         out[11] += load * ny
-    if law.kind == BRISTLE:
+    if law.has_state:
         out[7] += stored(law.place, friction, law, memory)
     out[3], out[4], out[5] = on_angles(turn, (moment_x, moment_y, moment_z))
     out[6] = -out[1]

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.base.compiled import inline
-from rps_exudyn.forces.friction import BRISTLE, rubbing
+from rps_exudyn.forces.friction import rubbing
 from rps_exudyn.forces.rigid_motion import Vector, cross, dot, minus, on_angles, plus, scaled, vector
 from rps_exudyn.mesh_contact import wrench
 from rps_exudyn.mesh_contact.flank_line import (
@@ -111,7 +111,7 @@ def friction_at(p_r, p_t, z, side, data, work, slopes):  # type: ignore[no-untyp
     stance, law = slopes.stance, data.law
     slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t
     slip_b = affine(side.slip, p_r, p_t, z)
-    if law.kind == BRISTLE:
+    if law.has_state:
         w_r, w_b = rolling_slip(p_r, p_t, side, data)
         along, across = w_r * slip_r + w_b * slip_b, w_r * slip_b - w_b * slip_r
         patch = patch_of(side, data)

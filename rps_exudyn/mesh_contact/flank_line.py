@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.base.compiled import inline
-from rps_exudyn.forces.friction import BRISTLE, PATCH, bristle, by_load, clear, coulomb, stored, stribeck
+from rps_exudyn.forces.friction import PATCH, bristle, by_load, clear, coulomb, stored, stribeck
 from rps_exudyn.forces.rigid_motion import Vector
 from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS
 from rps_exudyn.mesh_contact import wrench
@@ -259,7 +259,7 @@ def add_load(load, p_r, p_t, z, side, data, work):  # type: ignore[no-untyped-de
     slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t
     slip_b = affine(side.slip, p_r, p_t, z)
     slip = np.sqrt(slip_r * slip_r + slip_b * slip_b)
-    if data.law.kind == BRISTLE:
+    if data.law.has_state:
         w_r, w_b = rolling_slip(p_r, p_t, side, data)
         along, across = w_r * slip_r + w_b * slip_b, w_r * slip_b - w_b * slip_r
         patch = patch_of(side, data)
@@ -306,7 +306,7 @@ def begin_side(side, data, work):  # type: ignore[no-untyped-def]
     """Begin to add up one side's loads."""
     for i in range(SUMS):
         work.sums[i] = 0.0
-    if data.law.kind == BRISTLE:
+    if data.law.has_state:
         clear(patch_of(side, data), work.memory)
 
 
@@ -318,7 +318,7 @@ def _end_friction(side, data, work):  # type: ignore[no-untyped-def]
         for i in range(DRAG_R, DRAG_B_N + 1):
             work.sums[i] *= factor
         work.sums[FRICTION_LOSS] *= factor
-    if law.kind == BRISTLE:
+    if law.has_state:
         work.sums[ENERGY] += stored(patch_of(side, data), factor * data.friction, law, work.memory)
 
 

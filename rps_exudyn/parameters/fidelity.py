@@ -236,3 +236,8 @@ PRESETS: dict[str, dict[str, Any]] = {
     "quasi-static": {"solver": "equilibrium"},
     "closed-form": {"solver": "closed-form", "step_angle": "5 deg"},
 }
+
+MEAN_STEP = 2 * DEG
+"""Step of equilibria for bands, fits, comparisons [rad]: the mean to 0.001 %, the peak to peak to 0.1 %."""
+FOR_MEANS = Fidelity.preset("quasi-static").replace({"step_angle": MEAN_STEP})
+"""The model of bands, fits and comparisons where no other is chosen."""

@@ -17,9 +17,10 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import RUBBING_PARTS, SteeringGear
+from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Status
-from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, outcome_of_path
 from rps_exudyn.solvers.balance import SIZE
 from rps_exudyn.solvers.drive import Drive
@@ -131,7 +132,7 @@ def run_at_rest(
 
 def _tapped(gear: SteeringGear) -> SteeringGear:
     """Return the gear without memory of friction: bristles would hold what tapping lets go."""
-    return gear.replace({f"{part}.friction_law": "coulomb" for part in RUBBING_PARTS})
+    return gear.replace({f"{part}.friction_law": PLAIN_LAW for part in RUBBING_PARTS})
 
 
 def moved_by_modes(gear: SteeringGear, fidelity: Fidelity, place: float) -> np.ndarray:

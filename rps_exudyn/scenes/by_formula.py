@@ -12,7 +12,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import law_of_formulas
 from rps_exudyn.results.outcome import Code, Outcome, Remark, Status
 from rps_exudyn.scenes.maneuver import Maneuver
-from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state, pushing_force, runout_harmonics
 

@@ -9,10 +9,8 @@ from rps_exudyn.scenes.figures import figures_of_turning, without
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.remarks import remarks, unresolved_peaks
 from rps_exudyn.scenes.run_maneuver import run_maneuvers
-from rps_exudyn.scenes.run_options import RunOptions
-from rps_exudyn.scenes.scene import Scene
+from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.scenes.steady_test import SteadyTest
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state
 
 

@@ -19,10 +19,8 @@ from rps_exudyn.scenes.figures import figures_of_motion
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, maneuvers_of_test
 from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.run_maneuver import run_maneuver, run_maneuvers
-from rps_exudyn.scenes.run_options import RunOptions
-from rps_exudyn.scenes.scene import Scene
+from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.scenes.steady_test import SteadyTest, Turned
 from rps_exudyn.solvers.closed_form import GRAVITY, unloading_force
 
 

@@ -15,8 +15,7 @@ from rps_exudyn.scenes.at_rest import OutsideLoads, bending, run_at_rest, to_and
 from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.maneuver import check_travel
 from rps_exudyn.scenes.remarks import remarks
-from rps_exudyn.scenes.run_options import RunOptions
-from rps_exudyn.scenes.scene import Scene
+from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.yoke_stop import lift_of_torque

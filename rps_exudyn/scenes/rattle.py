@@ -21,8 +21,7 @@ from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.maneuver import Maneuver, check_travel
 from rps_exudyn.scenes.run_maneuver import run_maneuvers
-from rps_exudyn.scenes.run_options import RunOptions
-from rps_exudyn.scenes.scene import Scene
+from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.drive import Steady
 

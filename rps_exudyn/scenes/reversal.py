@@ -9,8 +9,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.figures import figures_of_motion
 from rps_exudyn.scenes.maneuver import swing_maneuver
 from rps_exudyn.scenes.remarks import remarks, wide_zone
-from rps_exudyn.scenes.run_options import RunOptions
-from rps_exudyn.scenes.scene import Scene, swept_revolutions
+from rps_exudyn.scenes.scene import RunOptions, Scene, swept_revolutions
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.scenes.swing import run_swing
 

@@ -30,7 +30,7 @@ from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Remark, Statu
 from rps_exudyn.scenes.by_formula import by_formula
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
-from rps_exudyn.scenes.run_options import DEFAULT, RunOptions
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined, outcome_of_path
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.drive import Drive, SetOff, Steady, Swing
@@ -63,7 +63,7 @@ CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to
 
 
 def run_maneuver(
-    gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions = DEFAULT
+    gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions = DEFAULT_OPTIONS
 ) -> SceneRun:
     """Make one maneuver; its run has no summary yet.
 
@@ -81,7 +81,10 @@ def run_maneuver(
 
 
 def run_maneuvers(
-    gear: SteeringGear, fidelity: Fidelity, maneuvers: Sequence[Maneuver], options: RunOptions = DEFAULT
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    maneuvers: Sequence[Maneuver],
+    options: RunOptions = DEFAULT_OPTIONS,
 ) -> SceneRun:
     """Make one after the other until one fails, and join them to one record."""
     runs: list[SceneRun] = []

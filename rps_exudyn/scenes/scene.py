@@ -1,15 +1,76 @@
-"""A scene: one thing that the test rig does, and its facts for the rest of the package."""
+"""A scene: one thing that the test rig does, with all that other files ask about it; options of its runs."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
+from rps_exudyn.analysis.curve import Curve
+from rps_exudyn.checks.after_run import validated
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.run_options import RunOptions
-from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.scenes.steady_test import SteadyTest
+from rps_exudyn.results.outcome import Outcome, Remark
+from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, swing_maneuver
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """Options that every run has and a study of stability replaces.
+
+    Attributes:
+        check: gives a finished run its outcome, with the arguments of `checks.after_run.validated`.
+        least_steps: steps that a maneuver gets, however large the fidelity's step.
+    """
+
+    check: Callable[..., Outcome] = validated
+    least_steps: StepLimits = field(default_factory=StepLimits)
+
+
+DEFAULT_OPTIONS = RunOptions()
+
+
+@dataclass(frozen=True)
+class Turned:
+    """Records of a steady test; of many gears over the same instants signals have one more axis, the first,
+    and numbers are arrays (n,).
+
+    Attributes:
+        gear: what all gears have in common; what differs stands beside it.
+        signals: of the maneuvers recorded, joined.
+        beside: of the maneuver that is not recorded; {} if there is none.
+        gain: rack travel per radian [m].
+        load: that pulls at the rack's end [N].
+        step_angle: of the model [rad].
+    """
+
+    gear: SteeringGear
+    signals: Signals
+    beside: Signals
+    gain: Any
+    load: Any
+    step_angle: float
+
+
+@dataclass(frozen=True)
+class SteadyTest:
+    """The steady maneuvers of a scene, and the metrics of their record.
+
+    Attributes:
+        maneuvers: (gear, step angle, least steps) -> those recorded, and one beside them or None; raises
+            InputError if they leave the rack's teeth.
+        metrics: the summary of a record; of many gears arrays.
+        curve: signals that show the drive's torque or force alone.
+        remarks: on that summary, a list for each gear.
+        formulas: figures of a gear beside, without its record.
+    """
+
+    maneuvers: Callable[[SteeringGear, float, StepLimits], tuple[list[Maneuver], Maneuver | None]]
+    metrics: Callable[[Turned], dict[str, Any]]
+    curve: tuple[str, ...]
+    remarks: Callable[[Turned], list[list[Remark]]] = lambda turned: [[] for _ in range(np.size(turned.gain))]
+    formulas: Callable[[SteeringGear], dict[str, float]] | None = None
 
 
 def always_promised(gear: SteeringGear) -> str:
@@ -67,6 +128,17 @@ class Scene:
         """Return what the CPU time of a run is counted by: "revolution", or "run" where the pinion is
         held."""
         return "revolution" if self.revolutions else "run"
+
+    def curve(
+        self, signals: Mapping[str, np.ndarray], gear: SteeringGear, fidelity: Fidelity, name: str = ""
+    ) -> Curve:
+        """Return a signal over the time of the rig's motion, by default the scene's own: what runs in
+        different steps are compared by."""
+        start = 0.0
+        if self.swings:  # recording begins at another phase with every step
+            maneuver = swing_maneuver(gear, fidelity.step_angle)
+            start = maneuver.lead * maneuver.time_step
+        return Curve(start + signals["time"], signals[name or self.signal])
 
 
 def swept_revolutions(gear: SteeringGear) -> float:

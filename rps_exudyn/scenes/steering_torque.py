@@ -19,8 +19,7 @@ from rps_exudyn.scenes.figures import figures_of_motion
 from rps_exudyn.scenes.maneuver import Maneuver, check_travel
 from rps_exudyn.scenes.remarks import remarks, wide_zone
 from rps_exudyn.scenes.run_maneuver import run_maneuver
-from rps_exudyn.scenes.run_options import RunOptions
-from rps_exudyn.scenes.scene import Scene
+from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.wheel_torque import GrowingTorque, TyreSpring, WheelTorque

@@ -25,8 +25,7 @@ from rps_exudyn.scenes.maneuver import Maneuver, check_travel
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import remarks, wide_zone
 from rps_exudyn.scenes.run_maneuver import run_maneuver
-from rps_exudyn.scenes.run_options import RunOptions
-from rps_exudyn.scenes.scene import Scene
+from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.drive import SetOff
 from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear

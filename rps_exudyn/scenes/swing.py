@@ -13,7 +13,7 @@ from rps_exudyn.results.outcome import Code
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.run_maneuver import run_maneuver
-from rps_exudyn.scenes.run_options import RunOptions
+from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.drive import Swing

@@ -10,7 +10,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.run_options import DEFAULT, RunOptions
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun
 
 
@@ -34,7 +34,7 @@ def run_checked(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
 
 
 def run_unchecked(
-    scene: str, gear: SteeringGear, fidelity: Fidelity, options: RunOptions = DEFAULT
+    scene: str, gear: SteeringGear, fidelity: Fidelity, options: RunOptions = DEFAULT_OPTIONS
 ) -> Result:
     """Run a plan without a check before it, for studies of what goes wrong then.
 

@@ -11,7 +11,6 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.headline import curve_of
 from rps_exudyn.scenes.scene_run import SceneRun
 
 Recorded = SceneRun | Result
@@ -32,7 +31,9 @@ def error_between(
 ) -> float:
     """Return how far a quantity of a run lies from that of a truer one [%]; nan where only one has it."""
     if is_signal(scene, quantity):
-        own, true = (curve_of(scene, each.signals, gear, fidelity) for each, fidelity in (run, truer))
+        own, true = (
+            scene_named(scene).curve(each.signals, gear, fidelity) for each, fidelity in (run, truer)
+        )
         return difference(own, true)
     own_value, value = (each.summary.get(quantity) for each, _ in (run, truer))
     if own_value == value:  # or neither has one: where nothing is hit, there is no peak

@@ -15,13 +15,14 @@ from rps_exudyn.checks.before_run import refused
 from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.gears.tooth_stiffness import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import RUBBING_PARTS, SteeringGear
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.remarks import remarks
+from rps_exudyn.scenes.scene import SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
-from rps_exudyn.scenes.steady_test import SteadyTest, Turned
 from rps_exudyn.simulate.family import Family, FamilyRecord, is_alike
 from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
 
@@ -53,7 +54,7 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
         "scene": scene_named(scene).test is None,
         "fidelity": same != usual,
         "parts": bool(parts),
-        "friction": any(getattr(gear, part).friction_law == "bristle" for part in RUBBING_PARTS),
+        "friction": any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS),
     }
     if reason := next((name for name, holds in reasons.items() if holds), ""):
         return UNSUPPORTED[reason]

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces import external_load, sliding_fit, yoke
 from rps_exudyn.forces.bearing import bearing_record
 from rps_exudyn.forces.bush import Chain, bush_chain
@@ -25,7 +24,8 @@ from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, pooled
 from rps_exudyn.mesh_contact.spheres import contact_data
 from rps_exudyn.mesh_contact.teeth_data import teeth_data
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import RUBBING_PARTS, SteeringGear
+from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS, check_friction_laws
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import Balance, new_work
 from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar, bent_bar
 from rps_exudyn.solvers.gear_model import GEAR, LAWS, outputs_along, parts_of
@@ -164,7 +164,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
     """
     pair, patches = GearPair.of(gear), Patches()
     zone = fidelity.zone_ratio * pair.least_sliding * gear.test.speed
-    check_friction_laws(gear, fidelity)
+    check_friction_laws({part: getattr(gear, part) for part in RUBBING_PARTS}, fidelity.mesh)
     mesh = mesh_of(gear, fidelity, zone, patches)
     chain = bush_chain(gear)
     condensed = sliding_fit.condensed_fit(gear, chain, friction_zone=zone, patches=patches)
@@ -234,26 +234,6 @@ class Mesh:
     spheres: SampledContactData | None = None
 
 
-def check_friction_laws(gear: SteeringGear, fidelity: Fidelity) -> None:
-    """Check that the model has the gear's friction laws.
-
-    Raises:
-        InputError: it has not.
-    """
-    laws = {part: getattr(gear, part).friction_law for part in RUBBING_PARTS}
-    for part, law in laws.items():
-        if law == "bristle" and fidelity.mesh == "general-contact":
-            raise InputError(
-                f"{part}.friction_law is bristle, but fidelity.mesh = general-contact has no bristles: "
-                "choose fidelity.mesh = flank."
-            )
-    if laws["mesh"] != "coulomb" and fidelity.mesh != "flank":
-        raise InputError(
-            f"mesh.friction_law is {laws['mesh']}, but fidelity.mesh = {fidelity.mesh} has only coulomb: "
-            "choose fidelity.mesh = flank."
-        )
-
-
 def following_inertia(gear: SteeringGear) -> tuple[float, float]:
     """Return what follows the drive: the pinion's moment of inertia [kg m^2] and the rack's mass [kg]."""
     return pinion_inertia(gear), rack_masses(gear).mass
@@ -299,7 +279,7 @@ def spheres_of(gear: SteeringGear, fidelity: Fidelity, zone: float) -> SampledCo
 
 
 def _without_errors(gear: SteeringGear) -> SteeringGear:
-    return gear.replace({"pinion.runout": 0.0, "mesh.friction": 0.0, "mesh.friction_law": "coulomb"})
+    return gear.replace({"pinion.runout": 0.0, "mesh.friction": 0.0, "mesh.friction_law": PLAIN_LAW})
 
 
 def _ideal_spheres(gear: SteeringGear, fidelity: Fidelity, zone: float) -> SampledContactData:

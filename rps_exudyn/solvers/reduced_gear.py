@@ -10,7 +10,8 @@ from numpy.polynomial.legendre import leggauss
 
 from rps_exudyn.analysis.stick_slip import Oscillator, Rubbing
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters.gear import FrictionLaw, SteeringGear
+from rps_exudyn.parameters.friction_law import FrictionLaw
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.gear_forces import following_inertia
 
@@ -29,9 +30,7 @@ def presliding_angle(gear: SteeringGear) -> float:
     """Return the pinion angle over which bristles turn about [rad], the mean over the parts weighed with
     their friction; 0 without bristles."""
     parts = [(law, torque, lever) for law, torque, lever in _parts(gear) if torque > 0 and lever > 0]
-    yielding = [
-        torque * law.bristle_travel / lever for law, torque, lever in parts if law.friction_law == "bristle"
-    ]
+    yielding = [torque * law.bristle_travel / lever for law, torque, lever in parts if law.facts.has_state]
     whole = sum(torque for _, torque, _ in parts)
     return float(np.sum(yielding) / whole) if whole else 0.0
 
@@ -64,5 +63,5 @@ def friction_levers(pair: GearPair, place: np.ndarray) -> np.ndarray:
 
 
 def _part(law: FrictionLaw, torque: float, lever: float) -> Rubbing:
-    ratio = 1.0 if law.friction_law == "coulomb" else law.static_ratio
+    ratio = law.static_ratio if law.facts.falls else 1.0
     return Rubbing(max(torque, 0.0), ratio, law.stribeck_speed / max(lever, 1e-9), law.stribeck_exponent)

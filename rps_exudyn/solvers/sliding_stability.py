@@ -17,7 +17,8 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import RUBBING_PARTS, SteeringGear
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import SIZE, eigenvalues, slopes
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
@@ -55,8 +56,8 @@ def sliding_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
 def linearised_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
     """Return the same with friction that knows the speed alone, up to three times what one inertia needs; 0
     where the gear is stable without any, nan without an equilibrium."""
-    bristles = [part for part in RUBBING_PARTS if getattr(gear, part).friction_law == "bristle"]
-    gear = gear.replace({f"{part}.friction_law": "stribeck" for part in bristles})
+    laws = {f"{part}.friction_law": getattr(gear, part).facts.at_speed for part in RUBBING_PARTS}
+    gear = gear.replace(laws)
     vibration = Vibration.of(gear, fidelity)
     if vibration is None:
         return float("nan")

@@ -10,7 +10,7 @@ from rps_exudyn.analysis.curve import difference
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
-from rps_exudyn.scenes.headline import curve_of
+from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.simulate.accuracy_kept import SLOW, Wanted, finer_than, kept_by, taken_step
 from rps_exudyn.simulate.promised_quantity import error_between
@@ -29,7 +29,7 @@ def test_a_first_choice_that_is_too_coarse_is_refined_until_it_keeps_what_is_wan
     result = kept_by(RUN, Wanted(SCENE, SIGNAL, wanted), GEAR, coarse)
     taken = STILL.replace({name: result.fidelity[name] for name in ("step_angle", "strip_stations")})
     runs = (RUN(GEAR, coarse), result, RUN(GEAR, fine))
-    curves = [curve_of(SCENE, each.signals, GEAR, taken) for each in runs]
+    curves = [scene_named(SCENE).curve(each.signals, GEAR, taken) for each in runs]
     assert difference(curves[0], curves[2]) > wanted
     assert difference(curves[1], curves[2]) <= wanted
     assert "half the steps" in result.findings["accuracy_checked"]

@@ -8,7 +8,7 @@ import pytest
 from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.headline import curve_of
+from rps_exudyn.scenes import scene_named
 from verification.references import as_run, by_strips, over_generators
 from verification.runs import run_scene
 from verification.work_precision import Reference, curve_errors, power_law
@@ -22,7 +22,7 @@ FINE = {"strip_stations": 6, "strip_points": 3}  # whose error is far below that
 def curve(fidelity: Fidelity) -> Curve:
     run = run_scene(SCENE, GEAR, fidelity)
     assert run.ok, run.outcome.message
-    return curve_of(SCENE, run.signals, GEAR, fidelity)
+    return scene_named(SCENE).curve(run.signals, GEAR, fidelity)
 
 
 @pytest.fixture(scope="module")
@@ -56,5 +56,5 @@ def test_generators_converge_with_order_two_or_more(reference: Reference) -> Non
     errors = []
     for number in numbers:
         signals, _ = over_generators(number, as_run(model))(SCENE, GEAR)
-        errors.append(curve_errors(curve_of(SCENE, signals, GEAR, model), reference).rms)
+        errors.append(curve_errors(scene_named(SCENE).curve(signals, GEAR, model), reference).rms)
     assert 1.7 < order([1 / n for n in numbers], errors) < 3.5

@@ -10,7 +10,7 @@ import rps_exudyn as rps
 from rps_exudyn.analysis.stick_slip import Oscillator, Rubbing
 from rps_exudyn.base.compiled import record
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.forces.friction import ACROSS, ALONG, BRISTLE, LAW, LOAD, bristle, clear, stored
+from rps_exudyn.forces.friction import ACROSS, ALONG, KINDS, LAW, LOAD, bristle, clear, stored
 from rps_exudyn.forces.memory import MEMORY_SIZE, PATCHES, PLACES, TIME, Patches
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -52,7 +52,8 @@ class Patch:
         self.place, self.rows = Patches().taken(3), np.zeros((2, MEMORY_SIZE))
         law = record(
             LAW,
-            kind=BRISTLE,
+            kind=KINDS["bristle"],
+            has_state=1,
             surplus=ratio - 1,
             speed=speed,
             exponent=2.0,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
-from rps_exudyn.parameters.gear import RUBBING_PARTS
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import is_work
 

@@ -9,7 +9,8 @@ from rps_exudyn.forces.bush import bush_chain, housing_station
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import RUBBING_PARTS, SteeringGear
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.at_rest import to_and_fro

@@ -11,9 +11,10 @@ import rps_exudyn as rps
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.tooth_strength import pinion_form
 from rps_exudyn.parameters.carried import carried
+from rps_exudyn.parameters.fidelity import FOR_MEANS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.requirements.limits import REQUIRED, read_limits
-from rps_exudyn.requirements.sheet import MODEL, Judged, judge, weight_for_ratio
+from rps_exudyn.requirements.sheet import Judged, judge, weight_for_ratio
 from rps_exudyn.solvers.closed_form import load_test, mean_state
 from rps_exudyn.uncertainty.band import Band
 from shell import Command
@@ -42,7 +43,7 @@ def test_default_gear_keeps_its_torque_and_not_the_papers_efficiency(sheet: dict
 
 def test_numbers_are_those_of_the_scenes(sheet: dict[str, Judged]) -> None:
     medians = GEAR.replace({"test.lift_torque": 30.0})
-    lift = rps.run("rack-lift", medians, fidelity=MODEL).summary["rack_lift"]
+    lift = rps.run("rack-lift", medians, fidelity=FOR_MEANS).summary["rack_lift"]
     assert sheet["rated_lift"].nominal == pytest.approx(lift, rel=1e-9)
     assert sheet["gain"].nominal == pytest.approx(35.027e-3, rel=1e-4)
     assert sheet["travel"].nominal > 0.14
@@ -73,7 +74,7 @@ def test_share_of_gears_is_that_below_the_limit(tmp_path: Path) -> None:
 def test_what_cannot_be_computed_is_not_evaluated(monkeypatch: pytest.MonkeyPatch) -> None:
     """A gear whose runs fail, and a root that the standard does not know: the sheet says so of each."""
 
-    def lost(*_: object) -> Band:
+    def lost(*_: object, **__: object) -> Band:
         raise InputError("this one ends contact-lost.")
 
     monkeypatch.setattr("rps_exudyn.requirements.sheet.quick_band", lost)

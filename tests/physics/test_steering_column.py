@@ -15,7 +15,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
-from rps_exudyn.scenes.headline import curve_of
+from rps_exudyn.scenes import scene_named
 from rps_exudyn.solvers.steering_column import SteeringColumn
 
 GEAR = SteeringGear()
@@ -106,7 +106,7 @@ def test_curves_in_different_steps_lie_over_each_other() -> None:
     flank = Fidelity.preset("flank")
     coarse, fine = (flank.replace({"step_angle": step}) for step in ("0.83 deg", "0.5 deg"))
     curves = [
-        curve_of("steering-feel", rps.run("steering-feel", GEAR, fidelity=each).signals, GEAR, each)
+        scene_named("steering-feel").curve(rps.run("steering-feel", GEAR, fidelity=each).signals, GEAR, each)
         for each in (coarse, fine)
     ]
     assert difference(*curves) < 0.2

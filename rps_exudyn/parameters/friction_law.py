@@ -1,0 +1,106 @@
+"""How a part rubs: the friction law of the teeth, the plunger, the bush or the bearing, each chosen alone.
+
+A new law is a name in `LawName` with its facts in `LAWS`, the parameters that it needs in `FrictionLaw`, and
+its formula in `forces.friction`: other files ask for the facts.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.declaration import Length, Number, SlidingSpeed, Table, Time, parameter
+
+LawName = Literal["coulomb", "stribeck", "bristle"]
+RUBBING_PARTS = "mesh", "yoke", "bush", "bearing"  # of a gear, each with its law
+PLAIN_LAW: LawName = "coulomb"  # the size alone: of general contact, and of what rests after tapping
+
+
+@dataclass(frozen=True)
+class LawFacts:
+    """What other files ask about a friction law.
+
+    Attributes:
+        falls: whether it may be larger at rest than in motion, by the static ratio.
+        has_state: whether it depends on the motion before, by a state along the motion (`forces.memory`).
+        at_speed: the law that it becomes in steady sliding.
+    """
+
+    falls: bool
+    has_state: bool
+    at_speed: LawName
+
+
+LAWS: dict[LawName, LawFacts] = {
+    "coulomb": LawFacts(falls=False, has_state=False, at_speed="coulomb"),
+    "stribeck": LawFacts(falls=True, has_state=False, at_speed="stribeck"),
+    "bristle": LawFacts(falls=True, has_state=True, at_speed="stribeck"),
+}
+
+
+class FrictionLaw(Table):
+    """Friction of one part beyond its size; `friction_law` chooses what counts of the rest.
+
+    `coulomb` knows the size alone. `stribeck` is larger at rest than in motion. `bristle` (LuGre) yields
+    elastically before it slides and holds at rest; its static ratio of 1 leaves Stribeck's part out.
+    """
+
+    friction_law: LawName = parameter(
+        "coulomb",
+        "coulomb: size alone; stribeck: larger at rest; bristle: yields before it slides, remembers",
+        "estimate",
+    )
+    static_ratio: Number = parameter(1.0, "static over kinetic friction", "estimate", ge=1, le=5)
+    stribeck_speed: SlidingSpeed = parameter(
+        "5 mm/s", "sliding speed at which most of the static surplus is gone", "estimate", gt=0, le=10
+    )
+    stribeck_exponent: Number = parameter(
+        2.0, "exponent of the speed in Stribeck's curve", "estimate", ge=0.5, le=4
+    )
+    bristle_travel: Length = parameter(
+        "5 um", "bristle: sliding over which friction turns about, its load over its stiffness", "estimate",
+        gt=0, le=1e-3,
+    )  # fmt: skip
+    bristle_damping: Time = parameter(0.0, "bristle: damping over stiffness", "estimate", ge=0, le=1e-2)
+
+    @property
+    def facts(self) -> LawFacts:
+        """What other files ask about the law that is chosen."""
+        return LAWS[self.friction_law]
+
+    @property
+    def surplus(self) -> float:
+        """Static over kinetic friction, less 1."""
+        return self.static_ratio - 1.0 if self.facts.falls else 0.0
+
+
+def check_friction_laws(parts: Mapping[str, FrictionLaw], mesh: str) -> None:
+    """Check that a model of the mesh has the laws of a gear's parts.
+
+    Raises:
+        InputError: it has not.
+    """
+    for part, law in parts.items():
+        if law.facts.has_state and mesh == "general-contact":
+            raise InputError(
+                f"{part}.friction_law is {law.friction_law}, but fidelity.mesh = general-contact has no "
+                "bristles: choose fidelity.mesh = flank."
+            )
+    chosen = parts["mesh"].friction_law
+    if chosen != PLAIN_LAW and mesh != "flank":
+        raise InputError(
+            f"mesh.friction_law is {chosen}, but fidelity.mesh = {mesh} has only {PLAIN_LAW}: "
+            "choose fidelity.mesh = flank."
+        )
+
+
+class LoadedFrictionLaw(FrictionLaw):
+    """Friction of a part that is pressed on by what the gear transmits."""
+
+    load_exponent: Number = parameter(
+        1.0,
+        "exponent of the normal force in the friction, which is the coefficient's under the yoke's preload",
+        "estimate",
+        ge=0.5,
+        le=1.5,
+    )
