@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from pydantic import ValidationError
 
 from rps_exudyn.base import units
-from rps_exudyn.parameters.retired import choice_instead, parameter_instead
 
 if TYPE_CHECKING:
     from rps_exudyn.parameters.declaration import Table
@@ -126,3 +125,39 @@ def nearest(table: type["Table"], path: str, left_out: tuple[str, ...] = ()) -> 
         return f"the nearest {'one is' if len(close) == 1 else 'ones are'} {', '.join(close)}"
     known = dict.fromkeys(name.partition(".")[0] for name in offered)
     return f"there are {', '.join(known)}"
+
+
+# --- Choices and parameters of earlier versions, with what replaces them
+#
+# Results made by them remain readable; they are not run again.
+
+CHOICES: dict[str, dict[str, str]] = {
+    "fidelity.mesh": {
+        "flank-generators": "flank integrates the same contact",
+        "ratio": "choose flank, with mesh.friction = 0 for teeth without losses",
+        "ratio-with-loss": "choose flank, or the preset closed-form for the loss by formula",
+    },
+    "fidelity.bush": {"adams-chain": "chain has the beam's stiffness whatever the number of segments"},
+}
+"""Path -> value -> what replaces it."""
+
+PARAMETERS = {
+    "fidelity.yoke": "the plunger is always a body, and fidelity.solver = equilibrium leaves out its inertia",
+    "fidelity.generators": "fidelity.strip_stations and fidelity.strip_points integrate the contact",
+}
+"""Path -> what replaces it."""
+
+
+def choice_instead(path: str, value: object) -> str | None:
+    """Return what replaces a value at a path, or at the end of one."""
+    found = (values.get(str(value)) for known, values in CHOICES.items() if _ends_in(known, path))
+    return next(found, None)
+
+
+def parameter_instead(path: str) -> str | None:
+    """Return what replaces a parameter at a path, or at the end of one."""
+    return next((instead for known, instead in PARAMETERS.items() if _ends_in(known, path)), None)
+
+
+def _ends_in(known: str, path: str) -> bool:
+    return f".{known}".endswith(f".{path}")

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.retired import CHOICES, PARAMETERS
+from rps_exudyn.parameters.wrong_values import CHOICES, PARAMETERS
 from rps_exudyn.results.result import Result
 from rps_exudyn.study.blocks import load
 from shell import Command
