@@ -128,7 +128,7 @@ ODD_REFUSED = {
     "one direction of two": (
         "angle [deg],torque [Nm],dir\n"
         + "".join(f"{a},{t},{way}\n" for way, t in (("cw", 0.6), ("ccw", -0.6)) for a in _RISING),
-        r"tells of several directions \(cw, ccw\), but its angle moves one way",
+        r"has several directions \(cw, ccw\), but its angle moves one way",
     ),
     "units that change": (
         f"angle [deg];torque [Nm]\n{_HALF}angle [deg];torque [Nmm]\n{_HALF}",

@@ -70,11 +70,11 @@ def load_distribution(gear: SteeringGear, signals: Signals) -> LoadDistribution:
     """Return the loads at every instant of a record.
 
     Raises:
-        InputError: the record lacks the rack's motions, or the gear's contact law knows no load per length.
+        InputError: the record lacks the rack's motions, or the gear's contact law has no load per length.
     """
     if gear.mesh.law == "area":
         raise InputError(
-            'mesh.law is "area", which knows no load per length of line: choose "line" or "teeth".'
+            'mesh.law is "area", which has no load per length of line: choose "line" or "teeth".'
         )
     pair = GearPair.of(gear)
     points, tilts, _ = rack_poses(pair, signals)

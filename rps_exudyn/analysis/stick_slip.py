@@ -7,8 +7,8 @@ Reduced to one inertia J [kg m^2]: the wheel turns at a constant speed Omega; th
 
 Each time the gear has stuck it starts in the same state, at rest under static friction; so one slip decides:
 if it comes to rest again, it sticks for ever, else it goes on sliding. `Oscillator.linear_limit` and
-`bristle_margin` say where steady sliding loses its stability, with friction that knows the speed alone and
-with bristles.
+`bristle_margin` say where steady sliding loses its stability, with friction that depends on the speed alone
+and with bristles.
 """
 
 from collections.abc import Mapping

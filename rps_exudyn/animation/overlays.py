@@ -81,7 +81,7 @@ class ContactLines:
 def contact_lines(motion: Motion) -> ContactLines | None:
     """The lines of a motion; None where the record has no deflections, or nothing touches.
 
-    With the law "area", which knows pressures and no lines, their places and shares are those of "line";
+    With the law "area", which has pressures and no lines, their places and shares are those of "line";
     the sum of each side is the recorded force with every law.
     """
     gear = motion.gear

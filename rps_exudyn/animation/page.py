@@ -78,7 +78,7 @@ def _style_and_script() -> tuple[str, str]:
 
 
 def _hash(text: str) -> str:
-    """The hash by which the page's own policy knows its script."""
+    """The hash by which the page's own policy admits its script."""
     return base64.b64encode(hashlib.sha256(text.encode("utf-8")).digest()).decode("ascii")
 
 
@@ -95,7 +95,7 @@ def _notes(result: Result, motion: Motion) -> list[str]:
         notes.append(f"This run failed ({result.status}): {result.message}")
     if motion.rigid:
         notes.append(
-            f"Fidelity {result.fidelity['name']} knows no deflections and no lines of contact: "
+            f"Fidelity {result.fidelity['name']} has no deflections and no lines of contact: "
             "the rack moves along X only."
         )
     return notes
@@ -120,7 +120,7 @@ def _remarks(result: Result, motion: Motion, lines: ContactLines | None) -> Any:
             "recorded normal force."
         )
         if result.gear.mesh.law == "area":
-            yield 'Law "area" knows no lines; their places and shares are those of law "line".'
+            yield 'Law "area" has no lines; their places and shares are those of law "line".'
         if result.gear.mesh.law != "teeth":
             yield "Along a line the load is in proportion to the depth: right in sum, not in its course."
     yield (

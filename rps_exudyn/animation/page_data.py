@@ -1,4 +1,4 @@
-"""What the page is told of a result: bodies, motion, lines of contact, forces, curves."""
+"""The data of a result on its page: bodies, motion, lines of contact, forces, curves."""
 
 import base64
 from collections.abc import Mapping
@@ -142,7 +142,7 @@ _KINDS = {
 
 
 def encoded(values: np.ndarray, kind: str) -> Encoded:
-    """The array with its values rounded to a type that JavaScript knows; "scale" gives them back."""
+    """The array with its values rounded to a type that JavaScript has; "scale" gives them back."""
     return {"kind": kind, "scale": 1.0, "data": _text(np.asarray(values).astype(_KINDS[kind]))}
 
 

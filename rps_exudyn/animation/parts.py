@@ -1,6 +1,6 @@
 """The bodies that a picture shows: coarse meshes with normals that are smooth on curved faces.
 
-The plunger is bored for its spring, and the spring has a wire: the model knows neither, it has the
+The plunger is bored for its spring, and the spring has a wire: the model has neither, it has the
 plunger's mass and the spring's rate. Nothing else of the pictures is not in the model.
 """
 

@@ -1,9 +1,9 @@
-"""How far a run is: told to a listener while it goes on, from wherever the solver is.
+"""How far a run is: reported to a listener while it goes on, from wherever the solver is.
 
     with following(lambda progress: print(progress.sentence)):
         rps.run(...)
 
-A run that takes less than `FIRST` seconds tells nothing.
+A run that takes less than `FIRST` seconds reports nothing.
 """
 
 from collections.abc import Callable, Iterator
@@ -39,7 +39,7 @@ class _Following:
 
     listener: Listener
     began: float = field(default_factory=lambda: monotonic())
-    told: float = 0.0
+    reported: float = 0.0
     solving: float | None = None  # when the first step was done
     part: int = 0
     parts: int = 1
@@ -49,9 +49,9 @@ class _Following:
         now = monotonic()
         if self.solving is None:
             self.solving = now
-        if now - self.began < FIRST or now - self.told < INTERVAL:
+        if now - self.began < FIRST or now - self.reported < INTERVAL:
             return
-        self.told = now
+        self.reported = now
         whole = min(max((self.part + fraction) / self.parts, 1e-9), 1.0)
         left = (now - self.solving) * (1 / whole - 1)
         self.listener(Progress(place(), whole, now - self.began, left))
@@ -80,13 +80,13 @@ def begin_part(part: int, parts: int) -> None:
 
 
 def reached(fraction: float, place: Callable[[], str]) -> None:
-    """Note how much of the present part is done, and the place, which is asked for where it is told."""
+    """Note how much of the present part is done, and the place, which is asked for where it is reported."""
     if (follower := _following.get()) is not None:
         follower.reached(fraction, place)
 
 
 def passed_on(progress: Progress) -> None:
-    """Tell the listener what another process tells of its run."""
+    """Report to the listener the progress of a run in another process."""
     if (follower := _following.get()) is not None:
         follower.listener(progress)
 

@@ -178,7 +178,7 @@ def load_figure(result: Result) -> Figure:
     """The picture of the first pass: forces of the lines, largest loads per length, stiffness of the mesh.
 
     Raises:
-        InputError: the record has no pass, lacks the rack's motions, or its law knows no load per length.
+        InputError: the record has no pass, lacks the rack's motions, or its law has no load per length.
     """
     runs = passes(result.signals)
     if not runs:

@@ -1,4 +1,4 @@
-"""Masses and moments of inertia that the motion knows, by integrals over the exact shapes.
+"""Masses and moments of inertia of the moving parts, by integrals over the exact shapes.
 
 Pinion: the transverse section turns along the axis and keeps its shape but for the crowning, so that a few
 sections along the face width give the volume's integrals. The section's boundary is a polygon of chords

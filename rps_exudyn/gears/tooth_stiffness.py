@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from rps_exudyn.parameters.gear import SteeringGear
 
-if TYPE_CHECKING:  # `describe` tells the stiffness of a gear, and does without numpy
+if TYPE_CHECKING:  # `describe` prints the stiffness of a gear, and does without numpy
     from rps_exudyn.gears.gear_pair import GearPair
 
 PER_MM_UM = 1e9  # [N/m^2] in one N/(mm um)

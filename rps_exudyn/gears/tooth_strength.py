@@ -115,7 +115,7 @@ def root_stress(gear: SteeringGear, form: ToothForm, torque: float) -> float:
     try:
         root = root_of(form)
     except ValueError as error:
-        raise InputError(f"ISO 6336 knows no stress of such a root: {error}.") from None
+        raise InputError(f"ISO 6336 has no stress of such a root: {error}.") from None
     ratio = transverse_contact_ratio(pair)
     shared = 0.25 + 0.75 / ratio if ratio > 1 else 1.0
     helix = min(abs(pair.beta_p), STEEPEST_HELIX)

@@ -56,10 +56,10 @@ class _Division:
     numeric: int  # number of rows with two numbers or more
 
 
-def layout_of(text: str, knows: Callable[[list[str]], int]) -> Layout | None:
+def layout_of(text: str, known_in: Callable[[list[str]], int]) -> Layout | None:
     """Return the layout in which most columns are known and most rows are numbers; None of a text without.
 
-    `knows` counts the cells of a header whose meaning is known.
+    `known_in` counts the cells of a header whose meaning is known.
     """
     lines = [line for line in _lines(text) if line[1].strip()]
     stated = None
@@ -70,10 +70,10 @@ def layout_of(text: str, knows: Callable[[list[str]], int]) -> Layout | None:
     lines = [line for line, mark in marked if not mark]
     patterns = [pattern(line) for _, line in lines]
     separators = [stated] if stated else list(SEPARATORS)
-    divisions = [each for sign in separators if (each := _divided(lines, patterns, comments, sign, knows))]
+    divisions = [each for sign in separators if (each := _divided(lines, patterns, comments, sign, known_in))]
 
     def merit(division: _Division) -> tuple[int, int]:
-        known = min(knows(division.header[1]), 2) if division.header else 0
+        known = min(known_in(division.header[1]), 2) if division.header else 0
         return known, division.numeric
 
     best = max(divisions, key=merit, default=None)
@@ -105,7 +105,7 @@ def _divided(
     patterns: list[str],
     comments: list[Line],
     separator: str,
-    knows: Callable[[list[str]], int],
+    known_in: Callable[[list[str]], int],
 ) -> _Division | None:
     """How a separator divides the lines; None where no row of numbers follows."""
     counted = _counted(lines, patterns, separator)
@@ -114,13 +114,13 @@ def _divided(
     if begin is None:
         return None
     width = _most_frequent(cells for _, cells in counted[begin:])
-    header, below = _header_above(lines[:begin], separator, width, knows)
+    header, below = _header_above(lines[:begin], separator, width, known_in)
     if not header:
         for number, line in reversed([each for each in comments if each[0] < lines[begin][0]]):
             cells = _header_cells(line, separator, width)
             if below is None and len(cells) > 1 and _are_units(cells):
                 below = number, cells
-            elif knows(cells) > 1:
+            elif known_in(cells) > 1:
                 header = number, cells
                 break
     return _Division(separator, header, below, begin, sum(count > 1 for count in counts[begin:]))
@@ -143,7 +143,7 @@ def _counted(lines: list[Line], patterns: list[str], separator: str) -> list[tup
 
 
 def _header_above(
-    lines: list[Line], separator: str, width: int, knows: Callable[[list[str]], int]
+    lines: list[Line], separator: str, width: int, known_in: Callable[[list[str]], int]
 ) -> tuple[Row | None, Row | None]:
     """The line that names the columns, and that of their units.
 
@@ -157,7 +157,7 @@ def _header_above(
             continue
         if below is None and _are_units(cells):
             below = number, cells
-        elif knows(cells) > 1:
+        elif known_in(cells) > 1:
             return (number, cells), below
         else:
             header = header or (number, cells)
@@ -195,7 +195,7 @@ def _is_word(cell: str) -> bool:
 
 
 def _header_cells(line: str, separator: str, width: int) -> list[str]:
-    """The cells of a header; names of several words with a unit each are told apart by the units."""
+    """The cells of a header; names of several words with a unit each are separated by the units."""
     cells = _cells(line, separator)
     if separator == " " and len(cells) != width:
         named = [name.strip() for name in re.findall(r"[^\[\]()]+[\[(][^\])]*[\])]", line)]

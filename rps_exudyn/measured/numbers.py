@@ -90,7 +90,7 @@ class Format:
 
     decimal: str  # "." or ","
     thousands: bool  # whether its other sign stands between thousands
-    undecided: str = ""  # a number with a point that is taken for a decimal one, where none tells
+    undecided: str = ""  # a number with a point that is taken for a decimal one, where none shows it
 
     def value(self, cell: Cell) -> float:
         """Return the number.
@@ -163,7 +163,7 @@ def format_of(cells: Iterable[Cell]) -> Format:
     """Return the one format in which all these numbers make sense.
 
     Raises:
-        AmbiguousNumbersError: 1,234 and nothing else tells whether that is 1.234 or 1234.
+        AmbiguousNumbersError: 1,234 and nothing else shows whether that is 1.234 or 1234.
     """
     decimal, grouped, either, pointed = set(), set(), "", ""
     for digits in {cell.digits for cell in cells}:

@@ -98,7 +98,7 @@ def read_curve(
 
 
 def _check_directions(path: str | Path, layout: Layout, driven: np.ndarray) -> None:
-    """Refuse a curve whose driven coordinate moves one way where a column tells of two.
+    """Refuse a curve whose driven coordinate moves one way where a column has two.
 
     Raises:
         InputError: it does.
@@ -106,7 +106,7 @@ def _check_directions(path: str | Path, layout: Layout, driven: np.ndarray) -> N
     words = directions(layout)
     if len({each.direction for each in passes({"pinion_angle": driven})}) == 1 and words:
         raise InputError(
-            f"{path} tells of several directions ({', '.join(short(word, 20) for word in words)}), but its "
+            f"{path} has several directions ({', '.join(short(word, 20) for word in words)}), but its "
             "angle moves one way in all of them; let it fall where the motion goes back."
         )
 
@@ -182,7 +182,7 @@ def _check_text(
     path: str | Path, layout: Layout, row: Row, cells: list[str], known: np.ndarray, within: bool
 ) -> None:
     """Refuse a row that is no numbers where the curve would be another one: `within` it, or numbers that are
-    written otherwise at its end. `known` tells which cells are numbers, shape (columns,).
+    written otherwise at its end. `known` says which cells are numbers, shape (columns,).
 
     Raises:
         InputError: it does.

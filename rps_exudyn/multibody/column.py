@@ -11,8 +11,7 @@ import numpy as np
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.force_object import add_forces
 from rps_exudyn.multibody.steering_model import SteeringModel
-from rps_exudyn.solvers.steering_column import SteeringColumn
-from rps_exudyn.solvers.wheel_torque import WheelTorque
+from rps_exudyn.solvers.steering_column import SteeringColumn, WheelTorque
 
 
 def add_column(model: SteeringModel, column: SteeringColumn) -> None:

@@ -43,8 +43,7 @@ from rps_exudyn.solvers.drive import Drive, Steady
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_model import COLUMNS
 from rps_exudyn.solvers.settled_start import Approach, settled_behind, start_of_motion
-from rps_exudyn.solvers.steering_column import SteeringColumn
-from rps_exudyn.solvers.wheel_torque import WheelTorque
+from rps_exudyn.solvers.steering_column import SteeringColumn, WheelTorque
 
 
 def build_model(

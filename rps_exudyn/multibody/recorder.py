@@ -15,7 +15,7 @@ from rps_exudyn.multibody.solve import StepsUsedUpError
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.record import Record
-from rps_exudyn.solvers.wheel_torque import WheelTorque
+from rps_exudyn.solvers.steering_column import WheelTorque
 
 NOTHING = np.zeros(0)
 MOST_STEPS, SPARE = 50, 500  # of the planned ones

@@ -33,7 +33,7 @@ from rps_exudyn.parameters.retired import STORED, choice_instead
 from rps_exudyn.parameters.wrong_values import ConflictError, Problem, nearest, problems_of
 
 DEG = math.pi / 180  # for limits of angles
-SMALLEST, LARGEST = 1e-30, 1e20  # of all numbers, in SI: powers of others are beyond what a computer knows
+SMALLEST, LARGEST = 1e-30, 1e20  # of all numbers, in SI: powers of others are beyond a computer's numbers
 
 Source = Literal["paper", "inferred", "estimate", "choice"]
 """Where a value is from; a choice is one of the model and says nothing about the gear."""

@@ -67,7 +67,7 @@ def remarks_section(table: CaseTable) -> list[Section]:
             )
         )
     else:
-        blocks.append(Text("These cases ended ok and say more about themselves."))
+        blocks.append(Text("Completed, with warnings."))
     rows: list[Sequence[Cell]] = [
         [count(len(each.cases), "case"), each.example, _links(table, each)] for each in found
     ]

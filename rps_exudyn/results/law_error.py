@@ -66,7 +66,7 @@ def law_error(gear: SteeringGear, fidelity: Mapping[str, Any]) -> LawError | Non
     """Return the error of the contact law that a model takes; None for one without a law of contact.
 
     Args:
-        gear: its `mesh.law` is taken where the model knows it.
+        gear: its `mesh.law` is taken where the model has it.
         fidelity: choices of the model by name, as `Result.fidelity` has them.
     """
     mesh = fidelity.get("mesh", "flank")
@@ -77,7 +77,7 @@ def law_error(gear: SteeringGear, fidelity: Mapping[str, Any]) -> LawError | Non
 
 
 def law_of_formulas(law: str) -> str:
-    """Return the law by which the closed form distributes the load, which knows no bending teeth."""
+    """Return the law by which the closed form distributes the load, which has no bending teeth."""
     return "line" if law == "teeth" else law
 
 

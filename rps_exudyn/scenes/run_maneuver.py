@@ -37,11 +37,15 @@ from rps_exudyn.solvers.drive import Drive, SetOff, Steady, Swing
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import following_inertia, gear_forces
 from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
-from rps_exudyn.solvers.record_of_column import behind_column, under_torque
 from rps_exudyn.solvers.settled_start import settled_behind, settled_path
 from rps_exudyn.solvers.settling import TOLERANCE
-from rps_exudyn.solvers.steering_column import BehindColumn, SteeringColumn
-from rps_exudyn.solvers.wheel_torque import WheelTorque
+from rps_exudyn.solvers.steering_column import (
+    BehindColumn,
+    SteeringColumn,
+    WheelTorque,
+    behind_column,
+    under_torque,
+)
 
 SHORTEST_STEP = 1e-7  # of the dynamics [s] ...
 SHORTEST_AT_TURNS = 1e-9  # ... where all friction turns about at once
@@ -105,7 +109,7 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
     from rps_exudyn.multibody.model import build_model
     from rps_exudyn.multibody.recorder import Recorder
     from rps_exudyn.multibody.solve import SolverPlan, solve_one_after_another
-    from rps_exudyn.multibody.vibration import vibration
+    from rps_exudyn.multibody.steering_model import vibration
 
     load, approach = maneuver.rack_load, maneuver.approach
     model = build_model(

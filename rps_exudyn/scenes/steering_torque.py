@@ -22,7 +22,7 @@ from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import closed_form
-from rps_exudyn.solvers.wheel_torque import GrowingTorque, TyreSpring, WheelTorque
+from rps_exudyn.solvers.steering_column import GrowingTorque, TyreSpring, WheelTorque
 
 PER_CYCLE = 400  # steps
 PER_RAMP = 2000  # steps of a torque that grows, each by 0.05 % of its peak

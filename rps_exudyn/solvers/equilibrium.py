@@ -25,8 +25,7 @@ from rps_exudyn.solvers.follower import NO_COLUMN, RIGID, add_column_to, follow
 from rps_exudyn.solvers.gear_model import OUTPUTS
 from rps_exudyn.solvers.rescue import JUMP, Settling, beginning, search
 from rps_exudyn.solvers.settling import SETTLING_STEPS, TOLERANCE, TYPICAL_APPROACH
-from rps_exudyn.solvers.steering_column import BehindColumn, SteeringColumn
-from rps_exudyn.solvers.wheel_torque import WheelTorque
+from rps_exudyn.solvers.steering_column import BehindColumn, SteeringColumn, WheelTorque
 
 PIECE = 2000  # instants followed at once: Ctrl-C is heard between them
 MAX_RESCUES = 50  # or as many as instants are asked for

@@ -26,9 +26,7 @@ from rps_exudyn.solvers.drive import OVERCOME, Drive, DrivenBody
 from rps_exudyn.solvers.equilibrium import SETTLED, EquilibriumPath, Start
 from rps_exudyn.solvers.gear_forces import GearForces
 from rps_exudyn.solvers.gear_model import COLUMNS
-from rps_exudyn.solvers.record_of_column import driven_rate, of_column
-from rps_exudyn.solvers.steering_column import SteeringColumn
-from rps_exudyn.solvers.wheel_torque import TyreSpring
+from rps_exudyn.solvers.steering_column import SteeringColumn, TyreSpring, driven_rate, of_column
 
 WORK = {
     "work_mesh_friction",

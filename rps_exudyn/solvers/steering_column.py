@@ -9,12 +9,16 @@ A universal joint with the bend beta turns its output by tan u = tan theta / cos
 where the wheel-side yoke's axis lies in the bend's plane.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import Drive, SetOff, Steady
+
+if TYPE_CHECKING:
+    from rps_exudyn.solvers.record import Record
 
 Angle = np.ndarray | float
 
@@ -91,3 +95,136 @@ def pinion_at_start(wheel: Drive, column: SteeringColumn, twist: float) -> Drive
     if isinstance(wheel, SetOff):
         return Steady("pinion", float(column.output(wheel.start)) - twist, 0.0)
     return BehindColumn("pinion", wheel, column, twist)
+
+
+# --- A torque of the hand on the steering wheel, and the tyres' spring at the rack that restores it
+
+Places = np.ndarray | float
+
+
+@dataclass(frozen=True)
+class TyreSpring:
+    """A linear spring between the rack and the ground, along the rack's travel."""
+
+    stiffness: float  # [N/m]
+    relaxed: float  # place of the rack at which it carries nothing [m]
+
+    def force(self, place: Places) -> np.ndarray:
+        """Return the force on the rack along +X at its places [m], of their shape [N]."""
+        return np.asarray(-self.stiffness * (place - self.relaxed))
+
+    def energy(self, place: Places) -> np.ndarray:
+        """Return the elastic energy at places of the rack [m], of their shape [J]."""
+        return np.asarray(0.5 * self.stiffness * (place - self.relaxed) ** 2)
+
+
+@dataclass(frozen=True)
+class WheelTorque(Drive):
+    """A sinusoidal torque on the wheel, which turns as it likes; its place is that where it starts."""
+
+    start: float  # of the wheel [rad]
+    peak: float  # in the sense of the first quarter [N m]
+    period: float  # [s]
+    tyre: TyreSpring
+
+    def torque(self, time: Places) -> np.ndarray:
+        """Return peak sin(omega t), of the shape of the times [s]."""
+        return np.asarray(self.peak * np.sin(2 * np.pi / self.period * np.asarray(time)))
+
+    def place(self, time: Places) -> np.ndarray:
+        """Return the wheel's angle at the start [rad]."""
+        return np.full_like(np.asarray(time, dtype=float), self.start)
+
+    def rate(self, time: Places) -> np.ndarray:
+        """Return zeros: the wheel rests at the start."""
+        return np.zeros_like(np.asarray(time, dtype=float))
+
+    def acceleration(self, time: Places) -> np.ndarray:
+        """Return zeros."""
+        return self.rate(time)
+
+    def shown(self, time: float) -> str:
+        """Return the torque at an instant [s] for a reader, for instance "1.2 N m at the wheel"."""
+        return f"{float(self.torque(time)):.4g} N m at the wheel"
+
+
+@dataclass(frozen=True)
+class GrowingTorque(WheelTorque):
+    """A torque on the wheel that grows at a constant rate, to its peak in a quarter of the period."""
+
+    @property
+    def growth(self) -> float:
+        """Return the rate, in the sense of the peak [N m/s]."""
+        return 4 * self.peak / self.period
+
+    def torque(self, time: Places) -> np.ndarray:
+        """Return growth t, of the shape of the times [s]."""
+        return np.asarray(self.growth * np.asarray(time))
+
+
+# --- Signals of the steering column in a recorded motion, and equilibria of the pinion seen from the wheel
+
+
+def driven_rate(record: "Record") -> np.ndarray:
+    """Return the rate of the driven body in the sense of travel along +X, shape (n,) [rad/s or m/s]."""
+    if record.driven == "rack":
+        return record.of_rates("rack")[..., 0]
+    if record.driven == "wheel":
+        assert record.wheel is not None
+        return record.wheel[:, 1]
+    return -record.of_rates("pinion")[..., 0]
+
+
+def of_column(record: "Record") -> dict[str, np.ndarray]:
+    """Return the signals of wheel and column at each instant, the power lost by the name of its work; {}
+    where the rig does not turn the wheel."""
+    column = record.column
+    if column is None or record.wheel is None:
+        return {}
+    angle, rate = record.wheel.T
+    ratio = column.ratio(angle)
+    twist = column.output(angle) + record.of("pinion")[:, 0]
+    twisting = ratio * rate + record.of_rates("pinion")[:, 0]
+    torque = column.torque(twist, twisting)
+    lost = column.damping * twisting**2
+    return {
+        "wheel_angle": angle,
+        "pinion_torque": torque,
+        "column_torque": ratio * torque,
+        "column_twist": twist,
+        "column_energy": 0.5 * column.stiffness * twist**2,
+        "work_column_damping": lost,
+    }
+
+
+def under_torque(record: "Record", column: SteeringColumn, drive: WheelTorque, angle: np.ndarray) -> "Record":
+    """Return the record of a pinion as that of the wheel at angles (n,) [rad] that a torque turns."""
+    twist = column.output(angle) + record.of("pinion")[:, 0]
+    twisting = _backward(twist, record.time) - record.of_rates("pinion")[:, 0]
+    return replace(
+        record,
+        drive=drive.torque(record.time),
+        driven="wheel",
+        wheel=np.column_stack([angle, twisting / column.ratio(angle)]),
+        column=column,
+        tyre=drive.tyre,
+    )
+
+
+def _backward(values: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """Rate of values (n,) over time [s]."""
+    return np.gradient(values, time) if time.size > 1 else np.zeros_like(values)
+
+
+def behind_column(record: "Record", column: SteeringColumn, wheel: Drive) -> "Record":
+    """Return the record of a driven pinion as that of the wheel whose motion leads to it."""
+    angle, rate = wheel.place(record.time), wheel.rate(record.time)
+    torque = column.ratio(angle) * record.drive + column.inertia * wheel.acceleration(record.time)
+    return replace(
+        record,
+        drive=torque,
+        driven="wheel",
+        energy=record.energy + 0.5 * column.inertia * rate**2,
+        wheel=np.column_stack([angle, rate]),
+        column=column,
+    )

@@ -143,7 +143,7 @@ def test_nothing_of_a_file_becomes_markup(pitch: Result) -> None:
 
 def test_gear_without_deflections_says_so(command: Command, tmp_path: Path) -> None:
     result = rps.run("free-pinion-torque", fidelity="closed-form")
-    assert "knows no deflections and no lines of contact" in page(result)
+    assert "has no deflections and no lines of contact" in page(result)
 
 
 def test_film_of_a_pitch_repeats_itself(
