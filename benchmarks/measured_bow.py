@@ -112,7 +112,7 @@ def missed(path: str, estimate: dict[str, Any]) -> float:
 
 
 def holds(path: str, estimate: dict[str, Any]) -> bool:
-    """Tell whether what is printed holds the true value: an interval, or a largest size."""
+    """Return whether what is printed holds the true value: an interval, or a largest size."""
     low, high = estimate["interval"]
     true = estimate["value"] - missed(path, estimate)
     if estimate["verdict"] == Verdict.MAYBE_ZERO:

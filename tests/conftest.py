@@ -102,7 +102,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def _names_files(config: pytest.Config) -> bool:
-    """Tell whether the command names files, not folders."""
+    """Return whether the command names files, not folders."""
     return all(".py" in Path(name).name for name in config.args)
 
 

@@ -174,7 +174,7 @@ def _area_station(strip, z, ends, length, eased, cuts, watched, line, band, side
 
 @inline
 def is_wide(strip, from_, to):  # type: ignore[no-untyped-def]
-    """Tell whether the strip grows so wide, near the form circle, that the expansions do not hold.
+    """Return whether the strip grows so wide, near the form circle, that the expansions do not hold.
 
     The half width over the tangent length is largest where the latter is least, at an end.
     """

@@ -133,7 +133,7 @@ def _mark_defaults(axes: Axes, points: list[Point], floor: float) -> None:
 
 
 def is_default(point: Point, preset: str) -> bool:
-    """Tell whether a point is this unmodified preset, by the default law or the chart's."""
+    """Return whether a point is this unmodified preset, by the default law or the chart's."""
     family = point.family.removesuffix(DEFAULT_LAW)
     return family == PRESET_FAMILIES[preset] and point.fidelity.name == preset
 

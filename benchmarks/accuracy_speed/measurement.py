@@ -107,7 +107,7 @@ class Point:
 
     @property
     def ok(self) -> bool:
-        """Tell whether the run ended well."""
+        """Return whether the run ended well."""
         return self.status == Status.OK
 
     @property

@@ -109,7 +109,7 @@ class BadInput:
 
     @property
     def is_alone(self) -> bool:
-        """Tell whether it needs a process of its own."""
+        """Return whether it needs a process of its own."""
         return bool(self.environment or self.signal or self.limit) or self.largest_file is not None
 
 

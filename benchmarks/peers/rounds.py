@@ -43,7 +43,7 @@ class Row:
 
     @property
     def ok(self) -> bool:
-        """Tell whether it ran."""
+        """Return whether it ran."""
         return not self.message
 
     @property
@@ -53,7 +53,7 @@ class Row:
 
 
 def installed(program: str) -> bool:
-    """Tell whether a program can be run: the package's own presets always."""
+    """Return whether a program can be run: the package's own presets always."""
     name = program.partition(",")[0]
     return name not in NEEDED or find_spec(NEEDED[name][0]) is not None
 

@@ -157,7 +157,7 @@ def chain_frequency(segments: int) -> float:
 
 
 def chain_is_bounded(segments: int, step: float) -> bool:
-    """Tell whether a chain that was bent a little stays so for 2000 steps of velocity Verlet."""
+    """Return whether a chain that was bent a little stays so for 2000 steps of velocity Verlet."""
     return _bounded(_chain(segments), step, 2000, "VelocityVerlet")
 
 
@@ -166,7 +166,7 @@ def _ball_is_bounded(stiffness: float, step: float) -> bool:
 
 
 def _bounded(mbs: Any, step: float, steps: int, solver: str) -> bool:
-    """Tell whether a small disturbance stays small."""
+    """Return whether a small disturbance stays small."""
     import exudyn as exu
 
     try:
@@ -296,7 +296,7 @@ class DrivenGear:
         return stable_step(state_matrix(self.motion), runge_kutta_4)
 
     def calms(self, step: float) -> bool:
-        """Tell whether a disturbance dies at that step [s]."""
+        """Return whether a disturbance dies at that step [s]."""
         return disturbance_dies(self.motion, step, self.zone)
 
 

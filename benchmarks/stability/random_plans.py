@@ -178,7 +178,7 @@ class Child:
 
 
 def verdict(row: dict[str, Any]) -> str:
-    """Tell whether a plan was right, refused rightly or not, failed, or was silently wrong."""
+    """Return whether a plan was right, refused rightly or not, failed, or was silently wrong."""
     if row["status"] == "input-error":
         return "wrong input"
     if Code.BEYOND_LAW in row.get("codes", ()):  # of which the reference, by the same law, says nothing

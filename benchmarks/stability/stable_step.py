@@ -74,7 +74,7 @@ def stable_step(matrix: np.ndarray, growth: Growth) -> float:
 
 
 def disturbance_dies(motion: FreeMotion, step: float, speed: float, steps: int = STEPS) -> bool:
-    """Tell whether a kick of a thousandth of `speed` [m/s] to all that moves grows less than tenfold in a
+    """Return whether a kick of a thousandth of `speed` [m/s] to all that moves grows less than tenfold in a
     run of classical Runge-Kutta with that step [s]."""
     kick = np.zeros(motion.rate.size)
     kick[motion.moving] = KICK * speed / CHARACTERISTIC_LENGTHS[motion.moving]

@@ -114,7 +114,7 @@ def _comparable_parts(first: Result, second: Result) -> tuple[Signals, Signals]:
 
 
 def turns_one_way(result: Result) -> bool:
-    """Tell whether the pinion angle only rises, or only falls."""
+    """Return whether the pinion angle only rises, or only falls."""
     angle = result.signals.get("pinion_angle", np.zeros(0))
     steps = np.diff(angle)
     return bool(steps.size and np.isfinite(angle).all() and ((steps > 0).all() or (steps < 0).all()))

@@ -61,7 +61,7 @@ class LoadTest:
 
     @property
     def self_locking(self) -> bool:
-        """Tell whether the weight cannot drive the gear: it must be pushed down."""
+        """Return whether the weight cannot drive the gear: it must be pushed down."""
         return self.torque_reverse < 0
 
     def remarks(self) -> Iterator[Remark]:

@@ -123,7 +123,7 @@ def _lines(lines: ContactLines, frames: int) -> dict[str, Any]:
 
 
 def _one_way(angle: np.ndarray) -> bool:
-    """Tell whether the pinion turns one way all the time, so that curves can be drawn over its angle."""
+    """Return whether the pinion turns one way all the time, so that curves can be drawn over its angle."""
     steps = np.diff(angle)
     return bool((steps > 0).all() or (steps < 0).all())
 

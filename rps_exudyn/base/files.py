@@ -200,7 +200,7 @@ def with_checksum(content: bytes) -> bytes:
 
 
 def fits_checksum(content: bytes) -> bool:
-    """Tell whether the bytes of a file fit its checksum, or are those of an HDF5 file that has none."""
+    """Return whether the bytes of a file fit its checksum, or are those of an HDF5 file that has none."""
     if content.startswith(HDF5_BEGIN):
         return True
     return content[:CHECKSUM_SIZE] == _checksum(memoryview(content)[CHECKSUM_SIZE:])

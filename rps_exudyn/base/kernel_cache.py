@@ -84,7 +84,7 @@ def _trusted(folder: Path) -> bool:
 
 
 def _is_own(folder: Path) -> bool:
-    """Tell whether nobody else can write to a folder but the superuser; true where owners are unknown."""
+    """Return whether nobody else can write to a folder but the superuser; true where owners are unknown."""
     if not hasattr(os, "geteuid"):
         return True
     about = folder.stat()

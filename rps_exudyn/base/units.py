@@ -146,7 +146,7 @@ def pretty(unit: str) -> str:
 
 
 def _misleading(unit: str, si_unit: str) -> bool:
-    """Tell whether pint converts the unit only because it takes angles for plain numbers.
+    """Return whether pint converts the unit only because it takes angles for plain numbers.
 
     0.1 deg is no friction coefficient, and 1 Hz would become 1 rad/s where 2 pi rad/s is meant, or the other
     way about.

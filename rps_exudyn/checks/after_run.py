@@ -291,7 +291,7 @@ def _mesh_of(record: Record) -> Part:
 
 
 def _on_an_edge(gear: SteeringGear, signals: dict[str, np.ndarray]) -> bool:
-    """Tell whether the teeth may bear on an edge, one row of spheres: shafts askew, or the yoke at its
+    """Return whether the teeth may bear on an edge, one row of spheres: shafts askew, or the yoke at its
     nut."""
     stopped = (signals.get("yokenut_force", np.zeros(1)) > 0).any()
     return bool(gear.installation.angle_error) or bool(stopped)
@@ -343,7 +343,7 @@ def least_work(signals: dict[str, np.ndarray]) -> float:
 #
 # Where a swing turns about, friction lets go and the rack rolls, tilts and shifts to its other side.
 # Equilibria do that without inertia. In a slow swing it matters little; in a fast one the rack swings on its
-# guides, which only dynamics know.
+# guides, which only dynamics follow.
 
 FREE_BOUND = 5e-4
 """Of the teeth's mean normal force, RMS over the record: dynamics then differ by 1 % of the torque, RMS."""

@@ -80,12 +80,12 @@ def _tooth_pitch_resolved(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Br
 
 
 def _straight_where_rigid(gear: SteeringGear, fidelity: Fidelity) -> Iterator[Breach]:
-    """No bow where a part knows straight bars only."""
+    """No bow where a part holds for straight bars only."""
     chain, contact = fidelity.bush == "chain", fidelity.mesh == "general-contact"
     if gear.rack.bow and (chain or contact):
         part = "fidelity.mesh = general-contact" if contact else f"fidelity.bush = {fidelity.bush}"
         repair = ({"bush": "condensed"} if chain else {}) | ({"mesh": "flank"} if contact else {})
-        why = f"{part}, which knows straight bars only,"
+        why = f"{part}, which holds for straight bars only,"
         yield Breach("rack.bow", 1e6 * gear.rack.bow, 0.0, why, repair, "{:.4g} um")
 
 

@@ -1,4 +1,4 @@
-"""Whether equilibria must be closer together than asked for: their own record tells it.
+"""Whether equilibria must be closer together than asked for: their own record shows it.
 
 A yoke that stops at its nut, or a tooth that takes over with a jerk, is over in a few degrees. Equilibria
 cost so little that such a record is made again in half the steps instead of being refused. After each turn of
@@ -24,13 +24,13 @@ STRIPS_AGREE = 0.005  # of the mean, between a record and that by strips of twic
 
 
 def rolls_over_late(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:
-    """Tell whether the steps of a swing are too long for how the rack rolls over in it."""
+    """Return whether the steps of a swing are too long for how the rack rolls over in it."""
     roll = signals.get("rack_roll", np.zeros(1))
     return bool(np.isfinite(roll).all()) and rolling_lag(signals, gear)[0] > ROLLING_OVER
 
 
 def needs_finer(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:
-    """Tell whether the steps of a steady motion's record are too long for its mean or its peaks."""
+    """Return whether the steps of a steady motion's record are too long for its mean or its peaks."""
     if not np.isfinite(np.concatenate(list(signals.values()))).all():
         return False
     force, path = driven_along(signals)
@@ -42,8 +42,8 @@ def needs_finer(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:
 
 
 def bends_more(signals: dict[str, np.ndarray], gear: SteeringGear, tolerance: float) -> bool:
-    """Tell whether the drive's torque or force bends between the steps by more than a share of the mean free
-    torque."""
+    """Return whether the torque or force of the drive bends between the steps by more than a share of the
+    mean free torque."""
     force, path = driven_along(signals)
     mean = abs(closed_form(gear).free_torque)
     allowed = tolerance * (mean if "pinion_torque" in signals else mean / float(GearPair.of(gear).gain))
@@ -51,7 +51,7 @@ def bends_more(signals: dict[str, np.ndarray], gear: SteeringGear, tolerance: fl
 
 
 def yoke_stops(signals: dict[str, np.ndarray]) -> bool:
-    """Tell whether the yoke meets its nut: forces then depend on where the rack stands to a few micrometres,
+    """Return whether the yoke meets its nut: forces then depend on the rack's place to a few micrometres,
     and so on how it rolled before the record."""
     return bool((signals.get("yokenut_force", np.zeros(1)) > 0).any())
 

@@ -39,7 +39,7 @@ def view(file: Path, /) -> int:
 
 
 def has_display() -> bool:
-    """Tell whether windows can be opened here."""
+    """Return whether windows can be opened here."""
     return sys.platform in ("win32", "darwin") or bool(
         os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     )

@@ -65,7 +65,7 @@ class Explorer(ThreadingHTTPServer):
         return f"http://{f'[{host}]' if ':' in host else host}:{port}/"
 
     def allows(self, host: str) -> bool:
-        """Tell whether a request's Host is a name of this machine; any is where the user asked for others."""
+        """Return whether a request's Host is a name of this machine; any is if the user asked for others."""
         name = host.rsplit(":", 1)[0] if not host.endswith("]") else host
         return not self.local or name.strip("[]") in LOOPBACK
 

@@ -1,1 +1,1 @@
-"""What measured curves tell of a gear: estimates with intervals, and what cannot be told apart."""
+"""What follows from measured curves for a gear: estimates with intervals, and what is not separable."""

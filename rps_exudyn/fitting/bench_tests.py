@@ -75,7 +75,7 @@ class BenchTest:
 
     @property
     def pushed(self) -> bool:
-        """Tell whether the rack is driven."""
+        """Return whether the rack is driven."""
         return self.of_kind.quantities == PUSH
 
     @property

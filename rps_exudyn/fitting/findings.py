@@ -83,7 +83,7 @@ def open_sentences(fit: Fit) -> Iterator[str]:
 
 
 def _apart_sentences(fit: Fit) -> Iterator[str]:
-    """What cannot be told apart, what is known of it together, and which tests would tell."""
+    """What is not separable, what is known of it together, and which tests would separate it."""
     left = [each.path for each in fit.estimates if each.verdict is Verdict.OPEN and each.path in LEVEL]
     if not left:
         return
@@ -98,11 +98,11 @@ def _apart_sentences(fit: Fit) -> Iterator[str]:
         still = [path for path in SEPARATING if path not in told]
         rest = f", and leaves {', '.join(still)} to repeats or to what is known of others" if still else ""
         tests = ", ".join(map(test_words, fit.advice.tests))
-        yield f"to tell them apart: {tests}; that tells {reached}{rest}"
+        yield f"to separate them: {tests}; that tells {reached}{rest}"
 
 
 def repeats_sentence(fit: Fit) -> str:
-    """How often all tests must be run for what is wanted; empty where that is reached, or cannot be told."""
+    """How often all tests must be run for what is wanted; empty if that is reached or not identifiable."""
     if fit.repeats is None:
         return ""
     parts = []

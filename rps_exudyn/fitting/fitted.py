@@ -43,7 +43,7 @@ class Verdict(StrEnum):
     NOT_MOVED = "as given, not found"
     NOT_ZERO = "found, differs from zero"
     MAYBE_ZERO = "not different from zero"
-    UNEXPLAINED = "not told: the curves are not explained to their noise"
+    UNEXPLAINED = "not identifiable: the curves are not explained to their noise"
 
 
 def undetermined(sd: float, before: float) -> Verdict:
@@ -93,7 +93,7 @@ class FittedPass:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """What measured curves tell of a gear."""
+    """What follows from measured curves for a gear."""
 
     gear: SteeringGear  # with the estimates in place
     given: SteeringGear
@@ -145,7 +145,7 @@ CHANCE = (
     6.0  # over the root of the points: by how much more than the white noise may be left, four deviations
 )
 ALIKE = 0.9  # correlation from which on two unknowns are named together
-BY_HAND = "the bar between centres under a dial gauge tells its bow"
+BY_HAND = "the bar between centres under a dial gauge shows its bow"
 
 
 def shape_estimates(
@@ -253,8 +253,8 @@ def shape_sentences(
     paths = [each.path for each in estimates if each.path in CURVED and each.verdict in unsure]
     if paths:
         yield (
-            f"{' and '.join(paths)} not told by these curves: an angle error shows in each turn, a bow only "
-            f"over the rack's travel; turn the pinion from lock to lock, or {BY_HAND}"
+            f"{' and '.join(paths)} not identifiable from these curves: an angle error shows in each turn, "
+            f"a bow only over the rack's travel; turn the pinion from lock to lock, or {BY_HAND}"
         )
     sds = np.sqrt(np.diag(covariance))
     for i, one in enumerate(problem.unknowns):
@@ -547,7 +547,7 @@ def _warnings(
             said.append(f"{each.path} is at its limit of 1")
     runouts = [each for each in estimates if each.path in (*VECTORS, *SIGNED)]
     if problem.with_offset and not any(each.verdict is Verdict.NOT_ZERO for each in runouts):
-        said.append("the angle's offset is known but for whole tooth pitches: no runout tells them apart")
+        said.append("the angle's offset is known but for whole tooth pitches: no runout separates them")
     return said
 
 

@@ -111,7 +111,7 @@ def _tried(
 
 
 def _is_better(after: Linearised, before: Linearised) -> bool:
-    """Tell whether a step is taken: the means decide, as what moves them also changes the ripple a little."""
+    """Return whether a step is taken: the means decide, for what moves them also changes the ripple."""
     blurred = after.by_shape <= (1 + BLURRED) * before.by_shape + WORSE
     return after.by_level <= before.by_level + WORSE and blurred
 

@@ -2,7 +2,7 @@
 
 What repeats with the teeth or the turn is no noise but an error of the model, and is left out first. The rest
 is white noise and noise that keeps its sign over some degrees (an Ornstein-Uhlenbeck process); their sizes
-are those of the greatest restricted likelihood (REML), which knows that means and waves were fitted. A shift
+are those of the greatest restricted likelihood (REML), which accounts for the fitted means and waves. A shift
 of a whole pass cannot be seen in that pass: three runs or more show it, else it is declared.
 """
 

@@ -218,7 +218,7 @@ HELD = 1e-4  # of a declared deviation, by which what is held may still move
 
 
 def is_curved(problem: Problem) -> bool:
-    """Tell whether a bow or an angle error is fitted, for which there is a curve of free turning."""
+    """Return whether a bow or an angle error is fitted, for which there is a curve of free turning."""
     return problem.with_offset and any(each.is_curved for each in problem.unknowns)
 
 

@@ -63,12 +63,12 @@ class Unknown:
 
     @property
     def is_level(self) -> bool:
-        """Tell whether it sets the level of the torque, which the shape is not trusted to tell."""
+        """Return whether it sets the level of the torque, which the shape is not trusted to tell."""
         return self.path in LEVEL
 
     @property
     def is_curved(self) -> bool:
-        """Tell whether the torque is no straight line of it."""
+        """Return whether the torque is no straight line of it."""
         return self.path in CURVED
 
 

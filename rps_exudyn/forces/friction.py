@@ -1,4 +1,4 @@
-"""Laws of dry friction: Coulomb's with a zone about zero, Stribeck's, and bristles that remember.
+"""Laws of dry friction: Coulomb's with a zone about zero, Stribeck's, and bristles with a state.
 
 A bristle is a spring across the contact that slides at its end (LuGre): with its deflection z over the
 presliding displacement delta, the slip s, its direction d and Stribeck's curve g,

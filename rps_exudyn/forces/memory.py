@@ -32,7 +32,7 @@ class Patches:
 
     @property
     def needed(self) -> bool:
-        """Tell whether any part has bristles."""
+        """Return whether any part has bristles."""
         return self._used > PATCHES
 
 

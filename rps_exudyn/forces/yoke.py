@@ -84,7 +84,7 @@ LENGTH, LENGTH_WEIGHT = leggauss(LENGTH_POINTS)
 
 @inline
 def touches_everywhere(gap, slope, data):  # type: ignore[no-untyped-def]
-    """Tell whether all of the seat touches: it does if its four corners do, for its arc is no half circle."""
+    """Return whether all of the seat touches: if its four corners do, for its arc is no half circle."""
     for station in (-data.half_length, data.half_length):
         y, z = gap[0] + station * slope[0], gap[1] + station * slope[1]
         if y * data.edge_y - abs(z) * data.edge_z <= 0:

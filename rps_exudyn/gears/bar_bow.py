@@ -51,7 +51,7 @@ class BarBow:
 
     @property
     def straight(self) -> bool:
-        """Tell whether there is no bow."""
+        """Return whether there is no bow."""
         return not self.offset.any()
 
     def at(self, station: float) -> np.ndarray:

@@ -67,7 +67,7 @@ def unit_size(unit: str, si_unit: str, german: bool = False) -> float | None:
 
 
 def is_never_unit(text: str) -> bool:
-    """Tell whether a text holds a sign that stands in no unit, as the rest of a wrongly divided row does."""
+    """Return whether a text holds a sign that stands in no unit, as the rest of a wrongly split row does."""
     return bool(_IN_NO_UNIT.search(text))
 
 
@@ -79,11 +79,11 @@ _OTHERS = (
 
 
 def is_unit_beside(text: str) -> bool:
-    """Tell whether a text is a unit of what is recorded beside the curve: a temperature, a speed, a rate."""
+    """Return whether a text is a unit of what stands beside the curve: a temperature, a speed, a rate."""
     return text.lower() in _OTHERS or bool(re.search(r"/\s*(s|sec|min)$", text))
 
 
 def is_unit(text: str) -> bool:
-    """Tell whether a text is a unit of anything that a bench records, in brackets or not."""
+    """Return whether a text is a unit of anything that a bench records, in brackets or not."""
     inner = text.strip().strip("[](){}<> ")
     return inner.lower() in _OTHERS or any(unit_size(inner, si_unit) is not None for si_unit in KNOWN)

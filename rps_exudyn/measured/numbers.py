@@ -41,7 +41,7 @@ class Cell:
 
 
 def is_missing(cell: str) -> bool:
-    """Tell whether a cell stands for a value that is not there: empty, dashes, NaN, n/a."""
+    """Return whether a cell stands for a value that is not there: empty, dashes, NaN, n/a."""
     return bool(_MISSING.fullmatch(cell.strip()))
 
 
@@ -57,7 +57,7 @@ def as_number(cell: str) -> Cell | None:
 
 
 def is_placeholder(cell: str) -> bool:
-    """Tell whether a number may stand for a missing value or an overload: -9999, 9.9E37."""
+    """Return whether a number may stand for a missing value or an overload: -9999, 9.9E37."""
     found = as_number(cell)
     return found is not None and bool(_PLACEHOLDER.fullmatch(found.digits))
 

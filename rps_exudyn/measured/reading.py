@@ -201,5 +201,5 @@ def _check_text(
 
 
 def _is_label(row: Row) -> bool:
-    """Tell whether a row begins with a word, as those of mean values and of further passes do."""
+    """Return whether a row begins with a word, as those of mean values and of further passes do."""
     return bool(re.match(r"[^\W\d_]{2}", row[1][0]))

@@ -29,7 +29,7 @@ def clip(low, high, c_0, c_1, c_2):  # type: ignore[no-untyped-def]
 
 @inline
 def is_plain(data):  # type: ignore[no-untyped-def]
-    """Tell whether the flanks are unmodified."""
+    """Return whether the flanks are unmodified."""
     return data.relief == 0 and data.crowning == 0 and data.slope == 0
 
 

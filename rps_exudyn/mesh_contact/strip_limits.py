@@ -115,7 +115,7 @@ def watch_limits(strip, ends, half, low_ends, high_ends, cuts, breaks):  # type:
 
 @inline
 def _reaches(strip, row, ends, half):  # type: ignore[no-untyped-def]
-    """Tell whether a limit comes into the strip, as far as its values and slopes at the ends show."""
+    """Return whether a limit comes into the strip, as far as its values and slopes at the ends show."""
     at_low, slope_low, _, _ = slanted(strip, row, ends.low, ends.lean)
     lean_high = ends.lean + ends.turn * (ends.high - ends.low)
     at_high, slope_high, _, _ = slanted(strip, row, ends.high, lean_high)

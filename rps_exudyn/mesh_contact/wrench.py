@@ -21,7 +21,7 @@ FRICTION_POWER = 10  # dissipated, >= 0 [W]
 DAMPING_POWER = 11  # dissipated by contact damping, >= 0 [W]
 PENETRATION = 12  # deepest [m]
 TOUCHING = 13  # number of samples or lines in contact
-PRESSURE = 14  # largest Hertzian pressure on a line [Pa]; 0 where the contact knows no lines
+PRESSURE = 14  # largest Hertzian pressure on a line [Pa]; 0 where the contact has no lines
 WRENCH_SIZE = 15
 
 # What a law returns behind the energy terms

@@ -1,6 +1,6 @@
 """The teeth in Exudyn's GeneralContact: spheres on the pinion's flanks against triangles on the rack's.
 
-GeneralContact knows no contact of triangles with triangles, so one gear is sampled (`mesh_contact.spheres`).
+GeneralContact has no contact of triangles with triangles, so one gear is sampled (`mesh_contact.spheres`).
 Exudyn needs, each with a test in tests/upstream:
 
 * drive and coast flanks in contacts of their own, one for each few degrees by which the pinion turns: the

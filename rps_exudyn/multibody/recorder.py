@@ -38,7 +38,7 @@ class Recorder:
     """Collects every converged step of one run, each as a whole: an interrupt leaves no part of one."""
 
     model: SteeringModel
-    end: float = np.inf  # of the run, of which progress is told [s]
+    end: float = np.inf  # of the run, for its progress [s]
     planned: int | None = None  # steps, of which a run may need `MOST_STEPS` times as many and `SPARE` more
     steps: list[Step] = field(default_factory=list)
 

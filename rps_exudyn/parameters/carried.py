@@ -48,7 +48,7 @@ def outside(item: Declared, distribution: Distribution) -> list[str]:
 
 
 def _allows(item: Declared, value: float) -> bool:
-    """Tell whether a number in SI is within the parameter's limits."""
+    """Return whether a number in SI is within the parameter's limits."""
     return all(
         holds(value, getattr(limit, attribute))
         for kind, attribute, holds in _HOLDS

@@ -189,7 +189,7 @@ class Table(BaseModel):
         return self.from_tables(self.model_dump(), settings, where, context)
 
     def _stands_alone(self, path: str) -> bool:
-        """Tell whether a path leads into a nested table, and nothing follows from its parameter."""
+        """Return whether a path leads into a nested table, and nothing follows from its parameter."""
         table, _, name = path.partition(".")
         return bool(name) and isinstance(getattr(self, table, None), Table)
 

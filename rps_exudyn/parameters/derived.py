@@ -101,7 +101,7 @@ DERIVED: Mapping[str, Callable[[Teeth], float]] = {
 
 
 def is_involved(path: str) -> bool:
-    """Tell whether a parameter follows from others, or others from it."""
+    """Return whether a parameter follows from others, or others from it."""
     return path in SOURCES or path in DERIVED
 
 

@@ -122,7 +122,7 @@ class Distribution:
 
 
 def is_distribution(value: object) -> bool:
-    """Tell whether a value is text that writes a distribution, right or wrong."""
+    """Return whether a value is text that writes a distribution, right or wrong."""
     return isinstance(value, str) and bool(_CALL.fullmatch(value) or _PLUS_MINUS.fullmatch(value))
 
 

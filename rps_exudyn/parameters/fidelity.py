@@ -136,7 +136,7 @@ class Fidelity(Table):
 
     def with_bending(self) -> Self:
         """Return the choices of a scene that needs a flexible rack: it bends unless another is chosen, or is
-        part of a model that knows rigid ones only."""
+        part of a model that has rigid ones only."""
         can = self.mesh != "general-contact" and self.bush != "chain"
         return self.replace({"rack": "flexible"}) if self.rack == "by-scene" and can else self
 
@@ -219,9 +219,9 @@ _SOLVER_LIMITS = (
         "bush",
         "closed-form",
         ("condensed",),
-        "whose formulas know of the bush only its drag: leave it condensed",
+        "whose formulas contain only the bush's drag: leave it condensed",
     ),
-    ("rack", "closed-form", ("by-scene", "free", "guided"), "whose formulas know no bending"),
+    ("rack", "closed-form", ("by-scene", "free", "guided"), "whose formulas contain no bending"),
     (
         "bush",
         "equilibrium",

@@ -41,13 +41,13 @@ LAWS: dict[LawName, LawFacts] = {
 class FrictionLaw(Table):
     """Friction of one part beyond its size; `friction_law` chooses what counts of the rest.
 
-    `coulomb` knows the size alone. `stribeck` is larger at rest than in motion. `bristle` (LuGre) yields
+    `coulomb` has one size. `stribeck` is larger at rest than in motion. `bristle` (LuGre) yields
     elastically before it slides and holds at rest; its static ratio of 1 leaves Stribeck's part out.
     """
 
     friction_law: LawName = parameter(
         "coulomb",
-        "coulomb: size alone; stribeck: larger at rest; bristle: yields before it slides, remembers",
+        "coulomb: size alone; stribeck: larger at rest; bristle: yields before it slides, has a state",
         "estimate",
     )
     static_ratio: Number = parameter(1.0, "static over kinetic friction", "estimate", ge=1, le=5)

@@ -43,7 +43,7 @@ STEEPEST_LEAD = 0.01  # lead error over face width [rad]: the flanks' normals ar
 
 
 class SteeringColumn(Table):
-    """Steering wheel, column and torsion bar; only scenes that move the wheel know them."""
+    """Steering wheel, column and torsion bar; only scenes that move the wheel have them."""
 
     wheel_inertia: Inertia = parameter(
         "0.04 kg*m^2", "moment of inertia of the steering wheel", "estimate", gt=0

@@ -19,7 +19,7 @@ class Problem(NamedTuple):
     sentence: str
 
     def concerns(self, settings: Iterable[str]) -> bool:
-        """Tell whether one of its parameters (or a table of theirs) is among the paths `settings`."""
+        """Return whether one of its parameters (or a table of theirs) is among the paths `settings`."""
         return any(f"{setting}.".startswith(f"{path}.") for setting in settings for path in self.paths)
 
 

@@ -179,7 +179,7 @@ def _commands(path: Path) -> str:
 
 
 def contact_section(result: Result) -> Section:
-    """Return the section, or one sentence where the record does not know the contact's loads."""
+    """Return the section, or one sentence where the record has no loads of the contact."""
     return Section("Contact of the teeth", list(_contact_blocks(result)))
 
 

@@ -38,7 +38,7 @@ class Limit:
     source: str
 
     def keeps(self, value: Any) -> Any:
-        """Tell whether a number, or each of an array, keeps the limit; nan does not."""
+        """Return whether a number, or each of an array, keeps the limit; nan does not."""
         return (value >= self.least) & (value <= self.most)
 
     def show(self, quantity: Quantity) -> str:

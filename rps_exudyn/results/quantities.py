@@ -373,5 +373,5 @@ GROUPS = {"signals": SIGNALS, "summary": SUMMARY, "counters": COUNTERS, "geometr
 
 
 def is_work(name: str) -> bool:
-    """Tell whether a signal counts energy from the start of recording."""
+    """Return whether a signal counts energy from the start of recording."""
     return name.startswith("work_") or name == "stored_energy"

@@ -298,7 +298,7 @@ def _attach_time(signals: h5py.Group) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """Return what JSON does not know: arrays become lists, everything else its text."""
+    """Return what JSON cannot hold: arrays become lists, everything else its text."""
     return value.tolist() if isinstance(value, np.ndarray | np.generic) else str(value)
 
 

@@ -47,7 +47,7 @@ def add_scene(scene: "Scene") -> None:
 
 
 def is_scene(name: str) -> bool:
-    """Tell whether there is a scene of that name."""
+    """Return whether there is a scene of that name."""
     return name in SCENE_NAMES or name in _OWN
 
 

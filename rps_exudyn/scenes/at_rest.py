@@ -86,7 +86,7 @@ def bending(fidelity: Fidelity) -> Fidelity:
     """Return the model of a rack that yields across its guides: it bends unless another is chosen.
 
     Raises:
-        InputError: a model that knows no place of the rack in its guides.
+        InputError: a model in which the rack has no freedom in its guides.
     """
     if fidelity.solver == "closed-form" or fidelity.rack not in LOOSE:
         raise InputError(

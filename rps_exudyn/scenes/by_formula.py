@@ -20,18 +20,18 @@ from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state, pushing_
 def by_formula(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:
     """Fill the maneuver's record, without its run-in, with mean values.
 
-    No check follows: the formulas know what they do not hold for.
+    No check follows: the formulas state where they do not hold.
 
     Raises:
         InputError: the maneuver shakes the rack, or turns the steering wheel.
     """
     if maneuver.drive.body == "wheel":
         raise InputError(
-            "fidelity.solver is closed-form, which knows no steering column; use equilibrium or "
+            "fidelity.solver is closed-form, which has no steering column; use equilibrium or "
             "generalized-alpha."
         )
     if maneuver.pulse is not None:
-        raise InputError("fidelity.solver is closed-form, which knows no pulses; use generalized-alpha.")
+        raise InputError("fidelity.solver is closed-form, which has no pulses; use generalized-alpha.")
     start = process_time()
     beyond = beyond_formulas(gear)
     signals = _turned(gear, maneuver) if maneuver.drive.body == "pinion" else _pushed(gear, maneuver)

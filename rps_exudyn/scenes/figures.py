@@ -58,5 +58,5 @@ def gain(signals: Signals) -> float:
 
 
 def balance(signals: Signals) -> dict[str, float]:
-    """Return the energy residual, of models that know what they store."""
+    """Return the energy residual, of models that state what they store."""
     return {"energy_residual": energy_residual(signals)} if "stored_energy" in signals else {}

@@ -27,7 +27,7 @@ def rack_lift(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     """Turn the pinion against the held rack, one way and the other.
 
     Raises:
-        InputError: a model that knows no place of the rack in its guides, or a start beyond its teeth.
+        InputError: a model in which the rack has no freedom in its guides, or a start beyond its teeth.
     """
     check_travel(gear, (gear.test.start_angle,), "test.start_angle")
     torque = to_and_fro(gear.test.lift_torque, STEPS)

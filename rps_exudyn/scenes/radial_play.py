@@ -32,7 +32,7 @@ def radial_play(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     """Press the rack's end to and fro along Y, then along Z.
 
     Raises:
-        InputError: a model that knows no place of the rack in its guides, or a start beyond its teeth.
+        InputError: a model in which the rack has no freedom in its guides, or a start beyond its teeth.
     """
     chosen = bending(fidelity)
     check_travel(gear, (gear.test.start_angle,), "test.start_angle")

@@ -24,7 +24,7 @@ JUMP = 0.05  # of the mean between equilibria whose steps were halved as often a
 
 
 def met_limit(codes: Iterable[str]) -> bool:
-    """Tell whether the remarks on a run are about a contact that opened or closed."""
+    """Return whether the remarks on a run are about a contact that opened or closed."""
     return not LIMITS.isdisjoint(codes)
 
 
@@ -77,7 +77,7 @@ def unresolved_peaks(fidelity: Fidelity, run: SceneRun, signal: str, place: str)
         return Remark(
             Code.PEAKS_UNRESOLVED,
             f"up to {depends:.1%} of the force over the first tooth pitch depends on where the motion began, "
-            "for want of teeth before the start, so that its peak to peak is left out",
+            "because teeth are missing before the start, so that its peak to peak is left out",
         )
     ways = [each.signals for each in passes(run.signals)]
     share = max((unresolved(way[place], way[signal]) for way in ways), default=0.0)
@@ -102,7 +102,7 @@ def _unresolved_vibration(found: dict[str, Any], share: float, seen: str) -> Rem
     return Remark(
         Code.PEAKS_UNRESOLVED,
         f"{seen}, so that its peak to peak is left out; lower fidelity.step_angle, or choose the fidelity "
-        "quasi-static, which knows no vibration",
+        "quasi-static, which has no vibration",
     )
 
 

@@ -2,7 +2,7 @@
 
     run = run_maneuver(gear, fidelity, maneuver)
 
-All give the same signals as far as they know them, and none is called ok before its record was checked.
+All give the same signals as far as they have them, and none is called ok before its record was checked.
 """
 
 from collections.abc import Callable, Sequence
@@ -57,10 +57,10 @@ NOT_CURED_BY_STEPS = {Code.SWING_TOO_FAST, Code.BEYOND_LAW, Code.START_MATTERS} 
 SHAKEN = 0.15  # contractivity: between impacts an old Jacobian takes twice the iterations
 JUMPS = (
     "; where the gear's torque falls by more than column.stiffness = {:.4g} N*m/rad, or the rack snaps "
-    "over as it turns about, the gear jumps, which only generalized-alpha knows"
+    "over as it turns about, the gear jumps, which only generalized-alpha follows"
 )
 JUMPS_UNDER_TORQUE = (
-    "; under a given torque the gear jumps where friction falls, which only generalized-alpha knows"
+    "; under a given torque the gear jumps where friction falls, which only generalized-alpha follows"
 )
 HALVINGS_FOR_TOLERANCE = 4  # more than a record asks for by itself: kinks are never resolved
 CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to stand for all
@@ -170,7 +170,7 @@ def by_equilibrium(
     depend on a few micrometres: shorter steps lead to the start, and finer strips confirm teeth that bend.
     """
     if maneuver.pulse is not None:
-        raise InputError("fidelity.solver is equilibrium, which knows no pulses: choose generalized-alpha.")
+        raise InputError("fidelity.solver is equilibrium, which has no pulses: choose generalized-alpha.")
     period, tolerance = maneuver.one_period(), fidelity.torque_tolerance
     refined = refine(
         _settled(gear, fidelity, period, options),
@@ -223,7 +223,7 @@ def _by_finer_strips(
 
 
 def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver, tolerance: float) -> bool:
-    """Tell whether a whole record of steady motion, or of a swing, asks for shorter steps: for its own sake,
+    """Return whether a whole record of steady motion, or of a swing, needs shorter steps: for its own sake,
     or to show the drive's torque to a tolerance."""
     if run.outcome.status not in (Status.OK, Status.INVALID) or not run.signals:
         return False

@@ -24,7 +24,7 @@ class SceneRun:
 
     @property
     def ok(self) -> bool:
-        """Tell whether it ended well."""
+        """Return whether it ended well."""
         return self.outcome.status is Status.OK
 
     def noting(self, *remarks: Remark | None) -> "SceneRun":

@@ -94,7 +94,7 @@ def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
 
 
 def _near_sticking(gear: SteeringGear) -> bool:
-    """Tell whether the wheel turns about as fast as the reduced gear just sticks."""
+    """Return whether the wheel turns about as fast as the reduced gear just sticks."""
     limit = predicted_sticking(gear)
     return limit / NEAR < gear.test.speed < limit * NEAR
 

@@ -1,6 +1,6 @@
 """Whether a run keeps a wanted accuracy on the gear at hand: the same in half the steps and finer strips.
 
-The table of `by_accuracy` knows what a setting is worth on many gears. A gear unlike them, or a test that
+The table of `by_accuracy` holds the error of a setting on many gears. A gear unlike them, or a test that
 stops the yoke at its nut, may need more; so each run is compared with one in half the steps, and gives way to
 it until the two agree. Steps of impacts are parts of the plunger's swing. Equilibria of a fast test are
 compared with dynamics as well, in which each tooth that enters sets the rack vibrating.

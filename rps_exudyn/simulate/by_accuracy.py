@@ -189,7 +189,7 @@ def beyond_in_run(scene: str, signals: Mapping[str, np.ndarray]) -> str:
 
 
 def knows_law(setting: Setting, gear: SteeringGear) -> bool:
-    """Tell whether a setting's model has the gear's contact law; formulas and spheres know no teeth that
+    """Return whether a setting's model has the gear's contact law; formulas and spheres know no teeth that
     bend."""
     return gear.mesh.law != "teeth" or setting.preset not in ("closed-form", "full")
 
@@ -199,7 +199,7 @@ def _beside(gear: SteeringGear, fidelity: Fidelity) -> str:
     law = law_error(gear, fidelity.model_dump())
     if law is None:
         return ""
-    only = "; closed form and general contact do not know it and are not considered"
+    only = "; closed form and general contact do not model it and are not considered"
     left_out = only if gear.mesh.law == "teeth" else ""
     return f"; this is the numerical error alone, and beside it {law.clause}{left_out}"
 
@@ -247,7 +247,9 @@ def _measured_as(scene: str) -> str:
 
 def _nothing_promised(scene: str, why: str) -> str:
     known = ", ".join(known_scenes())
-    return f"--accuracy knows {known}; for {scene} nothing can be promised{f': {why}' if why else ''}."
+    return (
+        f"--accuracy has tables for {known}; for {scene} nothing can be promised{f': {why}' if why else ''}."
+    )
 
 
 def scene_tables(scene: str) -> list[SceneTable]:

@@ -164,7 +164,7 @@ class Family:
 
 
 def is_alike(gear: SteeringGear, table: Table) -> bool:
-    """Tell whether all tooth pitches of all gears are alike."""
+    """Return whether all tooth pitches of all gears are alike."""
     return not any(np.any(table.get(path, gear.value_at(path))) for path in SINGLE_OUT)
 
 

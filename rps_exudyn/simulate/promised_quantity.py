@@ -18,7 +18,7 @@ Recorded = SceneRun | Result
 
 
 def is_signal(scene: str, quantity: str) -> bool:
-    """Tell whether a quantity is the scene's signal; the others are numbers of its summary."""
+    """Return whether a quantity is the scene's signal; the others are numbers of its summary."""
     return quantity == scene_named(scene).signal
 
 

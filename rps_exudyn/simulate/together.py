@@ -175,7 +175,7 @@ def fewest(table: Table) -> int:
 
 
 def _is_weighted(test: SteadyTest, gear: SteeringGear) -> bool:
-    """Tell whether a weight pulls at the rack in some maneuver of a test."""
+    """Return whether a weight pulls at the rack in some maneuver of a test."""
     heavy = gear.replace({WEIGHT: 1.0, "test.path": "one-way"})
     maneuvers, _ = test.maneuvers(heavy, float(np.deg2rad(20)), StepLimits())
     return any(maneuver.rack_load for maneuver in maneuvers)
@@ -226,7 +226,7 @@ def _existing(gear: SteeringGear, settings: Mapping[str, float]) -> SteeringGear
 
 
 def can_exist(gear: SteeringGear, fidelity: Fidelity, settings: Mapping[str, float]) -> bool:
-    """Tell whether a gear with other settings can be built."""
+    """Return whether a gear with other settings can be built."""
     try:
         packed([gear.replace(settings)], fidelity)
     except InputError:

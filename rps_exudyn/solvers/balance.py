@@ -68,7 +68,7 @@ class Balance:
 
     @property
     def has_bristles(self) -> bool:
-        """Tell whether friction has a state."""
+        """Return whether friction has a state."""
         return bool(self.gears[0]["has_bristles"])
 
     @property

@@ -112,7 +112,7 @@ def beyond_formulas(gear: SteeringGear) -> str:
     pinion, lift = gear.pinion, gear.pinion.runout
     if lift >= gear.yoke.clearance:
         return (
-            f"the formulas know no yokenut, and a runout of {1e6 * lift:.4g} um uses up "
+            f"the formulas have no yokenut, and a runout of {1e6 * lift:.4g} um uses up "
             f"yoke.clearance = {1e6 * gear.yoke.clearance:.4g} um"
         )
     unknown = {
@@ -128,7 +128,7 @@ def beyond_formulas(gear: SteeringGear) -> str:
         "pinion.lead_error": pinion.lead_error,
     }
     given = [path for path, value in unknown.items() if value]
-    return f"the formulas know nothing of {', '.join(given)}" if given else ""
+    return f"the formulas leave out {', '.join(given)}" if given else ""
 
 
 # --- parts ---------------------------------------------------------------------------------------

@@ -72,7 +72,7 @@ class EquilibriumPath:
 
     @property
     def converged(self) -> bool:
-        """Tell whether there is an equilibrium at all instants."""
+        """Return whether there is an equilibrium at all instants."""
         return self.lost_at is None
 
     @property
@@ -275,7 +275,7 @@ class _Following:
 
     @property
     def whole(self) -> bool:
-        """Tell whether all instants are found."""
+        """Return whether all instants are found."""
         return self.found == len(self.rows.time)
 
     def advance(self) -> bool:
@@ -352,7 +352,7 @@ class _Following:
         return rows.halve(k, shortest, self.balance, self.pair, self.drive)
 
     def snaps(self, k: int) -> bool:
-        """Tell whether the gear behind a column jumps in the step to instant k: no path of equilibria leads
+        """Return whether the gear behind a column jumps in the step to instant k: no path of equilibria leads
         there, and shorter steps show it as a faster motion."""
         if not self.column[0]:
             return False

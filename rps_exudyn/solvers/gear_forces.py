@@ -84,7 +84,7 @@ class GearForces:
 
     @property
     def has_chain(self) -> bool:
-        """Tell whether the rack slides in a segment of a chain."""
+        """Return whether the rack slides in a segment of a chain."""
         return bool(self.gear.is_carried)
 
     @property

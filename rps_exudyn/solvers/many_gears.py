@@ -111,7 +111,7 @@ def packed_table(
 
 
 def _alike(quick: np.ndarray, exact: np.ndarray) -> bool:
-    """Tell whether records are those of gears packed one by one."""
+    """Return whether records are those of gears packed one by one."""
     numbers, right = as_numbers(quick), as_numbers(exact)
     allowed = np.full(numbers.shape[1], EXACT)
     allowed[ZONE_COLUMNS], allowed[REST_GAP] = ZONES, np.inf  # which `adjust` finds

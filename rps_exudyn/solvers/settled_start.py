@@ -231,7 +231,7 @@ class _Search:
         return path_from(path, self.balance, self.pair, self.drive, time)
 
     def alike(self, a: EquilibriumPath, b: EquilibriumPath, distance: float) -> bool:
-        """Tell whether two paths, b from so far back, end at the same place under the same force."""
+        """Return whether two paths, b from so far back, end at the same place under the same force."""
         travel = self.pair.gain * 2 * np.pi / self.pair.teeth
         apart = np.abs((a.coordinates[-1] - b.coordinates[-1]) * self.balance.lengths).max() / travel
         differ = max(_difference(a, b, self.drive), float(apart))

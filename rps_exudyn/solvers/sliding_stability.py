@@ -54,7 +54,7 @@ def sliding_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
 
 
 def linearised_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
-    """Return the same with friction that knows the speed alone, up to three times what one inertia needs; 0
+    """Return the same with friction that depends on speed alone, up to three times what one inertia needs; 0
     where the gear is stable without any, nan without an equilibrium."""
     laws = {f"{part}.friction_law": getattr(gear, part).facts.at_speed for part in RUBBING_PARTS}
     gear = gear.replace(laws)

@@ -37,7 +37,7 @@ class Blocks:
 
     @property
     def exist(self) -> bool:
-        """Tell whether the study keeps its cases in blocks."""
+        """Return whether the study keeps its cases in blocks."""
         return self.folder.is_dir()
 
     @property

@@ -140,7 +140,7 @@ def _checksum_line(text: str) -> str:
 
 
 def _fits(text: str, content: Mapping[str, Any]) -> bool:
-    """Tell whether a study.json fits its checksum; version 1.0 had none."""
+    """Return whether a study.json fits its checksum; version 1.0 had none."""
     if "sha256" not in content:
         return content.get("version") != list(VERSION)
     opening, line, rest = (*text.split("\n", 2), "", "")[:3]

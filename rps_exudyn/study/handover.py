@@ -74,7 +74,7 @@ def _allowed(gear: SteeringGear, fidelity: Fidelity, path: str, values: np.ndarr
 
 
 def in_groups(study: Study, description: Description, cases: int) -> bool:
-    """Tell whether cases go through `batch`: many of one model, each of them steady and cheap."""
+    """Return whether cases go through `batch`: many of one model, each of them steady and cheap."""
     paths = [path for axis in study.axes for path in (*axis.paths, *axis.along)]
     model = study.base.fidelity
     return (

@@ -61,7 +61,7 @@ def _missing(study: Study, store: Store) -> tuple[Case, ...]:
 
 
 def to_be_done_again(row: CaseRow, time_limit: float) -> bool:
-    """Tell whether a finished case counts as missing under a time limit [s]."""
+    """Return whether a finished case counts as missing under a time limit [s]."""
     if row.status is Status.TIMEOUT:
         return row.wall_s < time_limit
     return row.status is Status.CRASHED

@@ -236,7 +236,7 @@ class Store:
 
 
 def _try_lock(descriptor: int) -> bool:
-    """Tell whether the lock was free.
+    """Return whether the lock was free.
 
     Where there are no locks (Windows, some network disks) it always is: then two runners do work twice, but
     each file is still written whole.

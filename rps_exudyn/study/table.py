@@ -78,12 +78,12 @@ class CaseTable:
 
     @cached_property
     def ok(self) -> np.ndarray:
-        """Tell whether the case's numbers may be used."""
+        """Return whether the case's numbers may be used."""
         return self.status == Status.OK.value
 
     @cached_property
     def limited(self) -> np.ndarray:
-        """Tell whether an ok case met a limit of the gear, where a contact opens or closes."""
+        """Return whether an ok case met a limit of the gear, where a contact opens or closes."""
         met = [row is not None and met_limit(row.codes) for row in self.rows]
         return self.ok & np.array(met, dtype=bool)
 

@@ -82,7 +82,7 @@ class Keys:
         return found
 
     def is_parameter(self, path: Any, where: str) -> bool:
-        """Tell whether the path is that of one parameter; if not, that is a problem."""
+        """Return whether the path is that of one parameter; if not, that is a problem."""
         if isinstance(path, str) and path in self.declared:
             return True
         if path in ("fidelity.name", "fidelity.based_on"):

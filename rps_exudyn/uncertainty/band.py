@@ -350,5 +350,5 @@ def numerical_error(nominal: Result, fidelity: Fidelity) -> dict[str, float]:
 
 
 def _plain(column: Iterable[float]) -> list[float | None]:
-    """Numbers for JSON, which knows no nan."""
+    """Numbers for JSON, which has no nan."""
     return [float(value) if np.isfinite(value) else None for value in column]

@@ -134,7 +134,7 @@ def stop_torque(gear: SteeringGear) -> float:
     """Return what the yokenut adds to the mean free torque where a runout uses up the clearance [N m].
 
     The gear lifts the rack by e cos(phi); beyond the clearance nut, seat and flanks are compressed. The
-    formula itself knows no yokenut, and a seventh of the gears of the set `unknown` meet it.
+    formula itself has no yokenut, and a seventh of the gears of the set `unknown` meet it.
     """
     yoke, lift = gear.yoke, gear.pinion.runout * np.cos(PHASES)
     beyond = float(np.maximum(0.0, lift - yoke.clearance).mean())

@@ -73,7 +73,7 @@ class Comparison:
         return self.row.not_comparable or self.simulated.message
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the row for a JSON file, which knows no nan: None stands for what is missing."""
+        """Return the row for a JSON file, which has no nan: None stands for what is missing."""
         data, found = self.row.data, self.simulated
         content = {
             "name": self.row.name,

@@ -83,7 +83,7 @@ def test_a_run_collects_remarks_with_their_codes_and_a_failed_one_keeps_its_caus
 
 
 def is_message(node: ast.AST) -> bool:
-    """Tell whether an expression is a message: x.message, message, x["message"]."""
+    """Return whether an expression is a message: x.message, message, x["message"]."""
     return (
         (isinstance(node, ast.Attribute) and node.attr == "message")
         or (isinstance(node, ast.Name) and node.id == "message")

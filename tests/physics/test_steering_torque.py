@@ -157,7 +157,7 @@ def test_a_torque_below_friction_moves_nothing_off() -> None:
         ({"test.steer_shape": "step"}, "flank", "test.steer_shape"),
         ({"test.tyre_stiffness": 0.0}, "flank", "test.tyre_stiffness is 0 .* needs a restoring load"),
         ({"test.tyre_stiffness": 5e3}, "flank", "test.steer_torque = 4 .* the teeth for rack.travel"),
-        ({}, "closed-form", "fidelity.solver is closed-form, which knows no steering column"),
+        ({}, "closed-form", "fidelity.solver is closed-form, which has no steering column"),
     ],
 )
 def test_refused(settings: dict[str, object], fidelity: str, sentence: str) -> None:

@@ -221,7 +221,7 @@ def usages() -> dict[str, str]:
 
 
 def is_name(text: str) -> bool:
-    """Tell whether it is no command line but the name of a command that takes more, "rps-exudyn study"."""
+    """Return whether it is no command line but the name of a command that takes more, "rps-exudyn study"."""
     name = text.removeprefix("rps-exudyn ")
     return name in usages() and bool(re.search(r" [A-Z]", usages()[name]))
 

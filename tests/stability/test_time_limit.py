@@ -98,7 +98,7 @@ def child_of(parent: int) -> int | None:
 
 
 def runs(pid: int) -> bool:
-    """Tell whether the process does anything: one that nobody has waited for yet does not."""
+    """Return whether the process does anything: one that nobody has waited for yet does not."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
     except OSError:

@@ -89,7 +89,7 @@ class _Worker:
 
 
 def compiled_before() -> bool:
-    """Tell whether a cache holds kernels of gears."""
+    """Return whether a cache holds kernels of gears."""
     from rps_exudyn.base.kernel_cache import cache_folders, files_of  # loads numba
     from rps_exudyn.solvers import gear_model  # noqa: F401, the modules of a gear's kernels
 
