@@ -23,8 +23,7 @@ import numpy as np
 import rps_exudyn as rps
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.case_file import FileForms, Keep, kept
-from rps_exudyn.results.result import Result
+from rps_exudyn.results.block import CaseRecord, Keep, packed
 from rps_exudyn.study.store import Store
 
 DATA = "runner.json"
@@ -136,26 +135,22 @@ def killed(file: Path, out: Path, number: int, pause: tuple[float, float] = (0.3
 
 
 def storing(folder: Path, cases: int = 50) -> Measured:
-    """Return what a case costs beyond its simulation: making its file's bytes and writing them."""
-    gear, forms, rows = SteeringGear(), FileForms(), []
-    gears = [gear.replace({"yoke.preload": 300.0 + k}) for k in range(cases + 1)]
+    """Return what a case costs beyond its simulation: in a block, and as a file of its own."""
+    gear, rows = SteeringGear(), []
+    gears = [gear.replace({"yoke.preload": 300.0 + k}) for k in range(cases)]
     results = [rps.run("free-pinion-torque", each, fidelity="quasi-static") for each in gears]
     for keep in (Keep(), Keep(samples=61), Keep(signals=())):
-        thin = [kept(result, keep) for result in results]
-        forms.content(thin[0])  # the form that all the others have in common
-        fast = mean_time(thin[1:], lambda result: (folder / "fast.h5").write_bytes(forms.content(result)))
-        plain = mean_time(thin[1:11], lambda result: result.save(folder / "plain.h5"))
+        thin = [keep.of(result) for result in results]
+        start = time.perf_counter()
+        (folder / "block.h5").write_bytes(packed([CaseRecord.of(f"{k:016x}", r) for k, r in enumerate(thin)]))
+        each = 1e3 * (time.perf_counter() - start) / cases
+        start = time.perf_counter()
+        for result in thin[:10]:
+            result.save(folder / "single.h5")
+        single = 1e3 * (time.perf_counter() - start) / len(thin[:10])
         shape = f"{len(thin[0].signals)} signals of {len(thin[0].signals.get('time', ()))} values"
-        rows.append((f"file of a case, {shape}; by `Result.save`", f"{fast:.1f} ms; {plain:.0f} ms"))
+        rows.append((f"storing a case, {shape}: in a block; as a file", f"{each:.1f} ms; {single:.0f} ms"))
     return rows
-
-
-def mean_time(results: list[Result], work: Any) -> float:
-    """Elapsed time for each of them [ms]."""
-    start = time.perf_counter()
-    for result in results:
-        work(result)
-    return 1e3 * (time.perf_counter() - start) / len(results)
 
 
 # --- studies -----------------------------------------------------------------------------------

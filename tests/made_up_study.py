@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn.results.case_file import Keep
+from rps_exudyn.results.block import Keep
 from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.results.result import Result
@@ -71,7 +71,7 @@ def make_study(
     remark."""
     described, failed, remarks = described or description(grid_points()), failed or {}, remarks or {}
     store = Store.of(folder, described)
-    store.make_folders()
+    store.make_folders(blocks=False)
     store.write_description()
     for at, case in enumerate(described.cases):
         if at not in set(pending):

@@ -94,9 +94,7 @@ def _study(folder: Path) -> Path:
     made = rps.run("free-pinion-torque", fidelity="closed-form")
     fields = {name: value for name, value in vars(made).items() if name not in ("signals", "summary")}
     make_study(folder, Result(**fields, signals=signals))
-    store = Store.open(folder)
-    store.rebuild_index()
-    write_table(CaseTable.of(store), folder / "table.h5")
+    write_table(CaseTable.of(Store.open(folder)), folder / "table.h5")
     return folder
 
 
@@ -106,7 +104,7 @@ def trial(study: Path, rng: np.random.Generator) -> tuple[str, str, bool, str]:
         copy = Path(shutil.copytree(study, Path(temporary) / "study"))
         cases = sorted((copy / "cases").glob("*.h5"))
         candidates = [cases[int(rng.integers(len(cases)))]] * 4
-        candidates += [copy / name for name in ("study.json", "index.csv", "table.h5")]
+        candidates += [copy / name for name in ("study.json", "table.h5")]
         path = candidates[int(rng.integers(len(candidates)))]
         kind = str(rng.choice(list(DAMAGES), p=WEIGHTS))
         before, content = CaseTable.of(Store.open(copy)), path.read_bytes()
@@ -128,8 +126,6 @@ def _noticed(path: Path, study: Path, before: CaseTable) -> Iterator[bool]:
         yield _raises(rps.open_study, study, path)
     elif path.name == "table.h5":
         yield _raises(read_table, path, path)
-    elif path.name == "index.csv":
-        yield _same(CaseTable.of(Store.open(study)), before)
     else:
         yield from _case_noticed(path, study, before)
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import stat
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from itertools import count
@@ -16,6 +17,28 @@ RESULT_FILES = (".h5", ".hdf5")
 
 PICTURES = (".png", ".svg", ".pdf")
 """Suffixes of the files that a chart can be saved as, without loading the library that draws."""
+
+
+def content_of(path: str | Path) -> bytes:
+    """Return the bytes of a file that a user names: a regular one, for others may never end.
+
+    Raises:
+        InputError: it cannot be read.
+    """
+    try:
+        mode = Path(path).stat().st_mode
+        if stat.S_ISREG(mode):
+            return Path(path).read_bytes()
+        reason = "it is a folder" if stat.S_ISDIR(mode) else "it is a device, a pipe or a socket"
+    except FileNotFoundError:
+        reason = "there is no such file"
+    except PermissionError:
+        reason = "permission denied"
+    except MemoryError:
+        reason = "it needs more memory than there is"
+    except (OSError, ValueError) as error:  # a name too long for a file, or with a zero in it
+        reason = getattr(error, "strerror", None) or str(error)
+    raise InputError(f"{short(str(path))} cannot be read: {reason}.")
 
 
 @contextmanager

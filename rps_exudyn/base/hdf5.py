@@ -8,8 +8,10 @@ import h5py
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import CHECKSUM_SIZE, HDF5_BEGIN, fits_checksum
-from rps_exudyn.base.units import short
+from rps_exudyn.base.files import CHECKSUM_SIZE, HDF5_BEGIN, content_of, fits_checksum
+
+MOST_EXPANSION = 1100
+"""Most bytes of data for a byte of file: deflate stores 1032 zeros in one."""
 
 
 def file_image(fill: Callable[[h5py.File], None]) -> bytes:
@@ -38,7 +40,7 @@ def opened(path: str | Path, filetype: str, what: str, version: tuple[int, int])
     Raises:
         InputError: no such file, no HDF5, damaged, of another type, or of another format version.
     """
-    with from_bytes(_bytes_of(path), path, filetype, what, version) as file:
+    with from_bytes(content_of(path), path, filetype, what, version) as file:
         yield file
 
 
@@ -57,6 +59,7 @@ def from_bytes(
             if file.attrs.get("filetype") != filetype:
                 raise InputError(f"{name} is an HDF5 file, but not a {what} of rps-exudyn.")
             check_version(np.ravel(file.attrs.get("version", ())), name, version)
+            _check_self_contained(file, len(content), name)
             yield file
     except InputError:
         raise
@@ -65,6 +68,28 @@ def from_bytes(
     except Exception as error:  # whatever HDF5 and JSON make of damaged bytes
         reason = str(error.args[0] if isinstance(error, KeyError) and error.args else error)
         raise InputError(f"{name} is damaged: {reason.rstrip('.')}.") from None
+
+
+def _check_self_contained(file: h5py.File, size: int, name: str | Path) -> None:
+    """Refuse data that lie in other files, and more data than a file of this size [bytes] can hold."""
+    declared = 0
+
+    def check(group: h5py.Group) -> None:
+        nonlocal declared
+        for member in group:
+            if not isinstance(group.get(member, getlink=True), h5py.HardLink):
+                raise InputError(f"{name} is refused: {group.name.rstrip('/')}/{member} is a link, no data.")
+            each = group[member]
+            if isinstance(each, h5py.Group):
+                check(each)
+            elif isinstance(each, h5py.Dataset):
+                if each.external or each.is_virtual:
+                    raise InputError(f"{name} is refused: the data of {each.name} lie in other files.")
+                declared += each.nbytes
+
+    check(file)
+    if declared > MOST_EXPANSION * size:
+        raise InputError(f"{name} is refused: it declares {declared:.2g} bytes of data in {size:.2g}.")
 
 
 def _check_intact(content: bytes, name: str | Path) -> None:
@@ -80,20 +105,6 @@ def _image(content: bytes, name: str | Path) -> h5py.File:
         return h5py.File(h5py.h5f.open_file_image(content))
     except (OSError, ValueError, RuntimeError):
         raise InputError(f"{name} is no HDF5 file, or it is damaged.") from None
-
-
-def _bytes_of(path: str | Path) -> bytes:
-    try:
-        if Path(path).is_dir():
-            raise InputError(f"{path} cannot be read: it is a folder.")
-        return Path(path).read_bytes()
-    except FileNotFoundError:
-        raise InputError(f"{path} cannot be read: there is no such file.") from None
-    except PermissionError:
-        raise InputError(f"{path} cannot be read: permission denied.") from None
-    except (OSError, ValueError) as error:  # a name too long for a file, or with a zero in it
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{short(str(path))} cannot be read: {reason}.") from None
 
 
 def check_version(version: Iterable[object], path: str | Path, known: tuple[int, int]) -> None:

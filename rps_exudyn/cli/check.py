@@ -9,7 +9,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import check_writable, write_json
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.base.units import to_si
-from rps_exudyn.cli.options import PAPER_GEAR, GearOptions, Inputs, Json
+from rps_exudyn.cli.options import PAPER_GEAR, GearOptions, Inputs, Jobs, Json
 from rps_exudyn.cli.output import DONE, FAILED, print_json, put, put_table
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ def check(
     limits: Path | None = None,
     rated_torque: str = "30 N*m",
     out: Path | None = None,
+    jobs: Jobs = None,
     json: Json = False,
 ) -> int:
     """Judge a gear by its requirement sheet: torque, variation, efficiency, strength, lift, travel, gain.
@@ -39,6 +40,7 @@ def check(
     """
     from rps_exudyn.requirements.limits import read_limits
     from rps_exudyn.requirements.sheet import judge
+    from rps_exudyn.simulate.cases.run_cases import checked_jobs
     from rps_exudyn.uncertainty.input_sets import uncertain_inputs
 
     own, chosen, asked = gear.carried(), gear.load(), read_limits(limits)
@@ -48,9 +50,14 @@ def check(
         torque = to_si(rated_torque, "N*m")
     except ValueError as error:
         raise InputError(f"--rated-torque {error}.") from None
+    processes = checked_jobs(jobs)
     drawn = uncertain_inputs(chosen, inputs, own)
     with shown_progress() as show:
-        sheet = list(judge(chosen, drawn, asked, torque, told=lambda text: show(f"computing: {text}", None)))
+
+        def report(text: str) -> None:
+            show(f"computing: {text}", None)
+
+        sheet = list(judge(chosen, drawn, asked, torque, on_progress=report, jobs=processes))
     if out is not None:
         write_json(out, _as_dict(sheet))
     if json:

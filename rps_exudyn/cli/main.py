@@ -99,6 +99,8 @@ def prepare_process() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")  # of a terminal without Greek letters
+    # As in the processes of studies, so that numbers are the same; a thread that waits costs CPU time
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ["MPLBACKEND"] = "agg"  # pictures are files; a user's own choice may not exist here
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # to look for some opens every package
 

@@ -21,6 +21,11 @@ Json = Annotated[
     bool, Parameter(name="--json", negative=(), show_default=False, help="print the result as JSON.")
 ]
 
+Jobs = Annotated[
+    int | None,
+    Parameter(help="number of processes; without it one for each processor, where that is quicker."),
+]
+
 Inputs = Annotated[
     str | None,
     Parameter(

@@ -4,6 +4,7 @@ import sys
 from collections.abc import Sequence
 from contextlib import redirect_stdout, suppress
 from dataclasses import replace
+from math import inf
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated
@@ -18,6 +19,7 @@ from rps_exudyn.cli.options import (
     Columns,
     Flag,
     Inputs,
+    Jobs,
     Json,
     SetupOptions,
     chosen_columns,
@@ -43,6 +45,7 @@ def run(
     column: Columns = (),
     band: Annotated[list[int] | None, Parameter(consume_multiple=True, negative=())] = None,
     inputs: Inputs = None,
+    jobs: Jobs = None,
     robust: Flag = False,
     time_limit: str | None = None,
     progress: Flag = False,
@@ -64,14 +67,14 @@ def run(
             quick one from 64 runs. NAME.band.json keeps every sample.
         robust: where the run fails or its plan is refused, take the next safer settings, and say which.
         time_limit: for instance "20 s": the run is ended after it, whatever it does then (starting, compiling
-            and settling count); what it has recorded is kept.
+            and settling count); what it has recorded is kept. Of a band: for each sample.
         progress: print on standard error how far a long run is, as a terminal shows anyway.
     """
     began = monotonic()
     from rps_exudyn.cli.printed import put_result, verdict
     from rps_exudyn.results.outcome import Interrupted
+    from rps_exudyn.simulate.cases.time_limit import TimeLimit
     from rps_exudyn.simulate.run import simulate
-    from rps_exudyn.simulate.time_limit import TimeLimit
 
     limit = replace(TimeLimit.of(time_limit), begun=began) if time_limit is not None else None
     preset = setup.preset_alone() if accuracy is not None else None
@@ -81,9 +84,11 @@ def run(
     if band is not None or inputs is not None:
         from rps_exudyn.cli.run_band import do_band, sample_count
 
-        refused = {"accuracy": accuracy, "measured": measured, "robust": robust, "time-limit": time_limit}
+        refused = {"accuracy": accuracy, "measured": measured, "robust": robust}
         count = sample_count(band, [name for name, given in refused.items() if given])
-        return do_band(scene, setup, count, inputs, out, plot, json)
+        return do_band(scene, setup, count, inputs, out, plot, json, jobs, limit.seconds if limit else inf)
+    if jobs is not None:
+        raise InputError("--jobs shares the runs of a band among processes; add --band.")
     setup.say_medians()
     curve = read_measured(measured, column) if measured else None
     model = chosen.fidelity if accuracy is None else preset

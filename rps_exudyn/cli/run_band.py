@@ -4,6 +4,7 @@ import sys
 from collections.abc import Iterable
 from contextlib import redirect_stdout
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from rps_exudyn.base.errors import InputError, as_sentence
@@ -16,6 +17,7 @@ from rps_exudyn.parameters.fidelity import MEAN_STEP
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.simulate.cases.run_cases import checked_jobs
 from rps_exudyn.uncertainty.band import Band, band_of_runs
 from rps_exudyn.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.uncertainty.quick_band import SCENE, quick_band
@@ -32,8 +34,12 @@ def do_band(
     out: Path,
     plot: Path,
     as_json: bool,
+    jobs: int | None = None,
+    time_limit: float = float("inf"),
 ) -> int:
     """Compute, keep and print a band; the nominal result goes to the HDF5 file as of any run.
+
+    A sample that takes longer than the time limit [s] is one that failed.
 
     Raises:
         InputError: distributions or a number of samples that cannot be, or a gear that fails.
@@ -41,20 +47,20 @@ def do_band(
     from rps_exudyn.charts.band import band_figure
     from rps_exudyn.charts.style import save
 
-    own = options.carried()
+    own, processes = options.carried(), checked_jobs(jobs)
     setup = _with_cheap_model(options)
     gear = setup.steering_gear
     chosen = uncertain_inputs(gear, inputs, own)
     quick = count is None and scene == SCENE
     with redirect_stdout(sys.stderr), shown_progress() as show:
 
-        def told(done: int, of: int) -> None:
+        def report(done: int, of: int) -> None:
             show(f"sample {done} of {of}", done / of)
 
-        if quick:
-            band = quick_band(gear, setup.fidelity, chosen, told=told)
-        else:
-            band = band_of_runs(scene, gear, setup.fidelity, chosen, count or QUICK_OTHERWISE, told=told)
+        made = partial(quick_band, gear, setup.fidelity, chosen)
+        if not quick:
+            made = partial(band_of_runs, scene, gear, setup.fidelity, chosen, count or QUICK_OTHERWISE)
+        band = made(on_progress=report, jobs=processes, time_limit=time_limit)
     table = out.with_suffix(".band.json")
     if older := [str(kept) for path in (out, plot, table) if (kept := number_existing(path))]:
         say(f"older files are kept: {', '.join(older)}.")

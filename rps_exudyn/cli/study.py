@@ -1,8 +1,8 @@
 """The command `study`: options checked before anything runs, cases listed, outcome printed."""
 
 import json as json_text
-import os
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +14,7 @@ from rps_exudyn.cli.options import Flag, Json
 from rps_exudyn.cli.output import DONE, FAILED, say
 
 if TYPE_CHECKING:
+    from rps_exudyn.simulate.cases.run_cases import Executor
     from rps_exudyn.study.messages import Group
     from rps_exudyn.study.runner import StudyWork, Tally
 
@@ -72,11 +73,9 @@ class Request:
         Raises:
             InputError: `jobs` is not from 1 to 1024.
         """
-        available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-        jobs = available if self.jobs is None else self.jobs
-        if not 1 <= jobs <= 1024:
-            raise InputError(f"--jobs is {jobs}; it must be a whole number from 1 to 1024.")
-        return jobs
+        from rps_exudyn.simulate.cases.run_cases import checked_jobs
+
+        return checked_jobs(self.jobs)
 
     def work(self) -> "StudyWork":
         """The study in its folder.
@@ -105,26 +104,20 @@ def _simulate(request: Request, json: bool) -> int:
     """Simulate the missing cases and print the outcome; exit status 0, or 1 if cases failed."""
     jobs, work = request.processes, request.work()
     from rps_exudyn.results.outcome import Status
-    from rps_exudyn.simulate.processes import StartError, StorageError
-    from rps_exudyn.study.runner import run_study
+    from rps_exudyn.simulate.cases.processes import Processes, StartError
+    from rps_exudyn.study.runner import StorageError, run_study
 
+    executor: AbstractContextManager[Executor]
     limit = work.study.time_limit
     if request.cluster:
-        from rps_exudyn.study.cluster import SECONDS, cluster
+        from rps_exudyn.simulate.cases.cluster import Cluster
 
-        def run_all() -> "Tally":
-            with cluster(request.cluster or "", limit) as (run, threads):
-                return run_study(work, run, workers_write=False, workers=threads, seconds=SECONDS)
+        executor = Cluster.at(request.cluster, limit)
     else:
-        from rps_exudyn.simulate.processes import Processes
-
-        def run_all() -> "Tally":
-            with Processes(jobs, limit, request.out / "messages.log") as processes:
-                return run_study(work, processes.run, workers_write=True, workers=jobs)
-
+        executor = Processes(jobs, limit, request.out / "messages.log")
     try:
-        with shown_progress():
-            tally = run_all()
+        with shown_progress(), executor as workers:
+            tally = run_study(work, workers)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(f"interrupted; finished cases are {_kept(request)}.") from None
     except (StorageError, StartError) as error:
@@ -140,19 +133,19 @@ def _kept(request: Request) -> str:
 def _list_cases(request: Request, json: bool) -> int:
     """Print the cases, which of them are missing, and the estimated time; exit status 0."""
     from rps_exudyn.study.estimate import estimate
+    from rps_exudyn.study.handover import dispatch_of
     from rps_exudyn.study.table import show_value
-    from rps_exudyn.study.ways import ways_of
 
     work, jobs = request.work(), request.processes
     time = estimate(work, jobs)
     with shown_progress():
-        ways = ways_of(work.study, work.description, len(work.missing))
+        dispatch = dispatch_of(work.study, work.description, len(work.missing))
     missing = {case.hash for case in work.missing}
     cases = work.description.cases
     if json:
         rows = [{"hash": case.hash, "values": case.values, "missing": case.hash in missing} for case in cases]
         content = {"cases": rows, "missing": len(missing), "jobs": jobs, "seconds": time.seconds}
-        content |= {"in_loop": ways.ranges is not None, "not_in_loop": ways.alone}
+        content |= {"in_loop": dispatch.ranges is not None, "not_in_loop": dispatch.single_run_reason}
         print(json_text.dumps(content, indent=2))
         return DONE
     for case in cases:
@@ -163,10 +156,10 @@ def _list_cases(request: Request, json: bool) -> int:
         f"{len(cases)} cases, {len(missing)} of them to be done: about {duration(time.seconds)} "
         f"with {jobs} {'process' if jobs == 1 else 'processes'} ({time.source})"
     )
-    if ways.ranges is not None:
+    if dispatch.ranges is not None:
         print("  most of them followed together, several times as fast")
-    elif ways.alone:
-        print(_NOT_TOGETHER.format(ways.alone))
+    elif dispatch.single_run_reason:
+        print(_NOT_TOGETHER.format(dispatch.single_run_reason))
     return DONE
 
 
@@ -188,7 +181,7 @@ def _print_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
             "done_now": tally.done_now,
             "in_groups": tally.through_batch,
             "in_loop": tally.in_loop,
-            "not_in_loop": tally.alone,
+            "not_in_loop": tally.single_run_reason,
         }
         print(json_text.dumps(content, indent=2))
         return
@@ -198,8 +191,8 @@ def _print_tally(work: "StudyWork", tally: "Tally", json: bool) -> None:
     print(
         f"{work.study.title}: {count} cases in {folder} ({outcomes}), {tally.done_now} of them done now{how}"
     )
-    if tally.alone and tally.through_batch:
-        print(_NOT_TOGETHER.format(tally.alone))
+    if tally.single_run_reason and tally.through_batch:
+        print(_NOT_TOGETHER.format(tally.single_run_reason))
     print_said(tally.said)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import check_writable, replacing, write_json
 from rps_exudyn.base.screen import shown_progress
-from rps_exudyn.cli.options import Json
+from rps_exudyn.cli.options import Jobs, Json
 from rps_exudyn.cli.output import DONE, naming, print_files, print_json, put, put_table
 
 if TYPE_CHECKING:
@@ -17,7 +17,13 @@ DATA, PICTURE = ".json", ".png"  # beside the page
 
 
 def validate(
-    rows: Path | None = None, /, *, only: tuple[str, ...] = (), out: Path | None = None, json: Json = False
+    rows: Path | None = None,
+    /,
+    *,
+    only: tuple[str, ...] = (),
+    out: Path | None = None,
+    jobs: Jobs = None,
+    json: Json = False,
 ) -> int:
     """Compare with data from outside: manuals, standards, other programs, closed forms; a verdict for each.
 
@@ -28,6 +34,7 @@ def validate(
     """
     from rps_exudyn.charts.style import save
     from rps_exudyn.results.provenance import provenance
+    from rps_exudyn.simulate.cases.run_cases import checked_jobs
     from rps_exudyn.validation.comparison import compare_rows
     from rps_exudyn.validation.page import validation_figure, validation_page
     from rps_exudyn.validation.row import SHIPPED, read_rows
@@ -39,7 +46,11 @@ def validate(
     out = check_writable(out or Path("validation.html"), (".html",))
     chosen = [row for row in found if not only or row.name in only]
     with shown_progress() as show:
-        comparisons = list(compare_rows(chosen, lambda title: show(f"running: {title}", None)))
+
+        def report(done: int, of: int) -> None:
+            show(f"procedure {done} of {of}", done / of)
+
+        comparisons = compare_rows(chosen, report, checked_jobs(jobs))
     content = {"origin": provenance(), "rows": [each.as_dict() for each in comparisons]}
     files: list[Path] = []
     with naming(files):

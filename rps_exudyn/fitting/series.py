@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import read_json_tables, write_json
+from rps_exudyn.base.files import content_of, read_json_tables, write_json
 from rps_exudyn.fitting.problem import Problem, State
 
 WHAT = "rps_exudyn fit, for the next gear of the series"
@@ -75,10 +75,9 @@ def read_series(path: str | Path) -> Series:
     Raises:
         InputError: it cannot be read, or is none.
     """
+    written = content_of(path)
     try:
-        content = read_json_tables(Path(path).read_text(encoding="utf-8"), "it")
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}.") from None
+        content = read_json_tables(written.decode("utf-8"), "it")
     except ValueError:
         content = {}
     if set(content) != _KEYS or content["what"] != WHAT:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.units import short
+from rps_exudyn.base.files import content_of
 from rps_exudyn.measured.bench_units import is_never_unit, is_unit
 from rps_exudyn.measured.numbers import as_number, is_missing, pattern
 
@@ -248,11 +248,7 @@ def read_text(path: str | Path) -> tuple[str, str]:
     Raises:
         InputError: the file cannot be read, or is no text.
     """
-    try:
-        content = Path(path).read_bytes()
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{short(str(path))} cannot be read: {reason}.") from None
+    content = content_of(path)
     for begin, what in _OTHER_FILES.items():
         if content.startswith(begin):
             raise InputError(f"{path} is {what}.")

@@ -27,6 +27,7 @@ from pydantic_core.core_schema import no_info_before_validator_function
 
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import content_of
 from rps_exudyn.parameters.distribution import Distribution, is_distribution
 from rps_exudyn.parameters.wrong_values import ConflictError, Problem, nearest, problems_of
 
@@ -307,10 +308,9 @@ def read_toml(path: str | Path) -> dict[str, Any]:
     """
     import tomllib
 
+    content = content_of(path)
     try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))  # spreadsheets begin with a mark
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}.") from None
+        return tomllib.loads(content.decode("utf-8-sig"))  # spreadsheets begin with a mark
     except UnicodeDecodeError:
         raise InputError(f"{path} is not a TOML file: it is not UTF-8 text.") from None
     except (ValueError, RecursionError) as error:  # no TOML, a number too long, or nested too deep

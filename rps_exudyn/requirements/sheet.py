@@ -71,7 +71,8 @@ def judge(
     limits: Mapping[str, Limit],
     rated_torque: float = RATED_TORQUE,
     samples: int = 48,
-    told: Callable[[str], None] | None = None,
+    on_progress: Callable[[str], None] | None = None,
+    jobs: int = 1,
 ) -> Iterator[Judged]:
     """Yield every requirement of the gear, in the order of `limits.REQUIRED`.
 
@@ -81,19 +82,20 @@ def judge(
         limits: name -> limit.
         rated_torque: on the pinion [N m].
         samples: of each band.
-        told: what is computed next.
+        on_progress: called with what is computed next.
+        jobs: number of processes, for bands that are worth them.
 
     Raises:
         InputError: a rated torque that is none.
     """
     if not rated_torque > 0:
         raise InputError(f"the rated torque is {rated_torque:g} N m; it must be more than 0 N m.")
-    tell = told or (lambda text: None)
-    tell("free torque and its variation")
-    yield from _of_turning(gear, inputs, limits, samples)
-    tell("efficiencies")
-    yield _row("efficiency_ratio", limits, partial(_of_efficiency, gear, inputs, limits, samples))
-    tell(f"teeth and lift under {rated_torque:g} N m")
+    report = on_progress or (lambda text: None)
+    report("free torque and its variation")
+    yield from _of_turning(gear, inputs, limits, samples, jobs)
+    report("efficiencies")
+    yield _row("efficiency_ratio", limits, partial(_of_efficiency, gear, inputs, limits, samples, jobs))
+    report(f"teeth and lift under {rated_torque:g} N m")
     pair = GearPair.of(gear)
     stresses: dict[str, Callable[[], float]] = {
         "rated_root_pinion": partial(root_stress, gear, pinion_form(pair), rated_torque),
@@ -102,7 +104,7 @@ def judge(
     }
     for name, stress in stresses.items():
         yield _row(name, limits, partial(_of_teeth, name, stress, limits))
-    yield _row("rated_lift", limits, partial(_of_lift, gear, inputs, limits, rated_torque, samples))
+    yield _row("rated_lift", limits, partial(_of_lift, gear, inputs, limits, rated_torque, samples, jobs))
     yield _exact("travel", 2 * RackBar.of(gear).largest_displacement, limits)
     yield _exact("gain", 2 * np.pi * float(pair.gain), limits)
 
@@ -121,7 +123,11 @@ def _not_evaluated(name: str, limits: Mapping[str, Limit], error: InputError) ->
 
 
 def _of_turning(
-    gear: SteeringGear, inputs: Mapping[str, Distribution], limits: Mapping[str, Limit], samples: int
+    gear: SteeringGear,
+    inputs: Mapping[str, Distribution],
+    limits: Mapping[str, Limit],
+    samples: int,
+    jobs: int,
 ) -> Iterator[Judged]:
     """Torques over a turn about the centre; lock to lock where the torque changes along the travel."""
     path: dict[str, object] = {"test.path": "lock-to-lock"}
@@ -129,7 +135,7 @@ def _of_turning(
         start = -np.pi * gear.test.direction
         path = {"test.path": "there-and-back", "test.start_angle": start, "test.turns": 1.0}
     try:
-        band = quick_band(gear.replace(path), FOR_MEANS, inputs, samples)
+        band = quick_band(gear.replace(path), FOR_MEANS, inputs, samples, jobs=jobs)
     except InputError as error:
         yield from (_not_evaluated(name, limits, error) for name in TURNING)
         return
@@ -138,10 +144,14 @@ def _of_turning(
 
 
 def _of_efficiency(
-    gear: SteeringGear, inputs: Mapping[str, Distribution], limits: Mapping[str, Limit], samples: int
+    gear: SteeringGear,
+    inputs: Mapping[str, Distribution],
+    limits: Mapping[str, Limit],
+    samples: int,
+    jobs: int,
 ) -> Judged:
     short = gear.replace({"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth})
-    band = band_of_runs(LOAD_TEST.name, short, FOR_MEANS, inputs, max(samples // 2, 8))
+    band = band_of_runs(LOAD_TEST.name, short, FOR_MEANS, inputs, max(samples // 2, 8), jobs=jobs)
     judged = _from_band("efficiency_ratio", "efficiency_ratio", band, limits)
     weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 - (T_0 / W s')^2"
     if judged.kept:
@@ -161,9 +171,10 @@ def _of_lift(
     limits: Mapping[str, Limit],
     rated_torque: float,
     samples: int,
+    jobs: int,
 ) -> Judged:
     lifting = gear.replace({"test.lift_torque": rated_torque})
-    lift = band_of_runs(RACK_LIFT.name, lifting, FOR_MEANS, inputs, max(samples // 2, 8))
+    lift = band_of_runs(RACK_LIFT.name, lifting, FOR_MEANS, inputs, max(samples // 2, 8), jobs=jobs)
     return _from_band("rated_lift", "rack_lift", lift, limits)
 
 

@@ -9,7 +9,7 @@ docs/hdf5-format.md describes the file. A case in it is the same result as in a 
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -44,6 +44,26 @@ TIMES = ("cpu_s", "wall_s")
 FILTERS: dict[str, Any] = {"fletcher32": True, "shuffle": True, "compression": "gzip", "compression_opts": 1}
 
 
+@dataclass(frozen=True)
+class Keep:
+    """Selection of what a study stores besides numbers: names of signals, thinned to at most `samples`."""
+
+    signals: tuple[str, ...] | None = None  # None: all of them; (): none
+    samples: int | None = None  # None: every one
+
+    def of(self, result: Result) -> Result:
+        """Return the result with only the signals to be kept, thinned evenly; first and last value stay."""
+        if self.signals == () or not result.signals:
+            return replace(result, signals={})
+        names = self.signals or tuple(result.signals)
+        signals = {name: result.signals[name] for name in names if name in result.signals}
+        length = len(result.signals["time"])
+        if self.samples and length > self.samples:
+            chosen = np.unique(np.linspace(0, length - 1, self.samples).round().astype(int))
+            signals = {name: values[chosen] for name, values in signals.items()}
+        return replace(result, signals=signals)
+
+
 @dataclass(frozen=True, eq=False)
 class CaseRecord:
     """A result taken apart: what a process hands over, and a block holds."""
@@ -60,21 +80,40 @@ class CaseRecord:
         tables = {group: dict(getattr(result, group)) for group in TABLES}
         return cls(case_hash, attributes, tables, result.signals)
 
-    def to_bytes(self) -> bytes:
-        """A line of JSON, and the signals' numbers behind it."""
-        names, values = list(self.signals), [np.asarray(each, dtype="<f8") for each in self.signals.values()]
-        head = {"hash": self.hash, "attributes": self.attributes, "tables": self.tables, "signals": names}
-        return b"\n".join([json.dumps(head).encode(), b"".join(each.tobytes() for each in values)])
+    @property
+    def codes(self) -> tuple[str, ...]:
+        """What the message is about."""
+        return codes_of(self.attributes["message"], self.attributes.get("codes"))
 
-    @classmethod
-    def from_bytes(cls, content: bytes) -> "CaseRecord":
-        """The record in its bytes."""
-        line, _, numbers = content.partition(b"\n")
-        head = json.loads(line)
-        names = head["signals"]
-        values = np.frombuffer(numbers, dtype="<f8").reshape(len(names), -1) if names else np.empty((0, 0))
-        signals = dict(zip(names, values, strict=True))
-        return cls(head["hash"], head["attributes"], head["tables"], signals)
+    @property
+    def found_together(self) -> bool:
+        """Whether the gear was followed together with others."""
+        return "together" in json.loads(self.attributes["findings"])
+
+    def result(self, where: str = "") -> Result:
+        """The whole result; `where` stands for it in messages.
+
+        Raises:
+            InputError: its parameters are wrong.
+        """
+        about = self.attributes
+        return Result(
+            scene=about["scene"],
+            gear=SteeringGear.from_tables(json.loads(about["parameters"]), where=where),
+            fidelity=json.loads(about["fidelity"]),
+            solver=json.loads(about["solver"]),
+            findings=json.loads(about["findings"]),
+            status=Status(about["status"]),
+            message=about["message"],
+            codes=self.codes,
+            signals=self.signals,
+            summary=self.tables["summary"],
+            counters=self.tables["counters"],
+            geometry=self.tables["geometry"],
+            cpu_s=about["cpu_s"],
+            wall_s=about["wall_s"],
+            provenance={name: about[name] for name in origin.FIELDS},
+        )
 
 
 def packed(records: Sequence[CaseRecord]) -> bytes:
@@ -172,26 +211,11 @@ class Block:
     def result(self, case_hash: str) -> Result:
         """The whole result of a case."""
         row = self.places[case_hash]
-        return Result(
-            scene=self.text("scene", row),
-            gear=SteeringGear.from_tables(json.loads(self.text("parameters", row)), where=str(self.path)),
-            fidelity=json.loads(self.text("fidelity", row)),
-            solver=json.loads(self.text("solver", row)),
-            findings=json.loads(self.text("findings", row)),
-            status=Status(self.text("status", row)),
-            message=self.text("message", row),
-            codes=codes_of(
-                self.text("message", row),
-                self.text("codes", row) if "codes" in self.columns["attributes"] else None,
-            ),
-            signals=self.signals(case_hash),
-            summary=self.table("summary", row),
-            counters=self.table("counters", row),
-            geometry=self.table("geometry", row),
-            cpu_s=self.number("cpu_s", row),
-            wall_s=self.number("wall_s", row),
-            provenance={name: self.text(name, row) for name in origin.FIELDS},
-        )
+        known = self.columns["attributes"]
+        texts = {name: self.text(name, row) for name in TEXTS if name in known}
+        times = {name: self.number(name, row) for name in TIMES}
+        tables = {group: self.table(group, row) for group in TABLES}
+        return CaseRecord(case_hash, texts | times, tables, self.signals(case_hash)).result(str(self.path))
 
 
 class _Always:

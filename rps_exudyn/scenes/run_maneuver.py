@@ -35,7 +35,7 @@ from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined, outcome_of_pa
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.drive import Drive, SetOff, Steady, Swing
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
-from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
+from rps_exudyn.solvers.gear_forces import following_inertia, gear_forces
 from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
 from rps_exudyn.solvers.record_of_column import behind_column, under_torque
 from rps_exudyn.solvers.settled_start import settled_behind, settled_path
@@ -255,8 +255,17 @@ def _along_equilibria(
     forces, drive = gear_forces(gear, fidelity, maneuver.rack_load), maneuver.drive
     column = SteeringColumn.of(gear) if drive.body == "wheel" else None
     start, interrupted = process_time(), False
+    pair, approach, time = GearPair.of(gear), maneuver.approach, maneuver.time
+    inertia = (0.0, 0.0) if isinstance(drive, Steady) else following_inertia(gear)
+    balance = forces.statics.with_(inertia=inertia)
     try:
-        path = _followed(gear, fidelity, maneuver, forces, column)
+        if column is None:
+            path = settled_path(balance, pair, drive, approach, time)
+        else:
+            path = settled_behind(balance, pair, drive, column, approach)
+            if path.converged:
+                behind = BehindColumn("pinion", drive, column)
+                path = equilibrium_path(balance, pair, behind, time, path, column)
     except PathInterrupted as interrupt:
         path, interrupted = interrupt.path, True
     outcome = outcome_of_path(path, process_time() - start)
@@ -284,25 +293,6 @@ def _seen_from_wheel(record: Record, column: SteeringColumn, drive: Drive, angle
     if not isinstance(drive, WheelTorque):
         return behind_column(record, column, drive)
     return under_torque(record, column, drive, angle)
-
-
-def _followed(
-    gear: SteeringGear,
-    fidelity: Fidelity,
-    maneuver: Maneuver,
-    forces: GearForces,
-    column: SteeringColumn | None,
-) -> EquilibriumPath:
-    """The equilibria along a maneuver."""
-    drive, pair = maneuver.drive, GearPair.of(gear)
-    inertia = (0.0, 0.0) if isinstance(drive, Steady) else following_inertia(gear)
-    balance, approach, time = forces.statics.with_(inertia=inertia), maneuver.approach, maneuver.time
-    if column is not None:
-        led = settled_behind(balance, pair, drive, column, approach)
-        if not led.converged:
-            return led
-        return equilibrium_path(balance, pair, BehindColumn("pinion", drive, column), time, led, column)
-    return settled_path(balance, pair, drive, approach, time)
 
 
 # --- common ----------------------------------------------------------------------------------------

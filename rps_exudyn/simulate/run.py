@@ -5,7 +5,7 @@
 
     plain                the plan is checked, run, and its record is checked
     robust=True          where that fails, the next safer settings (fallback.py)
-    time_limit=20.0      the same in a process that is killed after that time (isolated_run.py)
+    time_limit=20.0      the same in a process that is killed after that time (isolated_run)
     accuracy="1%"        by the cheapest model that keeps this error (by_accuracy.py, accuracy_kept.py)
 """
 
@@ -19,15 +19,15 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Listener, following
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Code, Status, each_once
+from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.accuracy_kept import Wanted, kept_by
 from rps_exudyn.simulate.by_accuracy import Choice, beyond_in_run, choose, percent
+from rps_exudyn.simulate.cases.run_cases import Task
+from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.checked_run import run_checked
 from rps_exudyn.simulate.fallback import run_with_fallback
-from rps_exudyn.simulate.isolated_run import isolated_run
-from rps_exudyn.simulate.time_limit import TimeLimit
 
 
 def run(
@@ -103,6 +103,37 @@ def simulate(
     if robust:
         return run_with_fallback(scene, gear, chosen)
     return run_checked(scene, gear, chosen)
+
+
+def isolated_run(
+    scene: str, gear: SteeringGear, fidelity: Fidelity, limit: TimeLimit, *, robust: bool = False
+) -> Result:
+    """Simulate in another process until the limit is over: loading, compiling and settling count.
+
+    The outcome is `timeout` if the time was over, with what was recorded until then; `crashed` if the process
+    ended otherwise. Exudyn's own limit ends with a success flag, and some of its solvers never look at it.
+
+    Raises:
+        InputError: a gear or test that cannot exist.
+        Interrupted: Ctrl-C; it carries what was recorded.
+    """
+    from rps_exudyn.simulate.cases.processes import Processes
+
+    run = Task(partial(simulate, scene, gear, fidelity, robust=robust), begun=limit.begun)
+    with Processes(1, limit.seconds) as processes:
+        try:
+            ((_, answer),) = processes.run(iter([run]))
+        except KeyboardInterrupt:
+            for _, answer in processes.interrupted():
+                if answer.recorded is not None and answer.recorded.signals:
+                    raise Interrupted(answer.recorded) from None
+            raise
+    if isinstance(answer.error, InputError):
+        raise answer.error
+    if answer.value is None:
+        return answer.failure(scene, gear, fidelity)
+    result: Result = answer.value
+    return result
 
 
 def _by_accuracy(

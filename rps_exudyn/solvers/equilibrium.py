@@ -198,7 +198,8 @@ def equilibrium_path(
     following = _Following.of(balance, pair, drive, np.asarray(time, dtype=float), led, column)
     interrupted = False
     try:
-        following.to_the_end()
+        while not following.whole and (following.advance() or following.whole or following.rescued()):
+            pass
     except KeyboardInterrupt:
         interrupted, following.found = True, max(following.found, following.rows.filled)
         if following.found < 2:
@@ -277,11 +278,6 @@ class _Following:
     def whole(self) -> bool:
         """Tell whether all instants are found."""
         return self.found == len(self.rows.time)
-
-    def to_the_end(self) -> None:
-        """Find what can be found."""
-        while not self.whole and (self.advance() or self.whole or self.rescued()):
-            pass
 
     def advance(self) -> bool:
         """Follow one piece of the path; tell whether all of it was found."""

@@ -1,7 +1,7 @@
-"""The folder of a large study's blocks: DIR/blocks/00000.h5, each with up to `CASES` cases.
+"""The folder of a study's blocks: DIR/blocks/00000.h5, each with up to `CASES` cases.
 
-A block is written whole: when it is full, when the runner ends, and every `SECONDS` until then, in its own
-place. A runner that is killed loses no more than the cases since. Where a case stands in several blocks, the
+A block is written whole: when it is full, when the runner ends, and often until then, in its own place. A
+runner that is killed loses no more than the cases since. Where a case stands in several blocks, the
 last one counts.
 """
 
@@ -18,6 +18,7 @@ from rps_exudyn.results.result import Result, read_result
 CASES = 512  # in a block: 1e5 cases are 196 files
 IN_MEMORY = 4  # blocks read whole
 SECONDS = 5.0  # of work that may be lost, where a block is not full before
+SHARE = 0.05  # of the time that writing takes at most: while that is quick, less work may be lost
 
 
 class Blocks:
@@ -28,7 +29,8 @@ class Blocks:
         self._cases = cases
         self._waiting: dict[str, CaseRecord] = {}
         self._filling: Path | None = None  # where those that wait have been written already
-        self._written = monotonic()
+        self._written = float("-inf")
+        self._took = 0.0  # to write [s]
         self._homes: dict[str, Path] = {}
         self._seen = 0  # when the folder had changed, as far as `_homes` knows
         self._read: OrderedDict[tuple[Path, int, int, int], Block] = OrderedDict()
@@ -51,7 +53,7 @@ class Blocks:
         """
         self._waiting[record.hash] = record
         full = len(self._waiting) >= self._cases
-        if full or monotonic() - self._written > SECONDS:
+        if full or monotonic() - self._written > min(SECONDS, self._took / SHARE):
             self.flush()
         if full:
             self._waiting.clear()
@@ -68,9 +70,11 @@ class Blocks:
         if self._filling is None:
             last = max((int(path.stem) for path in self._numbered()), default=-1)
             self._filling = self.folder / f"{last + 1:05d}.h5"
+        begun = monotonic()
         with replacing(self._filling) as partial:
             partial.write_bytes(packed(list(self._waiting.values())))
         self._written, self._seen = monotonic(), 0
+        self._took = self._written - begun
 
     def _numbered(self) -> list[Path]:
         """All files whose names are taken, also those set aside."""

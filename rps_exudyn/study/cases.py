@@ -12,12 +12,10 @@ from rps_exudyn.base.progress import reached
 from rps_exudyn.parameters.declaration import Table
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import Setup, SteeringGear
+from rps_exudyn.results.provenance import MODEL_VERSION
 from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import GRID_DESIGN, Case, Description, settings_of
 from rps_exudyn.study.designs import points, points_per_sample
-
-MODEL_VERSION = 1
-"""To be raised when the same parameters give other numbers: finished cases are then done anew."""
 
 MOST_CASES = 1_000_000
 MOST_PROBLEMS = 10  # reported at once

@@ -26,7 +26,7 @@ from xarray.core.indexing import (
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.hdf5 import opened
-from rps_exudyn.results.case_file import Keep
+from rps_exudyn.results.block import Keep
 from rps_exudyn.results.quantities import SIGNALS, Quantity
 from rps_exudyn.results.result import FILETYPE, VERSION
 from rps_exudyn.study.blocks import blocks_beside

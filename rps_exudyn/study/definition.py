@@ -8,7 +8,7 @@ from typing import Any
 
 from rps_exudyn.parameters.derived import is_involved, with_values
 from rps_exudyn.parameters.gear import Setup
-from rps_exudyn.results.case_file import Keep
+from rps_exudyn.results.block import Keep
 from rps_exudyn.study.description import Axis
 
 FIDELITY = "fidelity."

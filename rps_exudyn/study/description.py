@@ -14,8 +14,9 @@ from typing import Annotated, Any
 from pydantic import Field, TypeAdapter, ValidationError
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import content_of
 from rps_exudyn.base.hdf5 import check_version
-from rps_exudyn.results.case_file import Keep
+from rps_exudyn.results.block import Keep
 
 FILETYPE = "rps_exudyn-study"
 VERSION = (1, 1)
@@ -113,12 +114,10 @@ class Description:
             InputError: no such file, not a study, damaged, or of another format version.
         """
         try:
-            text = path.read_bytes().decode("utf-8")
+            text = content_of(path).decode("utf-8")
             content = json.loads(text)
-        except OSError as error:
-            raise InputError(
-                f"{path.parent} is no study's folder: {error.strerror or error}: {path.name}."
-            ) from None
+        except InputError as error:
+            raise InputError(f"{path.parent} is no study's folder: {error}") from None
         except (ValueError, RecursionError) as error:
             raise InputError(f"{path} is damaged: {error}.") from None
         if not isinstance(content, dict) or content.get("filetype") != FILETYPE:

@@ -1,4 +1,4 @@
-"""Cases handed to those who do them: in groups where many gears go through `batch` at once, else singly.
+"""Cases handed to an executor: in groups where many gears go through `batch` at once, else singly.
 
 A group is sized by what its predecessors took, so that it ends in some seconds and the last ones are small.
 One that does not answer, because its process died or its time was over, is done again case by case: then each
@@ -6,126 +6,154 @@ has a time limit of its own, and what is wrong with one of them harms no other.
 """
 
 from collections import deque
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
-from rps_exudyn.simulate.processes import Done, Task
-from rps_exudyn.study.definition import Study
-from rps_exudyn.study.description import Case, settings_of
-from rps_exudyn.study.store import Store
-from rps_exudyn.study.ways import ways_of
+import numpy as np
 
-SECONDS = 2.0  # of work in a group
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.block import CaseRecord
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.simulate.cases.case_group import CaseGroup
+from rps_exudyn.simulate.cases.run_cases import Answer, Executor, Task
+from rps_exudyn.simulate.together import UNSUPPORTED, can_exist, fewest, unsupported_reason
+from rps_exudyn.study.definition import FIDELITY, Study
+from rps_exudyn.study.description import Case, Description, settings_of
+
+FEWEST = 64  # missing cases, from which groups pay
+QUANTILES = 65  # of a parameter's values, which say how it varies
 LARGEST = 1024  # cases of a group
 SMALLEST, SHARES = 8, 4  # least cases of a group; and of what is left, for each worker, one share is the most
 SMALLEST_TOGETHER, SHARES_TOGETHER = 256, 2  # each group of gears begins by following some to learn from
 OF_LIMIT = 4  # groups that fit into one case's time limit: a group has no more time than a case
 
 
+@dataclass(frozen=True)
+class Dispatch:
+    """How the missing cases of a study are done.
+
+    Attributes:
+        grouped: in groups, by `batch`; else singly.
+        ranges: path -> over what it varies in the whole design; None where no gears are followed together.
+            All groups are given the same, so that a case ends the same in whichever group it is.
+        single_run_reason: why none are followed together; "" if they are, or for so few cases or such a
+            model that they are done singly.
+    """
+
+    grouped: bool
+    ranges: Mapping[str, list[float]] | None = field(default=None)
+    single_run_reason: str = ""
+
+
+def dispatch_of(study: Study, description: Description, missing: int) -> Dispatch:
+    """Return how so many missing cases of a design are done."""
+    if not in_groups(study, description, missing):
+        return Dispatch(False)
+    gear, fidelity, scene = study.base.steering_gear, study.base.fidelity, description.scene
+    if reason := unsupported_reason(scene, gear, fidelity, {}):
+        return Dispatch(True, single_run_reason=reason)
+    settings = [settings_of(study.axes, case.values) for case in description.cases]
+    table = {path: np.array([each[path] for each in settings]) for path in settings[0]}
+    if reason := unsupported_reason(scene, gear, fidelity, table):
+        return Dispatch(True, single_run_reason=reason)
+    ranges = {path: _allowed(gear, fidelity, path, values) for path, values in table.items()}
+    if not all(ranges.values()) or len(settings) < fewest(table):
+        return Dispatch(True, single_run_reason=UNSUPPORTED["few"])
+    return Dispatch(True, ranges)
+
+
+def _allowed(gear: SteeringGear, fidelity: Fidelity, path: str, values: np.ndarray) -> list[float]:
+    """Quantiles of a parameter's values, without those at the ends that no gear can have."""
+    some = deque(np.unique(np.quantile(values, np.linspace(0, 1, QUANTILES))).tolist())
+    while some and not can_exist(gear, fidelity, {path: some[0]}):
+        some.popleft()
+    while some and not can_exist(gear, fidelity, {path: some[-1]}):
+        some.pop()
+    return list(some)
+
+
+def in_groups(study: Study, description: Description, cases: int) -> bool:
+    """Tell whether cases go through `batch`: many of one model, each of them steady and cheap."""
+    paths = [path for axis in study.axes for path in (*axis.paths, *axis.along)]
+    model = study.base.fidelity
+    return (
+        cases >= FEWEST
+        and scene_named(description.scene).steady
+        and model.solver in ("equilibrium", "closed-form")
+        and model.mesh != "general-contact"
+        and not any(path.startswith(FIDELITY) for path in paths)
+    )
+
+
 class Handover(Iterator[Task]):
-    """Yields tasks, also after it has ended, where an answer brought new ones."""
+    """Yields tasks, also after it has ended, where an answer brought new ones.
+
+    Attributes:
+        single_run_reason: see `Dispatch`.
+        through_batch: number of cases that were answered in groups; all others were done singly.
+        in_loop: number of those that were followed together.
+    """
 
     def __init__(
-        self,
-        study: Study,
-        store: Store,
-        missing: Sequence[Case],
-        form: str,
-        workers: int = 2,
-        seconds: float = SECONDS,
+        self, study: Study, description: Description, missing: Sequence[Case], executor: Executor
     ) -> None:
-        """Prepare to hand over the missing cases.
-
-        Args:
-            study: what they belong to.
-            store: its folder.
-            missing: the cases.
-            form: what becomes of a result: a "file", or what comes back: the file's "content", or a "record".
-            workers: how many do them at the same time.
-            seconds: of work in a group.
-        """
-        self._study, self._store, self._form = study, store, form
-        self._cases = {case.hash: case for case in missing}
-        self._alone: deque[Case] = deque()
+        """Prepare to hand over the missing cases."""
+        self._study, self._description = study, description
+        self._given: dict[Task, list[Case]] = {}
+        self._singly: deque[Case] = deque()
         self._left = deque(missing)
-        ways = ways_of(study, store.description, len(missing))
-        self._grouped, self._ranges = ways.grouped, ways.ranges
-        self.alone = ways.alone
-        """Why no gears are followed together; or ""."""
-        self._together = self._ranges is not None
-        self._smallest = SMALLEST_TOGETHER if self._together else SMALLEST
-        self._shares = (SHARES_TOGETHER if self._together else SHARES) * workers
-        self._seconds = min(seconds, study.time_limit / OF_LIMIT)
+        dispatch = dispatch_of(study, description, len(missing))
+        self._grouped, self._ranges = dispatch.grouped, dispatch.ranges
+        self.single_run_reason = dispatch.single_run_reason
+        together = self._ranges is not None
+        self._smallest = SMALLEST_TOGETHER if together else SMALLEST
+        self._least = self._smallest if together else 1  # fewer would be simulated one by one
+        self._shares = (SHARES_TOGETHER if together else SHARES) * executor.workers
+        self._seconds = min(executor.group_seconds, study.time_limit / OF_LIMIT)
         self._cost: float | None = None  # of a case in a group [s]
-        self.through_batch = 0
-        """Cases that were answered in groups; all others were done singly."""
-        self.in_loop = 0
-        """Those of them that were followed together."""
+        self.through_batch = self.in_loop = 0
 
     def __next__(self) -> Task:
-        if self._alone:
-            return self._single(self._alone.popleft())
+        if self._singly:
+            return self._task([self._singly.popleft()])
         if not self._left:
             raise StopIteration
-        if not self._grouped:
-            return self._single(self._left.popleft())
-        cases = [self._left.popleft() for _ in range(min(self._size, len(self._left)))]
-        return self._group(cases)
+        size = min(self._size, len(self._left)) if self._grouped else 1
+        return self._task([self._left.popleft() for _ in range(size)])
 
     @property
     def _size(self) -> int:
         if self._cost is None:
             return self._smallest
         most = min(LARGEST, max(self._smallest, len(self._left) // self._shares))
-        least = self._smallest if self._together else 1  # fewer would be simulated one by one
-        return max(least, min(most, int(self._seconds / self._cost)))
+        return max(self._least, min(most, int(self._seconds / self._cost)))
 
-    def answers(self, done: Done) -> list[tuple[Case, Done]]:
-        """Return each case of a task with its answer; a group without any is handed over again, singly."""
-        members = done.task.get("members")
-        if members is None:
-            return [(self._cases[done.task["hash"]], done)]
-        cases = [self._cases[member["hash"]] for member in members]
-        answers = done.answer.get("cases") if done.answer else None
-        if answers is None:
-            self._alone.extend(cases)
+    def _task(self, cases: list[Case]) -> Task:
+        settings = {case.hash: settings_of(self._study.axes, case.values) for case in cases}
+        ranges = self._ranges if len(cases) > 1 else None
+        about = self._description
+        group = CaseGroup(about.scene, self._study.base, settings, about.signals, ranges)
+        task = Task(group.records, group.warm_up)
+        self._given[task] = cases
+        return task
+
+    def records(self, task: Task, answer: Answer) -> list[tuple[Case, CaseRecord]]:
+        """Return each case of a task with its record; a group without any is handed over again, singly."""
+        cases = self._given.pop(task)
+        records: list[CaseRecord] | None = answer.value
+        if len(cases) == 1:
+            return [(cases[0], self._failure(cases[0], answer) if records is None else records[0])]
+        if records is None:
+            self._singly.extend(cases)
             return []
-        cost = done.wall_s / len(cases)
+        cost = answer.wall_s / len(cases)
         self._cost = cost if self._cost is None else (self._cost + cost) / 2
         self.through_batch += len(cases)
-        self.in_loop += sum(bool(answer.get("in_loop")) for answer in answers)
-        form = {"form": done.task["form"]}
-        return [
-            (case, Done({"hash": case.hash, **form}, answer))
-            for case, answer in zip(cases, answers, strict=True)
-        ]
+        self.in_loop += sum(record.found_together for record in records)
+        return list(zip(cases, records, strict=True))
 
-    def _common(self) -> dict[str, Any]:
-        description = self._store.description
-        return {"scene": description.scene, "keep": asdict(description.signals), "form": self._form}
-
-    def _path(self, case: Case) -> str | None:
-        return str(self._store.path_of(case.hash).resolve()) if self._form == "file" else None
-
-    def _single(self, case: Case) -> Task:
-        gear = self._study.tables_of(settings_of(self._study.axes, case.values))
-        fidelity = gear.pop("fidelity")
-        about = {"hash": case.hash, "gear": gear, "fidelity": fidelity, "path": self._path(case)}
-        return self._common() | about
-
-    def _group(self, cases: Sequence[Case]) -> Task:
-        gear = self._study.tables_of({})
-        fidelity = gear.pop("fidelity")
-        members = [
-            {
-                "hash": case.hash,
-                "settings": settings_of(self._study.axes, case.values),
-                "path": self._path(case),
-            }
-            for case in cases
-        ]
-        name = f"{cases[0].hash} and {len(cases) - 1} more"
-        ranges = {} if self._ranges is None else {"ranges": self._ranges}
-        about = {"hash": name, "gear": gear, "fidelity": fidelity, "members": members}
-        return self._common() | about | ranges
+    def _failure(self, case: Case, answer: Answer) -> CaseRecord:
+        setup = self._study.setup(settings_of(self._study.axes, case.values))
+        result = answer.failure(self._description.scene, setup.steering_gear, setup.fidelity)
+        return CaseRecord.of(case.hash, self._description.signals.of(result))

@@ -1,4 +1,4 @@
-"""Running a study: each missing case is simulated and becomes a file, a line of the log, a row of the index.
+"""Running a study: each missing case is simulated and becomes a record in its folder, and a line of the log.
 
 Stopped at any instant and started again, it does what is missing. A case is missing if its file does not
 exist or cannot be read, if its process crashed (the machine may have been the cause), or if it exceeded a
@@ -7,24 +7,21 @@ time limit shorter than the present one. Other failures are properties of the ca
 
 import shlex
 import sys
-from base64 import b64decode
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import replacing
-from rps_exudyn.results.block import CaseRecord
-from rps_exudyn.results.case_file import FileForms
+from rps_exudyn.base.files import content_of, replacing
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.provenance import provenance
-from rps_exudyn.simulate.isolated_run import result_of_ended_process
-from rps_exudyn.simulate.processes import Done, Run
-from rps_exudyn.study.cases import describe, setup_of
+from rps_exudyn.simulate.cases.run_cases import Executor
+from rps_exudyn.study.cases import describe
 from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Case, Description
-from rps_exudyn.study.handover import SECONDS, Handover
+from rps_exudyn.study.handover import Handover
 from rps_exudyn.study.messages import Group, groups
 from rps_exudyn.study.progress import bar, case_line, log_lines
 from rps_exudyn.study.store import CaseRow, Store
@@ -80,101 +77,69 @@ class Tally:
     skipped: list[tuple[Path, str]]  # each with the reason
     through_batch: int = 0  # of those done now; the others were simulated singly
     in_loop: int = 0  # of those through the batch
-    alone: str = ""  # why none is, of a study whose cases go in groups
+    single_run_reason: str = ""  # why none is, of a study whose cases go in groups
 
 
-def run_study(
-    work: StudyWork, run: Run, workers_write: bool, workers: int = 2, seconds: float = SECONDS
-) -> Tally:
+class StorageError(InputError):
+    """Raised where a result could not be written, so that there is no use in going on."""
+
+
+def run_study(work: StudyWork, executor: Executor) -> Tally:
     """Simulate the missing cases.
 
-    Args:
-        work: the study in its folder.
-        run: does the tasks.
-        workers_write: whether those who do the tasks write the files, too; else they return their contents.
-        workers: how many do tasks at the same time.
-        seconds: of work that is handed over at once, where cases go in groups.
-
     Raises:
-        InputError: the folder cannot be written, or another runner is at work on it; finished cases are kept.
+        InputError: the folder cannot be written, or another runner is at work on it.
+        StorageError: a result cannot be written; finished cases are kept.
     """
     try:
-        return _run(work, run, "file" if workers_write else "content", workers, seconds)
-    except OSError as error:  # log or index
+        return _run(work, executor)
+    except OSError as error:  # the log
         raise InputError(f"{work.store.path} cannot be written: {error.strerror or error}.") from error
 
 
-def _run(work: StudyWork, run: Run, form: str, workers: int, seconds: float) -> Tally:
+def _run(work: StudyWork, executor: Executor) -> Tally:
     store = work.store
-    in_blocks = store.in_blocks(work.study.blocks)
-    store.make_folders(in_blocks)
+    store.make_folders(work.study.blocks)
     with store.locked():
         work = replace(work, missing=_missing(work.study, store))  # another runner may have worked until now
         skipped = store.skipped
         _begin(work)
-        log, forms = store.path / "study.log", FileForms()
+        log = store.path / "study.log"
         log_lines(log, [f"{len(work.missing)} of {len(work.description.hashes)} cases to be done"])
-        form = "record" if in_blocks else form
-        tasks = Handover(work.study, store, work.missing, form, workers, seconds)
+        tasks = Handover(work.study, store.description, work.missing, executor)
         try:
             with bar(len(work.missing)) as count:
-                for done in run(tasks):
-                    ended = [(case, _stored(work, case, one, forms)) for case, one in tasks.answers(done)]
-                    store.add_to_index(ended)
+                for task, answer in executor.run(tasks):
+                    ended = []
+                    for case, record in tasks.records(task, answer):
+                        with _storing():
+                            store.add(record)
+                        ended.append((case, CaseRow.of(record)))
                     log_lines(log, [case_line(work.description, *each) for each in ended])
                     count([row.status for _, row in ended])
         finally:
-            store.blocks.flush()
-        store.rebuild_index()
+            with _storing():
+                store.blocks.flush()
         store.write_description()
         rows = list(store.rows())
         statuses = Counter(row.status for _, row in rows)
-        skipped = skipped + store.skipped
-        ways = tasks.through_batch, tasks.in_loop, tasks.alone
-        return Tally(statuses, groups(rows), len(work.missing), skipped, *ways)
+        ways = tasks.through_batch, tasks.in_loop, tasks.single_run_reason
+        return Tally(statuses, groups(rows), len(work.missing), skipped + store.skipped, *ways)
+
+
+@contextmanager
+def _storing() -> Iterator[None]:
+    try:
+        yield
+    except InputError as error:
+        raise StorageError(f"A result cannot be stored: {error}") from error
 
 
 def _begin(work: StudyWork) -> None:
     """Write what the folder holds before the first case, and set files aside that cannot be used."""
     store = work.store
-    content = work.study.file.read_bytes()
+    content = content_of(work.study.file)
     with replacing(store.path / "study.toml") as partial:
         partial.write_bytes(content)
     store.write_description()
     store.set_aside()
-    store.rebuild_index()
-
-
-def _stored(work: StudyWork, case: Case, done: Done, forms: FileForms) -> CaseRow:
-    """The case's row; its file is written now, if the worker did not do it."""
-    answer = done.answer
-    if answer is None:
-        return _stored_failure(work, case, done, forms)
-    if "content" in answer:
-        content = b64decode(answer["content"])
-        if done.task["form"] == "record":
-            work.store.blocks.add(CaseRecord.from_bytes(content))
-        else:
-            work.store.save(case.hash, content)
-    return CaseRow(
-        hash=case.hash,
-        status=Status(answer["status"]),
-        message=" ".join(answer["message"].split()),
-        codes=tuple(answer["codes"]),
-        cpu_s=answer["cpu_s"],
-        wall_s=answer["wall_s"],
-        summary=answer["summary"],
-    )
-
-
-def _stored_failure(work: StudyWork, case: Case, done: Done, forms: FileForms) -> CaseRow:
-    """The row of a case whose process ended without an answer; its file is written now."""
-    setup = setup_of(work.study, case)
-    result = result_of_ended_process(
-        done, work.description.scene, setup.steering_gear, setup.fidelity, work.study.time_limit
-    )
-    if done.task["form"] == "record":
-        work.store.save_in_block(case.hash, result)
-    else:
-        work.store.save(case.hash, forms.content(result))
-    return CaseRow.of(case.hash, result)

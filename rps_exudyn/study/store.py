@@ -1,35 +1,29 @@
-"""A study's folder: its description, its finished cases, and an index that can be rebuilt.
+"""A study's folder: its description, and its finished cases.
 
-    DIR/study.toml   the study file, verbatim      DIR/cases/HASH.h5  one `Result` file per case
-    DIR/study.json   the `Description`             DIR/index.csv      one row per finished case, a cache
-    DIR/study.log    one line per finished case    DIR/blocks/        of large studies: many cases in a file
+    DIR/study.toml   the study file, verbatim      DIR/blocks/        many cases in a file
+    DIR/study.json   the `Description`             DIR/cases/HASH.h5  on request: instead a file for each case
+    DIR/study.log    one line per finished case
 
 A case's file, or block, is complete or absent. Other files in cases/ are not touched; files that cannot be
 read are listed in `Store.skipped`, and their cases count as not done.
 """
 
-import csv
-import io
 import os
 import socket
-import zlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import append, check_writable, number_existing, replacing
+from rps_exudyn.base.files import check_writable, number_existing, replacing
 from rps_exudyn.results.block import CaseRecord, summaries
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result, read_result
 from rps_exudyn.study.blocks import Blocks
 from rps_exudyn.study.description import Case, Description
 
-FIXED_COLUMNS = ("hash", "status", "message", "codes", "cpu_s", "wall_s", "bytes", "modified_ns")
-MANY = 2000  # cases, from which they are kept in blocks unless the study says otherwise
 BEGUN = {".lock", "cases", "blocks", "study.toml"}  # what a runner that was stopped at its start may leave
 
 
@@ -46,12 +40,12 @@ class CaseRow:
     codes: tuple[str, ...] = ()  # of the message, see `outcome.Code`
 
     @classmethod
-    def of(cls, case_hash: str, result: Result) -> "CaseRow":
-        """The row of a result."""
-        message = " ".join(result.message.split())
-        return cls(
-            case_hash, result.status, message, result.cpu_s, result.wall_s, dict(result.summary), result.codes
-        )
+    def of(cls, record: CaseRecord) -> "CaseRow":
+        """The row of a record."""
+        about, summary = record.attributes, dict(record.tables["summary"])
+        message = " ".join(about["message"].split())
+        times = about["cpu_s"], about["wall_s"]
+        return cls(record.hash, Status(about["status"]), message, *times, summary, record.codes)
 
 
 class Store:
@@ -61,6 +55,7 @@ class Store:
         self.path = path
         self.description = description
         self.blocks = Blocks(path / "blocks")
+        self._read: dict[tuple[str, int, int], CaseRow] = {}  # by hash, size and time of change of a file
         self.skipped: list[tuple[Path, str]] = []
         """Files in cases/ and blocks/ that cannot be used, and why; filled by `rows` and `results`."""
 
@@ -93,22 +88,16 @@ class Store:
                 number_existing(aside := path.with_suffix(".set-aside"))
                 path.replace(aside)
 
-    def in_blocks(self, asked: bool | None) -> bool:
-        """Tell whether cases go to blocks: as the folder was begun, else as asked, else by their number."""
-        if self.blocks.exist:
-            return True
-        if next((self.path / "cases").glob("*.h5"), None) is not None:
-            return False
-        return len(self.description.hashes) >= MANY if asked is None else asked
-
-    def make_folders(self, in_blocks: bool = False) -> None:
-        """Make the folder and its cases/, or blocks/.
+    def make_folders(self, blocks: bool | None = None) -> None:
+        """Make the folder and its blocks/; or its cases/, if it was begun so, or if blocks are not wanted.
 
         Raises:
             InputError: they cannot be made or written to.
         """
+        in_files = blocks is False or next((self.path / "cases").glob("*.h5"), None) is not None
+        folder = self.path / ("cases" if in_files and not self.blocks.exist else "blocks")
         try:
-            (folder := self.path / ("blocks" if in_blocks else "cases")).mkdir(parents=True, exist_ok=True)
+            folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"{self.path} cannot be written: {error.strerror or error}.") from None
         check_writable(folder / "any.h5")
@@ -138,34 +127,26 @@ class Store:
         self._check_content(path, case, result)
         return result
 
-    def save(self, case_hash: str, content: bytes) -> None:
-        """Write the case's file from its bytes.
+    def add(self, record: CaseRecord) -> None:
+        """Write a case's file, or add the case to the next block.
 
         Raises:
-            InputError: it cannot be written.
+            InputError: the file, or the block that is full, cannot be written.
         """
-        with replacing(self.path_of(case_hash)) as partial:
-            partial.write_bytes(content)
-
-    def save_in_block(self, case_hash: str, result: Result) -> None:
-        """Add a result to the next block.
-
-        Raises:
-            InputError: the block is full and cannot be written.
-        """
-        self.blocks.add(CaseRecord.of(case_hash, result))
+        if self.blocks.exist:
+            self.blocks.add(record)
+        else:
+            record.result().save(self.path_of(record.hash))
 
     def rows(self) -> Iterator[tuple[Case, CaseRow]]:
-        """Every finished case once, in the order of the design, failed simulations too.
-
-        A row comes from the index if that has the file's size and time of change, else from the file.
-        """
-        index, files = self._read_index(), self._files()
-        in_blocks = self._rows_in_blocks()
+        """Every finished case once, in the order of the design, failed simulations too."""
+        files, in_blocks = self._files(), self._rows_in_blocks()
         for case in self.description.hashes.values():
             if (stamp := files.get(case.hash)) is not None:
                 with self._skipping(case):
-                    yield case, index.get((case.hash, *stamp)) or CaseRow.of(case.hash, self.result(case))
+                    if (key := (case.hash, *stamp)) not in self._read:
+                        self._read[key] = CaseRow.of(CaseRecord.of(case.hash, self.result(case)))
+                    yield case, self._read[key]
             elif case.hash in in_blocks:
                 yield case, in_blocks[case.hash]
 
@@ -217,51 +198,6 @@ class Store:
             if found != value:
                 raise InputError(f"{path} holds another case: {parameter} is {found}, not {value}.")
 
-    # --- index ---------------------------------------------------------------------------------
-
-    @property
-    def _columns(self) -> list[str]:
-        axes = [axis.name for axis in self.description.axes]
-        return [*FIXED_COLUMNS[:1], *axes, *FIXED_COLUMNS[1:], *SUMMARY, "check"]
-
-    def rebuild_index(self) -> None:
-        """Write index.csv anew from cases/, and from itself where its rows still hold."""
-        files = self._files()
-        rows = [(case, row) for case, row in self.rows() if case.hash in files]
-        with (
-            replacing(self.path / "index.csv") as partial,
-            partial.open("w", encoding="utf-8", newline="") as file,
-        ):
-            csv.writer(file).writerow(self._columns)
-            for case, row in rows:
-                file.write(self._line(case, row))
-
-    def add_to_index(self, ended: Sequence[tuple[Case, CaseRow]]) -> None:
-        """Append the rows of cases that have files of their own; blocks are their own index."""
-        lines = [self._line(*each) for each in ended if self.path_of(each[0].hash).exists()]
-        if lines:
-            append(self.path / "index.csv", "".join(lines))
-
-    def _line(self, case: Case, row: CaseRow) -> str:
-        size, modified = _stamp(self.path_of(row.hash).stat())
-        text = io.StringIO()
-        outcome = (row.status.value, row.message, " ".join(row.codes), row.cpu_s, row.wall_s, size, modified)
-        axes = (case.values[axis.name] for axis in self.description.axes)
-        numbers = (row.summary.get(name, "") for name in SUMMARY)
-        cells = [str(cell) for cell in (row.hash, *axes, *outcome, *numbers)]
-        csv.writer(text).writerow([*cells, _checksum(cells)])
-        return text.getvalue()
-
-    def _read_index(self) -> dict[tuple[str, int, int], CaseRow]:
-        """(hash, size, time of change) -> row; lines that are torn, damaged or of other columns are left
-        out."""
-        try:
-            with (self.path / "index.csv").open(encoding="utf-8", newline="") as file:
-                header, *lines = csv.reader(file)
-        except (OSError, ValueError, csv.Error):
-            return {}
-        return dict(_indexed(lines, header)) if header == self._columns else {}
-
     # --- one runner at a time ------------------------------------------------------------------
 
     @contextmanager
@@ -293,7 +229,7 @@ class Store:
 
     def _remove_partial_files(self) -> None:
         """Remove what a killed runner left half written."""
-        for name in ("cases/.*.h5", "blocks/.*.h5", ".study.*.json", ".index.*.csv"):
+        for name in ("cases/.*.h5", "blocks/.*.h5", ".study.*.json"):
             for partial in self.path.glob(name):
                 with suppress(OSError):
                     partial.unlink()
@@ -316,30 +252,6 @@ def _try_lock(descriptor: int) -> bool:
     except OSError:
         return True
     return True
-
-
-def _indexed(
-    lines: Iterable[list[str]], columns: list[str]
-) -> Iterator[tuple[tuple[str, int, int], CaseRow]]:
-    for cells in lines:
-        if _checksum(cells[:-1]) != cells[-1]:
-            continue
-        with suppress(ValueError):
-            cell = dict(zip(columns, cells, strict=True))
-            row = CaseRow(
-                hash=cell["hash"],
-                status=Status(cell["status"]),
-                message=cell["message"],
-                codes=tuple(cell["codes"].split()),
-                cpu_s=float(cell["cpu_s"]),
-                wall_s=float(cell["wall_s"]),
-                summary={name: float(cell[name]) for name in SUMMARY if cell[name]},
-            )
-            yield (row.hash, int(cell["bytes"]), int(cell["modified_ns"])), row
-
-
-def _checksum(cells: Sequence[str]) -> str:
-    return format(zlib.crc32("\n".join(cells).encode()), "08x")
 
 
 def _stamp(stat: os.stat_result) -> tuple[int, int]:

@@ -8,7 +8,8 @@ solution, by the same gear in half the steps, and that of the contact law.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -33,8 +34,8 @@ from rps_exudyn.uncertainty.statistics import LEVELS, Contributions, Polynomials
 LEAST_OK = 8  # samples with a number, for quantiles
 FEWEST, MOST = LEAST_OK, 100_000  # samples that may be asked for
 LEFT_OUT = ("energy_residual",)  # figures that say nothing about the gear
-Told = Callable[[int, int], None]
-"""Told how many samples of how many are done."""
+OnProgress = Callable[[int, int], None]
+"""Called with the number of samples that are done, and of all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,9 +126,13 @@ def band_of_runs(
     inputs: Mapping[str, Distribution],
     samples: int,
     seed: int = 0,
-    told: Told | None = None,
+    on_progress: OnProgress | None = None,
+    jobs: int = 1,
+    time_limit: float = float("inf"),
 ) -> Band:
-    """Run the scene at `samples` points of the inputs and at their medians.
+    """Run the scene at `samples` points of the inputs, in up to `jobs` processes, and at their medians.
+
+    A sample that takes longer than the time limit [s] is one that failed.
 
     Ctrl-C ends it with the band of what is done, if that is enough for one.
 
@@ -140,7 +145,7 @@ def band_of_runs(
         raise InputError(f"the band has {samples} samples; it needs {FEWEST} to {MOST}.")
     points = Samples.drawn(inputs, samples, seed)
     nominal = nominal_result(scene, gear, fidelity, inputs)
-    done = runs_of(points, nominal, fidelity, told)
+    done = runs_of(points, nominal, fidelity, on_progress, jobs, time_limit)
     drawn, curves = done.drawn, curve_quantiles(nominal.scene, done.curves)
     return Band(
         nominal=nominal,
@@ -182,7 +187,14 @@ class Runs:
     interrupted: bool
 
 
-def runs_of(points: Samples, nominal: Result, fidelity: Fidelity, told: Told | None) -> Runs:
+def runs_of(
+    points: Samples,
+    nominal: Result,
+    fidelity: Fidelity,
+    on_progress: OnProgress | None,
+    jobs: int,
+    time_limit: float,
+) -> Runs:
     """Run the scene at all points, or until Ctrl-C.
 
     Raises:
@@ -192,41 +204,44 @@ def runs_of(points: Samples, nominal: Result, fidelity: Fidelity, told: Told | N
     names = [name for name in nominal.summary if name not in LEFT_OUT]
     seen = _Seen(nominal, fidelity, names)
     interrupted = False
-    parts = runs_at(nominal.scene, nominal.gear, fidelity, points)
-    while len(seen.rows) < len(points):
-        try:
-            seen.add(next(parts), told, len(points))
-        except KeyboardInterrupt as interrupt:
-            if seen.ok < LEAST_OK:
-                raise Interrupted(nominal) from interrupt
-            interrupted = True
-            break
+    try:
+        with closing(runs_at(nominal.scene, nominal.gear, fidelity, points, jobs, time_limit)) as parts:
+            for rows, part in parts:
+                seen.add(rows, part)
+                if on_progress is not None:
+                    on_progress(len(seen.rows), len(points))
+    except KeyboardInterrupt as interrupt:
+        if seen.ok < LEAST_OK:
+            raise Interrupted(nominal) from interrupt
+        interrupted = True
+    causes = seen.causes()
     if seen.ok < LEAST_OK:
         raise InputError(
-            f"{seen.causes.total()} of {len(seen.rows)} samples failed, too many for a band; most often "
-            f"{seen.causes.most_common(1)[0][0]}."
+            f"{causes.total()} of {len(seen.rows)} samples failed, too many for a band; most often "
+            f"{causes.most_common(1)[0][0]}."
         )
-    numbers = dict(zip(names, np.array(seen.rows).T, strict=True))
-    drawn = Drawn(points.first(len(seen.rows)), numbers, dict(seen.causes.most_common()))
-    return Runs(drawn, np.array(seen.curves) if seen.curves else None, interrupted)
+    done = sorted(seen.rows)
+    numbers = dict(zip(names, np.array([seen.rows[row] for row in done]).T, strict=True))
+    drawn = Drawn(points.some(np.array(done)), numbers, dict(causes.most_common()))
+    curves = [seen.curves[row] for row in done if row in seen.curves] if seen.curves else []
+    return Runs(drawn, np.array(curves) if curves else None, interrupted)
 
 
 @dataclass(eq=False)
 class _Seen:
-    """What the samples so far gave."""
+    """What the samples so far gave, by their numbers."""
 
     nominal: Result
     fidelity: Fidelity
     names: list[str]  # of the figures
-    rows: list[list[float]] = field(default_factory=list)
-    curves: list[np.ndarray] | None = field(default_factory=list)
-    causes: Counter[str] = field(default_factory=Counter)
-    examples: dict[tuple[str, ...], str] = field(default_factory=dict)
+    rows: dict[int, list[float]] = field(default_factory=dict)
+    curves: dict[int, np.ndarray] | None = field(default_factory=dict)
+    failures: dict[int, tuple[tuple[str, ...], str]] = field(default_factory=dict)  # kind, and cause
 
     @property
     def ok(self) -> int:
         """Samples that ended ok."""
-        return len(self.rows) - self.causes.total()
+        return len(self.rows) - len(self.failures)
 
     @cached_property
     def grid(self) -> list[np.ndarray]:
@@ -239,34 +254,39 @@ class _Seen:
             .pieces
         ]
 
-    def add(self, part: Batch, told: Told | None, count: int) -> None:
+    def causes(self) -> Counter[str]:
+        """Number of samples of each cause of failure, in the words of the first of them."""
+        causes: Counter[str] = Counter()
+        examples: dict[tuple[str, ...], str] = {}
+        for _, (kind, cause) in sorted(self.failures.items()):
+            causes[examples.setdefault(kind, cause)] += 1
+        return causes
+
+    def add(self, rows: Sequence[int], part: Batch) -> None:
         """Add some samples."""
         summary = part.summary
-        for i, (result, status, message) in enumerate(
-            zip(part.results, part.statuses, part.messages, strict=True)
-        ):
+        ended = zip(rows, part.results, part.statuses, part.messages, strict=True)
+        for i, (row, result, status, message) in enumerate(ended):
             if status is not Status.OK:
-                self.rows.append([np.nan] * len(self.names))
+                self.rows[row] = [np.nan] * len(self.names)
                 kind = alike(status, () if result is None else result.codes, message)
-                self.causes[self.examples.setdefault(kind, f"{status}: {message}")] += 1
+                self.failures[row] = kind, f"{status}: {message}"
             elif result is None:
-                self.rows.append(
-                    [float(summary[name][i]) if name in summary else np.nan for name in self.names]
-                )
+                self.rows[row] = [
+                    float(summary[name][i]) if name in summary else np.nan for name in self.names
+                ]
                 assert part.found is not None
-                self._keep(self._curve_of(part.found.signals_of(i), self.nominal.gear))
+                self._keep(row, self._curve_of(part.found.signals_of(i), self.nominal.gear))
             else:
-                self.rows.append([result.summary.get(name, np.nan) for name in self.names])
-                self._keep(self._curve_of(result.signals, result.gear))
-            if told is not None:
-                told(len(self.rows), count)
+                self.rows[row] = [result.summary.get(name, np.nan) for name in self.names]
+                self._keep(row, self._curve_of(result.signals, result.gear))
 
-    def _keep(self, curve: np.ndarray | None) -> None:
+    def _keep(self, row: int, curve: np.ndarray | None) -> None:
         """Add a curve; no sample has one as soon as one does not follow the nominal motion."""
         if curve is None:
             self.curves = None
         elif self.curves is not None:
-            self.curves.append(curve)
+            self.curves[row] = curve
 
     def _curve_of(self, signals: Signals, gear: SteeringGear) -> np.ndarray | None:
         """The curve of a run at the nominal run's times; None if its motion is another."""

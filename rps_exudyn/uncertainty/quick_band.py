@@ -19,7 +19,7 @@ from rps_exudyn.solvers.yoke_stop import stop_stiffness
 from rps_exudyn.uncertainty.band import (
     Band,
     Curves,
-    Told,
+    OnProgress,
     contributions_of,
     figure_quantiles,
     nominal_result,
@@ -73,16 +73,19 @@ def quick_band(
     inputs: Mapping[str, Distribution],
     runs: int = RUNS,
     seed: int = 0,
-    told: Told | None = None,
+    on_progress: OnProgress | None = None,
+    jobs: int = 1,
+    time_limit: float = float("inf"),
 ) -> Band:
-    """Return the band of the free pinion torque from a few runs and the closed form.
+    """Return the band of the free pinion torque from a few runs, in up to `jobs` processes, and the closed
+    form.
 
     Raises:
         InputError: a nominal gear that fails, or too few runs that end ok.
         Interrupted: Ctrl-C before there is a band.
     """
     nominal = nominal_result(SCENE, gear, fidelity, inputs)
-    done = runs_of(Samples.drawn(inputs, runs, seed), nominal, fidelity, told)
+    done = runs_of(Samples.drawn(inputs, runs, seed), nominal, fidelity, on_progress, jobs, time_limit)
     points = Samples.drawn(inputs, POINTS, seed + 1)
     formula = formula_torques(gear, points)
     at_runs = done.drawn.numbers[FIGURE] / formula_torques(gear, done.drawn.samples)

@@ -1,7 +1,8 @@
 """Draws of the uncertain inputs, and the runs of a scene at them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -10,9 +11,10 @@ from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.batch import Batch, batch
-from rps_exudyn.simulate.together import unsupported_reason
+from rps_exudyn.simulate.cases.run_cases import Task, run_cases
+from rps_exudyn.simulate.together import fewest, unsupported_reason
 
-TOGETHER, MANY = 32, 1024  # runs between which Ctrl-C loses nothing: single ones, those found together
+TOGETHER = 256  # gears that are followed together at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,9 +35,9 @@ class Samples:
     def __len__(self) -> int:
         return len(self.quantile)
 
-    def first(self, count: int) -> "Samples":
-        """Return the first points."""
-        return replace(self, quantile=self.quantile[:count])
+    def some(self, chosen: np.ndarray) -> "Samples":
+        """Return some of the points."""
+        return replace(self, quantile=self.quantile[chosen])
 
     @property
     def values(self) -> dict[str, np.ndarray]:
@@ -52,13 +54,48 @@ class Samples:
             yield dict(zip(values, row, strict=True))
 
 
-def runs_at(scene: str, gear: SteeringGear, fidelity: Fidelity, points: Samples) -> Iterator[Batch]:
-    """Yield the runs of the scene at the points, part by part, whatever their outcome; together where the
-    scene does so."""
-    values = points.values
-    singly = bool(unsupported_reason(scene, gear, fidelity, values))
+def runs_at(
+    scene: str,
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    points: Samples,
+    jobs: int = 1,
+    time_limit: float = float("inf"),
+) -> Generator[tuple[range, Batch]]:
+    """Yield the runs of the scene at the points, whatever their outcome, part by part as they end.
+
+    The numbers of a part depend neither on other parts nor on the number of processes. A part that does not
+    end is done again, run by run.
+
+    Args:
+        scene: one of `scenes.SCENE_NAMES`.
+        gear: what the runs have in common.
+        fidelity: how all are modelled.
+        points: inputs of the runs.
+        jobs: number of processes.
+        time_limit: of a run, or of a part that is followed together [s].
+
+    Returns:
+        The numbers of a part's points, and its runs.
+    """
+    values, count = points.values, len(points)
+    singly = bool(unsupported_reason(scene, gear, fidelity, values)) or count < fewest(values)
     keep: Literal["signals", "torque"] = "signals" if singly else "torque"
-    together = TOGETHER if singly else MANY
-    for begin in range(0, len(points), together):
-        part = {path: column[begin : begin + together] for path, column in values.items()}
-        yield batch(scene, gear, part, fidelity=fidelity, keep=keep)
+    size = 1 if singly else TOGETHER
+    waiting = [range(begin, min(begin + size, count)) for begin in range(0, count, size)]
+    while waiting:
+        tasks: dict[Task, range] = {}
+        for rows in waiting:
+            part = {path: column[rows.start : rows.stop] for path, column in values.items()}
+            ranges = values if len(rows) > 1 else None
+            call = partial(batch, scene, gear, part, fidelity=fidelity, keep=keep, ranges=ranges)
+            tasks[Task(call)] = rows
+        waiting = []
+        for task, answer in run_cases(list(tasks), jobs, time_limit):
+            rows = tasks[task]
+            if answer.value is not None:
+                yield rows, answer.value
+            elif len(rows) > 1:
+                waiting += [range(row, row + 1) for row in rows]
+            else:
+                yield rows, Batch((answer.failure(scene, gear, fidelity),))

@@ -1,8 +1,9 @@
 """Running rows: S, D, E, u_num, u_input, u_D and the verdict of each; equal procedures are run once."""
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,11 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.carried import carried
-from rps_exudyn.parameters.fidelity import MEAN_STEP, Fidelity
+from rps_exudyn.parameters.fidelity import FOR_MEANS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.simulate.cases.run_cases import Task, run_cases
 from rps_exudyn.simulate.run import simulate
 from rps_exudyn.uncertainty.band import Band, band_of_runs, numerical_error
 from rps_exudyn.uncertainty.input_sets import uncertain_inputs
@@ -97,25 +100,41 @@ class Comparison:
         return {name: None if value != value else value for name, value in content.items()}  # nan
 
 
-def compare_rows(rows: Sequence[Row], told: Callable[[str], None] | None = None) -> Iterator[Comparison]:
-    """Run the rows, one after the other; a run that fails makes a row that is not comparable."""
-    done: dict[str, dict[str, Simulated]] = {}
-    for row in rows:
-        key = json.dumps(vars(row.procedure), sort_keys=True, default=dict)
-        if key not in done:
-            if told is not None:
-                told(row.title)
-            done[key] = _outcome(row)
-        found = (
-            done[key].get(row.data.quantity) or done[key].get("") or _missing("the run has no such number")
-        )
-        yield Comparison(row, found)
+def compare_rows(
+    rows: Sequence[Row], on_progress: Callable[[int, int], None] | None = None, jobs: int = 1
+) -> list[Comparison]:
+    """Run the rows in up to `jobs` processes; a run that fails makes a row that is not comparable.
+
+    `on_progress` gets the number of procedures that are done, and of all.
+    """
+    keys = [json.dumps(vars(row.procedure), sort_keys=True, default=dict) for row in rows]
+    procedures = {key: row.procedure for key, row in zip(keys, rows, strict=True)}
+    dearest_first = sorted(procedures, key=lambda key: -_expected(procedures[key]))
+    tasks = {Task(partial(_outcome, procedures[key])): key for key in dearest_first}
+    found: dict[str, dict[str, Simulated]] = {}
+    for task, answer in run_cases(list(tasks), jobs, expected=sum(map(_expected, procedures.values()))):
+        found[tasks[task]] = {"": _missing(answer.ended)} if answer.ended else answer.returned()
+        if on_progress is not None:
+            on_progress(len(found), len(tasks))
+    missing = _missing("the run has no such number")
+    return [
+        Comparison(row, found[key].get(row.data.quantity) or found[key].get("") or missing)
+        for key, row in zip(keys, rows, strict=True)
+    ]
 
 
-def _outcome(row: Row) -> dict[str, Simulated]:
+def _expected(procedure: Procedure) -> float:
+    """Return about what a procedure takes [s]: gears that are followed together take less."""
+    if not procedure.scene:
+        return 0.0
+    each = 0.1 if scene_named(procedure.scene).test is None else 0.01
+    return each * (procedure.samples if procedure.inputs else 2)
+
+
+def _outcome(procedure: Procedure) -> dict[str, Simulated]:
     """Every number that the procedure gives, by quantity; "" stands for all others."""
     try:
-        return _simulated(row.procedure)
+        return _simulated(procedure)
     except InputError as error:
         return {"": _missing(" ".join(error.problems))}
 
@@ -130,7 +149,9 @@ def _simulated(procedure: Procedure) -> dict[str, Simulated]:
     if procedure.geometry:
         numbers = geometry_report(gear).numbers
         return {name: Simulated(value, 0.0, 0.0, value, value) for name, value in numbers.items()}
-    fidelity = _model(procedure.fidelity)
+    fidelity = Fidelity.preset(procedure.fidelity)
+    if fidelity.based_on == FOR_MEANS.based_on:
+        fidelity = FOR_MEANS
     if procedure.inputs:
         return _of_band(_band(procedure, gear, fidelity))
     result = simulate(procedure.scene, gear, fidelity)
@@ -141,11 +162,6 @@ def _simulated(procedure: Procedure) -> dict[str, Simulated]:
         name: Simulated(value, change.get(name, 0.0), 0.0, value, value, result.message)
         for name, value in result.summary.items()
     }
-
-
-def _model(name: str) -> Fidelity:
-    preset = Fidelity.preset(name)
-    return preset if preset.solver == "closed-form" else preset.replace({"step_angle": MEAN_STEP})
 
 
 def _band(procedure: Procedure, gear: SteeringGear, fidelity: Fidelity) -> Band:

@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 
 from made_up_study import description
-from rps_exudyn import load
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.gear import Setup
-from rps_exudyn.results.case_file import FileForms, Keep, kept
-from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.result import Result, failed
+from rps_exudyn.results.block import CaseRecord, Keep
+from rps_exudyn.results.result import Result
 from rps_exudyn.study.cases import case_hash, describe, setup_of
 from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Axis, Case, Description
@@ -68,7 +66,9 @@ def test_line_of_the_log_has_units(made_up_result: Result) -> None:
     step = Axis("step", ("fidelity.step_angle",), "", None, "sampled")
     case = Case("0" * 16, {"step": np.deg2rad(2.0)})
     described = description([], axes=(step,), cases=(case,))
-    row = dataclasses.replace(CaseRow.of(case.hash, made_up_result), message="fine", wall_s=0.5)
+    row = dataclasses.replace(
+        CaseRow.of(CaseRecord.of(case.hash, made_up_result)), message="fine", wall_s=0.5
+    )
     assert case_line(described, case, row) == f"{case.hash} ok 0.500 s step=2 ° fine"
 
 
@@ -183,36 +183,11 @@ def test_toy_has_two_values_of_each_axis(tmp_path: Path) -> None:
 
 
 def test_kept_signals_are_thinned_evenly_with_both_ends(made_up_result: Result) -> None:
-    thin = kept(made_up_result, Keep(("time", "pinion_torque"), 11))
+    thin = Keep(("time", "pinion_torque"), 11).of(made_up_result)
     assert list(thin.signals) == ["time", "pinion_torque"]
     assert np.array_equal(thin["time"], made_up_result["time"][::12])
-    assert not kept(made_up_result, Keep(())).signals
-    assert kept(made_up_result, Keep()).signals.keys() == made_up_result.signals.keys()
-
-
-def test_file_from_a_form_is_the_file_that_save_writes(made_up_result: Result, tmp_path: Path) -> None:
-    """Every dataset and attribute; also for texts longer than the form's, and other shapes."""
-    forms = FileForms()
-    other = dataclasses.replace(
-        made_up_result,
-        gear=made_up_result.gear.replace({"yoke.preload": 123.456}),
-        signals={name: values * 1.5 for name, values in made_up_result.signals.items()},
-        summary={name: -value for name, value in made_up_result.summary.items()},
-        counters={"steps": 7, "newton_iterations": 9},
-        status=Status.INVALID,
-        message="a much longer message than before: ü" * 50,
-        solver={"residual": 1.0, "list": [1, 2, 3]},
-        cpu_s=0.25,
-    )
-    shorter = kept(other, Keep(("time", "pinion_torque"), 5))
-    gone = failed("free-pinion-torque", other.gear, Setup().fidelity, Status.CRASHED, "gone", 0.0, 1.0)
-    for result in (made_up_result, other, made_up_result, shorter, gone, gone, shorter, other):
-        (tmp_path / "form.h5").write_bytes(forms.content(result))
-        result.save(tmp_path / "saved.h5")
-        assert everything(tmp_path / "form.h5") == everything(tmp_path / "saved.h5")
-        again = load(tmp_path / "form.h5")
-        assert again.summary == result.summary
-        assert again.gear == result.gear
+    assert not Keep(()).of(made_up_result).signals
+    assert Keep().of(made_up_result).signals.keys() == made_up_result.signals.keys()
 
 
 def everything(path: Path) -> dict[str, object]:

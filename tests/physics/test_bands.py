@@ -1,20 +1,24 @@
 """Bands: distributions, quantiles with their errors, contributions, and the quick band against runs."""
 
+from collections.abc import Iterator
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import pytest
 
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.carried import carried
 from rps_exudyn.parameters.distribution import KINDS, Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted
+from rps_exudyn.simulate.cases.run_cases import Answer, Task, run_cases
 from rps_exudyn.uncertainty import band as band_module
 from rps_exudyn.uncertainty.band import Band, band_of_runs
 from rps_exudyn.uncertainty.input_sets import SETS, uncertain_inputs
 from rps_exudyn.uncertainty.quick_band import quick_band
-from rps_exudyn.uncertainty.samples import TOGETHER, Samples
+from rps_exudyn.uncertainty.samples import Samples
 from rps_exudyn.uncertainty.statistics import LEVELS, contributions, quantiles
 
 FORMULA = Fidelity.preset("closed-form")
@@ -128,12 +132,12 @@ def test_interrupted_band_is_that_of_the_samples_done(monkeypatch: pytest.Monkey
                 raise KeyboardInterrupt
             yield part
 
-    real, after = band_module.runs_at, 1  # parts of samples
+    real, after = band_module.runs_at, 20  # samples
     monkeypatch.setattr(band_module, "runs_at", stopping)
     own = carried({}, {"yoke.preload": "300 N +- 30 N"})
     band = band_of_runs(TURN, SteeringGear(), FORMULA, own, samples=64)
     assert band.interrupted
-    assert len(band.drawn.samples) == TOGETHER
+    assert len(band.drawn.samples) == after
     after = 0
     with pytest.raises(Interrupted):
         band_of_runs(TURN, SteeringGear(), FORMULA, own, samples=64)
@@ -190,3 +194,39 @@ def test_solution_error_stands_beside_the_band(both: tuple[Band, Band]) -> None:
     assert 0 < quick.numerical["torque_mean"] < 1e-4 * quick.nominal.summary["torque_mean"]
     assert quick.law is not None
     assert quick.law.law == "line"
+
+
+@pytest.mark.parametrize(("scene", "count", "rounding"), [(TURN, 24, 0.0), ("rack-lift", 8, 1e-8)])
+def test_numbers_depend_neither_on_processes_nor_on_parts(
+    scene: str, count: int, rounding: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Bit for bit for gears followed together; else but for BLAS, which has one thread in processes."""
+    monkeypatch.setattr("rps_exudyn.uncertainty.samples.TOGETHER", 8)
+    monkeypatch.setattr("rps_exudyn.simulate.cases.run_cases.STARTING", -1.0)  # processes after the first
+    own = carried({}, {"yoke.preload": "uniform(200 N, 400 N)"})
+    gear = SteeringGear().replace({"test.turns": 0.2})
+    alone, shared = (band_of_runs(scene, gear, EQUILIBRIA, own, count, jobs=jobs) for jobs in (1, 2))
+    assert alone.drawn.numbers.keys() == shared.drawn.numbers.keys()
+    for name, numbers in alone.drawn.numbers.items():
+        assert shared.drawn.numbers[name] == pytest.approx(numbers, rel=rounding, abs=0, nan_ok=True)
+
+
+def test_a_sample_whose_process_ends_is_one_that_failed(monkeypatch: pytest.MonkeyPatch) -> None:
+    own, gear = carried({}, {"yoke.preload": "300 N +- 30 N"}), SteeringGear()
+    died = Answer(ended="its process was ended by SIGSEGV")
+
+    def dying(tasks: list[Task], *how: Any) -> Iterator[tuple[Task, Answer]]:
+        for number, (task, answer) in enumerate(run_cases(tasks, *how)):
+            yield task, died if number == 3 else answer
+
+    monkeypatch.setattr("rps_exudyn.uncertainty.samples.run_cases", dying)
+    band = band_of_runs(TURN, gear, FORMULA, own, samples=16)
+    assert dict(band.drawn.failures) == {"crashed: its process was ended by SIGSEGV": 1}
+    assert np.isnan(band.drawn.numbers["torque_mean"][3])
+
+
+def test_a_sample_beyond_its_time_limit_is_one_that_failed() -> None:
+    """A part that is followed together and does not end is done again, sample by sample."""
+    own, gear = carried({}, {"yoke.preload": "uniform(200 N, 400 N)"}), SteeringGear()
+    with pytest.raises(InputError, match=r"16 of 16 samples failed.*timeout: the run took"):
+        band_of_runs(TURN, gear, EQUILIBRIA, own, 16, time_limit=1e-4)

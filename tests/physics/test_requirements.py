@@ -74,7 +74,7 @@ def test_share_of_gears_is_that_below_the_limit(tmp_path: Path) -> None:
 def test_what_cannot_be_computed_is_not_evaluated(monkeypatch: pytest.MonkeyPatch) -> None:
     """A gear whose runs fail, and a root that the standard does not know: the sheet says so of each."""
 
-    def lost(*_: object) -> Band:
+    def lost(*_: object, **__: object) -> Band:
         raise InputError("this one ends contact-lost.")
 
     monkeypatch.setattr("rps_exudyn.requirements.sheet.quick_band", lost)

@@ -22,9 +22,12 @@ LOCAL = "--host 127.0.0.1 --no-dashboard"
 
 def worker(address: str, folder: Path) -> Server:
     """One that is connected."""
-    stand_in = {name: os.environ[name] for name in ("PYTHONPATH", "STAND_IN_SECONDS")}
     options = f"--nthreads 1 --local-directory {folder} {LOCAL}"
-    return Server(f"dask worker {address} {options}", folder, "Registered to:", **stand_in)
+    return Server(f"dask worker {address} {options}", folder, "Registered to:", **stand_in())
+
+
+def stand_in() -> dict[str, str]:
+    return {name: os.environ[name] for name in ("PYTHONPATH", "STAND_IN_SECONDS")}
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +38,8 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         environment = running.enter_context(pytest.MonkeyPatch.context())
         environment.setenv("PYTHONPATH", str(write_stand_in(folder)), prepend=os.pathsep)
         environment.setenv("STAND_IN_SECONDS", "0.4")
-        scheduler = Server(f"dask scheduler --port 0 {LOCAL}", folder, r"Scheduler at: *(tcp://\S+)")
+        started = f"dask scheduler --port 0 {LOCAL}"
+        scheduler = Server(started, folder, r"Scheduler at: *(tcp://\S+)", **stand_in())
         running.callback(scheduler.end)
         for _ in range(2):
             running.callback(worker(scheduler.answer[1], folder).end)
@@ -63,7 +67,7 @@ def test_lost_worker_is_replaced(command: Command, tmp_path: Path, address: str)
     started = [sys.executable, "-m", "rps_exudyn", "study", str(file), "--cluster", address]
     with subprocess.Popen(started, cwd=tmp_path, stdout=subprocess.DEVNULL) as study:
         until = time.monotonic() + 300
-        while not list((tmp_path / "s" / "cases").glob("[!.]*.h5")):
+        while not list((tmp_path / "s" / "blocks").glob("[!.]*.h5")):
             assert time.monotonic() < until
             time.sleep(0.1)
         killed = first_worker(address)
@@ -99,7 +103,7 @@ def first_worker(address: str) -> int:
 def test_missing_cluster_is_reported(
     command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rps_exudyn.study.cluster.CONNECTING", 1)
+    monkeypatch.setattr("rps_exudyn.simulate.cases.cluster.CONNECTING", 1)
     file = write_grid(tmp_path / "s.toml", 100)
     answer = command(["study", str(file), "--cluster", "tcp://127.0.0.1:9"])
     assert answer.status == 2

@@ -1,10 +1,7 @@
 """A study as Dataset, frame and table: numbers stand where their case is, failed ones are unknown."""
 
 import csv
-import dataclasses
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
@@ -13,10 +10,8 @@ import xarray
 
 import rps_exudyn as rps
 from made_up_study import description, grid_points, make_study, sampled, torque
-from rps_exudyn.results.case_file import Keep
 from rps_exudyn.results.result import Result
 from rps_exudyn.study.collected import read_table
-from rps_exudyn.study.store import Store
 from shell import Command
 
 POINTS = [{"preload": 110.0 + 7 * at, "friction": 0.1 + 0.01 * (at % 3)} for at in range(12)]
@@ -146,30 +141,3 @@ def test_large_description_fits_in_the_table(
     assert command(["collect", "s"]).status == 0
     with h5py.File(tmp_path / "s" / "table.h5") as file:
         assert len(file["study"][()]) > 65536
-
-
-def test_records_as_long_as_they_may_be_are_not_measured(made_up_result: Result, tmp_path: Path) -> None:
-    """All files but the first could be anything: a study of many cases opens as fast as one of few."""
-    keep = Keep(("time", "pinion_angle", "pinion_torque"), samples=made_up_result["time"].size)
-    kept = {name: made_up_result[name] for name in keep.signals or ()}
-    result = dataclasses.replace(made_up_result, signals=kept)
-    made = description(grid_points(), signals=keep)
-    folder = make_study(tmp_path / "s", result, made)
-    Store.open(folder).rebuild_index()
-    opened: list[str] = []
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(h5py, "File", _noting(h5py.File, opened))
-        study = rps.open_study(folder)
-    assert len(opened) == 1
-    assert study.pinion_torque.shape == (3, 2, 121)
-    np.testing.assert_allclose(study.pinion_torque[2, 1], result["pinion_torque"] - 0.6 + 0.8)
-
-
-def _noting(opening: Callable[..., Any], paths: list[str]) -> Callable[..., Any]:
-    """The same function, which adds what it opens to `paths`."""
-
-    def open_and_note(path: object, *arguments: Any) -> Any:
-        paths.append(str(path))
-        return opening(path, *arguments)
-
-    return open_and_note

@@ -18,6 +18,7 @@ import pytest
 
 import rps_exudyn as rps
 from reader import EXAMPLES, PAGES, ROOT, Printed, Server, Session, Terminal, printed_in
+from rps_exudyn.study.store import Store
 from shell import in_fresh_process
 
 ELSEWHERE = {
@@ -123,7 +124,9 @@ def lender(tmp_path_factory: pytest.TempPathFactory) -> Lender:
         table.to_csv(folder / name, header=["angle [rad]", "torque [N m]"], index=False)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
-        return Lender(folder, free.getsockname()[1], next((folder / "study" / "cases").glob("*.h5")).stem)
+        return Lender(
+            folder, free.getsockname()[1], next(iter(Store.open(folder / "study").description.hashes))
+        )
 
 
 @pytest.fixture(scope="module")

@@ -4,14 +4,13 @@ import json
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from edited import edited
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.simulate.processes import Done, Task
+from rps_exudyn.simulate.cases.run_cases import Here
 from rps_exudyn.study.designs import points
 from rps_exudyn.study.runner import StudyWork, run_study
 from rps_exudyn.study.store import Store
@@ -25,17 +24,6 @@ SHIPPED = (
 )
 
 
-def in_this_process(tasks: Iterator[Task]) -> Iterator[Done]:
-    """Without the time that starting processes takes."""
-    from rps_exudyn.simulate.case_run import CaseRunner
-
-    runner = CaseRunner()
-    for task in tasks:
-        row, content = runner.run(dict(task))
-        Path(task["path"]).write_bytes(content)
-        yield Done(task, row)
-
-
 def test_all_studies_are_shipped() -> None:
     assert {file.stem for file in STUDIES} >= set(SHIPPED.split())
 
@@ -43,7 +31,7 @@ def test_all_studies_are_shipped() -> None:
 @pytest.mark.parametrize("file", STUDIES, ids=lambda file: file.stem)
 def test_study_runs_at_toy_size(file: Path, tmp_path: Path) -> None:
     work = StudyWork.of(read_study(file).toy(), tmp_path / file.stem)
-    tally = run_study(work, in_this_process, workers_write=True)
+    tally = run_study(work, Here())
     assert tally.statuses[Status.OK] >= len(work.missing) / 2
     store = Store.open(tmp_path / file.stem)
     expected = {
@@ -77,7 +65,8 @@ def test_study_from_the_command_line_and_one_case_again(command: Command) -> Non
     answer = command(["study", str(file), "--toy", "--jobs", "1"])
     assert answer.status == 0
     assert "2 cases in preload-toy (2 ok), 2 of them done now" in answer.out
-    stored = next(Path("preload-toy", "cases").glob("*.h5"))
+    store = Store.open("preload-toy")
+    stored = store.path_of(store.description.cases[0].hash)
     again = fresh("rerun", str(stored), "--out", "again.h5")
     assert f"Every number is that of {stored}, bit for bit." in " ".join(again.split())
     assert json.loads(fresh("rerun", "again.h5", "--json"))["differing"] == {}

@@ -1,21 +1,26 @@
 """Cases that go through `batch` in groups end as they do singly, whatever happens to a group."""
 
+import time
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import rps_exudyn as rps
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.block import CaseRecord
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.simulate.case_run import CaseRunner
-from rps_exudyn.simulate.processes import Done, Task
+from rps_exudyn.simulate.cases.case_group import CaseGroup
+from rps_exudyn.simulate.cases.run_cases import Answer, Here, Task, answer_to
 from rps_exudyn.study import handover
-from rps_exudyn.study.handover import Handover
+from rps_exudyn.study.handover import FEWEST, Handover, dispatch_of
 from rps_exudyn.study.runner import StudyWork
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.study_file import read_study
-from rps_exudyn.study.ways import FEWEST, ways_of
 from shell import Command
 from study_files import write_grid, write_stand_in
 
@@ -23,51 +28,56 @@ SINGLY = '[set]\nyoke.friction_law = "bristle"\n'  # as no gears are followed to
 TORQUE = '[keep]\nsignals = ["pinion_torque"]\n[set]\ntest.turns = 0.2\n'
 
 
-def tasks_of(folder: Path, cases: int, extra: str = "") -> Handover:
+def tasks_of(folder: Path, cases: int, extra: str = "", executor: Here = Here()) -> Handover:  # noqa: B008
     """The tasks of a study over so many preloads from 100 N."""
     file = write_grid(folder / "s.toml", *range(100, 100 + cases))
     file.write_text(file.read_text().replace("[[axis]]", f"{extra}[[axis]]"))
     work = StudyWork.of(read_study(file), folder / "s")
-    return Handover(work.study, work.store, work.missing, "record")
+    return Handover(work.study, work.description, work.missing, executor)
 
 
-def answered(task: Task, seconds: float = 1.0) -> Done:
-    """A group whose members all end ok."""
-    answer = {"cases": [{"status": "ok", "message": ""} for _ in task["members"]]}
-    return Done(task, answer, wall_s=seconds)
+def group_of(task: Task) -> CaseGroup:
+    """The cases of a task."""
+    group = task.call.__self__  # type: ignore[attr-defined]
+    assert isinstance(group, CaseGroup)
+    return group
+
+
+def answered(task: Task, seconds: float = 1.0) -> Answer:
+    """A task whose cases all end."""
+    record = CaseRecord("", {"findings": "{}"}, {}, {})
+    return Answer([record] * len(group_of(task).settings), wall_s=seconds)
 
 
 def test_groups_grow_to_their_time_and_shrink_towards_the_end(tmp_path: Path) -> None:
     tasks, sizes = tasks_of(tmp_path, 1000, SINGLY), []
     for task in tasks:
-        sizes.append(len(task["members"]))
-        assert len(tasks.answers(answered(task, 0.01 * sizes[-1]))) == sizes[-1]
+        sizes.append(len(group_of(task).settings))
+        assert len(tasks.records(task, answered(task, 0.01 * sizes[-1]))) == sizes[-1]
     assert sum(sizes) == tasks.through_batch == 1000
     assert sizes[0] == handover.SMALLEST
-    assert max(sizes) <= handover.SECONDS / 0.01
+    assert max(sizes) <= Here().group_seconds / 0.01
     assert sizes[1:] == sorted(sizes[1:], reverse=True)
     assert sizes[-2] == handover.SMALLEST
 
 
 def test_a_group_takes_less_than_the_time_limit_of_a_case(tmp_path: Path) -> None:
-    tasks = tasks_of(tmp_path, 4000, SINGLY)
-    tasks._seconds = 100.0 / handover.OF_LIMIT
+    tasks = tasks_of(tmp_path, 4000, SINGLY, Here(group_seconds=1e3))
     for _ in range(3):
         task = next(tasks)
-        tasks.answers(answered(task, 0.5 * len(task["members"])))
-    assert 0.5 * len(next(tasks)["members"]) <= 100.0 / handover.OF_LIMIT
+        tasks.records(task, answered(task, 0.5 * len(group_of(task).settings)))
+    assert 0.5 * len(group_of(next(tasks)).settings) <= 20.0 / handover.OF_LIMIT
 
 
-@pytest.mark.parametrize("answer", [None, {"cases": None}])
-def test_a_group_without_answers_is_done_singly(tmp_path: Path, answer: dict[str, Any] | None) -> None:
+@pytest.mark.parametrize("answer", [Answer(ended="killed"), Answer(error=InputError("wrong"))])
+def test_a_group_without_answers_is_done_singly(tmp_path: Path, answer: Answer) -> None:
     tasks = tasks_of(tmp_path, FEWEST)
     lost = next(tasks)
     for task in list(tasks):
-        tasks.answers(answered(task))
-    assert tasks.answers(Done(lost, answer, "killed")) == []
-    again = list(tasks)  # the iterator had ended before
-    assert [task["hash"] for task in again] == [member["hash"] for member in lost["members"]]
-    assert all("members" not in task for task in again)
+        tasks.records(task, answered(task))
+    assert tasks.records(lost, answer) == []
+    again = [group_of(task).settings for task in tasks]  # the iterator had ended before
+    assert [list(settings) for settings in again] == [[name] for name in group_of(lost).settings]
     assert tasks.through_batch == FEWEST - len(again)
 
 
@@ -77,49 +87,57 @@ def test_a_group_without_answers_is_done_singly(tmp_path: Path, answer: dict[str
 )
 def test_dear_models_are_done_singly(tmp_path: Path, extra: str) -> None:
     """Each of their cases takes seconds, and has a time limit of its own."""
-    assert all("members" not in task for task in tasks_of(tmp_path, FEWEST, extra))
+    assert all(len(group_of(task).settings) == 1 for task in tasks_of(tmp_path, FEWEST, extra))
 
 
 def test_few_cases_are_done_singly(tmp_path: Path) -> None:
-    assert all("members" not in task for task in tasks_of(tmp_path, FEWEST - 1))
+    assert all(len(group_of(task).settings) == 1 for task in tasks_of(tmp_path, FEWEST - 1))
+
+
+def some(group: CaseGroup, chosen: Sequence[int], **changes: Any) -> CaseGroup:
+    """Some cases of a group."""
+    settings = [list(group.settings.items())[at] for at in chosen]
+    return replace(group, settings=dict(settings), **changes)
+
+
+def with_impossible(group: CaseGroup, at: int) -> CaseGroup:
+    """A group whose case `at` has a preload that no gear can have."""
+    name = list(group.settings)[at]
+    return replace(group, settings={**group.settings, name: {"yoke.preload": -1.0}})
+
+
+def statuses(records: list[CaseRecord]) -> list[str]:
+    return [record.attributes["status"] for record in records]
 
 
 def test_members_of_a_group_end_bit_for_bit_as_single_cases(tmp_path: Path) -> None:
     """A gear that cannot exist among them; only times differ."""
-    tasks = tasks_of(tmp_path, FEWEST, SINGLY + "test.turns = 0.2\n")
-    group = dict(next(tasks))
-    group["members"] = [dict(member) for member in group["members"][:4]]
-    group["members"][2]["settings"] = {"yoke.preload": -1.0}
-    tasks._grouped = False
-    tasks._alone.extend(tasks._cases[member["hash"]] for member in group["members"])
-    singles = [next(tasks) for _ in group["members"]]
-    runner = CaseRunner()
-    found = runner.run_group(group)
-    assert found is not None
+    whole = group_of(next(tasks_of(tmp_path, FEWEST, SINGLY + "test.turns = 0.2\n")))
+    group = with_impossible(some(whole, range(4)), 2)
+    found = group.records()
     for index in (0, 1, 3):
-        row, (alone, _) = found[index][0], runner.run(dict(singles[index]))
-        assert {**row, "cpu_s": 0, "wall_s": 0} == {**alone, "cpu_s": 0, "wall_s": 0}
-    assert [row["status"] for row, _ in found] == ["ok", "ok", "invalid", "ok"]
+        (alone,), record = some(group, [index]).records(), found[index]
+        assert record.hash == alone.hash
+        assert {**record.tables, "counters": {}} == {**alone.tables, "counters": {}}
+        assert record.attributes["parameters"] == alone.attributes["parameters"]
+        assert all(np.array_equal(values, alone.signals[name]) for name, values in record.signals.items())
+    assert statuses(found) == ["ok", "ok", "invalid", "ok"]
 
 
 @pytest.mark.parametrize("keep", ["", '[keep]\nsignals = ["pinion_torque"]\n'])
 def test_members_of_a_group_are_followed_together(tmp_path: Path, keep: str) -> None:
     """They end as single runs: the same instants and names, means within 1e-5, all else within 1e-3."""
-    tasks, runner = tasks_of(tmp_path, FEWEST, f"{keep}[set]\ntest.turns = 0.2\n"), CaseRunner()
-    group = next(tasks)
-    found = runner.run_group(dict(group))
-    assert found is not None
-    assert sum(row["in_loop"] for row, _ in found) > FEWEST / 2
-    assert tasks.answers(Done(group, {"cases": [row for row, _ in found]}, wall_s=1.0))
+    tasks = tasks_of(tmp_path, FEWEST, f"{keep}[set]\ntest.turns = 0.2\n")
+    task = next(tasks)
+    group, answer = group_of(task), answer_to(task, 100.0)
+    assert tasks.records(task, answer)
     assert tasks.in_loop > FEWEST / 2
-    ends = [found[0], found[-1]]
-    tasks._alone.extend(tasks._cases[group["members"][i]["hash"]] for i in (0, -1))
-    for (row, content), single in zip(ends, list(tasks), strict=True):
-        alone, expected = runner.run(dict(single))
-        assert (row["status"], row["message"]) == (alone["status"], alone["message"])
-        assert row["summary"]["torque_mean"] == pytest.approx(alone["summary"]["torque_mean"], rel=1e-5)
-        ours, theirs = CaseRecord.from_bytes(content), CaseRecord.from_bytes(expected)
-        assert ours.attributes["parameters"] == theirs.attributes["parameters"]
+    for at in (0, -1):
+        (theirs,), ours = some(group, [at]).records(), answer.value[at]
+        for name in ("status", "message", "parameters"):
+            assert ours.attributes[name] == theirs.attributes[name]
+        mean = theirs.tables["summary"]["torque_mean"]
+        assert ours.tables["summary"]["torque_mean"] == pytest.approx(mean, rel=1e-5)
         assert ours.tables["geometry"] == theirs.tables["geometry"]
         assert set(ours.tables["summary"]) == set(theirs.tables["summary"])
         counted = ours.tables["counters"]
@@ -131,9 +149,9 @@ def test_members_of_a_group_are_followed_together(tmp_path: Path, keep: str) -> 
         assert ours.signals["pinion_torque"] == pytest.approx(theirs.signals["pinion_torque"], rel=1e-3)
 
 
-def test_time_of_a_group_that_is_over_gives_no_answers(tmp_path: Path) -> None:
-    group = dict(next(tasks_of(tmp_path, FEWEST)))
-    assert CaseRunner().run_group(group | {"time_limit": 1e-3}) is None
+def test_time_of_a_group_that_is_over_gives_no_records(tmp_path: Path) -> None:
+    answer = answer_to(next(tasks_of(tmp_path, FEWEST)), 1e-3)
+    assert (answer.value, answer.timeout) == (None, 1e-3)
 
 
 @pytest.mark.parametrize("wrapped", [False, True])
@@ -143,6 +161,7 @@ def test_interrupt_within_a_case_is_no_crash(
     """Compiled code that calls Python turns an interrupt into a SystemError."""
 
     def interrupted(*_: object, **__: object) -> None:
+        time.sleep(0.01)
         try:
             raise KeyboardInterrupt
         except KeyboardInterrupt as interrupt:
@@ -150,14 +169,16 @@ def test_interrupt_within_a_case_is_no_crash(
                 raise
             raise SystemError("returned a result with an exception set") from interrupt
 
-    group = dict(next(tasks_of(tmp_path, FEWEST)))
+    group = group_of(next(tasks_of(tmp_path, FEWEST)))
     monkeypatch.setattr("rps_exudyn.simulate.batch.simulate", interrupted)
-    monkeypatch.setattr("rps_exudyn.simulate.case_run.simulate", interrupted)
-    group["ranges"] = None
-    group["members"] = group["members"][:2]
-    assert CaseRunner().run_group(group) is None
-    single = {name: group[name] for name in ("scene", "gear", "fidelity", "keep")}
-    assert CaseRunner().run(single)[0]["status"] == "timeout"
+    monkeypatch.setattr("rps_exudyn.simulate.cases.case_group.simulate", interrupted)
+    for count in (2, 1):
+        call = some(group, range(count), ranges=None).records
+        assert answer_to(Task(call), 0.01).timeout
+        with pytest.raises(KeyboardInterrupt):
+            answer_to(Task(call), 100.0)
+    failure = answer_to(Task(call), 0.01).failure(group.scene, rps.SteeringGear(), Fidelity())
+    assert failure.status is Status.TIMEOUT
 
 
 def test_bad_cases_of_a_group_harm_no_other(
@@ -182,18 +203,12 @@ def test_bad_cases_of_a_group_harm_no_other(
 
 def test_members_found_together_end_alike_in_whichever_group(tmp_path: Path) -> None:
     """All groups learn from the same gears; what is left is the rounding of sums over other lengths."""
-    whole = dict(next(tasks_of(tmp_path, FEWEST, TORQUE)))
-    whole["members"] = [dict(member) for member in whole["members"][:6]]
-    whole["members"][2]["settings"] = {"yoke.preload": -1.0}
-    part = whole | {"members": whole["members"][3:]}
-    runner = CaseRunner()
-    found, again = runner.run_group(whole), runner.run_group(part)
-    assert found is not None
-    assert again is not None
-    assert [row["status"] for row, _ in found] == ["ok", "ok", "invalid", "ok", "ok", "ok"]
-    assert [row["in_loop"] for row, _ in found] == [True, True, False, True, True, True]
-    for (row, _), (other, _) in zip(found[3:], again, strict=True):
-        assert row["summary"] == pytest.approx(other["summary"], rel=1e-9)
+    whole = with_impossible(some(group_of(next(tasks_of(tmp_path, FEWEST, TORQUE))), range(6)), 2)
+    found, again = whole.records(), some(whole, range(3, 6)).records()
+    assert statuses(found) == ["ok", "ok", "invalid", "ok", "ok", "ok"]
+    assert [record.found_together for record in found] == [True, True, False, True, True, True]
+    for record, other in zip(found[3:], again, strict=True):
+        assert record.tables["summary"] == pytest.approx(other.tables["summary"], rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -207,8 +222,8 @@ def test_what_is_not_followed_together_goes_in_groups_without_ranges(
     tmp_path: Path, extra: str, reason: str
 ) -> None:
     tasks = tasks_of(tmp_path, FEWEST, extra)
-    assert all("ranges" not in task for task in tasks)
-    assert reason in tasks.alone
+    assert all(group_of(task).ranges is None for task in tasks)
+    assert reason in tasks.single_run_reason
 
 
 def test_ranges_leave_out_what_no_gear_can_have(tmp_path: Path) -> None:
@@ -216,7 +231,7 @@ def test_ranges_leave_out_what_no_gear_can_have(tmp_path: Path) -> None:
     file = write_grid(tmp_path / "s.toml", *range(100, 170), 5e6)
     file.write_text(file.read_text().replace("[[axis]]", '[keep]\nsignals = "none"\n[[axis]]'))
     work = StudyWork.of(read_study(file), tmp_path / "s")
-    ranges = ways_of(work.study, work.store.description, len(work.missing)).ranges
+    ranges = dispatch_of(work.study, work.description, len(work.missing)).ranges
     assert ranges is not None
     assert (min(ranges["yoke.preload"]), round(max(ranges["yoke.preload"]))) == (100, 169)
 
@@ -240,18 +255,14 @@ def test_of_other_scenes_some_cases_go_singly(tmp_path: Path, scene: str, axis: 
         f"[set]\ntest.turns = 0.2\n[[axis]]\n{axis}\n"
     )
     work = StudyWork.of(read_study(file), tmp_path / "s")
-    tasks, runner = Handover(work.study, work.store, work.missing, "record"), CaseRunner()
-    group = dict(next(tasks))
-    group["members"] = group["members"][:1] + group["members"][40:45]
-    found = runner.run_group(group)
-    assert found is not None
-    assert [row["in_loop"] for row, _ in found] == [False] + 5 * [True]
-    assert found[0][0]["status"] == "invalid"
-    assert cause in found[0][0]["message"]
-    tasks._alone.append(work.missing[44])
-    alone = runner.run(dict(next(tasks)))[0]
+    whole = group_of(next(Handover(work.study, work.description, work.missing, Here())))
+    found = some(whole, [0, *range(40, 45)]).records()
+    assert [record.found_together for record in found] == [False] + 5 * [True]
+    assert found[0].attributes["status"] == "invalid"
+    assert cause in found[0].attributes["message"]
+    (alone,) = some(whole, [44]).records()
     name = "torque_forward" if scene == "load-test" else "push_force_mean"
-    assert found[5][0]["summary"][name] == pytest.approx(alone["summary"][name], rel=1e-5)
+    assert found[5].tables["summary"][name] == pytest.approx(alone.tables["summary"][name], rel=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -272,7 +283,8 @@ def test_a_case_found_together_is_rerun_compared_and_reported(command: Command, 
     file = write_grid(tmp_path / "s.toml", *range(250, 250 + FEWEST))
     file.write_text(file.read_text().replace("[[axis]]", "[set]\ntest.turns = 0.2\n[[axis]]"))
     assert command(["study", str(file), "--jobs", "1", "--json"]).json["in_loop"] == FEWEST
-    first = min((tmp_path / "s" / "cases").glob("*.h5"))
+    store = Store.open(tmp_path / "s")
+    first = store.path_of(store.description.cases[0].hash)
     assert "followed together" in rps.load(first).findings["together"]
     answer = command(["rerun", str(first), "--out", "again.h5", "--json"])
     assert answer.status == 0

@@ -6,10 +6,9 @@ from rps_exudyn.checks.before_run import breaches
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.fallback import run_with_fallback
-from rps_exudyn.simulate.isolated_run import isolated_run
-from rps_exudyn.simulate.run import run
-from rps_exudyn.simulate.time_limit import TimeLimit
+from rps_exudyn.simulate.run import isolated_run, run
 from verification.references import STRIPS
 
 GEAR = SteeringGear().replace({"test.turns": 1 / 6, "mesh.law": "area"})

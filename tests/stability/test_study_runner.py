@@ -1,5 +1,6 @@
 """Whatever happens to a case, a worker or the runner itself: every case ends as one row, and none is lost."""
 
+import errno
 import os
 import signal
 import subprocess
@@ -13,7 +14,8 @@ import pytest
 
 from edited import edited
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.simulate.processes import Done, Processes, Task
+from rps_exudyn.simulate.cases.processes import Processes
+from rps_exudyn.simulate.cases.run_cases import Answer, Task
 from rps_exudyn.study.store import CaseRow, Store
 from shell import Command
 from study_files import write_grid, write_stand_in
@@ -59,7 +61,7 @@ def test_repeated_study_does_nothing_and_extended_one_only_what_is_new(
 ) -> None:
     file = write_grid(tmp_path / "s.toml", 100, 200)
     assert command(["study", str(file), "--json"]).json["done_now"] == 2
-    before = {path.name: path.stat().st_mtime_ns for path in (tmp_path / "s" / "cases").iterdir()}
+    before = {path.name: path.stat().st_mtime_ns for path in (tmp_path / "s" / "blocks").iterdir()}
     assert command(["study", str(file), "--json"]).json["done_now"] == 0
     write_grid(file, 100, 150, 200)
     assert command(["study", str(file), "--json"]).json == {
@@ -72,7 +74,7 @@ def test_repeated_study_does_nothing_and_extended_one_only_what_is_new(
         "in_loop": 0,
         "not_in_loop": "",
     }
-    after = {path.name: path.stat().st_mtime_ns for path in (tmp_path / "s" / "cases").iterdir()}
+    after = {path.name: path.stat().st_mtime_ns for path in (tmp_path / "s" / "blocks").iterdir()}
     assert before.items() <= after.items()
 
 
@@ -80,6 +82,7 @@ def test_damaged_foreign_and_newer_files_are_named_set_aside_and_done_again(
     command: Command, tmp_path: Path
 ) -> None:
     file = write_grid(tmp_path / "s.toml", 100, 200, 300, 400)
+    file.write_text(f"{file.read_text()}[keep]\nblocks = false\n")
     command(["study", str(file)])
     store = Store.open(tmp_path / "s")
     paths = [store.path_of(case.hash) for case in store.description.cases]
@@ -97,19 +100,6 @@ def test_damaged_foreign_and_newer_files_are_named_set_aside_and_done_again(
     assert "set aside" in answer.err
     assert len(list((tmp_path / "s" / "cases").glob("*.set-aside"))) == 3
     assert len(rows(tmp_path / "s")) == 4
-
-
-def test_index_is_only_a_cache(command: Command, tmp_path: Path) -> None:
-    file = write_grid(tmp_path / "s.toml", 100, 200)
-    command(["study", str(file)])
-    index = tmp_path / "s" / "index.csv"
-    content, told = index.read_text(), rows(tmp_path / "s")
-    for wrong in ("", "nonsense\n" * 3, content[: len(content) // 2], content.replace("ok", "ok,ok")):
-        index.write_text(wrong)
-        assert rows(tmp_path / "s") == told
-    index.unlink()
-    Store.open(tmp_path / "s").rebuild_index()
-    assert index.read_text() == content
 
 
 def test_second_runner_is_refused_and_the_first_undisturbed(
@@ -166,20 +156,18 @@ def test_storing_that_fails_ends_the_study_in_a_sentence(
     command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As on a full disk; cases done by then are kept."""
-    folder = Path(os.environ["PYTHONPATH"])
-    with (folder / "sitecustomize.py").open("a") as text:
-        text.write(
-            "\nimport errno\nimport rps_exudyn.base.files as atomic\nflush = atomic._flush_to_disk\n"
-            "def full(path):\n"
-            "    if len(list(path.parent.glob('[!.]*.h5'))) >= 2 and path.parent.name == 'cases':\n"
-            "        raise OSError(errno.ENOSPC, 'No space left on device')\n"
-            "    flush(path)\n"
-            "atomic._flush_to_disk = full\n"
-        )
+
+    def full(path: Path) -> None:
+        if len(list(path.parent.glob("[!.]*.h5"))) >= 2 and path.parent.name == "cases":
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("rps_exudyn.base.files._flush_to_disk", full)
     file = write_grid(tmp_path / "s.toml", 100, 200, 300, 400)
+    file.write_text(f"{file.read_text()}[keep]\nblocks = false\n")
     answer = command(["study", str(file), "--jobs", "1"])
     assert answer.status == 2
-    assert "No space left on device" in answer.err
+    assert "A result cannot be stored" in answer.err
+    assert "No space left on device. Finished cases are kept in s" in answer.err
     assert len(rows(tmp_path / "s")) == 2
 
 
@@ -220,17 +208,18 @@ def test_workers_start_together_unless_the_first_has_to_compile(
 ) -> None:
     """Also where this process has compiled some kernels of its own before it hands out the first case."""
     started: list[Task] = []
+    case = Task(int)
 
-    def first_event(processes: Processes) -> Iterator[Done]:
+    def first_event(processes: Processes) -> Iterator[tuple[Task, Answer]]:
         raise InterruptedError
 
-    monkeypatch.setattr("rps_exudyn.simulate.processes.compiled_before", lambda: compiled)
+    monkeypatch.setattr("rps_exudyn.simulate.cases.processes.compiled_before", lambda: compiled)
     monkeypatch.setattr(Processes, "_start", lambda _, warm_up: started.append(warm_up))
     monkeypatch.setattr(Processes, "_next_event", first_event)
     processes = Processes(3, 1.0)
-    monkeypatch.setattr("rps_exudyn.simulate.processes.compiled_before", lambda: True)
+    monkeypatch.setattr("rps_exudyn.simulate.cases.processes.compiled_before", lambda: True)
     with pytest.raises(InterruptedError):
-        list(processes.run(iter([{"hash": "a case"}])))
+        list(processes.run(iter([case])))
     assert len(started) == at_once
 
 
@@ -263,7 +252,7 @@ def test_study_whose_workers_never_start_stops_in_a_sentence(
 
 def _end_at_once(folder: Path, count: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """So many worker processes, counted in a file, kill themselves when they start."""
-    monkeypatch.setattr("rps_exudyn.simulate.processes.FIRST_PAUSE", 0.01)
+    monkeypatch.setattr("rps_exudyn.simulate.cases.processes.FIRST_PAUSE", 0.01)
     counted = folder / "started"
     stand_in = Path(os.environ["PYTHONPATH"]) / "sitecustomize.py"
     stand_in.write_text(

@@ -7,6 +7,7 @@ import sys
 import time
 import weakref
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,13 +15,16 @@ import pytest
 
 from rps_exudyn import load
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.progress import following
 from rps_exudyn.checks import before_run
 from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.simulate.case_run import CaseRunner
-from rps_exudyn.simulate.time_limit import TimeLimit, alarm, place_of
+from rps_exudyn.simulate.cases.processes import Processes
+from rps_exudyn.simulate.cases.run_cases import Task, answer_to
+from rps_exudyn.simulate.cases.time_limit import TimeLimit, alarm, place_of
+from rps_exudyn.simulate.run import simulate
 from shell import Command
 
 # Half a million equilibria or time steps: minutes, wherever the tests run
@@ -28,34 +32,44 @@ LONG = {"fidelity.step_angle": "0.001 deg", "test.turns": 1.4, "pinion.runout": 
 PATIENCE = 90  # [s] with a busy machine; less than any run here takes that is not ended
 
 
-def task(preset: str, limit: float) -> dict[str, object]:
+def run(preset: str, **changes: object) -> Task:
     settings = {name: value for name, value in LONG.items() if not name.startswith("fidelity")}
-    fidelity = Fidelity.preset(preset).replace({"step_angle": LONG["fidelity.step_angle"]})
-    return {
-        "scene": "free-pinion-torque",
-        "gear": SteeringGear().replace(settings).model_dump(),
-        "fidelity": fidelity.model_dump(),
-        "keep": {"signals": None, "samples": None},
-        "time_limit": limit,
-    }
+    fidelity = Fidelity.preset(preset).replace(changes)
+    return Task(partial(simulate, "free-pinion-torque", SteeringGear().replace(settings), fidelity))
 
 
 @pytest.mark.parametrize("preset", ["quasi-static", "flank"])
-def test_run_ended_by_its_limit_keeps_what_it_recorded(preset: str, tmp_path: Path) -> None:
-    runner = CaseRunner()
-    runner.warm_up(task(preset, float("inf")) | {"fidelity": Fidelity.preset(preset).model_dump()}, 0.01)
+def test_run_ended_by_its_limit_keeps_what_it_recorded(preset: str) -> None:
+    simulate("free-pinion-torque", SteeringGear().replace({"test.turns": 0.01}), preset)  # loads kernels
     begun, cpu_begun = time.monotonic(), time.process_time()
-    row, content = runner.run(task(preset, 1.5))
-    assert row["status"] == "timeout"
-    assert 1.5 <= row["wall_s"] <= time.monotonic() - begun
+    answer = answer_to(run(preset, step_angle=LONG["fidelity.step_angle"]), 1.5)
+    assert answer.timeout
+    assert 1.5 <= answer.wall_s <= time.monotonic() - begun
     assert time.process_time() - cpu_begun < 4.5  # of CPU time: the machine may do something else
-    assert "time limit of 1.5 s (interrupted at " in row["message"]
-    assert "s of CPU time in" in row["message"]
-    (tmp_path / "r.h5").write_bytes(content)
-    result = load(tmp_path / "r.h5")
+    result = answer.failure("", SteeringGear(), Fidelity())
+    assert result.status is Status.TIMEOUT
+    assert "time limit of 1.5 s (interrupted at " in result.message
+    assert "s of CPU time in" in result.message
     assert result["pinion_torque"].size > 100
     assert np.diff(result["time"]).min() > 0
     assert result["pinion_torque"] == pytest.approx(0.62, rel=0.1)  # sound until then
+
+
+def test_interrupt_that_is_passed_on_brings_back_what_was_recorded() -> None:
+    """From a process that is at work; nothing is lost of a run that Ctrl-C ends."""
+    long = run("quasi-static", step_angle=LONG["fidelity.step_angle"])
+    with Processes(1, 100.0) as processes:
+
+        def then_interrupted(_: object) -> None:
+            time.sleep(2.0)  # the run has begun
+            raise KeyboardInterrupt
+
+        with following(then_interrupted), pytest.raises(KeyboardInterrupt):
+            list(processes.run(iter([long])))
+        ((task, answer),) = processes.interrupted()
+    assert task is long
+    assert answer.recorded is not None
+    assert answer.recorded["pinion_torque"].size > 100
 
 
 def test_limit_that_is_over_at_once_ends_the_command(tmp_path: Path, command: Command) -> None:

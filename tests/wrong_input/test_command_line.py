@@ -32,7 +32,7 @@ MISTAKES = {
     "run --out": "requires an argument",
     "run --fidelity perfect": "perfect",
     "run --mesh glue": "glue",
-    "run --gear missing.toml": "missing.toml cannot be read: No such file or directory.",
+    "run --gear missing.toml": "missing.toml cannot be read: there is no such file.",
     "run --set yoke.preload": "--set yoke.preload is no setting; write PATH=VALUE",
     "run --set yoke.preload=3kg": "yoke.preload is '3kg', which is no quantity in N",
     "run --set pinion.tip_diameter=20mm": "pinion.tip_diameter is 20 mm, the nearest",

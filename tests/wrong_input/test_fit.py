@@ -163,7 +163,7 @@ def test_a_file_that_is_no_series_is_refused(tmp_path: Path) -> None:
         (tmp_path / "s.json").write_text(content)
         with pytest.raises(InputError, match=sentence):
             read_series(tmp_path / "s.json")
-    with pytest.raises(InputError, match="cannot be read: No such file"):
+    with pytest.raises(InputError, match="cannot be read: there is no such file"):
         read_series(tmp_path / "none.json")
 
 
@@ -172,7 +172,7 @@ def test_command_refuses_in_one_sentence(command: Command, short: Path) -> None:
     for arguments, sentence in (
         ([], "fit needs at least one measured file"),
         ([str(short)], "a level needs a tooth pitch"),
-        (["none.csv"], "none.csv cannot be read: No such file"),
+        (["none.csv"], "none.csv cannot be read: there is no such file"),
         ([str(short), "--out", "a.json"], "a.json"),
         ([str(short), "--like", "none.json"], "none.json cannot be read"),
         ([str(short), "--like", "deep.json"], "deep.json is no file of a series"),

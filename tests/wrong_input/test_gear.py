@@ -123,9 +123,9 @@ def test_file_that_is_no_gear(content: bytes, sentence: str, tmp_path: Path) -> 
 
 
 def test_file_that_cannot_be_read(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="cannot be read: No such file or directory"):
+    with pytest.raises(InputError, match="cannot be read: there is no such file"):
         SteeringGear.from_toml(tmp_path / "missing.toml")
-    with pytest.raises(InputError, match="cannot be read: Is a directory"):
+    with pytest.raises(InputError, match="cannot be read: it is a folder"):
         SteeringGear.from_toml(tmp_path)
 
 

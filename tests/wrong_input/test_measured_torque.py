@@ -83,8 +83,8 @@ def test_files_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
         (tmp_path / name).write_bytes(content)
     for path, sentence in (
         ("a.csv", "no text in UTF-8"),
-        ("b.csv", "No such file"),
-        (".", "directory"),
+        ("b.csv", "there is no such file"),
+        (".", "it is a folder"),
         ("c.csv", "a spreadsheet or an archive; save its table as CSV"),
         ("d.csv", "no text in UTF-8"),
     ):
@@ -256,7 +256,7 @@ def test_run_draws_and_compares(command: Command, tmp_path: Path) -> None:
     assert "difference: RMS 2.9" in done.out
     refused = command(["run", "--measured", "none.csv"])
     assert refused.status == 2
-    assert refused.err.startswith("rps-exudyn: none.csv cannot be read: No such file")
+    assert refused.err.startswith("rps-exudyn: none.csv cannot be read: there is no such file")
 
 
 def long_file(folder: Path, rows: int) -> Path:

@@ -21,7 +21,7 @@ def no_process(monkeypatch: pytest.MonkeyPatch) -> None:
     def started(*_: object, **__: object) -> None:
         pytest.fail("a process was started in spite of wrong input")
 
-    monkeypatch.setattr("rps_exudyn.simulate.processes.Processes._start", started)
+    monkeypatch.setattr("rps_exudyn.simulate.cases.processes.Processes._start", started)
     monkeypatch.setattr("rps_exudyn.results.provenance.git_hash", lambda: "")
 
 
@@ -118,7 +118,7 @@ MISTAKES = {
     "path upwards": (f'gear = "../gear.toml"\n{START}{AXIS}', "it must lie in the study file's folder"),
     "absolute path": (f'gear = "/etc/passwd"\n{START}{AXIS}', "it must lie in the study file's folder"),
     "through a link": (f'gear = "link/gear.toml"\n{START}{AXIS}', "it must lie in the study file's folder"),
-    "gear missing": (f'gear = "none.toml"\n{START}{AXIS}', "none.toml cannot be read: No such file"),
+    "gear missing": (f'gear = "none.toml"\n{START}{AXIS}', "none.toml cannot be read: there is no such file"),
     "too many cases": (
         axis('path = "yoke.preload"\nlinspace = [1, 2, 6000]'),
         "more than 5000 are run with --yes",

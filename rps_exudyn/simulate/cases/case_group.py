@@ -1,0 +1,113 @@
+"""Cases of one design as one task: a single case is simulated, several go through `batch`.
+
+Results of gears that were followed together are those of single runs within what the finding "together" says.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from time import perf_counter, process_time
+from typing import Any, Literal
+
+import numpy as np
+
+from rps_exudyn.gears.geometry_report import geometry_report
+from rps_exudyn.parameters.gear import Setup, SteeringGear
+from rps_exudyn.results.block import CaseRecord, Keep
+from rps_exudyn.results.outcome import Status, each_once, joined_text
+from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.simulate.batch import Batch, batch
+from rps_exudyn.simulate.run import simulate
+from rps_exudyn.solvers.settling import TOLERANCE
+
+FINDING = "many gears followed together: mean within 1e-5, other metrics mostly within 1e-3 of a single run"
+WARM_UP = {"test.turns": 0.05}
+
+
+@dataclass(frozen=True, eq=False)
+class CaseGroup:
+    """Cases that differ in some parameters, and what is kept of each."""
+
+    scene: str
+    base: Setup
+    settings: Mapping[str, Mapping[str, Any]]  # hash -> path -> SI value; the same paths in each
+    keep: Keep
+    ranges: Mapping[str, Sequence[float]] | None = None  # path -> over what it varies in the whole study
+
+    def records(self) -> list[CaseRecord]:
+        """Return the record of each case.
+
+        Raises:
+            InputError: what they have in common is wrong; of a single case, also what it has itself.
+        """
+        results = self._batch() if len(self.settings) > 1 else [self._single()]
+        return [
+            CaseRecord.of(name, self.keep.of(result))
+            for name, result in zip(self.settings, results, strict=True)
+        ]
+
+    def warm_up(self) -> None:
+        """Run the default gear over a few degrees in the same way: loads what the cases need."""
+        first = next(iter(self.settings.values()))
+        fidelity = self.base.replace(first).fidelity.model_dump()
+        small = Setup.from_tables(SteeringGear().replace(WARM_UP).model_dump() | {"fidelity": fidelity})
+        some = list(self.settings.items())[: 2 if self.ranges else None]  # enough to begin
+        groups: list[dict[str, Mapping[str, Any]]] = [{"": {}}, dict(some)]
+        for settings in groups[: len(some)]:
+            with suppress(Exception):  # which the cases themselves report
+                replace(self, base=small, settings=settings).records()
+
+    def _single(self) -> Result:
+        ((settings),) = self.settings.values()
+        setup = self.base.replace(settings)
+        return simulate(self.scene, setup.steering_gear, setup.fidelity)
+
+    def _batch(self) -> list[Result]:
+        wall, cpu = perf_counter(), process_time()
+        settings = list(self.settings.values())
+        table = {path: [each[path] for each in settings] for path in settings[0]}
+        wanted = self.keep.signals
+        test = scene_named(self.scene).test
+        alone = test is not None and wanted is not None and set(wanted) <= {*test.curve}
+        keep: Literal["torque", "signals"] = "torque" if alone else "signals"
+        gear, fidelity = self.base.steering_gear, self.base.fidelity
+        found = batch(self.scene, gear, table, fidelity=fidelity, keep=keep, ranges=self.ranges)
+        each_cpu = (process_time() - cpu) / len(settings)
+        each_wall = (perf_counter() - wall) / len(settings)
+        together = self._together(found, settings, each_cpu, each_wall)
+        return [next(together) if result is None else result for result in found.results]
+
+    def _together(
+        self, batch: Batch, settings: Sequence[Mapping[str, Any]], cpu: float, wall: float
+    ) -> Iterator[Result]:
+        """Yield the results of those gears that were followed together, in their order."""
+        found, gear = batch.found, self.base.steering_gear
+        if found is None:
+            return
+        rows, fidelity = np.flatnonzero(batch.in_loop).tolist(), self.base.fidelity.model_dump()
+        metrics, counters = _rows(found.summary, rows), _rows(found.counters, rows)
+        for row, own, counted in zip(rows, metrics, counters, strict=True):
+            varied = gear.replace(settings[row])
+            yield Result(
+                scene=self.scene,
+                gear=varied,
+                fidelity=fidelity,
+                solver={"name": "equilibrium", "tolerance": TOLERANCE},
+                findings={"together": FINDING},
+                status=Status.OK,
+                message=joined_text(found.remarks[row]),
+                codes=each_once(remark.code for remark in found.remarks[row]),
+                signals=found.signals_of(row),
+                summary=own,
+                counters={name: int(count) for name, count in counted.items()},
+                geometry=geometry_report(varied).numbers,
+                cpu_s=cpu,
+                wall_s=wall,
+            )
+
+
+def _rows(columns: Mapping[str, np.ndarray], rows: Sequence[int]) -> Iterator[dict[str, float]]:
+    """Yield the numbers of rows, without those that are nan."""
+    for numbers in np.array([values[rows] for values in columns.values()]).T.tolist():
+        yield {name: value for name, value in zip(columns, numbers, strict=True) if value == value}

@@ -1,0 +1,97 @@
+"""The process that does tasks: `python -m rps_exudyn.simulate.cases.worker`, started by `processes`.
+
+It reads pickled objects from standard input, a call to warm up and then tasks with their time limits, and
+writes others to standard output: "ready", what is compiled (`Step`), and of each task "begun", how far its
+run is (`Progress`) and an `Answer`.
+
+The call to warm up is made before the worker calls itself ready, so that compiling and loading kernels is on
+no task's clock. When standard input ends, because whoever started it has ended, so does the worker, at once.
+"""
+
+import os
+import pickle
+import queue
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from struct import calcsize, pack, unpack
+from typing import IO, Any
+
+LENGTH = "<Q"  # of a frame's content, before it
+
+
+def main() -> None:
+    """Answer tasks until the input ends."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
+    say = _private_output()
+    frames: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_read, args=(frames,), daemon=True).start()
+    first = frames.get()
+    from dataclasses import replace
+
+    from rps_exudyn.base.compiling import listeners
+    from rps_exudyn.base.progress import following
+    from rps_exudyn.results.outcome import Interrupted
+    from rps_exudyn.simulate.cases.run_cases import Answer, answer_to
+
+    warm_up = pickle.loads(first)
+    listeners.append(say)
+    if warm_up is not None:
+        with suppress(Exception):  # the tasks themselves say what is wrong
+            warm_up()
+    say("ready")
+    while True:
+        task, time_limit = pickle.loads(frames.get())
+        say("begun")  # its modules are imported
+        try:
+            with following(say):
+                answer = answer_to(task, time_limit)
+        except Interrupted as interrupt:  # Ctrl-C, passed on
+            answer = Answer(ended=interrupt.recorded.message, recorded=interrupt.recorded)
+        try:
+            say(answer)
+        except Exception:  # an error that cannot be pickled
+            say(replace(answer, error=RuntimeError(f"{type(answer.error).__name__}: {answer.error}")))
+
+
+def frame_of(content: Any) -> bytes:
+    """Return an object's pickle, with its length before it."""
+    pickled = pickle.dumps(content, pickle.HIGHEST_PROTOCOL)
+    return pack(LENGTH, len(pickled)) + pickled
+
+
+def frames_in(stream: IO[bytes]) -> Iterator[bytes]:
+    """Yield the pickles in a stream of frames; half a frame, of a process that died, is its end."""
+    size = calcsize(LENGTH)
+    while len(head := stream.read(size)) == size:
+        (length,) = unpack(LENGTH, head)
+        if len(content := stream.read(length)) < length:
+            return
+        yield content
+
+
+def _private_output() -> Callable[[Any], None]:
+    """Return the channel for answers; what libraries print goes to standard error instead."""
+    channel, lock = os.fdopen(os.dup(1), "wb"), threading.Lock()
+    os.dup2(2, 1)
+
+    def say(content: Any) -> None:
+        frame = frame_of(content)
+        with lock:  # kernels are counted by a thread
+            channel.write(frame)
+            channel.flush()
+
+    return say
+
+
+def _read(frames: "queue.SimpleQueue[bytes]") -> None:
+    """Read frames in a thread of its own, so that the end of the input is seen during a task too."""
+    for frame in frames_in(sys.stdin.buffer):
+        frames.put(frame)
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main()

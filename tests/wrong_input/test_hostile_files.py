@@ -1,0 +1,89 @@
+"""Files of others: nothing outside them is read, nothing endless, and no more than they can hold."""
+
+import os
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+import rps_exudyn as rps
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import content_of, without_checksum
+from shell import Command
+
+
+def linked(file: h5py.File, secret: Path) -> None:
+    del file["summary/torque_mean"]
+    file["summary/torque_mean"] = h5py.ExternalLink(str(secret), "/")
+
+
+def soft(file: h5py.File, _: Path) -> None:
+    del file["summary/torque_mean"]
+    file["summary/torque_mean"] = h5py.SoftLink("/signals/time")
+
+
+def stored_outside(file: h5py.File, secret: Path) -> None:
+    del file["signals/pinion_torque"]
+    file.create_dataset("signals/pinion_torque", (1,), "f8", external=[(str(secret), 0, 8)])
+
+
+def virtual(file: h5py.File, secret: Path) -> None:
+    del file["signals/pinion_torque"]
+    layout = h5py.VirtualLayout((4,), "f8")
+    layout[:] = h5py.VirtualSource(str(secret), "x", (4,))
+    file.create_virtual_dataset("signals/pinion_torque", layout)
+
+
+def vast(file: h5py.File, _: Path) -> None:
+    del file["signals/pinion_torque"]
+    file.create_dataset("signals/pinion_torque", (10**12,), "f8", chunks=(1000,))
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (linked, "is a link, no data"),
+        (soft, "is a link, no data"),
+        (stored_outside, "lie in other files"),
+        (virtual, "lie in other files"),
+        (vast, "declares 8e+12 bytes of data"),
+    ],
+)
+def test_a_result_holds_all_of_its_data(
+    change: Callable[[h5py.File, Path], None], reason: str, made_up_result: rps.Result, tmp_path: Path
+) -> None:
+    secret, path = tmp_path / "secret.txt", tmp_path / "r.h5"
+    secret.write_text("password")
+    made_up_result.save(path)
+    path.write_bytes(without_checksum(path.read_bytes()))
+    assert rps.load(path).summary
+    with h5py.File(path, "a") as file:
+        change(file, secret)
+    with pytest.raises(InputError, match=f"r.h5 is refused: .*{re.escape(reason)}"):
+        rps.load(path)
+
+
+def test_constant_signals_pack_as_far_as_is_allowed(made_up_result: rps.Result, tmp_path: Path) -> None:
+    """Deflate stores a thousand zeros in one byte: the bound lets them pass."""
+    long = rps.Result(**{**vars(made_up_result), "signals": {"time": np.zeros(10**6)}, "measured": None})
+    long.save(tmp_path / "r.h5")
+    assert rps.load(tmp_path / "r.h5")["time"].size == 10**6
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes with names here")
+@pytest.mark.parametrize(
+    "line",
+    ["show {}", "run --gear {}", "run --measured {}", "study {}", "fit {}", "diff {} {}", "fit {} --like {}"],
+)
+def test_what_may_never_end_is_refused(line: str, command: Command, tmp_path: Path) -> None:
+    for name in ("pipe.h5", "pipe.toml", "pipe.csv"):
+        os.mkfifo(tmp_path / name)
+        answer = command(line.replace("{}", str(tmp_path / name)).split())
+        assert answer.status == 2
+        assert "Traceback" not in answer.err
+        assert f"{name} " in answer.err
+    with pytest.raises(InputError, match="cannot be read: it is a device, a pipe or a socket"):
+        content_of("/dev/zero")
