@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.analysis.efficiency import LoadTest
-from rps_exudyn.charts import style
+from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import load_test
 

@@ -16,9 +16,9 @@ import numpy as np
 
 from benchmarks.measured_fit import FREE, SET, WHITE, measured, true_gear
 from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.fitting.bench_tests import BenchTest, measurement_of
-from rps_exudyn.fitting.fit import fit
-from rps_exudyn.fitting.prediction import Prediction
+from rps_exudyn.inference.fitting.bench_tests import BenchTest, measurement_of
+from rps_exudyn.inference.fitting.fit import fit
+from rps_exudyn.inference.fitting.prediction import Prediction
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.batch import batch
 from rps_exudyn.solvers.closed_form import GRAVITY

@@ -7,12 +7,12 @@ from typing import Any
 
 from benchmarks.flank_deviation import flank_deviation
 from benchmarks.topic import Topic, digits, load_data, markdown, save_data
-from rps_exudyn.charts.geometry import draw_geometry
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pinion_mesh import flank_patch, pinion_mesh
 from rps_exudyn.gears.solids import rack_solid
+from rps_exudyn.pages.charts.geometry import draw_geometry
 from rps_exudyn.parameters.gear import SteeringGear
 from verification.shaping import shaped_pinion
 

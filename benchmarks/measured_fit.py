@@ -15,13 +15,13 @@ from matplotlib.figure import Figure
 
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.analysis.passes import passes
-from rps_exudyn.charts import style
-from rps_exudyn.fitting.bench_tests import BenchTest, Measurement, measurement_of
-from rps_exudyn.fitting.fit import fit
-from rps_exudyn.fitting.fitted import Fit
-from rps_exudyn.fitting.identify import logarithmic_slopes
-from rps_exudyn.fitting.prediction import formula_means
-from rps_exudyn.fitting.unknowns import LEVEL
+from rps_exudyn.inference.fitting.bench_tests import BenchTest, Measurement, measurement_of
+from rps_exudyn.inference.fitting.fit import fit
+from rps_exudyn.inference.fitting.fitted import Fit
+from rps_exudyn.inference.fitting.identify import logarithmic_slopes
+from rps_exudyn.inference.fitting.prediction import formula_means
+from rps_exudyn.inference.fitting.unknowns import LEVEL
+from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.solvers.closed_form import GRAVITY

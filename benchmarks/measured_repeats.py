@@ -10,10 +10,10 @@ import numpy as np
 
 from benchmarks.measured_fit import REPEATED, SET, least_deviations, measured, true_gear
 from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.fitting.bench_tests import BenchTest, measurement_of
-from rps_exudyn.fitting.fit import fit
-from rps_exudyn.fitting.fitted import Fit
-from rps_exudyn.fitting.identify import WANTED
+from rps_exudyn.inference.fitting.bench_tests import BenchTest, measurement_of
+from rps_exudyn.inference.fitting.fit import fit
+from rps_exudyn.inference.fitting.fitted import Fit
+from rps_exudyn.inference.fitting.identify import WANTED
 
 DATA = "repeats.json"
 RUNS = (1, 3, 6)

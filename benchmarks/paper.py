@@ -18,10 +18,10 @@ from rps_exudyn.analysis.efficiency import LoadTest
 from rps_exudyn.forces.bush import bush_chain
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
-from rps_exudyn.mesh_contact.mean_depth import mean_depth
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import Result
 from rps_exudyn.solvers.closed_form import load_test
+from rps_exudyn.tooth_contact.mean_depth import mean_depth
 
 GEAR = SteeringGear()
 PAIR = GearPair.of(GEAR)

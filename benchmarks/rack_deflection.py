@@ -10,12 +10,12 @@ from matplotlib.patches import Rectangle
 
 import rps_exudyn as rps
 from benchmarks.topic import Topic, digits, load_data, markdown, save_data
-from rps_exudyn.charts import style
-from rps_exudyn.charts.scene import draw
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam
+from rps_exudyn.pages.charts import style
+from rps_exudyn.pages.charts.scene import draw
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SIGNALS

@@ -15,7 +15,7 @@ the middle of the tooth y above the root's section, where the tooth is d thick a
     cos^2 alpha (1 - nu^2) / E [12 B + (2.4 / (1 - nu) + tan^2 alpha) S] + kappa
 
 B is the integral of (y - x)^2 / d^3 over x from 0 to y, S that of 1 / d; kappa is that of
-`rps_exudyn.mesh_contact.tooth_compliance`.
+`rps_exudyn.tooth_contact.tooth_compliance`.
 """
 
 from typing import NamedTuple
@@ -25,7 +25,7 @@ import numpy as np
 from benchmarks.rack_tooth_elements import POISSON_RATIO, ROWS, YOUNGS_MODULUS, Section
 from rps_exudyn.base.compiled import changed, kernel
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.tooth_compliance import (
+from rps_exudyn.tooth_contact.tooth_compliance import (
     FOUNDATION,
     FOUNDATION_ANGLE,
     PLACE_SIZE,

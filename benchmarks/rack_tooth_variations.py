@@ -12,7 +12,7 @@ from benchmarks.rack_tooth_law import PER_MM, bending_compliance, even_load, fla
 from benchmarks.topic import markdown
 from rps_exudyn.base.files import replacing
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.tooth_compliance import RACK, Spread, rack_tooth, tooth_data
+from rps_exudyn.tooth_contact.tooth_compliance import RACK, Spread, rack_tooth, tooth_data
 
 SUPPORT, CONSTANTS = "support.csv", "constants.csv"
 SUPPORTS: dict[str, dict[str, float]] = {

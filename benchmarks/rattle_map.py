@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 import rps_exudyn as rps
 from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.charts import style
+from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY

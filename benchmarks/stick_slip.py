@@ -15,7 +15,7 @@ import rps_exudyn as rps
 from benchmarks.accuracy_speed.chart import in_decades
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.analysis.stick_slip import Oscillator, sticking_speed, sticks
-from rps_exudyn.charts import style
+from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear

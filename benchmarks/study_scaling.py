@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 
 from benchmarks.study_runner import watched, written
 from benchmarks.topic import ROOT, Topic, digits, load_data, markdown, save_data
-from rps_exudyn.charts import style
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import maneuvers_of_test

@@ -20,10 +20,10 @@ from benchmarks.rack_tooth_law import PER_MM, even_load, flattening, law_complia
 from benchmarks.rack_tooth_variations import FITS, SUPPORTS, constants_table, support_table, vary
 from benchmarks.topic import Topic, markdown
 from rps_exudyn.base.files import replacing
-from rps_exudyn.charts import style
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.tooth_compliance import rack_tooth
+from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.tooth_contact.tooth_compliance import rack_tooth
 
 DATA, CHART = "rack_tooth.csv", "rack_tooth.png"
 REFINEMENTS = (1, 2, 3)

@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rps_exudyn.analysis.measured import compare_with_measured
     from rps_exudyn.base.errors import InputError
-    from rps_exudyn.fitting.fit import fit
-    from rps_exudyn.fitting.fitted import Fit
-    from rps_exudyn.measured.reading import read_measured_torque
+    from rps_exudyn.inference.fitting.fit import fit
+    from rps_exudyn.inference.fitting.fitted import Fit
+    from rps_exudyn.inference.measured.reading import read_measured_torque
     from rps_exudyn.multibody.model import build_model
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.parameters.gear import SteeringGear
@@ -62,9 +62,9 @@ _HOME = {
     "add_scene": "scenes",
     "build_model": "multibody.model",
     "compare_with_measured": "analysis.measured",
-    "read_measured_torque": "measured.reading",
-    "Fit": "fitting.fitted",
-    "fit": "fitting.fit",
+    "read_measured_torque": "inference.measured.reading",
+    "Fit": "inference.fitting.fitted",
+    "fit": "inference.fitting.fit",
     "SteeringGear": "parameters.gear",
     "Result": "results.result",
     "load": "study.blocks",

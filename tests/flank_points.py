@@ -12,7 +12,8 @@ import numpy as np
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
-from rps_exudyn.mesh_contact.wrench import (
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.tooth_contact.wrench import (
     FORCE,
     MOMENT,
     NORMAL_COAST,
@@ -21,7 +22,6 @@ from rps_exudyn.mesh_contact.wrench import (
     TORQUE,
     WRENCH_SIZE,
 )
-from rps_exudyn.parameters.gear import SteeringGear
 
 BEYOND = 1e-4  # tangent length by which the cells reach further than the perfect flank [m]
 DEEPEST = 1.5e-4  # what is deeper does not touch but lies in another tooth [m]

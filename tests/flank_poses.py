@@ -9,8 +9,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.wrench import NORMAL_COAST, NORMAL_DRIVE
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.tooth_contact.wrench import NORMAL_COAST, NORMAL_DRIVE
 from verification.law_area import by_law
 
 PAPER = by_law(SteeringGear(), "area")

@@ -3,7 +3,7 @@
     pressure = stiffness * (depth + damping * its rate), never pulling: a bed of springs
 
 as spheres of many samples on planes have it; the line load grows as sqrt(rho) depth^1.5. Strips are those of
-`mesh_contact.flank_strip`, of which stations lean as the ends do. On a generator xi = const of the pinion's
+`tooth_contact.flank_strip`, of which stations lean as the ends do. On a generator xi = const of the pinion's
 flank the point runs along a straight line and the depth is a polynomial of degree 2 in Z (1 without
 modifications of the flank), so that its part in contact is an interval with exact ends, whatever the strip's
 width: so are integrated the few strips that are too wide for an expansion, and all where generators are asked
@@ -13,9 +13,9 @@ for.
 import numpy as np
 
 from rps_exudyn.base.compiled import inline, kernel
-from rps_exudyn.mesh_contact.contact_tangent import press, slopes_of
-from rps_exudyn.mesh_contact.flank_contact import begin_contact, end_side, note_line
-from rps_exudyn.mesh_contact.flank_line import (
+from rps_exudyn.tooth_contact.contact_tangent import press, slopes_of
+from rps_exudyn.tooth_contact.flank_contact import begin_contact, end_side, note_line
+from rps_exudyn.tooth_contact.flank_line import (
     DEEPEST,
     LOAD,
     band_of,
@@ -29,7 +29,7 @@ from rps_exudyn.mesh_contact.flank_line import (
     side_of,
     surplus,
 )
-from rps_exudyn.mesh_contact.flank_strip import (
+from rps_exudyn.tooth_contact.flank_strip import (
     DEPTH,
     LOW_END,
     MARGIN,
@@ -44,8 +44,8 @@ from rps_exudyn.mesh_contact.flank_strip import (
     width,
     within_band,
 )
-from rps_exudyn.mesh_contact.plain_line import clip
-from rps_exudyn.mesh_contact.strip_limits import ends_of, watch_limits
+from rps_exudyn.tooth_contact.plain_line import clip
+from rps_exudyn.tooth_contact.strip_limits import ends_of, watch_limits
 
 COARSE, GENERATORS = 28, 32  # for the few strips that are too wide for an expansion
 SHALLOW = 0.9  # a crest less deep than this share of another holds no deeper place

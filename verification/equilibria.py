@@ -2,10 +2,10 @@
 
 from time import process_time
 
-from rps_exudyn.checks.after_run import validated
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
+from rps_exudyn.scenes.checks.after_run import validated
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.solvers.drive import Steady

@@ -17,10 +17,6 @@ import numpy as np
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.pinion_mesh import pinion_mesh
-from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
-from rps_exudyn.mesh_contact.sampled_contact import pooled
-from rps_exudyn.mesh_contact.samples import FlankSamples, mesh_distance, sample_flank
-from rps_exudyn.mesh_contact.spheres import borders, contact_data, sphere_radius
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
@@ -28,6 +24,10 @@ from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.gear_model import GEAR, LAWS
 from rps_exudyn.solvers.settling import static_approach
+from rps_exudyn.tooth_contact.mean_depth import mean_depth, rack_approach
+from rps_exudyn.tooth_contact.sampled_contact import pooled
+from rps_exudyn.tooth_contact.samples import FlankSamples, mesh_distance, sample_flank
+from rps_exudyn.tooth_contact.spheres import borders, contact_data, sphere_radius
 from verification.equilibria import equilibria
 from verification.shaping import shaped_pinion
 

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.checks.after_run import validated
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.multibody.model import build_model
 from rps_exudyn.multibody.solve import LARGEST_STATE, silent
@@ -20,6 +19,7 @@ from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
+from rps_exudyn.scenes.checks.after_run import validated
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.solvers.record import Record, signals_of

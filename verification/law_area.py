@@ -8,7 +8,6 @@ solvers.
 from collections.abc import Mapping
 
 from rps_exudyn.base.compiled import inline, kernel_of
-from rps_exudyn.mesh_contact.laws import on_flanks, pose_of
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.gear_model import (
     LAW,
@@ -18,6 +17,7 @@ from rps_exudyn.solvers.gear_model import (
     finish,
     finish_on_bent_rack,
 )
+from rps_exudyn.tooth_contact.laws import on_flanks, pose_of
 from verification.area_contact import area_contact
 
 NAME = "mesh.law"
@@ -36,7 +36,7 @@ def replaced(gear: SteeringGear, settings: Mapping[str, object]) -> SteeringGear
 
 @inline
 def area_law(q, v, mesh, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
-    """Pressure in proportion to the flanks' depth, see `mesh_contact.laws`."""
+    """Pressure in proportion to the flanks' depth, see `tooth_contact.laws`."""
     turn, pose = pose_of(q, v, mesh.flank.rack_reference, work.pose), work.pose
     area_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], mesh.flank, work, factor_q, factor_v)
     on_flanks(q, turn, mesh.flank, work, factor_q, factor_v, out, tangent)

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from rps_exudyn.analysis.passes import passes
-from rps_exudyn.fitting.bench_tests import BenchTest
-from rps_exudyn.fitting.prediction import formula_means
-from rps_exudyn.measured.reading import PUSH, TORQUE
+from rps_exudyn.inference.fitting.bench_tests import BenchTest
+from rps_exudyn.inference.fitting.prediction import formula_means
+from rps_exudyn.inference.measured.reading import PUSH, TORQUE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import MeasuredTorque

@@ -10,7 +10,6 @@ resolutions finer than any error that is to be measured.
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import SCENE_NAMES, scene_named
@@ -18,6 +17,7 @@ from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.scenes.yoke_impact import WIDEST_ZONE, shaken
 from rps_exudyn.solvers.gear_forces import GearForces, exchanged
+from rps_exudyn.tooth_contact.flank_data import pack
 from verification.runge_kutta import explicit_motion
 from verification.runs import SceneReference, run_scene
 from verification.slow_swing import slow_swing

@@ -16,7 +16,6 @@ from zlib import crc32
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.checks.before_run import LEAST_STATIONS
 from rps_exudyn.gears.basic_rack import pointed_radius, undercut_limit
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_report import check_gear
@@ -25,6 +24,7 @@ from rps_exudyn.parameters.declaration import Table
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.checks.before_run import LEAST_STATIONS
 from rps_exudyn.scenes.maneuver import check_travel, largest_angle, maneuvers_of_test, swing_maneuver
 from rps_exudyn.scenes.stick_slip import set_off
 from rps_exudyn.scenes.yoke_impact import shaken

@@ -14,7 +14,7 @@ from benchmarks.accuracy_speed.chart import law_band_figure, scaling_figure
 from benchmarks.accuracy_speed.measurement import Measurement, load_measurement
 from benchmarks.accuracy_speed.tables import LAW_HEAD, LIMITS, SCALING_HEAD, law_rows, scaling_rows
 from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.charts import style
+from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import MEASURED

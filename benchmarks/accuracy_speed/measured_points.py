@@ -26,7 +26,7 @@ from benchmarks.accuracy_speed.tables import TABLES
 from benchmarks.accuracy_speed.variants import VARIANTS, of_family, reference_of_variant
 from benchmarks.topic import Topic
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.charts import style
+from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance

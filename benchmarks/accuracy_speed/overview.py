@@ -14,12 +14,12 @@ from matplotlib.figure import Figure
 from benchmarks.accuracy_speed.chart import STYLES, in_decades
 from benchmarks.accuracy_speed.measurement import Point, load_measurement
 from benchmarks.topic import Topic, digits, load_data, markdown, save_data
-from rps_exudyn.charts import style
+from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
+from rps_exudyn.inference.uncertainty.quick_band import quick_band
+from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import MEASURED
-from rps_exudyn.uncertainty.input_sets import uncertain_inputs
-from rps_exudyn.uncertainty.quick_band import quick_band
 from verification.work_precision import pareto_front
 
 POINTS, DATA, PICTURE = "free-pinion-torque.h5", "overview.json", "overview.png"

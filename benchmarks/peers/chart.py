@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from benchmarks.peers.rounds import Row
-from rps_exudyn.charts import style
+from rps_exudyn.pages.charts import style
 
 STYLES = {
     "quasi-static": ("#274e13", "^"),

@@ -12,8 +12,8 @@ import numpy as np
 
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import rack_masses
-from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.tooth_contact.mean_depth import mean_depth, rack_approach
 from verification.law_area import by_law
 
 SETTINGS: dict[str, Any] = {

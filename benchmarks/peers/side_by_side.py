@@ -15,7 +15,7 @@ from benchmarks.peers.reference import COARSE, FINE, at_angles, reference
 from benchmarks.peers.rounds import Row, absent, as_data, curve_of, from_data, installed, measured, versions
 from benchmarks.peers.scene import GEAR, TURN, Method
 from benchmarks.topic import Topic, load_data, save_data
-from rps_exudyn.charts import style
+from rps_exudyn.pages.charts import style
 from verification.references import Method as ReferenceMethod
 from verification.work_precision import pareto_front
 

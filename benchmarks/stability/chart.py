@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from rps_exudyn.charts import style
+from rps_exudyn.pages.charts import style
 from verification.stability import Cell
 
 CELL_COLOURS = {

@@ -7,11 +7,11 @@ from typing import Any
 
 import rps_exudyn as rps
 from benchmarks.topic import Topic, digits, load_data, markdown, save_data
-from rps_exudyn.checks.after_run import validated
-from rps_exudyn.checks.before_run import refused
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.checks.after_run import validated
+from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.simulate.checked_run import run_unchecked
 

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.checks.before_run import STEPS_PER_PITCH
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.checks.before_run import STEPS_PER_PITCH
 from verification.law_area import by_law
 from verification.stability import (
     STILL,

@@ -26,13 +26,11 @@ from benchmarks.stability.explicit_limits import (
 from benchmarks.stability.stable_step import STEPS
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.checks.before_run import DEEPEST, STEPS_PER_PITCH
 from rps_exudyn.forces.bush import bush_chain
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.mean_depth import mean_depth
-from rps_exudyn.mesh_contact.spheres import sphere_radius
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.checks.before_run import DEEPEST, STEPS_PER_PITCH
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.study.cases import setup_of
@@ -40,6 +38,8 @@ from rps_exudyn.study.definition import Study
 from rps_exudyn.study.description import Axis, Case
 from rps_exudyn.study.study_file import read_study
 from rps_exudyn.study.table import axis_quantity
+from rps_exudyn.tooth_contact.mean_depth import mean_depth
+from rps_exudyn.tooth_contact.spheres import sphere_radius
 from verification.law_area import by_law
 from verification.runge_kutta import runge_kutta
 from verification.stability import (

@@ -27,10 +27,10 @@ import numpy as np
 from benchmarks.topic import Topic, markdown
 from rps_exudyn.base.compiling import Step, listeners
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.checks.before_run import refused
 from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.simulate.checked_run import run_unchecked
 from verification.plan_reference import Expected, expected
 from verification.sampler import random_plan, usual_plan

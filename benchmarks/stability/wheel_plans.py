@@ -18,11 +18,11 @@ import numpy as np
 from benchmarks.stability.random_plans import COLUMNS, WRONG, WRONGLY_OK, mark_of, read, verdict, write
 from benchmarks.topic import Topic, markdown
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.checks.before_run import refused
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
+from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.simulate.checked_run import run_unchecked
 from verification.behind_column import Behind, Wheel, WheelFigures, figures
 from verification.refined_steps import NotFoundError

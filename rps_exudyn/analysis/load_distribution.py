@@ -18,8 +18,8 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.rigid_motion import rotation_matrix
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS
-from rps_exudyn.mesh_contact.line_loads import LineLoads, line_loads, loads_data
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.tooth_contact.line_loads import LineLoads, line_loads, loads_data
 
 Line = tuple[int, int]  # side (-1 drives the rack towards +X), number of the rack's tooth
 

@@ -24,9 +24,9 @@ KERNEL_SOURCES = (
     "base/*.py",
     "forces/*.py",
     "gears/tooth_stiffness.py",
-    "mesh_contact/*.py",
+    "tooth_contact/*.py",
     "solvers/*.py",
-    "animation/drawn.py",
+    "pages/animation/drawn.py",
 )
 """What compiled code is made of: the kernels, and the records and constants that they read."""
 STAMP = ".sha256"

@@ -13,7 +13,7 @@ from rps_exudyn.cli.options import PAPER_GEAR, GearOptions, Inputs, Jobs, Json
 from rps_exudyn.cli.output import DONE, FAILED, print_json, put, put_table
 
 if TYPE_CHECKING:
-    from rps_exudyn.requirements.sheet import Judged
+    from rps_exudyn.assessment.requirements.sheet import Judged
 
 COLUMNS = ("requirement", "limit", "nominal", "5 to 95 %", "gears that keep it", "verdict")
 
@@ -33,15 +33,15 @@ def check(
     Exit status 1: a requirement is not kept.
 
     Args:
-        limits: TOML file whose limits replace the shipped ones, which `rps_exudyn/requirements/limits.toml`
-            lists with their sources.
+        limits: TOML file whose limits replace the shipped ones, which stand with their sources in
+            `rps_exudyn/assessment/requirements/limits.toml`.
         rated_torque: on the pinion, for the strength of the teeth and the lift.
         out: the sheet as a file (.json).
     """
-    from rps_exudyn.requirements.limits import read_limits
-    from rps_exudyn.requirements.sheet import judge
+    from rps_exudyn.assessment.requirements.limits import read_limits
+    from rps_exudyn.assessment.requirements.sheet import judge
+    from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
     from rps_exudyn.simulate.cases.run_cases import checked_jobs
-    from rps_exudyn.uncertainty.input_sets import uncertain_inputs
 
     own, chosen, asked = gear.carried(), gear.load(), read_limits(limits)
     if out is not None:
@@ -73,7 +73,7 @@ def _known(value: float) -> float | None:
 
 
 def _as_dict(sheet: "Sequence[Judged]") -> dict[str, object]:
-    from rps_exudyn.requirements.limits import REQUIRED
+    from rps_exudyn.assessment.requirements.limits import REQUIRED
 
     rows = {
         each.name: {
@@ -92,8 +92,8 @@ def _as_dict(sheet: "Sequence[Judged]") -> dict[str, object]:
 
 
 def _print(sheet: "Sequence[Judged]", torque: float, out: Path | None) -> None:
-    from rps_exudyn.requirements.limits import REQUIRED
-    from rps_exudyn.requirements.sheet import ASSURED
+    from rps_exudyn.assessment.requirements.limits import REQUIRED
+    from rps_exudyn.assessment.requirements.sheet import ASSURED
 
     rows = []
     for each in sheet:

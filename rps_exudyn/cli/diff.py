@@ -21,7 +21,7 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Json =
         plot: picture (.png, .svg, .pdf) of both torques and their difference.
     """
     from rps_exudyn.analysis.comparison import compare
-    from rps_exudyn.charts.analyses import draw_comparison
+    from rps_exudyn.pages.charts.analyses import draw_comparison
     from rps_exudyn.study.blocks import load
 
     if plot:

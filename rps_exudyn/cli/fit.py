@@ -24,7 +24,7 @@ from rps_exudyn.cli.output import (
 )
 
 if TYPE_CHECKING:
-    from rps_exudyn.fitting.fitted import Fit
+    from rps_exudyn.inference.fitting.fitted import Fit
 
 PAGES = (".html", ".htm")
 _PRIOR = re.compile(r"(?P<value>.+?)\s*(?:\+-|\+/-|±)\s*(?P<sd>.+)")
@@ -78,10 +78,10 @@ def fit(
         series: file (.json) with what this fit leaves for the next gear of the series.
         like: such a file of another gear, with the same tests: this fit begins there.
     """
-    from rps_exudyn.fitting import findings
-    from rps_exudyn.fitting.fit import fit as fitted
-    from rps_exudyn.fitting.series import read_series
-    from rps_exudyn.fitting.unknowns import USUAL
+    from rps_exudyn.inference.fitting import findings
+    from rps_exudyn.inference.fitting.fit import fit as fitted
+    from rps_exudyn.inference.fitting.series import read_series
+    from rps_exudyn.inference.fitting.unknowns import USUAL
 
     if not files:
         raise InputError("fit needs at least one measured file, for instance rps-exudyn fit measured.csv.")
@@ -115,7 +115,7 @@ def parse_priors(texts: Iterable[str]) -> dict[str, tuple[float, float]]:
     Raises:
         InputError: everything that is wrong with them.
     """
-    from rps_exudyn.fitting.unknowns import FREEABLE
+    from rps_exudyn.inference.fitting.unknowns import FREEABLE
     from rps_exudyn.parameters.gear import SteeringGear
 
     priors, problems = {}, []
@@ -158,7 +158,7 @@ def _prior(value: str, deviation: str, si: str) -> tuple[float, float]:
 
 def print_fit(fit: "Fit", files: Iterable[Path]) -> None:
     """Print level, what is not separable, the table of parameters, and warnings."""
-    from rps_exudyn.fitting import findings
+    from rps_exudyn.inference.fitting import findings
 
     tests = ", ".join(dict.fromkeys(each.test for each in fit.passes))
     put(f"fit · tests: {tests} · {'converged' if fit.converged else 'NOT CONVERGED'}", "bold")
@@ -179,7 +179,7 @@ def _written_files(
     fit: "Fit", out: Path, plot: Path | None, report: Path | None, series: Path | None
 ) -> Iterator[Path]:
     """Write the files one after the other, the gear first and the pictures last."""
-    from rps_exudyn.fitting.findings import gear_text, headline
+    from rps_exudyn.inference.fitting.findings import gear_text, headline
     from rps_exudyn.parameters.gear import gear_file
 
     if older := number_existing(out):
@@ -188,13 +188,13 @@ def _written_files(
         partial.write_text(gear_text(fit, gear_file(fit.gear)), encoding="utf-8")
     yield out
     if series:
-        from rps_exudyn.fitting.series import write_series
+        from rps_exudyn.inference.fitting.series import write_series
 
         write_series(fit.series, series)
         yield series
     if plot:
-        from rps_exudyn.charts import style
-        from rps_exudyn.charts.fit import beliefs_figure, curves_figure
+        from rps_exudyn.pages.charts import style
+        from rps_exudyn.pages.charts.fit import beliefs_figure, curves_figure
 
         figure = curves_figure(fit) or beliefs_figure(fit)
         if figure is not None:
@@ -202,7 +202,7 @@ def _written_files(
             style.save(figure, plot)
             yield plot
     if report:
-        from rps_exudyn.report.fit_page import write_fit_page
+        from rps_exudyn.pages.report.fit_page import write_fit_page
 
         write_fit_page(fit, report)
         yield report

@@ -117,7 +117,7 @@ def read_measured(path: Path, columns: Sequence[str]) -> "MeasuredTorque":
     Raises:
         InputError: no such file, or one that is no curve.
     """
-    from rps_exudyn.measured.reading import read_measured_torque
+    from rps_exudyn.inference.measured.reading import read_measured_torque
 
     measured = read_measured_torque(path, chosen_columns(columns))
     say(f"{path}: {'; '.join(measured.assumed)}.")
@@ -156,7 +156,7 @@ def keep(result: "Result", out: Path, plot: Path) -> tuple[list[Path], bool]:
 
 def _draw(result: "Result", plot: Path) -> None:
     """Draw the picture; the result is safe by then."""
-    from rps_exudyn.charts.scene import draw
+    from rps_exudyn.pages.charts.scene import draw
 
     draw(result, plot)
 

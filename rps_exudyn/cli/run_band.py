@@ -13,14 +13,14 @@ from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import SetupOptions
 from rps_exudyn.cli.output import DONE, INTERRUPTED, naming, print_files, print_json, put, put_table, say
 from rps_exudyn.cli.printed import result_as_dict
+from rps_exudyn.inference.uncertainty.band import Band, band_of_runs
+from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
+from rps_exudyn.inference.uncertainty.quick_band import SCENE, quick_band
 from rps_exudyn.parameters.fidelity import MEAN_STEP
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.cases.run_cases import checked_jobs
-from rps_exudyn.uncertainty.band import Band, band_of_runs
-from rps_exudyn.uncertainty.input_sets import uncertain_inputs
-from rps_exudyn.uncertainty.quick_band import SCENE, quick_band
 
 QUICK_OTHERWISE = 64  # runs of a scene without a quick band
 SHOWN = 5  # contributions
@@ -44,8 +44,8 @@ def do_band(
     Raises:
         InputError: distributions or a number of samples that cannot be, or a gear that fails.
     """
-    from rps_exudyn.charts.band import band_figure
-    from rps_exudyn.charts.style import save
+    from rps_exudyn.pages.charts.band import band_figure
+    from rps_exudyn.pages.charts.style import save
 
     own, processes = options.carried(), checked_jobs(jobs)
     setup = _with_cheap_model(options)

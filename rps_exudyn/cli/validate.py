@@ -11,7 +11,7 @@ from rps_exudyn.cli.options import Jobs, Json
 from rps_exudyn.cli.output import DONE, naming, print_files, print_json, put, put_table
 
 if TYPE_CHECKING:
-    from rps_exudyn.validation.comparison import Comparison
+    from rps_exudyn.assessment.validation.comparison import Comparison
 
 DATA, PICTURE = ".json", ".png"  # beside the page
 
@@ -32,12 +32,12 @@ def validate(
         only: name of a row to run alone; may be repeated.
         out: page (.html), with data (.json) and picture (.png) beside it; without it validation.html.
     """
-    from rps_exudyn.charts.style import save
+    from rps_exudyn.assessment.validation.comparison import compare_rows
+    from rps_exudyn.assessment.validation.page import validation_figure, validation_page
+    from rps_exudyn.assessment.validation.row import SHIPPED, read_rows
+    from rps_exudyn.pages.charts.style import save
     from rps_exudyn.results.provenance import provenance
     from rps_exudyn.simulate.cases.run_cases import checked_jobs
-    from rps_exudyn.validation.comparison import compare_rows
-    from rps_exudyn.validation.page import validation_figure, validation_page
-    from rps_exudyn.validation.row import SHIPPED, read_rows
 
     found = read_rows(rows or SHIPPED)
     if unknown := set(only) - {row.name for row in found}:
@@ -69,7 +69,7 @@ def validate(
 
 
 def _print(comparisons: "list[Comparison]", files: list[Path]) -> None:
-    from rps_exudyn.validation.page import COLUMNS, row_cells
+    from rps_exudyn.assessment.validation.page import COLUMNS, row_cells
 
     put_table(COLUMNS, [tuple(row_cells(each)) for each in comparisons])
     counts = Counter(each.verdict.value for each in comparisons)

@@ -1,6 +1,6 @@
 """The teeth in Exudyn's GeneralContact: spheres on the pinion's flanks against triangles on the rack's.
 
-GeneralContact has no contact of triangles with triangles, so one gear is sampled (`mesh_contact.spheres`).
+GeneralContact has no contact of triangles with triangles, so one gear is sampled (`tooth_contact.spheres`).
 Exudyn needs, each with a test in tests/upstream:
 
 * drive and coast flanks in contacts of their own, one for each few degrees by which the pinion turns: the
@@ -22,9 +22,9 @@ import numpy as np
 
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar, RackFlank
-from rps_exudyn.mesh_contact.sampled_contact import SampledContactData
-from rps_exudyn.mesh_contact.spheres import FLANK_MARGIN, SIDES, gate_angle, lowest_height
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.tooth_contact.sampled_contact import SampledContactData
+from rps_exudyn.tooth_contact.spheres import FLANK_MARGIN, SIDES, gate_angle, lowest_height
 
 if TYPE_CHECKING:
     import exudyn

@@ -14,7 +14,7 @@ Bodies and their joints, in the housing frame of `gears.gear_pair`:
     wheel     steering wheel behind the column, where the rig turns it (ObjectRotationalMass1D)
     bush      chain of rigid segments held by connector springs, or condensed into the sliding fit
 
-What acts between them are the force laws of `forces` and `mesh_contact`, the same that
+What acts between them are the force laws of `forces` and `tooth_contact`, the same that
 `solvers.equilibrium` balances. The rig's drive
 moves pinion, rack or wheel; the model starts in static equilibrium, so there is nothing to settle.
 """

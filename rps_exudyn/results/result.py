@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 MOST_NUMBERS = 6  # of the summary that a printed result shows
-DRAWING = "rps_exudyn.charts.scene:draw"  # looked up when a result is drawn: charts stand above results
+DRAWING = "rps_exudyn.pages.charts.scene:draw"  # looked up when a result is drawn: charts stand above results
 
 FILETYPE = "rps_exudyn-result"
 VERSION = (1, 4)

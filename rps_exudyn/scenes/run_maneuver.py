@@ -13,8 +13,13 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import begin_part
-from rps_exudyn.checks.before_run import check_memory
-from rps_exudyn.checks.needs_finer import (
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Remark, Status
+from rps_exudyn.scenes.by_formula import by_formula
+from rps_exudyn.scenes.checks.before_run import check_memory
+from rps_exudyn.scenes.checks.needs_finer import (
     STRIPS_AGREE,
     bends_more,
     finer_strips,
@@ -23,11 +28,6 @@ from rps_exudyn.checks.needs_finer import (
     strips_change,
     yoke_stops,
 )
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Remark, Status
-from rps_exudyn.scenes.by_formula import by_formula
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.analysis.curve import Curve
-from rps_exudyn.checks.after_run import validated
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Remark
+from rps_exudyn.scenes.checks.after_run import validated
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, swing_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 

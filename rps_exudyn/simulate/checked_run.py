@@ -3,13 +3,13 @@
 from dataclasses import replace
 from time import perf_counter, process_time
 
-from rps_exudyn.checks.before_run import refused
 from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun
 

@@ -11,12 +11,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from rps_exudyn.checks.before_run import breaches
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Status, each_once
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.checks.before_run import breaches
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene import Scene
 from rps_exudyn.simulate.checked_run import run_unchecked

@@ -14,7 +14,11 @@ from rps_exudyn.analysis.passes import spread
 from rps_exudyn.analysis.resolution import every_second, lag, missed
 from rps_exudyn.analysis.torque import mean
 from rps_exudyn.analysis.work_balance import losses
-from rps_exudyn.checks.after_run import (
+from rps_exudyn.forces.force_element import RACK
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.checks.after_run import (
     LAG_BOUND,
     MISSED_TORQUE,
     ROUNDING,
@@ -22,11 +26,7 @@ from rps_exudyn.checks.after_run import (
     edge_bound,
     hidden_share,
 )
-from rps_exudyn.checks.needs_finer import MEAN, PEAK, ROLLING
-from rps_exudyn.forces.force_element import RACK
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.checks.needs_finer import MEAN, PEAK, ROLLING
 from rps_exudyn.scenes.maneuver import Maneuver, largest_angle
 from rps_exudyn.scenes.run_maneuver import CLOSED
 from rps_exudyn.scenes.scene_run import Signals

@@ -19,11 +19,6 @@ from rps_exudyn.forces.memory import Patches
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import pinion_inertia, rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.mesh_contact.flank_data import pack
-from rps_exudyn.mesh_contact.laws import DEEPEST
-from rps_exudyn.mesh_contact.sampled_contact import SampledContactData, pooled
-from rps_exudyn.mesh_contact.spheres import contact_data
-from rps_exudyn.mesh_contact.teeth_data import teeth_data
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS, check_friction_laws
 from rps_exudyn.parameters.gear import SteeringGear
@@ -33,6 +28,11 @@ from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar, bent_bar
 from rps_exudyn.solvers.gear_model import GEAR, LAWS, outputs_along, parts_of
 from rps_exudyn.solvers.settling import static_approach
 from rps_exudyn.solvers.sphere_groups import by_touching_angle, standing_out
+from rps_exudyn.tooth_contact.flank_data import pack
+from rps_exudyn.tooth_contact.laws import DEEPEST
+from rps_exudyn.tooth_contact.sampled_contact import SampledContactData, pooled
+from rps_exudyn.tooth_contact.spheres import contact_data
+from rps_exudyn.tooth_contact.teeth_data import teeth_data
 
 GUIDED = tuple(range(RACK + 2, RACK + 6))  # what a guided rack lacks: sideways motion, roll, yaw, pitch
 

@@ -48,9 +48,6 @@ from rps_exudyn.forces.yoke import (
     seat_force,
     spring_force,
 )
-from rps_exudyn.mesh_contact import wrench
-from rps_exudyn.mesh_contact.laws import line_law, sphere_law, teeth_law
-from rps_exudyn.mesh_contact.mesh_record import MESH, SCRATCH
 from rps_exudyn.solvers.bent_rack import (
     BAR,
     POSE,
@@ -64,6 +61,9 @@ from rps_exudyn.solvers.bent_rack import (
     fill_pose,
     fill_pose_by_bar,
 )
+from rps_exudyn.tooth_contact import wrench
+from rps_exudyn.tooth_contact.laws import line_law, sphere_law, teeth_law
+from rps_exudyn.tooth_contact.mesh_record import MESH, SCRATCH
 
 # Parts in the order of their outputs
 PARTS = (

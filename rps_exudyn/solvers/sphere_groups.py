@@ -14,11 +14,11 @@ import numpy as np
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
-from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
-from rps_exudyn.mesh_contact.sampled_contact import SampledContactData
-from rps_exudyn.mesh_contact.samples import sample_flank
-from rps_exudyn.mesh_contact.spheres import SHALLOWEST, borders
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.tooth_contact.mean_depth import mean_depth, rack_approach
+from rps_exudyn.tooth_contact.sampled_contact import SampledContactData
+from rps_exudyn.tooth_contact.samples import sample_flank
+from rps_exudyn.tooth_contact.spheres import SHALLOWEST, borders
 
 GROUPS_A_TURN = 90  # of about 4 degrees; a strip of contact is 5 to 10 wide
 PRECISION = np.deg2rad(2.0)  # to which the angles are found at which a sphere begins and ends to touch
@@ -115,7 +115,7 @@ STANDING_OUT = 0.5  # height over the flank, in mean depths
 def standing_out(
     data: SampledContactData, gear: SteeringGear, *, profile: int, axial: int
 ) -> SampledContactData:
-    """Return the spheres of law "line" that `mesh_contact.spheres.contact_data` made, made to stand out of
+    """Return the spheres of law "line" that `tooth_contact.spheres.contact_data` made, made to stand out of
     the flanks; those of law "area" as they are, whose pressure is proportional to depth."""
     if gear.mesh.law != "line":
         return data

@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.parameters.carried import carried
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.study.description import Axis
-from rps_exudyn.uncertainty.input_sets import uncertain_inputs
 
 
 def uncertain_axes(

@@ -28,8 +28,8 @@ from benchmarks.peers.side_by_side import from_data
 from benchmarks.stability.chart import draw_limits, draw_maps
 from benchmarks.topic import RESULTS
 from picture_album import Album, figure_functions
-from rps_exudyn.charts import style
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
 
 

@@ -14,7 +14,7 @@ from benchmarks.accuracy_speed.chart import (
 )
 from benchmarks.accuracy_speed.measurement import Measurement, Point, load_measurement
 from rps_exudyn.analysis.curve import Curve
-from rps_exudyn.charts import style
+from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.results.law_error import MEASURED
 from verification.work_precision import Reference

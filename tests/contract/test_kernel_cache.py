@@ -32,7 +32,7 @@ def test_copy_has_the_same_fingerprint(package: Path) -> None:
     [
         "forces/bearing.py",  # a record's fields, which kernels read by their places
         "forces/rigid_motion.py",
-        "mesh_contact/flank_data.py",
+        "tooth_contact/flank_data.py",
         "solvers/gear_model.py",
         "solvers/follower.py",
     ],

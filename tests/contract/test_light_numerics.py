@@ -7,7 +7,7 @@ from scipy.special import roots_jacobi
 
 from rps_exudyn.analysis.work_balance import integral_from_start
 from rps_exudyn.base import units
-from rps_exudyn.mesh_contact.flank_data import gauss_jacobi
+from rps_exudyn.tooth_contact.flank_data import gauss_jacobi
 
 
 @pytest.mark.parametrize(

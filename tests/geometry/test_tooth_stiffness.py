@@ -19,10 +19,10 @@ from rps_exudyn.gears.tooth_stiffness import (
     theoretical_stiffness,
     virtual_teeth,
 )
-from rps_exudyn.mesh_contact.flank_data import pack
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.study.study_file import read_study
 from rps_exudyn.study.table import show_value
+from rps_exudyn.tooth_contact.flank_data import pack
 
 GEAR = SteeringGear()
 LINE = GEAR.replace({"mesh.law": "line"})

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.mesh_contact.spheres import SIDES
 from rps_exudyn.multibody.general_contact import flank_triangle
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.tooth_contact.spheres import SIDES
 from verification.faceted import faceted_run, largest_deviation, meshed, shaped, spheres
 from verification.flywheel import explicit_run
 from verification.law_area import by_law

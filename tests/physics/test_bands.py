@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.inference.uncertainty import band as band_module
+from rps_exudyn.inference.uncertainty.band import Band, band_of_runs
+from rps_exudyn.inference.uncertainty.input_sets import SETS, uncertain_inputs
+from rps_exudyn.inference.uncertainty.quick_band import quick_band
+from rps_exudyn.inference.uncertainty.samples import Samples
+from rps_exudyn.inference.uncertainty.statistics import LEVELS, contributions, quantiles
 from rps_exudyn.parameters.carried import carried
 from rps_exudyn.parameters.distribution import KINDS, Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted
 from rps_exudyn.simulate.cases.run_cases import Answer, Task, run_cases
-from rps_exudyn.uncertainty import band as band_module
-from rps_exudyn.uncertainty.band import Band, band_of_runs
-from rps_exudyn.uncertainty.input_sets import SETS, uncertain_inputs
-from rps_exudyn.uncertainty.quick_band import quick_band
-from rps_exudyn.uncertainty.samples import Samples
-from rps_exudyn.uncertainty.statistics import LEVELS, contributions, quantiles
 
 FORMULA = Fidelity.preset("closed-form")
 EQUILIBRIA = Fidelity.preset("quasi-static").replace({"step_angle": "2 deg"})
@@ -201,7 +201,7 @@ def test_numbers_depend_neither_on_processes_nor_on_parts(
     scene: str, count: int, rounding: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Bit for bit for gears followed together; else but for BLAS, which has one thread in processes."""
-    monkeypatch.setattr("rps_exudyn.uncertainty.samples.TOGETHER", 8)
+    monkeypatch.setattr("rps_exudyn.inference.uncertainty.samples.TOGETHER", 8)
     monkeypatch.setattr("rps_exudyn.simulate.cases.run_cases.STARTING", -1.0)  # processes after the first
     own = carried({}, {"yoke.preload": "uniform(200 N, 400 N)"})
     gear = SteeringGear().replace({"test.turns": 0.2})
@@ -219,7 +219,7 @@ def test_a_sample_whose_process_ends_is_one_that_failed(monkeypatch: pytest.Monk
         for number, (task, answer) in enumerate(run_cases(tasks, *how)):
             yield task, died if number == 3 else answer
 
-    monkeypatch.setattr("rps_exudyn.uncertainty.samples.run_cases", dying)
+    monkeypatch.setattr("rps_exudyn.inference.uncertainty.samples.run_cases", dying)
     band = band_of_runs(TURN, gear, FORMULA, own, samples=16)
     assert dict(band.drawn.failures) == {"crashed: its process was ended by SIGSEGV": 1}
     assert np.isnan(band.drawn.numbers["torque_mean"][3])

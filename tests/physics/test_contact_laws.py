@@ -7,9 +7,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.flank_data import pack
-from rps_exudyn.mesh_contact.wrench import NORMAL_COAST, NORMAL_DRIVE, PENETRATION, TORQUE
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.tooth_contact.flank_data import pack
+from rps_exudyn.tooth_contact.wrench import NORMAL_COAST, NORMAL_DRIVE, PENETRATION, TORQUE
 from verification.contact_at import elastic_contact, flank_contact, mesh_of_teeth
 from verification.law_area import by_law
 

@@ -8,8 +8,8 @@ import pytest
 import rps_exudyn as rps
 from rps_exudyn.analysis.contact_pattern import contact_pattern, one_pitch, pressures, unrolled
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.charts.analyses import pattern_figure
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.pages.charts.analyses import pattern_figure
 from rps_exudyn.results.result import Result
 from verification.law_area import by_law
 

@@ -12,11 +12,11 @@ import pytest
 import rps_exudyn as rps
 from part_law import PartLaw
 from rps_exudyn.analysis.load_distribution import load_distribution, mesh_stiffness
-from rps_exudyn.charts.analyses import load_figure
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.pages.charts.analyses import load_figure
+from rps_exudyn.pages.report.result_page import contact_section
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.report.result_page import contact_section
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.solvers.gear_forces import gear_forces

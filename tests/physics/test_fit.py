@@ -23,16 +23,16 @@ from benchmarks.measured_fit import (
     true_gear,
     true_level,
 )
-from rps_exudyn.fitting.bench_tests import BenchTest, MeasuredPass, measurement_of
-from rps_exudyn.fitting.findings import fit_as_dict, open_sentences
-from rps_exudyn.fitting.fit import fit
-from rps_exudyn.fitting.fitted import Estimate, Fit, Verdict, shape_claims, with_others
-from rps_exudyn.fitting.identify import LevelData, advice_of, more_runs
-from rps_exudyn.fitting.noise import found_noise
-from rps_exudyn.fitting.nonlinear import OtherEnd
-from rps_exudyn.fitting.problem import PassRows
-from rps_exudyn.fitting.series import read_series, write_series
-from rps_exudyn.fitting.unknowns import LEVEL, USUAL
+from rps_exudyn.inference.fitting.bench_tests import BenchTest, MeasuredPass, measurement_of
+from rps_exudyn.inference.fitting.findings import fit_as_dict, open_sentences
+from rps_exudyn.inference.fitting.fit import fit
+from rps_exudyn.inference.fitting.fitted import Estimate, Fit, Verdict, shape_claims, with_others
+from rps_exudyn.inference.fitting.identify import LevelData, advice_of, more_runs
+from rps_exudyn.inference.fitting.noise import found_noise
+from rps_exudyn.inference.fitting.nonlinear import OtherEnd
+from rps_exudyn.inference.fitting.problem import PassRows
+from rps_exudyn.inference.fitting.series import read_series, write_series
+from rps_exudyn.inference.fitting.unknowns import LEVEL, USUAL
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import GRAVITY
 from verification.made_up_curves import REAL, BenchNoise, measured_curve, true_curve, with_noise

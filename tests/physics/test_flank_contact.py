@@ -16,8 +16,9 @@ from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
-from rps_exudyn.mesh_contact.flank_data import pack
-from rps_exudyn.mesh_contact.wrench import (
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.tooth_contact.flank_data import pack
+from rps_exudyn.tooth_contact.wrench import (
     DAMPING_POWER,
     ELASTIC_ENERGY,
     FORCE,
@@ -28,7 +29,6 @@ from rps_exudyn.mesh_contact.wrench import (
     PENETRATION,
     TORQUE,
 )
-from rps_exudyn.parameters.gear import SteeringGear
 from verification.contact_at import flank_contact
 
 

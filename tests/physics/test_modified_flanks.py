@@ -9,9 +9,9 @@ import pytest
 from flank_points import wrench_by_points
 from flank_poses import POSES, ZONE, changed, difference, state
 from rps_exudyn.base.compiled import kernel
-from rps_exudyn.mesh_contact.flank_data import pack
-from rps_exudyn.mesh_contact.flank_strip import DEPTH, LOW_END, PRESSING, STRIP_SHAPE, touching
-from rps_exudyn.mesh_contact.wrench import PENETRATION
+from rps_exudyn.tooth_contact.flank_data import pack
+from rps_exudyn.tooth_contact.flank_strip import DEPTH, LOW_END, PRESSING, STRIP_SHAPE, touching
+from rps_exudyn.tooth_contact.wrench import PENETRATION
 from verification.contact_at import flank_contact
 
 FORMS: dict[str, dict[str, object]] = {

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from rps_exudyn.checks.needs_finer import needs_finer
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.checks.needs_finer import needs_finer
 from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.simulate.checked_run import run_unchecked

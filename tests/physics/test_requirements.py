@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
+from rps_exudyn.assessment.requirements.limits import REQUIRED, read_limits
+from rps_exudyn.assessment.requirements.sheet import Judged, judge, weight_for_ratio
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.tooth_strength import pinion_form
+from rps_exudyn.inference.uncertainty.band import Band
 from rps_exudyn.parameters.carried import carried
 from rps_exudyn.parameters.fidelity import FOR_MEANS
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.requirements.limits import REQUIRED, read_limits
-from rps_exudyn.requirements.sheet import Judged, judge, weight_for_ratio
 from rps_exudyn.solvers.closed_form import load_test, mean_state
-from rps_exudyn.uncertainty.band import Band
 from shell import Command
 
 GEAR = SteeringGear()
@@ -77,10 +77,10 @@ def test_what_cannot_be_computed_is_not_evaluated(monkeypatch: pytest.MonkeyPatc
     def lost(*_: object, **__: object) -> Band:
         raise InputError("this one ends contact-lost.")
 
-    monkeypatch.setattr("rps_exudyn.requirements.sheet.quick_band", lost)
-    monkeypatch.setattr("rps_exudyn.requirements.sheet.band_of_runs", lost)
+    monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.quick_band", lost)
+    monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.band_of_runs", lost)
     monkeypatch.setattr(
-        "rps_exudyn.requirements.sheet.pinion_form",
+        "rps_exudyn.assessment.requirements.sheet.pinion_form",
         lambda pair: replace(pinion_form(pair), dedendum=6.0),
     )
     sheet = {each.name: each for each in judge(GEAR, INPUTS, read_limits(), samples=8)}
@@ -94,7 +94,7 @@ def test_what_cannot_be_computed_is_not_evaluated(monkeypatch: pytest.MonkeyPatc
 def test_command_prints_what_is_not_evaluated(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     limit, nan = read_limits()["free_torque"], float("nan")
     made = [Judged("free_torque", limit, nan, nan, nan, 0.0, remark="Not evaluated: contact-lost")]
-    monkeypatch.setattr("rps_exudyn.requirements.sheet.judge", lambda *_, **__: iter(made))
+    monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.judge", lambda *_, **__: iter(made))
     answer = command(["check", "--out", "sheet.json"])
     assert answer.status == 1
     assert "not evaluated" in answer.out
@@ -137,7 +137,7 @@ def test_limits_that_cannot_be(tmp_path: Path, text: str, said: str) -> None:
 def test_command_judges_and_says_so_by_its_status(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     limit = read_limits()["free_torque"]
     made = [Judged("free_torque", limit, 0.6, 0.5, 0.7, 1.0), Judged("gain", limit, 0.035, 0.035, 0.035, 0.0)]
-    monkeypatch.setattr("rps_exudyn.requirements.sheet.judge", lambda *_, **__: iter(made))
+    monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.judge", lambda *_, **__: iter(made))
     answer = command(["check", "--out", "sheet.json"])
     assert answer.status == 1
     assert "free_torque" in answer.out

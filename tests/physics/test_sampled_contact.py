@@ -14,14 +14,14 @@ from flank_points import wrench_by_points
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.tooth_stiffness import line_stiffness
-from rps_exudyn.mesh_contact.flank_data import pack
-from rps_exudyn.mesh_contact.mean_depth import mean_depth, rack_approach
-from rps_exudyn.mesh_contact.spheres import contact_data, sphere_radius, stiffness_per_area
-from rps_exudyn.mesh_contact.wrench import NORMAL_COAST, NORMAL_DRIVE, TORQUE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.simulate.run import run
 from rps_exudyn.solvers.sphere_groups import standing_out
+from rps_exudyn.tooth_contact.flank_data import pack
+from rps_exudyn.tooth_contact.mean_depth import mean_depth, rack_approach
+from rps_exudyn.tooth_contact.spheres import contact_data, sphere_radius, stiffness_per_area
+from rps_exudyn.tooth_contact.wrench import NORMAL_COAST, NORMAL_DRIVE, TORQUE
 from verification.contact_at import flank_contact, sampled_wrench
 from verification.law_area import by_law
 

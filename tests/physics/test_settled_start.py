@@ -5,11 +5,11 @@ import pytest
 
 import rps_exudyn as rps
 from bad_cases import bad_cases
-from rps_exudyn.checks.after_run import start_forgotten
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Status
+from rps_exudyn.scenes.checks.after_run import start_forgotten
 from rps_exudyn.scenes.maneuver import maneuvers_of_test, swing_maneuver
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
 from rps_exudyn.solvers.drive import Swing

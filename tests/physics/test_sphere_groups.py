@@ -7,9 +7,6 @@ import numpy as np
 import pytest
 
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.mesh_contact.sampled_contact import SampledContactData
-from rps_exudyn.mesh_contact.spheres import contact_data
-from rps_exudyn.mesh_contact.wrench import PENETRATION
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
@@ -17,6 +14,9 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.run import run
 from rps_exudyn.solvers import gear_forces
 from rps_exudyn.solvers.sphere_groups import by_touching_angle
+from rps_exudyn.tooth_contact.sampled_contact import SampledContactData
+from rps_exudyn.tooth_contact.spheres import contact_data
+from rps_exudyn.tooth_contact.wrench import PENETRATION
 from verification.contact_at import sampled_wrench
 from verification.law_area import by_law
 

@@ -23,15 +23,15 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.basic_rack import half_angle
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.trochoid import form_point
-from rps_exudyn.mesh_contact.tooth_compliance import (
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.tooth_contact.tooth_compliance import (
     PINION,
     RACK,
     Spread,
     pinion_tooth,
     rack_tooth,
 )
-from rps_exudyn.mesh_contact.unilateral import local_yield
-from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.tooth_contact.unilateral import local_yield
 from verification.population import random_gears
 
 PAIR = GearPair.of(SteeringGear())

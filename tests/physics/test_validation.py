@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rps_exudyn.validation.comparison import Comparison, Simulated, compare_rows
-from rps_exudyn.validation.row import SHIPPED, read_rows
-from rps_exudyn.validation.verdict import Verdict, verdict, verdict_on_limit
+from rps_exudyn.assessment.validation.comparison import Comparison, Simulated, compare_rows
+from rps_exudyn.assessment.validation.row import SHIPPED, read_rows
+from rps_exudyn.assessment.validation.verdict import Verdict, verdict, verdict_on_limit
 from shell import Command
 
 ROWS = {row.name: row for row in read_rows(SHIPPED)}

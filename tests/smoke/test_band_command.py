@@ -37,7 +37,9 @@ def test_band_is_printed_and_every_sample_kept(command: Command) -> None:
 def test_interrupt_while_the_picture_is_drawn_names_the_files_that_are_there(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rps_exudyn.charts.band.band_figure", lambda *_: signal.raise_signal(signal.SIGINT))
+    monkeypatch.setattr(
+        "rps_exudyn.pages.charts.band.band_figure", lambda *_: signal.raise_signal(signal.SIGINT)
+    )
     answer = command(["run", *OPTIONS, "--band", "16", "--set", "yoke.preload=300 N +- 9 N"])
     assert answer.status == 130
     assert answer.err.endswith("interrupted; r.h5, r.band.json are written, the rest is not.\n")

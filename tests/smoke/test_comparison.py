@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rps_exudyn.analysis.comparison import compare
-from rps_exudyn.charts.analyses import comparison_figure
+from rps_exudyn.pages.charts.analyses import comparison_figure
 from rps_exudyn.results.result import Result
 
 

@@ -16,7 +16,7 @@ from rps_exudyn.base.compiling import CompilingProgress, Step, called, listening
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Progress, passed_on
 from rps_exudyn.base.screen import TextRow, open_screen, shown_progress
-from rps_exudyn.explore.server import Explorer
+from rps_exudyn.pages.explore.server import Explorer
 from rps_exudyn.results.result import Result
 from shell import Command, reader_environment
 
@@ -128,9 +128,9 @@ def compiling(monkeypatch: pytest.MonkeyPatch) -> None:
     for place in (
         "simulate.checked_run.scene_named",
         "multibody.model.build_model",
-        "fitting.prediction.Prediction.simulated",
-        "animation.page.write_page",
-        "report.report.write_report",
+        "inference.fitting.prediction.Prediction.simulated",
+        "pages.animation.page.write_page",
+        "pages.report.report.write_report",
     ):
         monkeypatch.setattr(f"rps_exudyn.{place}", begin)
     monkeypatch.setattr("rps_exudyn.cli.view.has_display", lambda: True)

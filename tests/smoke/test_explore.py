@@ -12,10 +12,10 @@ import pytest
 from playwright import sync_api
 
 import rps_exudyn as rps
-from rps_exudyn.explore import answer as answers
-from rps_exudyn.explore.answer import answer
-from rps_exudyn.explore.server import Explorer
-from rps_exudyn.explore.sliders import SLIDERS, Slider, settings_of
+from rps_exudyn.pages.explore import answer as answers
+from rps_exudyn.pages.explore.answer import answer
+from rps_exudyn.pages.explore.server import Explorer
+from rps_exudyn.pages.explore.sliders import SLIDERS, Slider, settings_of
 from watched_page import watched
 
 GEAR = rps.SteeringGear()

@@ -47,7 +47,7 @@ def test_the_next_gear_of_a_series_is_fitted_like_the_first(command: Command, fi
 def test_interrupt_while_the_picture_is_drawn_names_the_files_that_are_there(
     command: Command, files: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rps_exudyn.charts.style.save", lambda *_: signal.raise_signal(signal.SIGINT))
+    monkeypatch.setattr("rps_exudyn.pages.charts.style.save", lambda *_: signal.raise_signal(signal.SIGINT))
     options = ["--single-law", "--plot", "fit.png", "--series", "s.json", "--free", "yoke.preload"]
     answer = command(["fit", files[0], *options])
     assert answer.status == 130

@@ -7,10 +7,10 @@ import pytest
 from matplotlib.patches import Rectangle
 
 import rps_exudyn as rps
-from rps_exudyn.charts.scene import torque_figure
+from rps_exudyn.pages.charts.scene import torque_figure
+from rps_exudyn.pages.report.report import write_report
 from rps_exudyn.parameters.fidelity import PRESETS
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.report.report import write_report
 from rps_exudyn.results.law_error import MEASURED, law_error
 from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.by_accuracy import Setting, choose, knows_law

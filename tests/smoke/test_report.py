@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from made_up_study import GRID, HOSTILE, description, grid_points, make_study, sampled
-from rps_exudyn.report.effects_charts import main_effect_figure
+from rps_exudyn.pages.report.effects_charts import main_effect_figure
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result

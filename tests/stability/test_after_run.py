@@ -8,9 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rps_exudyn.checks import after_run
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Status
+from rps_exudyn.scenes.checks import after_run
 
 DEEPEST = 50e-6
 VALID_TO = {"mesh_penetration": DEEPEST}

@@ -2,10 +2,10 @@
 
 import pytest
 
-from rps_exudyn.checks.before_run import breaches
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.scenes.checks.before_run import breaches
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.fallback import run_with_fallback
 from rps_exudyn.simulate.run import isolated_run, run

@@ -16,11 +16,11 @@ import pytest
 from rps_exudyn import load
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import following
-from rps_exudyn.checks import before_run
 from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
+from rps_exudyn.scenes.checks import before_run
 from rps_exudyn.simulate.cases.processes import Processes
 from rps_exudyn.simulate.cases.run_cases import Task, answer_to
 from rps_exudyn.simulate.cases.time_limit import TimeLimit, alarm, place_of

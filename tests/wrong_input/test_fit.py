@@ -10,9 +10,9 @@ import pytest
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.fit import parse_priors
-from rps_exudyn.fitting.bench_tests import mixed_speeds, named_test, read_measurement
-from rps_exudyn.fitting.fit import fit
-from rps_exudyn.fitting.series import read_series
+from rps_exudyn.inference.fitting.bench_tests import mixed_speeds, named_test, read_measurement
+from rps_exudyn.inference.fitting.fit import fit
+from rps_exudyn.inference.fitting.series import read_series
 from rps_exudyn.parameters.gear import SteeringGear
 from shell import Command
 

@@ -18,8 +18,8 @@ from rps_exudyn.analysis.measured import compare_with_measured, onto_simulated
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.measured.numbers import Format, as_number
-from rps_exudyn.measured.reading import read_curve, read_measured_torque
+from rps_exudyn.inference.measured.numbers import Format, as_number
+from rps_exudyn.inference.measured.reading import read_curve, read_measured_torque
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import MeasuredTorque
 from rps_exudyn.solvers.closed_form import closed_form

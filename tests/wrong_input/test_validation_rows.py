@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from rps_exudyn.assessment.validation.row import read_rows
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.validation.row import read_rows
 from shell import Command
 
 RIGHT = """\

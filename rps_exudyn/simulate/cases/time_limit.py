@@ -26,7 +26,7 @@ PLACES = {
     "/numba/": "while kernels were compiled",
     "/rps_exudyn/solvers/": "on the way to its start",
     "/rps_exudyn/multibody/": "while its model was built",
-    "/rps_exudyn/mesh_contact/": "while its contact was prepared",
+    "/rps_exudyn/tooth_contact/": "while its contact was prepared",
     "/rps_exudyn/gears/": "while the gear's geometry was made",
     "/rps_exudyn/": "while it was prepared",
 }

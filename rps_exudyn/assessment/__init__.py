@@ -1,0 +1,1 @@
+"""Rows with a verdict: a gear against its requirements, simulations against data from outside."""

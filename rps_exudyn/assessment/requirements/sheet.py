@@ -1,0 +1,214 @@
+"""Evaluating the requirements of a gear: each number with its band, and whether it is kept.
+
+A requirement is kept if at least `ASSURED` of the gears drawn keep it; samples that failed do not, and where
+they decide it is open. Numbers that hang on the teeth alone have no band. What a gear does not let compute is
+not evaluated, with the cause; the others still are.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+
+from rps_exudyn.assessment.requirements.limits import Limit
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.rack_bar import RackBar
+from rps_exudyn.gears.tooth_strength import flank_stress, pinion_form, rack_form, root_stress
+from rps_exudyn.inference.uncertainty.band import Band, band_of_runs
+from rps_exudyn.inference.uncertainty.quick_band import quick_band
+from rps_exudyn.parameters.distribution import Distribution
+from rps_exudyn.parameters.fidelity import FOR_MEANS
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
+from rps_exudyn.scenes.rack_lift import SCENE as RACK_LIFT
+from rps_exudyn.solvers.closed_form import load_test
+
+ASSURED = 0.95  # of the gears
+RATED_TORQUE = 30.0  # [N m]
+LIGHTEST, HEAVIEST = 0.5, 400.0  # weights between which a kept efficiency is looked for [kg]
+TURNING = {
+    "free_torque": "torque_mean",
+    "variation_on_centre": "torque_on_centre_variation",
+    "variation_off_centre": "torque_off_centre_variation",
+}
+"""Requirement -> figure of a run that turns the pinion freely."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One requirement of a gear, SI; without numbers (nan) where it is not evaluated, the remark says why."""
+
+    name: str
+    limit: Limit
+    nominal: float
+    low: float  # 5 % of the band; the nominal number without one
+    high: float  # 95 %
+    share: float  # of the gears that keep the limit
+    failed: float = 0.0  # share of the samples that gave no number
+    remark: str = ""
+
+    @property
+    def kept(self) -> bool:
+        """Whether enough gears keep it."""
+        return self.share >= ASSURED
+
+    @property
+    def verdict(self) -> str:
+        """Return pass, fail, open where samples that failed decide, or not evaluated."""
+        if np.isnan(self.nominal):
+            return "not evaluated"
+        if self.kept:
+            return "pass"
+        return "open" if self.share + self.failed >= ASSURED else "fail"
+
+
+def judge(
+    gear: SteeringGear,
+    inputs: Mapping[str, Distribution],
+    limits: Mapping[str, Limit],
+    rated_torque: float = RATED_TORQUE,
+    samples: int = 48,
+    on_progress: Callable[[str], None] | None = None,
+    jobs: int = 1,
+) -> Iterator[Judged]:
+    """Yield every requirement of the gear, in the order of `limits.REQUIRED`.
+
+    Args:
+        gear: its own load mass is the weight of the efficiencies.
+        inputs: distributions of its parameters, for the bands.
+        limits: name -> limit.
+        rated_torque: on the pinion [N m].
+        samples: of each band.
+        on_progress: called with what is computed next.
+        jobs: number of processes, for bands that are worth them.
+
+    Raises:
+        InputError: a rated torque that is none.
+    """
+    if not rated_torque > 0:
+        raise InputError(f"the rated torque is {rated_torque:g} N m; it must be more than 0 N m.")
+    report = on_progress or (lambda text: None)
+    report("free torque and its variation")
+    yield from _of_turning(gear, inputs, limits, samples, jobs)
+    report("efficiencies")
+    yield _row("efficiency_ratio", limits, partial(_of_efficiency, gear, inputs, limits, samples, jobs))
+    report(f"teeth and lift under {rated_torque:g} N m")
+    pair = GearPair.of(gear)
+    stresses: dict[str, Callable[[], float]] = {
+        "rated_root_pinion": partial(root_stress, gear, pinion_form(pair), rated_torque),
+        "rated_root_rack": partial(root_stress, gear, rack_form(pair), rated_torque),
+        "rated_flank": partial(flank_stress, gear, rated_torque),
+    }
+    for name, stress in stresses.items():
+        yield _row(name, limits, partial(_of_teeth, name, stress, limits))
+    yield _row("rated_lift", limits, partial(_of_lift, gear, inputs, limits, rated_torque, samples, jobs))
+    yield _exact("travel", 2 * RackBar.of(gear).largest_displacement, limits)
+    yield _exact("gain", 2 * np.pi * float(pair.gain), limits)
+
+
+def _row(name: str, limits: Mapping[str, Limit], computed: Callable[[], Judged]) -> Judged:
+    """Return one requirement, not evaluated with the cause where computing it fails."""
+    try:
+        return computed()
+    except InputError as error:
+        return _not_evaluated(name, limits, error)
+
+
+def _not_evaluated(name: str, limits: Mapping[str, Limit], error: InputError) -> Judged:
+    cause = " ".join(error.problems)
+    return Judged(name, limits[name], np.nan, np.nan, np.nan, 0.0, remark=f"Not evaluated: {cause}")
+
+
+def _of_turning(
+    gear: SteeringGear,
+    inputs: Mapping[str, Distribution],
+    limits: Mapping[str, Limit],
+    samples: int,
+    jobs: int,
+) -> Iterator[Judged]:
+    """Torques over a turn about the centre; lock to lock where the torque changes along the travel."""
+    path: dict[str, object] = {"test.path": "lock-to-lock"}
+    if not (gear.rack.bow or gear.installation.gravity):
+        start = -np.pi * gear.test.direction
+        path = {"test.path": "there-and-back", "test.start_angle": start, "test.turns": 1.0}
+    try:
+        band = quick_band(gear.replace(path), FOR_MEANS, inputs, samples, jobs=jobs)
+    except InputError as error:
+        yield from (_not_evaluated(name, limits, error) for name in TURNING)
+        return
+    for name, figure in TURNING.items():
+        yield _row(name, limits, partial(_from_band, name, figure, band, limits))
+
+
+def _of_efficiency(
+    gear: SteeringGear,
+    inputs: Mapping[str, Distribution],
+    limits: Mapping[str, Limit],
+    samples: int,
+    jobs: int,
+) -> Judged:
+    short = gear.replace({"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth})
+    band = band_of_runs(LOAD_TEST.name, short, FOR_MEANS, inputs, max(samples // 2, 8), jobs=jobs)
+    judged = _from_band("efficiency_ratio", "efficiency_ratio", band, limits)
+    weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 - (T_0 / W s')^2"
+    if judged.kept:
+        return replace(judged, remark=weight)
+    enough = weight_for_ratio(gear, judged.limit.least)
+    found = f"it would take {enough:.3g} kg" if enough else f"no weight up to {HEAVIEST:g} kg is enough"
+    return replace(judged, remark=f"{weight}: {found} at the medians, by the closed form")
+
+
+def _of_teeth(name: str, stress: Callable[[], float], limits: Mapping[str, Limit]) -> Judged:
+    return _exact(name, stress(), limits)
+
+
+def _of_lift(
+    gear: SteeringGear,
+    inputs: Mapping[str, Distribution],
+    limits: Mapping[str, Limit],
+    rated_torque: float,
+    samples: int,
+    jobs: int,
+) -> Judged:
+    lifting = gear.replace({"test.lift_torque": rated_torque})
+    lift = band_of_runs(RACK_LIFT.name, lifting, FOR_MEANS, inputs, max(samples // 2, 8), jobs=jobs)
+    return _from_band("rated_lift", "rack_lift", lift, limits)
+
+
+def weight_for_ratio(gear: SteeringGear, ratio: float) -> float | None:
+    """Return the least weight with which reverse over forward efficiency reaches a ratio, by the closed form
+    [kg]; None if none does."""
+
+    from scipy.optimize import brentq
+
+    def beyond(mass: float) -> float:
+        return load_test(gear, mass).efficiency_ratio - ratio
+
+    masses = np.geomspace(LIGHTEST, HEAVIEST, 40)
+    for lighter, heavier in pairwise(masses.tolist()):
+        if beyond(heavier) >= 0:
+            return float(brentq(beyond, lighter, heavier, xtol=1e-6)) if beyond(lighter) < 0 else lighter
+    return None
+
+
+def _exact(name: str, value: float, limits: Mapping[str, Limit]) -> Judged:
+    limit, value = limits[name], float(value)
+    return Judged(name, limit, value, value, value, float(limit.keeps(value)))
+
+
+def _from_band(name: str, figure: str, band: Band, limits: Mapping[str, Limit]) -> Judged:
+    """Judge a figure by its band: the share of its runs; failed ones keep nothing."""
+    if figure not in band.figures:
+        raise InputError(f"the runs give no {figure}.")
+    limit, numbers = limits[name], band.drawn.numbers[figure]
+    known = numbers[np.isfinite(numbers)]
+    nominal = band.nominal.summary[figure]
+    share = float(np.count_nonzero(limit.keeps(known)) / numbers.size)
+    found = band.figures[figure]
+    missing = numbers.size - known.size
+    cause = next(iter(band.drawn.failures), "")
+    remark = f"{missing} of {numbers.size} samples failed, most often {cause}" if missing else ""
+    return Judged(name, limit, nominal, found.low, found.high, share, missing / numbers.size, remark)

@@ -1,0 +1,185 @@
+"""Running rows: S, D, E, u_num, u_input, u_D and the verdict of each; equal procedures are run once."""
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.assessment.validation.calculations import CALCULATIONS
+from rps_exudyn.assessment.validation.row import Procedure, Row
+from rps_exudyn.assessment.validation.verdict import Verdict, verdict, verdict_on_limit
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.geometry_report import geometry_report
+from rps_exudyn.inference.uncertainty.band import Band, band_of_runs, numerical_error
+from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
+from rps_exudyn.inference.uncertainty.quick_band import SCENE, quick_band
+from rps_exudyn.inference.uncertainty.statistics import MEDIAN
+from rps_exudyn.parameters.carried import carried
+from rps_exudyn.parameters.fidelity import FOR_MEANS, Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.simulate.cases.run_cases import Task, run_cases
+from rps_exudyn.simulate.run import simulate
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """What the package says; nan where it could not be found."""
+
+    value: float
+    u_num: float  # standard, of the solution and of quantiles from so many samples
+    u_input: float  # standard
+    low: float  # 5 % of the band; the value without one
+    high: float  # 95 %
+    message: str = ""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A row after its run; all values SI."""
+
+    row: Row
+    simulated: Simulated
+
+    @property
+    def error(self) -> float:
+        """Return E = S - D."""
+        return self.simulated.value - self.row.data.value
+
+    @property
+    def uncertainty(self) -> float:
+        """Return u_val."""
+        return float(
+            np.hypot(np.hypot(self.simulated.u_num, self.simulated.u_input), self.row.data.uncertainty)
+        )
+
+    @property
+    def verdict(self) -> Verdict:
+        """Return what E and u_val say of the row's criterion."""
+        data = self.row.data
+        if self.row.not_comparable:
+            return Verdict.NOT_COMPARABLE
+        if data.side:
+            return verdict_on_limit(self.error, self.uncertainty, data.side)
+        return verdict(self.error, self.uncertainty, self.row.agreement * abs(data.value))
+
+    @property
+    def message(self) -> str:
+        """Why the row is not comparable, or remarks on its run."""
+        return self.row.not_comparable or self.simulated.message
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the row for a JSON file, which has no nan: None stands for what is missing."""
+        data, found = self.row.data, self.simulated
+        content = {
+            "name": self.row.name,
+            "title": self.row.title,
+            "kind": self.row.kind,
+            "source": self.row.source,
+            "note": self.row.note,
+            "quantity": data.quantity,
+            "unit": data.shown_as.unit,
+            "S": found.value,
+            "band": [found.low, found.high] if np.isfinite(found.low) else None,
+            "D": data.value,
+            "range": data.ends,
+            "limit": {1: "at most", -1: "at least"}.get(data.side, ""),
+            "E": self.error,
+            "u_num": found.u_num,
+            "u_input": found.u_input,
+            "u_D": data.uncertainty,
+            "u_val": self.uncertainty,
+            "agreement": self.row.agreement,
+            "verdict": self.verdict.value,
+            "message": self.message,
+        }
+        return {name: None if value != value else value for name, value in content.items()}  # nan
+
+
+def compare_rows(
+    rows: Sequence[Row], on_progress: Callable[[int, int], None] | None = None, jobs: int = 1
+) -> list[Comparison]:
+    """Run the rows in up to `jobs` processes; a run that fails makes a row that is not comparable.
+
+    `on_progress` gets the number of procedures that are done, and of all.
+    """
+    keys = [json.dumps(vars(row.procedure), sort_keys=True, default=dict) for row in rows]
+    procedures = {key: row.procedure for key, row in zip(keys, rows, strict=True)}
+    dearest_first = sorted(procedures, key=lambda key: -_expected(procedures[key]))
+    tasks = {Task(partial(_outcome, procedures[key])): key for key in dearest_first}
+    found: dict[str, dict[str, Simulated]] = {}
+    for task, answer in run_cases(list(tasks), jobs, expected=sum(map(_expected, procedures.values()))):
+        found[tasks[task]] = {"": _missing(answer.ended)} if answer.ended else answer.returned()
+        if on_progress is not None:
+            on_progress(len(found), len(tasks))
+    missing = _missing("the run has no such number")
+    return [
+        Comparison(row, found[key].get(row.data.quantity) or found[key].get("") or missing)
+        for key, row in zip(keys, rows, strict=True)
+    ]
+
+
+def _expected(procedure: Procedure) -> float:
+    """Return about what a procedure takes [s]: gears that are followed together take less."""
+    if not procedure.scene:
+        return 0.0
+    each = 0.1 if scene_named(procedure.scene).test is None else 0.01
+    return each * (procedure.samples if procedure.inputs else 2)
+
+
+def _outcome(procedure: Procedure) -> dict[str, Simulated]:
+    """Every number that the procedure gives, by quantity; "" stands for all others."""
+    try:
+        return _simulated(procedure)
+    except InputError as error:
+        return {"": _missing(" ".join(error.problems))}
+
+
+def _simulated(procedure: Procedure) -> dict[str, Simulated]:
+    if procedure == Procedure():
+        return {}
+    if procedure.calculation:
+        value = CALCULATIONS[procedure.calculation](**procedure.arguments)
+        return {"": Simulated(value, 0.0, 0.0, value, value)}
+    gear = SteeringGear.from_tables({}, procedure.settings)
+    if procedure.geometry:
+        numbers = geometry_report(gear).numbers
+        return {name: Simulated(value, 0.0, 0.0, value, value) for name, value in numbers.items()}
+    fidelity = Fidelity.preset(procedure.fidelity)
+    if fidelity.based_on == FOR_MEANS.based_on:
+        fidelity = FOR_MEANS
+    if procedure.inputs:
+        return _of_band(_band(procedure, gear, fidelity))
+    result = simulate(procedure.scene, gear, fidelity)
+    if result.status is not Status.OK:
+        return {"": _missing(f"the run ended {result.status}: {result.message}")}
+    change = numerical_error(result, fidelity)
+    return {
+        name: Simulated(value, change.get(name, 0.0), 0.0, value, value, result.message)
+        for name, value in result.summary.items()
+    }
+
+
+def _band(procedure: Procedure, gear: SteeringGear, fidelity: Fidelity) -> Band:
+    inputs = uncertain_inputs(gear, procedure.inputs, carried({}, procedure.settings))
+    if procedure.scene == SCENE:
+        return quick_band(gear, fidelity, inputs, procedure.samples)
+    return band_of_runs(procedure.scene, gear, fidelity, inputs, procedure.samples)
+
+
+def _of_band(band: Band) -> dict[str, Simulated]:
+    failed = f"{band.drawn.failed} of {len(band.drawn.samples)} samples failed" if band.drawn.failed else ""
+    found = {}
+    for name, each in band.figures.items():
+        error = float(np.hypot(each.errors[MEDIAN], band.numerical.get(name, 0.0)))
+        found[name] = Simulated(each.median, error, each.standard, each.low, each.high, failed)
+    return found
+
+
+def _missing(message: str) -> Simulated:
+    nan = float("nan")
+    return Simulated(nan, nan, nan, nan, nan, message)

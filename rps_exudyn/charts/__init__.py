@@ -1,5 +1,0 @@
-"""Pictures of results, drawn from what the files hold, without Exudyn.
-
-style.py is the common look, curves.py and heading.py are common parts; scene.py chooses the picture of a
-result; each other file is one picture, which its first line describes.
-"""

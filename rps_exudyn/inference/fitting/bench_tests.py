@@ -1,0 +1,304 @@
+"""The tests of a bench whose curves can be fitted, and the files that hold them.
+
+free           the pinion is turned, the rack carries nothing (the scene free-pinion-torque)
+reversal       the same to and fro over some ten degrees
+load-test@80kg the pinion raises a weight at the rack's end, and lowers it
+rack-push      the rack is pushed, the pinion follows
+yoke-out       the pinion is turned without the yoke: nothing presses the teeth together
+bearing        the pinion alone in its bearings
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from rps_exudyn.analysis.passes import Pass, passes
+from rps_exudyn.base import units
+from rps_exudyn.base.errors import InputError, are, lines_in_words
+from rps_exudyn.inference.measured.reading import PUSH, TORQUE, read_curve
+from rps_exudyn.inference.measured.turning import speeds
+from rps_exudyn.results.result import MeasuredTorque
+from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
+from rps_exudyn.scenes.rack_push import SCENE as RACK_PUSH
+from rps_exudyn.scenes.reversal import SCENE as REVERSAL
+from rps_exudyn.solvers.closed_form import GRAVITY
+
+
+@dataclass(frozen=True)
+class BenchKind:
+    """What distinguishes one kind of test.
+
+    Attributes:
+        by_angle: whether its curves are compared angle by angle; others are by their means.
+        turns_about: whether the motion turns back, so that friction turns about.
+        weighted: whether a weight at the rack's end belongs to it.
+        quantities: driven coordinate and measured torque or force, by `results.quantities`.
+    """
+
+    by_angle: bool = False
+    turns_about: bool = False
+    weighted: bool = False
+    quantities: tuple[str, str] = TORQUE
+
+
+KINDS = {
+    "free": BenchKind(by_angle=True),
+    REVERSAL.name: BenchKind(by_angle=True, turns_about=True),
+    LOAD_TEST.name: BenchKind(weighted=True),
+    RACK_PUSH.name: BenchKind(quantities=PUSH),
+    "yoke-out": BenchKind(),
+    "bearing": BenchKind(),
+}
+"""Name in front of a file -> kind of test."""
+_NAMED = re.compile(rf"(?P<kind>{'|'.join(KINDS)})(?:@(?P<load>[^=]+))?=(?P<file>.+)", re.S)
+MOST_POINTS = 720  # of a pass: more are taken together by their medians
+UNSIGNED = 0.5  # least ratio of absolute values of friction in both directions
+MIXED = 1.5  # of two speeds, from which on friction may differ between them
+SHORTEST = 0.2  # of the longest pass: what is shorter is the way to the start, or a jerk
+TURNING = np.radians(3.0)  # after a turn of a reversal, where friction is still turning about
+
+
+@dataclass(frozen=True)
+class BenchTest:
+    """One kind of test under one load."""
+
+    kind: str
+    load: float = 0.0  # that pulls the rack's end towards -X [N]
+
+    @property
+    def of_kind(self) -> BenchKind:
+        """What distinguishes its kind."""
+        return KINDS[self.kind]
+
+    @property
+    def pushed(self) -> bool:
+        """Return whether the rack is driven."""
+        return self.of_kind.quantities == PUSH
+
+    @property
+    def title(self) -> str:
+        """Its name for a reader, and in front of a file."""
+        return f"{self.kind}@{abs(self.load) / GRAVITY:.4g}kg" if self.load else self.kind
+
+    @property
+    def unit(self) -> str:
+        """SI unit of what is measured."""
+        return "N" if self.pushed else "N*m"
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredPass:
+    """What a file holds of one pass; the torque is that of the result files' signs."""
+
+    test: BenchTest
+    run: int  # number of the file
+    direction: int  # +1 moves the rack along +X
+    angle: np.ndarray  # pinion angle, or displacement of a rack push, rising [rad] or [m], shape (n,)
+    value: np.ndarray  # torque [N m] or force [N], shape (n,)
+    speeds: np.ndarray = field(default_factory=lambda: np.zeros(0))  # [rad/s] or [m/s], where it is recorded
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """All passes of all files, and what was taken for granted."""
+
+    passes: tuple[MeasuredPass, ...]
+    names: tuple[str, ...]  # of the files, by their number
+    assumed: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()  # rows of the files that no pass has, and why
+
+    @property
+    def tests(self) -> list[BenchTest]:
+        """The tests, each once, in the order in which they come."""
+        return list(dict.fromkeys(each.test for each in self.passes))
+
+
+def named_test(text: str) -> tuple[BenchTest, Path]:
+    """Return test and file of "FILE" or "TEST=FILE", for instance "load-test@80kg=heavy.csv".
+
+    Raises:
+        InputError: a load that is no mass, or a load test without one.
+    """
+    found = None if Path(text).exists() else _NAMED.fullmatch(text)
+    if not found:
+        return BenchTest("free"), Path(text)
+    kind, load, file = found["kind"], found["load"], Path(found["file"])
+    if KINDS[kind].weighted != (load is not None):
+        raise InputError(
+            f"{text} must say the weight of a load test, and of no other: {LOAD_TEST.name}@80kg=FILE."
+        )
+    try:
+        mass = units.to_si(load, "kg") if load else 0.0
+    except ValueError as error:
+        raise InputError(f"{text}: the weight {error}.") from None
+    if load and not 0 < mass < 1e4:
+        raise InputError(f"{text}: the weight is {mass:g} kg; it must be more than 0 and less than 10000 kg.")
+    return BenchTest(kind, mass * GRAVITY), file
+
+
+def read_measurement(files: Iterable[str | Path], columns: Mapping[str, str] | None = None) -> Measurement:
+    """Read the passes of all files.
+
+    Raises:
+        InputError: files that cannot be read, all of them at once.
+    """
+    curves, problems = [], []
+    for text in files:
+        try:
+            test, path = named_test(str(text))
+            curves.append((test, read_curve(path, test.of_kind.quantities, columns)))
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError(problems)
+    return measurement_of(curves)
+
+
+def measurement_of(curves: Iterable[tuple[BenchTest, MeasuredTorque]]) -> Measurement:
+    """Divide curves into passes.
+
+    Raises:
+        InputError: there are none.
+    """
+    found: list[MeasuredPass] = []
+    names: list[str] = []
+    assumed: list[str] = []
+    left_out: list[str] = []
+    for run, (test, curve) in enumerate(curves):
+        driven, measured = test.of_kind.quantities
+        signals = {"pinion_angle": curve.signals[driven], "value": curve.signals[measured]}
+        lines = {"line": np.arange(1.0, curve.signals[driven].size + 1), **curve.beside}
+        turned = passes(signals | lines)
+        own = [_measured_pass(test, run, each) for each in turned]
+        shortest = SHORTEST * max(np.ptp(each.angle) for each in own)
+        rows = (*curve.left_out, *_rows_left_out(turned, own, lines["line"], shortest))
+        left_out += [f"{curve.name}: {sentence}" for sentence in rows]
+        own = [each for each in own if np.ptp(each.angle) > shortest]  # without the way to the start, a jerk
+        own, said = _with_signs(own, curve.name)
+        found += own
+        names.append(curve.name)
+        assumed += [f"{curve.name}: {sentence}" for sentence in (*curve.assumed, f"{len(own)} passes", *said)]
+    if not found:
+        raise InputError("a fit needs at least one measured curve.")
+    return Measurement(tuple(found), tuple(names), tuple(assumed), tuple(left_out))
+
+
+def _measured_pass(test: BenchTest, run: int, turned: Pass) -> MeasuredPass:
+    inside = _sliding(test, turned)
+    angle, value = turned.angle[inside], turned.signals["value"][inside]
+    order = np.argsort(angle)
+    angle, value = angle[order], value[order]
+    if angle.size > MOST_POINTS:
+        parts = np.array_split(np.arange(angle.size), MOST_POINTS)
+        angle = np.array([angle[part].mean() for part in parts])
+        value = np.array([np.median(value[part]) for part in parts])
+    return MeasuredPass(test, run, turned.direction, angle, value, speeds(turned.signals))
+
+
+def _sliding(test: BenchTest, turned: Pass) -> np.ndarray:
+    """Which rows of a pass are compared, shape (n,): those of a reversal where friction has turned about."""
+    angle = turned.angle
+    inside = (angle > angle.min() + TURNING) & (angle < angle.max() - TURNING)
+    return inside if test.of_kind.turns_about and inside.sum() > 2 else np.ones(angle.size, dtype=bool)
+
+
+def _rows_left_out(
+    turned: Sequence[Pass], measured: Sequence[MeasuredPass], lines: np.ndarray, shortest: float
+) -> Iterator[str]:
+    """Which rows of a file, by their numbers of lines (n,), are in none of its measured passes, and why."""
+    unmoved = np.setdiff1d(lines, np.concatenate([each.signals["line"] for each in turned]))
+    if unmoved.size:
+        yield f"{_rows(unmoved)}, where the angle stands still or jerks back"
+    for each, found in zip(turned, measured, strict=True):
+        inside, numbers = _sliding(found.test, each), each.signals["line"]
+        if not np.ptp(found.angle) > shortest:
+            yield f"{_rows(numbers)}, a pass shorter than {100 * SHORTEST:.0f} % of the longest"
+            continue
+        if not inside.all():
+            degrees = np.degrees(TURNING)
+            yield f"{_rows(numbers[~inside])}, within {degrees:.2g} deg of where the motion turns about"
+        if inside.sum() > MOST_POINTS:
+            yield f"{inside.sum()} rows of a pass are taken together to {MOST_POINTS} medians"
+
+
+def _rows(lines: np.ndarray) -> str:
+    """How many rows are left out, and which."""
+    numbers = np.sort(lines).astype(int).tolist()
+    return f"{are(len(numbers), 'row')} left out, {lines_in_words(numbers)}"
+
+
+def _with_signs(found: list[MeasuredPass], name: str) -> tuple[list[MeasuredPass], list[str]]:
+    """Give the values the signs of the result files, where a bench records them otherwise.
+
+    Raises:
+        InputError: they have signs that friction cannot have.
+    """
+    kind, load = found[0].test.kind, found[0].test.load
+    ways = {sense: [each for each in found if each.direction == sense] for sense in (+1, -1)}
+    means = {sense: float(np.mean([each.value.mean() for each in way])) for sense, way in ways.items() if way}
+    if KINDS[kind].weighted:
+        if max(means.values()) < 0:
+            turned = BenchTest(kind, -load)
+            return [_replaced(each, turned, 1) for each in found], ["the weight pulls the rack towards +X"]
+        return found, []
+    _check_signs(ways, means, name)
+    if len(means) == 2 and means[1] * means[-1] > 0:
+        sign = 1 if means[1] > 0 else -1
+        said = "torques of the same sign both ways are read as against the motion"
+        return [_replaced(each, each.test, sign * each.direction) for each in found], [said]
+    if any(sense * mean < 0 for sense, mean in means.items()):
+        said = "torques count negative where they drive along the motion; their signs are turned"
+        return [_replaced(each, each.test, -1) for each in found], [said]
+    return found, []
+
+
+def _check_signs(ways: dict[int, list[MeasuredPass]], means: dict[int, float], name: str) -> None:
+    """Refuse means of passes that are no friction about zero.
+
+    Raises:
+        InputError: they have both signs in one direction, or one sign and different sizes in both.
+    """
+    for way in ways.values():
+        own = [float(each.value.mean()) for each in way]
+        if own and -min(own) > UNSIGNED * max(own) > 0 > min(own) * max(own):
+            raise InputError(
+                f"{name} has passes in one direction of the angle whose torques have opposite signs, "
+                f"{max(own):.3g} and {min(own):.3g} in SI; let the angle fall where the motion goes back."
+            )
+    forth, back = (abs(means.get(sense, np.nan)) for sense in (1, -1))
+    if len(means) == 2 and means[1] * means[-1] > 0 and min(forth, back) < UNSIGNED * max(forth, back):
+        raise InputError(
+            f"{name} has means of {means[1]:.3g} and {means[-1]:.3g} in both directions, in SI: neither "
+            "absolute values of one friction nor a friction about the sensor's zero; subtract the zero."
+        )
+
+
+def _replaced(each: MeasuredPass, test: BenchTest, sign: int) -> MeasuredPass:
+    return replace(each, test=test, value=sign * each.value)
+
+
+def mixed_speeds(measurement: Measurement, gain: float) -> list[str]:
+    """Return what is to be said if curves were turned at different speeds, as far as they are recorded.
+
+    `gain` is the rack's travel per turning angle [m/rad], which compares a rack push with the others.
+    """
+    found = [
+        (float(np.min(each.speeds)) / size, float(np.max(each.speeds)) / size, each)
+        for each in measurement.passes
+        if each.speeds.size and (size := gain if each.test.pushed else 1.0)
+    ]
+    if not found:
+        return []
+    slowest, fastest = min(found, key=lambda each: each[0]), max(found, key=lambda each: each[1])
+    if fastest[1] < MIXED * slowest[0]:
+        return []
+    low, high = (f"{np.degrees(speed):.3g} deg/s" for speed in (slowest[0], fastest[1]))
+    where = [f"{measurement.names[each.run]} ({each.test.title})" for *_, each in (slowest, fastest)]
+    places = where[0] if where[0] == where[1] else " and ".join(where)
+    return [
+        f"speeds are mixed, {low} to {high} in {places}: one coefficient of friction is fitted to all of "
+        "them; turn every test at one speed"
+    ]

@@ -1,0 +1,192 @@
+"""What a fit found, in sentences: for the screen, the page and the head of the gear file."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.base import units
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.inference.fitting.bench_tests import BenchTest
+from rps_exudyn.inference.fitting.fitted import Estimate, Fit, Level, Verdict
+from rps_exudyn.inference.fitting.identify import MOST_RUNS, NARROWED, SEPARATING, WANTED
+from rps_exudyn.inference.fitting.unknowns import LEVEL, declared
+from rps_exudyn.solvers.closed_form import mesh_torque_per_force, torque_per_preload
+
+TESTS = {
+    "yoke-out": "turn the pinion without the yoke",
+    "bearing": "turn the pinion alone in its bearings",
+}
+
+
+def shown(path: str, value: float) -> str:
+    """A value of a parameter with four digits, in its unit."""
+    unit = declared(path).unit
+    if unit is None or not unit.display:
+        return f"{value:.4g}"
+    return f"{value / units.factor(unit.display, unit.si):.4g} {units.pretty(unit.display)}"
+
+
+def interval_shown(each: Estimate) -> str:
+    """The 95 % interval of an estimate, in its unit."""
+    low, high = (shown(each.path, value) for value in each.interval)
+    unit = declared(each.path).unit
+    return f"{low.split()[0]} to {high}" if unit is not None else f"{low} to {high}"
+
+
+def level_sentence(fit: Fit) -> str:
+    """The mean free torque with its interval; empty where no pinion was turned freely."""
+    return f"{_level(fit.level)}, 95 %; {fit.level.noise})" if fit.level else ""
+
+
+def _level(level: Level) -> str:
+    """The mean free torque with half its interval, absolute and in per cent, within an open bracket."""
+    half = level.interval[1] - level.value
+    return f"mean free torque {level.value:.4g} N m +- {half:.2g} N m ({100 * half / level.value:.2g} %"
+
+
+def headline(fit: Fit) -> str:
+    """What a picture of the fit shows: the tests and the mean free torque."""
+    parts = [f"Fit to {', '.join(dict.fromkeys(each.test for each in fit.passes))}"]
+    if fit.level:
+        parts += [f"{_level(fit.level)}, 95 %)", fit.level.noise]
+    return " · ".join(parts)
+
+
+def offset_sentence(fit: Fit) -> str:
+    """Where the files' angle 0 stands in the model; empty where no pinion was turned freely."""
+    if fit.level is None:
+        return ""
+    offset, half = np.degrees(fit.offset), 1.96 * np.degrees(fit.offset_sd)
+    return (
+        f"angle offset {offset:.2f} deg +- {half:.2g} deg: the model's angle is that of the files less this"
+    )
+
+
+def sum_sentence(fit: Fit) -> str:
+    """How the parameters make the level, with the lengths of this gear."""
+    gear, gain = fit.gear, float(GearPair.of(fit.gear).gain)
+    teeth = mesh_torque_per_force(gear) / gear.mesh.friction if gear.mesh.friction else 0.0
+    at_seat = torque_per_preload(gear) - mesh_torque_per_force(gear)
+    yoke = at_seat / gear.yoke.friction if gear.yoke.friction else 0.0
+    return (
+        f"mean free torque = yoke.preload x ({1e3 * teeth:.3g} mm x mesh.friction + {1e3 * yoke:.3g} mm x "
+        f"yoke.friction) + {1e3 * gain:.3g} mm x bush.drag + bearing.friction_torque"
+    )
+
+
+def open_sentences(fit: Fit) -> Iterator[str]:
+    """What these tests leave open, and which tests or how many repeats would tell it."""
+    yield from _apart_sentences(fit)
+    if said := repeats_sentence(fit):
+        yield said
+
+
+def _apart_sentences(fit: Fit) -> Iterator[str]:
+    """What is not separable, what is known of it together, and which tests would separate it."""
+    left = [each.path for each in fit.estimates if each.verdict is Verdict.OPEN and each.path in LEVEL]
+    if not left:
+        return
+    yield f"not separable by these tests: {', '.join(left)}; their values below fit together, not each alone"
+    if fit.level is not None:
+        yield f"determined is their sum: {sum_sentence(fit)}"
+    for each in fit.combinations:
+        yield f"the product {each.words} is known to {100 * each.sd:.2g} % (standard deviation)"
+    if fit.advice and fit.advice.tests:
+        told = {path: sd for path, sd in fit.advice.reached.items() if sd < NARROWED * LEVEL[path].sd}
+        reached = ", ".join(f"{path} to {100 * sd:.2g} %" for path, sd in told.items())
+        still = [path for path in SEPARATING if path not in told]
+        rest = f", and leaves {', '.join(still)} to repeats or to what is known of others" if still else ""
+        tests = ", ".join(map(test_words, fit.advice.tests))
+        yield f"to separate them: {tests}; that tells {reached}{rest}"
+
+
+def repeats_sentence(fit: Fit) -> str:
+    """How often all tests must be run for what is wanted; empty if that is reached or not identifiable."""
+    if fit.repeats is None:
+        return ""
+    parts = []
+    for path, runs in fit.repeats.runs.items():
+        often = f"{runs} runs of each test" if runs else f"more than {MOST_RUNS} runs of each test"
+        parts.append(f"{often} would reach {100 * WANTED[path]:.2g} % of {path}")
+    now = ", ".join(f"{path} to {100 * half:.2g} %" for path, half in fit.repeats.now.items())
+    return f"known are {now} (95 %); {' and '.join(parts)}, with the scatter of these"
+
+
+def test_words(test: BenchTest) -> str:
+    """A further test in words."""
+    if test.of_kind.weighted:
+        return f"raise and lower {test.title.partition('@')[2].replace('kg', ' kg')} at the rack's end"
+    return TESTS.get(test.kind, test.title)
+
+
+def verdict_sentence(each: Estimate) -> str:
+    """What the fit says of one parameter."""
+    if each.verdict is Verdict.MAYBE_ZERO:
+        most = max(abs(end) for end in each.interval)
+        return f"not different from zero (at most {shown(each.path, most)})"
+    return str(each.verdict)
+
+
+def rows(fit: Fit) -> list[tuple[str, str, str, str, str]]:
+    """Parameter, value, 95 % interval, what was expected, verdict; no interval of what was not found."""
+    table = []
+    for each in fit.estimates:
+        known = each.verdict in (Verdict.FOUND, Verdict.NOT_ZERO, Verdict.BY_PRIOR)
+        interval = interval_shown(each) if known else ""
+        if each.path in LEVEL:
+            expected = f"{shown(each.path, each.prior)} +- {100 * each.prior_sd:.2g} %"
+        elif each.path.endswith("_angle"):
+            expected = "any"
+        else:
+            expected = f"{shown(each.path, each.prior)} +- {shown(each.path, each.prior_sd)}"
+        value = shown(each.path, each.value)
+        table.append((each.path, value, interval, expected, verdict_sentence(each)))
+    return table
+
+
+def fit_as_dict(fit: Fit) -> dict[str, Any]:
+    """The fit without its curves, in SI units."""
+    level = fit.level
+    return {
+        "converged": fit.converged,
+        "level": level
+        and {"value": level.value, "interval": list(level.interval), "sd": level.sd, "noise": level.noise},
+        "estimates": {
+            each.path: {
+                "value": each.value,
+                "interval": list(each.interval),
+                "sd": each.sd,
+                "prior": each.prior,
+                "prior_sd": each.prior_sd,
+                "by_other_law": each.by_law,
+                "verdict": str(each.verdict),
+            }
+            for each in fit.estimates
+        },
+        "combinations": [
+            {"exponents": each.exponents, "sd": each.sd, "prior_sd": each.prior_sd}
+            for each in fit.combinations
+        ],
+        "correlations": {"of": fit.correlated, "matrix": np.round(fit.correlations, 4).tolist()},
+        "further_tests": fit.advice
+        and {"tests": [test.title for test in fit.advice.tests], "reached": fit.advice.reached},
+        "more_runs": fit.repeats and {"half_interval": fit.repeats.now, "runs": fit.repeats.runs},
+        "angle_offset": {"value": fit.offset, "sd": fit.offset_sd},
+        "warnings": list(fit.warnings),
+        "assumed": list(fit.assumed),
+        "left_out": list(fit.left_out),
+        "simulations": fit.simulations,
+        "cpu_s": fit.cpu_s,
+        "gear": fit.gear.model_dump(),
+    }
+
+
+def gear_text(fit: Fit, gear_file: str) -> str:
+    """The gear file with what its values rest on at its head."""
+    said = [level_sentence(fit), *open_sentences(fit)]
+    said += [f"{path} {value}: {verdict}" for path, value, _, _, verdict in rows(fit)]
+    if not fit.converged:
+        said.insert(0, "THE FIT DID NOT CONVERGE: these values are where it ended.")
+    head = "".join(f"# {sentence}\n" for sentence in said if sentence)
+    return f"# Fitted to {', '.join(dict.fromkeys(each.name for each in fit.passes))}.\n{head}{gear_file}"

@@ -1,0 +1,194 @@
+"""What the means of all tests determine: single parameters, combinations, and which test would tell more.
+
+A parameter counts as found only if the data tell it whatever the others are: its standard deviation with
+very weak beliefs about all of them is below half of the deviation that was declared for it. What is
+narrowed with the help of the declared deviations of others follows from them, and is named so.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+
+from rps_exudyn.inference.fitting.bench_tests import BenchTest
+from rps_exudyn.inference.fitting.noise import FEWEST_RUNS, REPEATABILITY, SENSOR
+from rps_exudyn.inference.fitting.prediction import formula_means
+from rps_exudyn.inference.fitting.unknowns import LEVEL
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
+from rps_exudyn.solvers.closed_form import GRAVITY, unloading_force
+
+NARROWED = 0.5  # of the declared deviation
+ANYTHING = 1.0  # deviation of a logarithm about which nothing is known: a factor of 2.7 either way
+LEAST_SHARE = 0.08  # of the largest exponent of a combination that is worth naming
+SIMPLE = ("yoke-out", "bearing")
+SEPARATING = ("yoke.preload", "mesh.friction")
+
+
+@dataclass(frozen=True, eq=False)
+class LevelData:
+    """What means tell of the logarithms of all level parameters, whether they are freed or not."""
+
+    paths: tuple[str, ...]
+    information: np.ndarray  # (n, n)
+
+    def alone(self) -> dict[str, float]:
+        """Standard deviation of each logarithm from the data alone."""
+        covariance = np.linalg.inv(self.information + np.eye(len(self.paths)) / ANYTHING**2)
+        return dict(zip(self.paths, np.sqrt(np.diag(covariance)).tolist(), strict=True))
+
+    def with_test(self, gear: SteeringGear, test: BenchTest) -> "LevelData":
+        """The same after one more test, both ways, with the declared repeatability."""
+        means = np.array(formula_means(gear, test))
+        slopes = logarithmic_slopes(gear, test, self.paths)
+        friction = abs(means[0] - means[1]) / 2
+        across, along = (slopes[0] - slopes[1]) / 2, (slopes[0] + slopes[1]) / 2
+        across = across / (np.hypot(REPEATABILITY, SENSOR) * friction)
+        along = along / np.hypot(REPEATABILITY * friction, SENSOR * (means[0] + means[1]) / 2)
+        return LevelData(self.paths, self.information + np.outer(across, across) + np.outer(along, along))
+
+
+def logarithmic_slopes(gear: SteeringGear, test: BenchTest, paths: Iterable[str]) -> np.ndarray:
+    """Return derivatives of both means with respect to the logarithms, by the closed form, shape (2, n)."""
+    base, columns = np.array(formula_means(gear, test)), []
+    for path in paths:
+        step = LEVEL[path].step
+        moved = gear.replace({path: gear.value_at(path) * np.exp(step)})
+        columns.append((np.array(formula_means(moved, test)) - base) / step)
+    return np.array(columns).T
+
+
+@dataclass(frozen=True)
+class Combination:
+    """A product of powers of parameters that the data determine although they leave each of them open."""
+
+    exponents: dict[str, float]  # path -> exponent; the largest is 1
+    sd: float  # relative
+    prior_sd: float
+
+    @property
+    def words(self) -> str:
+        """The product in words."""
+        parts = [path if power == 1 else f"{path}^{power:.2g}" for path, power in self.exponents.items()]
+        return " x ".join(parts)
+
+
+def combination_of(paths: Sequence[str], posterior: np.ndarray, prior_sd: np.ndarray) -> Combination | None:
+    """Return the best determined product of parameters; None if it is not narrowed either.
+
+    `posterior` is the covariance of their logarithms (n, n): the product's exponents are the direction in
+    which it is smallest beside the prior's.
+    """
+    if len(paths) < 2:
+        return None
+    scaled = posterior / np.outer(prior_sd, prior_sd)
+    values, vectors = np.linalg.eigh(scaled)
+    if values[0] > NARROWED**2:
+        return None
+    exponents = vectors[:, 0] / prior_sd
+    exponents = exponents / exponents[np.argmax(np.abs(exponents))]
+    kept = np.abs(exponents) > LEAST_SHARE
+    shown = {path: float(power) for path, power, ok in zip(paths, exponents, kept, strict=True) if ok}
+    order = dict(sorted(shown.items(), key=lambda item: -item[1]))
+    direction = np.where(kept, exponents, 0.0)
+    sd, before = np.sqrt(exponents @ posterior @ exponents), np.sqrt(direction**2 @ prior_sd**2)
+    return Combination(order, float(sd), float(before))
+
+
+@dataclass(frozen=True)
+class Advice:
+    """Tests that would tell apart what is not, and how well."""
+
+    tests: tuple[BenchTest, ...]
+    reached: dict[str, float]  # path -> relative standard deviation after them
+
+
+def candidates(gear: SteeringGear) -> list[BenchTest]:
+    """Return tests that a bench may add: without yoke, without rack, and weights."""
+    lifting = unloading_force(gear) / GRAVITY
+    masses = [max(10.0, 10.0 * ceil(part * lifting / 10)) for part in (0.3, 0.6, 1.15)]
+    weights = [BenchTest(LOAD_TEST.name, mass * GRAVITY) for mass in dict.fromkeys(masses)]
+    return [BenchTest("yoke-out"), BenchTest("bearing"), *weights]
+
+
+def advice_of(gear: SteeringGear, data: LevelData, done: Sequence[BenchTest]) -> Advice | None:
+    """Return further tests, chosen one after the other until preload and friction of the teeth are separated;
+    None where they are already."""
+    kinds = {test.kind for test in done if test.kind in SIMPLE}
+    left = [test for test in candidates(gear) if test.kind not in kinds and test not in done]
+
+    def worst(after: LevelData) -> float:
+        alone = after.alone()
+        return sum(np.log(max(alone[path] / LEVEL[path].sd, NARROWED)) for path in SEPARATING) + 0.01 * sum(
+            np.log(alone[path]) for path in after.paths
+        )
+
+    def separated(after: LevelData) -> bool:
+        return all(after.alone()[path] < NARROWED * LEVEL[path].sd for path in SEPARATING)
+
+    if separated(data):
+        return None
+    chosen = [test for test in left if test.kind in SIMPLE]  # whatever else follows, they take minutes
+    left = [test for test in left if test.kind not in SIMPLE]
+    for test in chosen:
+        data = data.with_test(gear, test)
+    while left and not separated(data):
+        best = min(left, key=lambda test: worst(data.with_test(gear, test)))
+        data = data.with_test(gear, best)
+        chosen.append(best)
+        left.remove(best)
+    return Advice(tuple(chosen), {path: sd for path, sd in data.alone().items() if path in LEVEL})
+
+
+# --- How often tests must be run until preload and friction of the teeth are known as well as is wanted
+#
+# Repeats help twice: the scatter of a mean falls with the root of their number, and from three runs on they
+# measure the scatter themselves, whose Student's t then counts instead of what is declared.
+
+WANTED = {"yoke.preload": 0.05, "mesh.friction": 0.15}
+"""Path -> half of the 95 % interval that is wanted, of the value."""
+
+MOST_RUNS = 30  # that a bench may be asked for
+
+
+@dataclass(frozen=True)
+class MoreRuns:
+    """What repeats of all tests would reach."""
+
+    now: Mapping[str, float]  # path -> half of the 95 % interval, of the value, as it is
+    runs: Mapping[
+        str, int | None
+    ]  # path -> runs of each test for what is wanted; None: more than `MOST_RUNS`
+
+
+def more_runs(
+    halves: Mapping[str, float], runs: int, tests: int, deviations: Callable[[int], Mapping[str, float]]
+) -> MoreRuns | None:
+    """Return what repeats would reach; None where all that is wanted is reached.
+
+    Args:
+        halves: path -> half of the 95 % interval as it is, of the value.
+        runs: of each test that there are.
+        tests: number of tests.
+        deviations: of the logarithms after so many runs of each test.
+    """
+    missed = {path: half for path, half in halves.items() if half > WANTED[path]}
+    if not missed:
+        return None
+    needed: dict[str, int | None] = dict.fromkeys(missed)
+    for count in range(max(runs + 1, FEWEST_RUNS), MOST_RUNS + 1):
+        expected = deviations(count)
+        for path in missed:
+            if needed[path] is None and students(tests * (count - 1)) * expected[path] <= WANTED[path]:
+                needed[path] = count
+        if all(needed.values()):
+            break
+    return MoreRuns(missed, needed)
+
+
+def students(freedom: int) -> float:
+    """Return the quantile of 97.5 % of Student's t."""
+    from scipy.special import stdtrit
+
+    return float(stdtrit(freedom, 0.975))

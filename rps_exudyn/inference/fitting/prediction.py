@@ -1,0 +1,165 @@
+"""What a gear would show in each test of a bench: simulated by equilibria, and by formula.
+
+A curve of free turning is simulated over a turn in both directions, and repeated; of the other tests the mean
+of each direction is predicted, from a turn, or from a tooth pitch where the runout is too small to matter.
+Under a weight that lifts a flank now and then over the turn, 20 um change the friction by 0.4 %, and so the
+preload that is fitted. Without its yoke, and without its rack, what is left of a gear is drag and bearing
+friction.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rps_exudyn.analysis.torque import mean
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.inference.fitting.bench_tests import BenchTest
+from rps_exudyn.parameters.fidelity import FOR_MEANS, MEAN_STEP, Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.maneuver import largest_angle, steady_maneuver
+from rps_exudyn.scenes.run_maneuver import run_maneuver
+from rps_exudyn.solvers.closed_form import mean_state, pushing_force
+from rps_exudyn.solvers.drive import DrivenBody
+
+TURN = 2 * np.pi
+SEEN = 4e-6  # of a runout, that changes means by a percent of what 20 um do [m]
+
+
+class NoPredictionError(Exception):
+    """Raised where the simulation of a gear fails; its text says why."""
+
+
+@dataclass(frozen=True)
+class CurveBlock:
+    """A part of the predicted values: forward and backward values of one test, one after the other."""
+
+    test: BenchTest
+    grid: np.ndarray  # pinion angles of either direction [rad], shape (n,); one angle stands for a mean
+    repeats: bool  # with the turn
+
+    @property
+    def size(self) -> int:
+        """Number of values."""
+        return 2 * self.grid.size
+
+    def at(self, values: np.ndarray, direction: int, angle: np.ndarray) -> np.ndarray:
+        """Values (m, ...) of this block at pinion angles (n,): shape (n, ...)."""
+        half = values[: self.grid.size] if direction > 0 else values[self.grid.size :]
+        if self.grid.size == 1:
+            return np.broadcast_to(half[0], (angle.size, *half.shape[1:])).copy()
+        place = (angle - self.grid[0]) % TURN + self.grid[0] if self.repeats else angle
+        where = np.clip((place - self.grid[0]) / (self.grid[1] - self.grid[0]), 0, self.grid.size - 1 - 1e-9)
+        low = where.astype(int)
+        part = (where - low).reshape(-1, *([1] * (values.ndim - 1)))
+        return (1 - part) * half[low] + part * half[low + 1]
+
+    def mean_torque(self, values: np.ndarray) -> np.ndarray:
+        """Half difference of the means of both directions of values (m, ...): shape (...)."""
+        half = self.grid.size
+        weights = np.ones(half)
+        if half > 1:
+            weights[[0, -1]] = 0.5
+        weights = weights / weights.sum() / 2
+        return np.tensordot(weights, values[:half] - values[half:], axes=1)
+
+
+@dataclass
+class Prediction:
+    """Predicts the values of all tests, and counts what it took."""
+
+    blocks: Sequence[CurveBlock]
+    fidelity: Fidelity = FOR_MEANS
+    simulations: int = 0  # of all tests together
+
+    @classmethod
+    def of(cls, tests: Sequence[BenchTest], whole: tuple[float, float] | None = None) -> "Prediction":
+        """The prediction of tests; `whole` is the range of angles where the curve does not repeat [rad]."""
+        return cls([_block(test, whole) for test in tests])
+
+    def part(self, number: int, values: np.ndarray) -> np.ndarray:
+        """The values (m, ...) of one block out of those of all."""
+        begin = sum(block.size for block in self.blocks[:number])
+        return values[begin : begin + self.blocks[number].size]
+
+    def simulated(self, gear: SteeringGear) -> np.ndarray:
+        """Values of all blocks, shape (m,).
+
+        Raises:
+            NoPredictionError: there is no equilibrium, or no such gear.
+        """
+        self.simulations += 1
+        try:
+            return np.concatenate([self._simulated(block, gear) for block in self.blocks])
+        except InputError as error:
+            raise NoPredictionError(" ".join(error.problems)) from None
+
+    def means_of(self, values: np.ndarray) -> np.ndarray:
+        """Values (m,) with each direction of each block replaced by its mean, shape (m,)."""
+        parts = [self.part(i, values).reshape(2, -1).mean(axis=1) for i in range(len(self.blocks))]
+        repeats = [np.repeat(part, block.grid.size) for part, block in zip(parts, self.blocks, strict=True)]
+        return np.concatenate(repeats)
+
+    def by_formula(self, gear: SteeringGear) -> np.ndarray:
+        """Means of all tests by the closed form, on the same grids, shape (m,)."""
+        return np.concatenate(
+            [np.repeat(formula_means(gear, block.test), block.grid.size) for block in self.blocks]
+        )
+
+    def _simulated(self, block: CurveBlock, gear: SteeringGear) -> np.ndarray:
+        test = block.test
+        if test.kind in ("yoke-out", "bearing"):
+            return np.array(formula_means(gear, test))
+        if test.of_kind.by_angle:
+            ends = float(block.grid[0]), float(block.grid[-1])
+            return np.concatenate([self._turned(gear, ends, sense, block.grid) for sense in (1, -1)])
+        true = gear.replace({"pinion.pitch_error": 0.0, "rack.bow": 0.0})
+        half, step = TURN / 2, 2 * MEAN_STEP
+        if gear.pinion.runout < SEEN:
+            true, half, step = true.replace({"pinion.runout": 0.0}), half / gear.pinion.teeth, MEAN_STEP
+        body: DrivenBody = "rack" if test.pushed else "pinion"
+        means = []
+        for first, last in ((-half, half), (half, -half)):
+            maneuver = steady_maneuver(true, body, first, last, step)
+            run = run_maneuver(true, self.fidelity, maneuver.under(test.load))
+            if not run.ok:
+                raise NoPredictionError(f"{test.title}: {run.outcome.message}")
+            signal = "rack_force" if body == "rack" else "pinion_torque"
+            means.append(mean(run.signals["pinion_angle"], run.signals[signal]))
+        return np.array(means)
+
+    def _turned(
+        self, gear: SteeringGear, ends: tuple[float, float], sense: int, grid: np.ndarray
+    ) -> np.ndarray:
+        first, last = ends[::sense]
+        run = run_maneuver(gear, self.fidelity, steady_maneuver(gear, "pinion", first, last, MEAN_STEP))
+        if not run.ok:
+            raise NoPredictionError(run.outcome.message)
+        angle, torque = run.signals["pinion_angle"], run.signals["pinion_torque"]
+        return np.interp(grid, angle[::sense], torque[::sense])
+
+
+def formula_means(gear: SteeringGear, test: BenchTest) -> tuple[float, float]:
+    """Return the mean values towards +X and -X by the closed form."""
+    if test.kind == "bearing":
+        return gear.bearing.friction_torque, -gear.bearing.friction_torque
+    if test.kind == "yoke-out":
+        torque = float(GearPair.of(gear).gain) * gear.bush.drag + gear.bearing.friction_torque
+        return torque, -torque
+    if test.pushed:
+        return pushing_force(gear, +1), pushing_force(gear, -1)
+    return mean_state(gear, +1, test.load).torque, mean_state(gear, -1, test.load).torque
+
+
+def _block(test: BenchTest, whole: tuple[float, float] | None) -> CurveBlock:
+    if not test.of_kind.by_angle:
+        return CurveBlock(test, np.zeros(1), True)
+    low, high = whole or (-np.pi, np.pi)
+    return CurveBlock(test, np.linspace(low, high, round((high - low) / MEAN_STEP) + 1), whole is None)
+
+
+def within_the_teeth(gear: SteeringGear, low: float, high: float) -> tuple[float, float]:
+    """Return a range of pinion angles [rad] as far as the rack has teeth."""
+    farthest = largest_angle(gear) * (1 - 1e-6) - 2 * MEAN_STEP
+    return max(low, -farthest), min(high, farthest)

@@ -1,0 +1,106 @@
+"""What a fit leaves for the next gear of a series: where it ended, and the slopes there.
+
+The next gear differs from it by some percent, so that a fit that begins there needs two or three simulations.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import content_of, read_json_tables, write_json
+from rps_exudyn.inference.fitting.problem import Problem, State
+
+WHAT = "rps_exudyn fit, for the next gear of the series"
+_KEYS = {"what", "law", "paths", "tests", "u", "gain", "values", "slopes", "by_law"}
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """The end of a fit, for another gear with the same tests and free parameters."""
+
+    law: str  # contact law of the fit
+    paths: tuple[str, ...]  # of the unknowns
+    tests: tuple[str, ...]
+    state: State
+    by_law: np.ndarray  # what another contact law moves, shape (unknowns,)
+
+    def misfit(self, problem: Problem, law: str) -> str:
+        """Why this is no start for a problem; "" if it is one."""
+        if self.law != law:
+            return f"it is of mesh.law = {self.law}, not {law}"
+        if self.paths != (paths := tuple(each.path for each in problem.unknowns)):
+            return f"it fitted {_listed(self.paths)}, not {_listed(paths)}"
+        if self.tests != (tests := titles(problem)):
+            return f"its tests were {_listed(self.tests)}, not {_listed(tests)}"
+        size = sum(block.size for block in problem.prediction.blocks)
+        return "" if self.state.values.size == size else "its curves cover another range of angles"
+
+
+def titles(problem: Problem) -> tuple[str, ...]:
+    """Names of the tests of a problem, in their order."""
+    return tuple(block.test.title for block in problem.prediction.blocks)
+
+
+def _listed(names: tuple[str, ...]) -> str:
+    return ", ".join(dict.fromkeys(names))
+
+
+def write_series(series: Series, path: str | Path) -> None:
+    """Write a series' file.
+
+    Raises:
+        InputError: it cannot be written.
+    """
+    state = series.state
+    content = {
+        "what": WHAT,
+        "law": series.law,
+        "paths": list(series.paths),
+        "tests": list(series.tests),
+        "u": state.u.tolist(),
+        "gain": state.gain,
+        "values": state.values.tolist(),
+        "slopes": state.slopes.tolist(),
+        "by_law": series.by_law.tolist(),
+    }
+    write_json(path, content)
+
+
+def read_series(path: str | Path) -> Series:
+    """Read a series' file.
+
+    Raises:
+        InputError: it cannot be read, or is none.
+    """
+    written = content_of(path)
+    try:
+        content = read_json_tables(written.decode("utf-8"), "it")
+    except ValueError:
+        content = {}
+    if set(content) != _KEYS or content["what"] != WHAT:
+        raise InputError(f"{path} is no file of a series; fit --series FILE writes one.")
+    try:
+        return _series(content)
+    except (TypeError, ValueError, OverflowError):  # no numbers, or too large ones
+        raise InputError(f"{path} holds no fit any more: its numbers do not go together.") from None
+
+
+def _series(content: dict[str, Any]) -> Series:
+    u, values, slopes, by_law = (
+        np.asarray(content[name], dtype=float) for name in ("u", "values", "slopes", "by_law")
+    )
+    count = len(content["paths"])
+    finite = all(np.isfinite(each).all() for each in (u, values, slopes, by_law))
+    if not finite or u.shape != (count,) or by_law.shape != (count,) or slopes.shape != (values.size, count):
+        raise ValueError
+    state = State(u, 0.0, float(content["gain"]), np.zeros(0), values, slopes)
+    return Series(
+        str(content["law"]),
+        tuple(map(str, content["paths"])),
+        tuple(map(str, content["tests"])),
+        state,
+        by_law,
+    )

@@ -1,0 +1,276 @@
+"""The layout of a table in a text: what separates its cells, where its names, units and numbers stand."""
+
+import csv
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import content_of
+from rps_exudyn.inference.measured.bench_units import is_never_unit, is_unit
+from rps_exudyn.inference.measured.numbers import as_number, is_missing, pattern
+
+Line = tuple[int, str]
+Row = tuple[int, list[str]]
+
+SEPARATORS = {
+    ";": "semicolons",
+    "\t": "tabs",
+    "|": "bars",
+    ",": "commas",
+    "  ": "two blanks or more",
+    " ": "blanks",
+}
+_COMMENT = re.compile(r"\s*(?:#|%|//|!|\*)+")
+_OPEN_QUOTE = re.compile(r'^(?:[^"]*"[^"]*")*(?:[^"]*[;,\t|])?\s*"[^"]*$')
+_HEAD_LINES = 4  # that a quoted name and its unit may take beside the first
+_AHEAD = 4  # rows that follow the first one of numbers, of which most must be numbers too
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A text divided into cells."""
+
+    separator: str
+    header: Row | None  # the line that names the columns
+    units: Row | None  # the line below it that holds nothing but units
+    rows: list[Row]  # from the first one of numbers on; text among them is left
+
+    @property
+    def width(self) -> int:
+        """Number of cells that most rows have."""
+        return _most_frequent(len(cells) for _, cells in self.rows)
+
+
+@dataclass(frozen=True)
+class _Division:
+    """A text as one separator would divide it."""
+
+    separator: str
+    header: Row | None
+    units: Row | None
+    begin: int  # index of the line with the first row of numbers
+    numeric: int  # number of rows with two numbers or more
+
+
+def layout_of(text: str, known_in: Callable[[list[str]], int]) -> Layout | None:
+    """Return the layout in which most columns are known and most rows are numbers; None of a text without.
+
+    `known_in` counts the cells of a header whose meaning is known.
+    """
+    lines = [line for line in _lines(text) if line[1].strip()]
+    stated = None
+    if lines and (found := re.fullmatch(r"\s*\"?sep=(.)\"?\s*", lines[0][1], re.I)):
+        stated, lines = found[1], lines[1:]  # a mark of spreadsheets
+    marked = [(line, _COMMENT.match(line[1])) for line in lines]
+    comments = [(number, line[mark.end() :]) for (number, line), mark in marked if mark]
+    lines = [line for line, mark in marked if not mark]
+    patterns = [pattern(line) for _, line in lines]
+    separators = [stated] if stated else list(SEPARATORS)
+    divisions = [each for sign in separators if (each := _divided(lines, patterns, comments, sign, known_in))]
+
+    def merit(division: _Division) -> tuple[int, int]:
+        known = min(known_in(division.header[1]), 2) if division.header else 0
+        return known, division.numeric
+
+    best = max(divisions, key=merit, default=None)
+    if best is None:
+        return None
+    rows = [(number, _cells(line, best.separator)) for number, line in lines[best.begin :]]
+    return Layout(best.separator, best.header, best.units, rows)
+
+
+def _lines(text: str) -> Iterator[Line]:
+    """Lines with their numbers; a quoted cell of a header that holds line ends stays in one line."""
+    lines, i = text.splitlines(), 0
+    if '"' not in text:
+        yield from enumerate(lines, 1)
+        return
+    while i < len(lines):
+        whole, last = lines[i], i
+        while _OPEN_QUOTE.search(whole) and last < min(i + _HEAD_LINES, len(lines) - 1):
+            last += 1
+            whole = f"{whole} {lines[last]}"
+        if _OPEN_QUOTE.search(whole):  # no quote, but a sign for inches
+            whole, last = lines[i], i
+        yield last + 1, whole
+        i = last + 1
+
+
+def _divided(
+    lines: list[Line],
+    patterns: list[str],
+    comments: list[Line],
+    separator: str,
+    known_in: Callable[[list[str]], int],
+) -> _Division | None:
+    """How a separator divides the lines; None where no row of numbers follows."""
+    counted = _counted(lines, patterns, separator)
+    counts = [count for count, _ in counted]
+    begin = _first_of_numbers(lines, counts, separator)
+    if begin is None:
+        return None
+    width = _most_frequent(cells for _, cells in counted[begin:])
+    header, below = _header_above(lines[:begin], separator, width, known_in)
+    if not header:
+        for number, line in reversed([each for each in comments if each[0] < lines[begin][0]]):
+            cells = _header_cells(line, separator, width)
+            if below is None and len(cells) > 1 and _are_units(cells):
+                below = number, cells
+            elif known_in(cells) > 1:
+                header = number, cells
+                break
+    return _Division(separator, header, below, begin, sum(count > 1 for count in counts[begin:]))
+
+
+def _counted(lines: list[Line], patterns: list[str], separator: str) -> list[tuple[int, int]]:
+    """Numbers and cells of each line; lines of one pattern have as many, unless a unit may hold digits."""
+    of_pattern: dict[str, tuple[int, int] | None] = {}
+    counted = []
+    for (_, line), of_line in zip(lines, patterns, strict=True):
+        found = of_pattern.get(of_line)
+        if found is None:
+            cells = _cells(line, separator)
+            numbers = [number for cell in cells if (number := as_number(cell)) is not None]
+            found = sum(not each.tail or is_unit(each.tail) for each in numbers), len(cells)
+            differ = any(each.tail_has_digits and not is_never_unit(each.tail) for each in numbers)
+            of_pattern[of_line] = None if differ or separator.isdigit() else found
+        counted.append(found)
+    return counted
+
+
+def _header_above(
+    lines: list[Line], separator: str, width: int, known_in: Callable[[list[str]], int]
+) -> tuple[Row | None, Row | None]:
+    """The line that names the columns, and that of their units.
+
+    It is the lowest line of which two quantities are known, else the lowest of several words.
+    """
+    header: Row | None = None
+    below: Row | None = None
+    for number, line in reversed(lines):
+        cells = _header_cells(line, separator, width)
+        if len(cells) < 2 or not re.search(r"[^\W\d_]|[°%]", line):
+            continue
+        if below is None and _are_units(cells):
+            below = number, cells
+        elif known_in(cells) > 1:
+            return (number, cells), below
+        else:
+            header = header or (number, cells)
+    return header, below
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """Return whether cells hold nothing but units, behind a word that says so or not."""
+    own = cells[1:] if re.fullmatch(r"(units?|einheit(en)?|unité|unidad)\W*", cells[0], re.I) else cells
+    return all(is_unit(cell) or is_missing(cell) for cell in own) and any(is_unit(cell) for cell in own)
+
+
+def _first_of_numbers(lines: list[Line], counts: list[int], separator: str) -> int | None:
+    """Index of the first row of numbers that others follow; `counts` are the numbers of each line."""
+    numeric = [count > 1 for count in counts]
+    if not any(numeric):
+        return None
+    most = _most_frequent(count for count in counts if count > 1)
+    for i, is_one in enumerate(numeric):
+        if is_one and counts[i] < most and _is_word(_cells(lines[i][1], separator)[0]):
+            continue  # numbers of channels behind a word
+        ahead = numeric[i : i + _AHEAD + 1]
+        if is_one and sum(ahead) > len(ahead) / 2:
+            return i
+    return None
+
+
+def _most_frequent(counts: Iterable[int]) -> int:
+    """The count that is there most often, of several the first one."""
+    return Counter(counts).most_common(1)[0][0]
+
+
+def _is_word(cell: str) -> bool:
+    return as_number(cell) is None and bool(re.match(r"[^\W\d_]", cell))
+
+
+def _header_cells(line: str, separator: str, width: int) -> list[str]:
+    """The cells of a header; names of several words with a unit each are separated by the units."""
+    cells = _cells(line, separator)
+    if separator == " " and len(cells) != width:
+        named = [name.strip() for name in re.findall(r"[^\[\]()]+[\[(][^\])]*[\])]", line)]
+        if len(named) == width:
+            return named
+    return cells
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    if separator.isspace() and separator != "\t":
+        if separator == " " and not re.search(r"[\[(\0]", line):
+            return line.split()
+        held = re.sub(r"[\[(][^\])]*[\])]", lambda unit: unit[0].replace(" ", "\0"), line.strip())
+        held = re.sub(r"(?<=\S) (?=[\[(])", "\0", held)
+        between = r"\s{2,}|\t" if separator == "  " else r"\s+"
+        return [cell.replace("\0", " ") for cell in re.split(between, held)]
+    cells = [cell.strip() for cell in _quoted_cells(line, separator)]
+    while len(cells) > 1 and not cells[-1]:  # a separator at the end of a line
+        cells.pop()
+    return cells
+
+
+def _quoted_cells(line: str, separator: str) -> list[str]:
+    """The cells of a line, of which some may stand in quotes and hold the separator."""
+    if separator == '"' or '"' in line:
+        with suppress(csv.Error, StopIteration):
+            return next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+    return line.split(separator)
+
+
+# --- The text of a file whose encoding nobody states
+
+_OTHER_FILES = {
+    b"PK\x03\x04": "a spreadsheet or an archive; save its table as CSV",
+    b"\xd0\xcf\x11\xe0": "a spreadsheet; save its table as CSV",
+    b"\x89HDF": "an HDF5 file; write its curve as CSV",
+    b"%PDF": "a PDF; write its curve as CSV",
+}
+_MARKS = {
+    b"\xef\xbb\xbf": "utf-8-sig",
+    b"\xff\xfe\x00\x00": "utf-32",
+    b"\xff\xfe": "utf-16",
+    b"\xfe\xff": "utf-16",
+}
+
+
+def read_text(path: str | Path) -> tuple[str, str]:
+    """Return a file's text and its encoding: by its mark, else UTF-8, UTF-16 without a mark, or Windows-1252.
+
+    Raises:
+        InputError: the file cannot be read, or is no text.
+    """
+    content = content_of(path)
+    for begin, what in _OTHER_FILES.items():
+        if content.startswith(begin):
+            raise InputError(f"{path} is {what}.")
+    if 0 not in content[:2000]:
+        content = content.rstrip(b"\0")  # of a logger that was switched off
+    for encoding in _encodings(content):
+        try:
+            text = content.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        if not any(ord(sign) < 32 and not sign.isspace() for sign in text[:20000]):
+            return text, encoding
+    raise InputError(
+        f"{path} cannot be read: it is no text in UTF-8, UTF-16 or Windows-1252; save it as UTF-8."
+    )
+
+
+def _encodings(content: bytes) -> list[str]:
+    for mark, encoding in _MARKS.items():
+        if content.startswith(mark):
+            return [encoding]
+    head = content[:2000]
+    if head.count(0) > len(head) // 4:  # every other byte of Latin letters in UTF-16
+        return ["utf-16-le" if head[1::2].count(0) > head[::2].count(0) else "utf-16-be"]
+    return ["utf-8", "cp1252"]

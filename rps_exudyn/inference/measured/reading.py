@@ -1,0 +1,205 @@
+"""A measured curve from a text file, with what was assumed on the way.
+
+    measured = read_measured_torque("bench.csv")
+    measured.assumed  # ("cells separated by semicolons, decimal comma", ...)
+
+Cells may be separated by semicolons, tabs, commas, bars or blanks, with decimal points or commas; titles,
+comments, footers and missing values are left out. A column is found by its name, or by its unit where that
+is enough; its unit must be stated: in the header, in a row below it, behind each number, or by `columns`.
+Signs are those of the result files: the angle counts positive and the torque drives positive where the rack
+moves along +X.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from rps_exudyn.analysis.measured import FEWEST
+from rps_exudyn.analysis.passes import passes
+from rps_exudyn.base.errors import InputError, are, lines_in_words
+from rps_exudyn.base.units import short
+from rps_exudyn.inference.measured.columns import MeasuredColumn, find_columns, known_columns
+from rps_exudyn.inference.measured.layout import SEPARATORS, Layout, Row, layout_of, read_text
+from rps_exudyn.inference.measured.numbers import (
+    AmbiguousNumbersError,
+    Format,
+    as_number,
+    format_of,
+    is_missing,
+    is_placeholder,
+    one_of_each,
+)
+from rps_exudyn.inference.measured.turning import counted_on, directions, recorded
+from rps_exudyn.results.result import MeasuredTorque
+
+TORQUE = ("pinion_angle", "pinion_torque")
+PUSH = ("rack_displacement", "rack_force")
+_ENCODINGS = {"utf-8": "", "utf-8-sig": "", "cp1252": "Windows-1252"}
+FAR = 20.0  # times the usual size of a value: a number of nines beyond stands for none
+
+
+def read_measured_torque(path: str | Path, columns: Mapping[str, str] | None = None) -> MeasuredTorque:
+    """The torque over the pinion angle in a file; `columns` is quantity -> "TITLE [unit]", where its header
+    does not tell.
+
+    Raises:
+        InputError: the file cannot be read, lacks a column or its unit, or holds no numbers or no curve.
+    """
+    return read_curve(path, TORQUE, columns)
+
+
+def read_curve(
+    path: str | Path, wanted: Sequence[str], columns: Mapping[str, str] | None = None
+) -> MeasuredTorque:
+    """The curve of the wanted quantities, the driven coordinate first: `TORQUE` or `PUSH`.
+
+    Raises:
+        InputError: as of `read_measured_torque`.
+    """
+    chosen = dict(columns or {})
+    if unknown := [name for name in chosen if name not in (*TORQUE, *PUSH)]:
+        raise InputError(f"--column {unknown[0]} is no quantity; there are {', '.join((*TORQUE, *PUSH))}.")
+    text, encoding = read_text(path)
+    layout = layout_of(text, known_columns)
+    if layout is None:
+        raise InputError(
+            f"{path} has no column {wanted[0]} with its unit: it holds no rows of two numbers or more."
+        )
+    if layout.separator == "," and layout.header and layout.width > len(layout.header[1]):
+        raise InputError(
+            f"{path} has {layout.width} cells in a row where line {layout.header[0]} names "
+            f"{len(layout.header[1])}: its commas may separate cells or decimals; write decimal points, or "
+            "semicolons between cells."
+        )
+    found = find_columns(path, layout, wanted, {name: chosen[name] for name in wanted if name in chosen})
+    numbers = _format(path, layout, found)
+    values, notes, lines = _values(path, layout, found, numbers)
+    if len(lines) < FEWEST:
+        raise InputError(f"{path} holds {len(lines)} points; a torque curve needs at least {FEWEST}.")
+    table = values * np.array([column.size for column in found])[:, None]
+    left_out = tuple(notes)
+    if wanted[0] in TORQUE:
+        table[0], turns = counted_on(table[0])
+        notes += [f"the angle begins anew {turns} times and is counted on from turn to turn"] if turns else []
+    signals = dict(zip(wanted, table, strict=True))
+    if not np.ptp(table[0]) > 0 or not passes({"pinion_angle": table[0]}):
+        raise InputError(
+            f"{path} holds one {wanted[0].replace('_', ' ')} only; a curve covers a range of them."
+        )
+    _check_directions(path, layout, signals[wanted[0]])
+    first = f"cells separated by {SEPARATORS.get(layout.separator, layout.separator)}, {numbers.words}"
+    if named := _ENCODINGS.get(encoding, encoding.upper()):
+        first = f"text in {named}, {first}"
+    taken = [_taken(column) for column in found]
+    beside = {**recorded(layout, lines, numbers), "line": np.array(lines, dtype=float)}
+    return MeasuredTorque(Path(path).stem, signals, (first, *taken, *notes), beside, left_out)
+
+
+def _check_directions(path: str | Path, layout: Layout, driven: np.ndarray) -> None:
+    """Refuse a curve whose driven coordinate moves one way where a column has two.
+
+    Raises:
+        InputError: it does.
+    """
+    words = directions(layout)
+    if len({each.direction for each in passes({"pinion_angle": driven})}) == 1 and words:
+        raise InputError(
+            f"{path} has several directions ({', '.join(short(word, 20) for word in words)}), but its "
+            "angle moves one way in all of them; let it fall where the motion goes back."
+        )
+
+
+def _taken(column: MeasuredColumn) -> str:
+    why = f" ({column.assumed})" if column.assumed else ""
+    return f"{column.quantity} from column {column.title!r} in {column.unit} = {column.size:.6g} in SI{why}"
+
+
+def _format(path: str | Path, layout: Layout, columns: list[MeasuredColumn]) -> Format:
+    cells = (row[column.index] for _, row in layout.rows for column in columns if column.index < len(row))
+    units = {"", *(column.unit for column in columns)}
+    try:
+        return format_of(each for each in one_of_each(cells) if each.tail in units)
+    except AmbiguousNumbersError as either:
+        example = str(either)
+        raise InputError(
+            f"{path} has commas that may be decimal or divide thousands: {example} may be "
+            f"{example.replace(',', '.')} or {example.replace(',', '')}; write decimal points."
+        ) from None
+
+
+def _values(
+    path: str | Path, layout: Layout, columns: list[MeasuredColumn], numbers: Format
+) -> tuple[np.ndarray, list[str], list[int]]:
+    """The numbers, shape (columns, n), what was left out, and the numbers of their lines.
+
+    Raises:
+        InputError: a cell that should be a number is none, or the columns change on the way.
+    """
+    cells = [
+        [row[column.index] if column.index < len(row) else "" for _, row in layout.rows] for column in columns
+    ]
+    table = np.array(
+        [numbers.column(each, ("", column.unit)) for each, column in zip(cells, columns, strict=True)]
+    )
+    known = ~np.isnan(table)
+    absent = np.array([_absent(*each) for each in zip(cells, table, strict=True)])
+    is_kept = (known & ~absent).all(axis=0)
+    is_missing_row = (known | absent).all(axis=0) & ~is_kept
+    lines = np.array([number for number, _ in layout.rows])
+    kept, missing = lines[is_kept].tolist(), lines[is_missing_row].tolist()
+    text = np.flatnonzero(~is_kept & ~is_missing_row).tolist()
+    last = kept[-1] if kept else layout.rows[-1][0]
+    for i in text:
+        own = [each[i] for each in cells]
+        _check_text(path, layout, layout.rows[i], own, known[:, i], layout.rows[i][0] < last)
+    notes = []
+    if missing:
+        rows = are(len(missing), "row", " without a value")
+        notes.append(f"{rows} left out: {lines_in_words(missing)}")
+    if text:
+        rows = are(len(text), "line", " without numbers")
+        notes.append(f"{rows} left out: {lines_in_words(lines[text].tolist())}")
+    return table[:, is_kept], notes, kept
+
+
+def _absent(cells: Sequence[str], values: np.ndarray) -> np.ndarray:
+    """Which cells of a column hold no value, shape (n,): they say so, or are a mark for it.
+
+    A mark is a number of nothing but nines, far beyond all others. `values` are NaN where a cell is no
+    number.
+    """
+    sizes = np.abs(values)
+    usual = np.median(sizes[~np.isnan(sizes)]) if not np.isnan(sizes).all() else 0.0
+    absent = np.zeros(values.size, dtype=bool)
+    for i in np.flatnonzero(np.isnan(sizes) | (sizes > FAR * usual)).tolist():
+        absent[i] = is_missing(cells[i]) or (sizes[i] > FAR * usual and is_placeholder(cells[i]))
+    return absent
+
+
+def _check_text(
+    path: str | Path, layout: Layout, row: Row, cells: list[str], known: np.ndarray, within: bool
+) -> None:
+    """Refuse a row that is no numbers where the curve would be another one: `within` it, or numbers that are
+    written otherwise at its end. `known` says which cells are numbers, shape (columns,).
+
+    Raises:
+        InputError: it does.
+    """
+    named = layout.header[1] if layout.header else row[1]
+    names = known_columns(row[1]) or sum(cell.endswith((")", "]")) for cell in row[1]) > 1
+    if within and names and row[1] != named:
+        raise InputError(
+            f"{path}, line {row[0]} names its columns anew: {short(', '.join(row[1]), 60)}; save each table "
+            "in a file of its own."
+        )
+    wrong = [cell for cell, is_known in zip(cells, known, strict=True) if not is_known]
+    numeric = all(as_number(cell) is not None for cell in cells)
+    if not _is_label(row) and (numeric or (within and len(wrong) < len(cells))):
+        raise InputError(f"{path}, line {row[0]}: {short(wrong[0])!r} is no number.")
+
+
+def _is_label(row: Row) -> bool:
+    """Return whether a row begins with a word, as those of mean values and of further passes do."""
+    return bool(re.match(r"[^\W\d_]{2}", row[1][0]))

@@ -1,0 +1,360 @@
+"""Band of a scene: the result of one gear, and between which values it lies for what is not known of it.
+
+    band = band_of_runs("free-pinion-torque", gear, fidelity, inputs, samples=256)
+    band.figures["torque_mean"].values      # quantiles at LEVELS [N m]
+
+Beside the band stand what it is made of (contributions) and what it does not contain: the error of the
+solution, by the same gear in half the steps, and that of the contact law.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.analysis.passes import Signals
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.inference.uncertainty.samples import Samples, runs_at
+from rps_exudyn.inference.uncertainty.statistics import (
+    LEVELS,
+    Contributions,
+    Polynomials,
+    Quantiles,
+    quantiles,
+)
+from rps_exudyn.parameters.distribution import Distribution
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.law_error import LawError, law_error
+from rps_exudyn.results.outcome import Interrupted, Status, alike
+from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.refine import refine
+from rps_exudyn.simulate.batch import Batch
+from rps_exudyn.simulate.run import simulate
+
+LEAST_OK = 8  # samples with a number, for quantiles
+FEWEST, MOST = LEAST_OK, 100_000  # samples that may be asked for
+LEFT_OUT = ("energy_residual",)  # figures that say nothing about the gear
+OnProgress = Callable[[int, int], None]
+"""Called with the number of samples that are done, and of all."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """Quantiles of the scene's signal at each instant of the nominal run."""
+
+    signal: str
+    quantiles: np.ndarray  # at LEVELS, shape (5, n)
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """Numbers of samples, in the order of the points; nan where a sample failed."""
+
+    samples: Samples
+    numbers: Mapping[str, np.ndarray]  # figure -> shape (n,)
+    failures: Mapping[str, int]  # cause, of its first sample -> number of samples
+
+    @cached_property
+    def failed(self) -> int:
+        """Samples that gave no numbers."""
+        return sum(self.failures.values())
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """A nominal result and its uncertainty; all values are SI."""
+
+    nominal: Result
+    inputs: Mapping[str, Distribution]
+    method: str  # in words
+    drawn: Drawn
+    figures: Mapping[str, Quantiles]
+    contributions: Mapping[str, Contributions]
+    curves: Curves | None
+    numerical: Mapping[str, float] = field(default_factory=dict)  # figure -> change by half the steps
+    interrupted: bool = False
+
+    @property
+    def law(self) -> LawError | None:
+        """Error of the contact law, which the band does not contain."""
+        return law_error(self.nominal.gear, self.nominal.fidelity)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the band for a JSON file, without its nominal result; every sample is there."""
+        return {
+            "scene": self.nominal.scene,
+            "method": self.method,
+            "interrupted": self.interrupted,
+            "levels": list(LEVELS),
+            "inputs": {
+                path: {"kind": each.kind, "numbers": [each.first, each.second]}
+                for path, each in self.inputs.items()
+            },
+            "samples": len(self.drawn.samples),
+            "failures": dict(self.drawn.failures),
+            "figures": {
+                name: {
+                    "nominal": self.nominal.summary.get(name),
+                    "quantiles": each.values.tolist(),
+                    "standard_errors": each.errors.tolist(),
+                    "numerical_error": self.numerical.get(name),
+                }
+                for name, each in self.figures.items()
+            },
+            "contributions": {
+                name: {**each.fractions, "together": each.together}
+                for name, each in self.contributions.items()
+            },
+            "law_error": self.law.mean_torque if self.law else None,
+            "curves": None
+            if self.curves is None
+            else {
+                "pinion_angle": self.nominal.signals.get("pinion_angle", np.zeros(0)).tolist(),
+                self.curves.signal: self.curves.quantiles.tolist(),
+            },
+            "values": {
+                path: _plain(column)
+                for path, column in {**self.drawn.samples.values, **self.drawn.numbers}.items()
+            },
+        }
+
+
+def band_of_runs(
+    scene: str,
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    inputs: Mapping[str, Distribution],
+    samples: int,
+    seed: int = 0,
+    on_progress: OnProgress | None = None,
+    jobs: int = 1,
+    time_limit: float = float("inf"),
+) -> Band:
+    """Run the scene at `samples` points of the inputs, in up to `jobs` processes, and at their medians.
+
+    A sample that takes longer than the time limit [s] is one that failed.
+
+    Ctrl-C ends it with the band of what is done, if that is enough for one.
+
+    Raises:
+        InputError: a number of samples beyond the limits, a nominal gear that fails, or too few samples that
+            end ok.
+        Interrupted: Ctrl-C before there is a band.
+    """
+    if not FEWEST <= samples <= MOST:
+        raise InputError(f"the band has {samples} samples; it needs {FEWEST} to {MOST}.")
+    points = Samples.drawn(inputs, samples, seed)
+    nominal = nominal_result(scene, gear, fidelity, inputs)
+    done = runs_of(points, nominal, fidelity, on_progress, jobs, time_limit)
+    drawn, curves = done.drawn, curve_quantiles(nominal.scene, done.curves)
+    return Band(
+        nominal=nominal,
+        inputs=inputs,
+        method=f"{len(drawn.samples)} runs at points of a Latin hypercube",
+        drawn=drawn,
+        figures=figure_quantiles(drawn),
+        contributions=contributions_of(drawn),
+        curves=curves,
+        numerical=numerical_error(nominal, fidelity),
+        interrupted=done.interrupted,
+    )
+
+
+def nominal_result(
+    scene: str, gear: SteeringGear, fidelity: Fidelity, inputs: Mapping[str, Distribution]
+) -> Result:
+    """Run the scene on the gear at the medians of its inputs.
+
+    Raises:
+        InputError: that run fails.
+    """
+    medians = gear.replace({path: each.nominal for path, each in inputs.items()})
+    result = simulate(scene, medians, fidelity)
+    if result.status is not Status.OK:
+        raise InputError(
+            f"a band needs a gear that runs at the medians of its inputs; this one ends {result.status}: "
+            f"{result.message}."
+        )
+    return result
+
+
+@dataclass(frozen=True, eq=False)
+class Runs:
+    """What became of the points: figures, and the signal's curves of those that ended ok."""
+
+    drawn: Drawn
+    curves: np.ndarray | None  # (ok samples, n) over the nominal instants; None where they do not compare
+    interrupted: bool
+
+
+def runs_of(
+    points: Samples,
+    nominal: Result,
+    fidelity: Fidelity,
+    on_progress: OnProgress | None,
+    jobs: int,
+    time_limit: float,
+) -> Runs:
+    """Run the scene at all points, or until Ctrl-C.
+
+    Raises:
+        Interrupted: Ctrl-C before `LEAST_OK` samples ended ok.
+        InputError: fewer end ok.
+    """
+    names = [name for name in nominal.summary if name not in LEFT_OUT]
+    seen = _Seen(nominal, fidelity, names)
+    interrupted = False
+    try:
+        with closing(runs_at(nominal.scene, nominal.gear, fidelity, points, jobs, time_limit)) as parts:
+            for rows, part in parts:
+                seen.add(rows, part)
+                if on_progress is not None:
+                    on_progress(len(seen.rows), len(points))
+    except KeyboardInterrupt as interrupt:
+        if seen.ok < LEAST_OK:
+            raise Interrupted(nominal) from interrupt
+        interrupted = True
+    causes = seen.causes()
+    if seen.ok < LEAST_OK:
+        raise InputError(
+            f"{causes.total()} of {len(seen.rows)} samples failed, too many for a band; most often "
+            f"{causes.most_common(1)[0][0]}."
+        )
+    done = sorted(seen.rows)
+    numbers = dict(zip(names, np.array([seen.rows[row] for row in done]).T, strict=True))
+    drawn = Drawn(points.some(np.array(done)), numbers, dict(causes.most_common()))
+    curves = [seen.curves[row] for row in done if row in seen.curves] if seen.curves else []
+    return Runs(drawn, np.array(curves) if curves else None, interrupted)
+
+
+@dataclass(eq=False)
+class _Seen:
+    """What the samples so far gave, by their numbers."""
+
+    nominal: Result
+    fidelity: Fidelity
+    names: list[str]  # of the figures
+    rows: dict[int, list[float]] = field(default_factory=dict)
+    curves: dict[int, np.ndarray] | None = field(default_factory=dict)
+    failures: dict[int, tuple[tuple[str, ...], str]] = field(default_factory=dict)  # kind, and cause
+
+    @property
+    def ok(self) -> int:
+        """Samples that ended ok."""
+        return len(self.rows) - len(self.failures)
+
+    @cached_property
+    def grid(self) -> list[np.ndarray]:
+        """Times of the nominal curve, by its pieces."""
+        nominal = self.nominal
+        return [
+            time
+            for time, _ in scene_named(nominal.scene)
+            .curve(nominal.signals, nominal.gear, self.fidelity)
+            .pieces
+        ]
+
+    def causes(self) -> Counter[str]:
+        """Number of samples of each cause of failure, in the words of the first of them."""
+        causes: Counter[str] = Counter()
+        examples: dict[tuple[str, ...], str] = {}
+        for _, (kind, cause) in sorted(self.failures.items()):
+            causes[examples.setdefault(kind, cause)] += 1
+        return causes
+
+    def add(self, rows: Sequence[int], part: Batch) -> None:
+        """Add some samples."""
+        summary = part.summary
+        ended = zip(rows, part.results, part.statuses, part.messages, strict=True)
+        for i, (row, result, status, message) in enumerate(ended):
+            if status is not Status.OK:
+                self.rows[row] = [np.nan] * len(self.names)
+                kind = alike(status, () if result is None else result.codes, message)
+                self.failures[row] = kind, f"{status}: {message}"
+            elif result is None:
+                self.rows[row] = [
+                    float(summary[name][i]) if name in summary else np.nan for name in self.names
+                ]
+                assert part.found is not None
+                self._keep(row, self._curve_of(part.found.signals_of(i), self.nominal.gear))
+            else:
+                self.rows[row] = [result.summary.get(name, np.nan) for name in self.names]
+                self._keep(row, self._curve_of(result.signals, result.gear))
+
+    def _keep(self, row: int, curve: np.ndarray | None) -> None:
+        """Add a curve; no sample has one as soon as one does not follow the nominal motion."""
+        if curve is None:
+            self.curves = None
+        elif self.curves is not None:
+            self.curves[row] = curve
+
+    def _curve_of(self, signals: Signals, gear: SteeringGear) -> np.ndarray | None:
+        """The curve of a run at the nominal run's times; None if its motion is another."""
+        if self.curves is None:
+            return None
+        try:
+            curve = scene_named(self.nominal.scene).curve(signals, gear, self.fidelity)
+            return curve.over(self.grid, smooth=False)
+        except ValueError:  # another number of maneuvers
+            return None
+
+
+def figure_quantiles(drawn: Drawn) -> dict[str, Quantiles]:
+    """Return the quantiles of every figure that enough samples have."""
+    found = {}
+    for name, numbers in drawn.numbers.items():
+        known = numbers[np.isfinite(numbers)]
+        if known.size >= LEAST_OK:
+            found[name] = quantiles(known, failed=numbers.size - known.size)
+    return found
+
+
+def contributions_of(drawn: Drawn) -> dict[str, Contributions]:
+    """Return the contributions to every figure for which there are enough samples."""
+    found, names = {}, list(drawn.samples.inputs)
+    fitted: dict[bytes, Polynomials] = {}  # most figures are known of the same samples
+    for name, numbers in drawn.numbers.items():
+        known = np.isfinite(numbers)
+        if not known.any():
+            continue
+        key = known.tobytes()
+        if key not in fitted:
+            fitted[key] = Polynomials.at(drawn.samples.quantile[known], names)
+        if each := fitted[key].contributions(numbers[known]):
+            found[name] = each
+    return found
+
+
+def curve_quantiles(scene: str, curves: np.ndarray | None) -> Curves | None:
+    """Return the quantiles of curves (n, instants) at each instant."""
+    if curves is None or len(curves) < LEAST_OK:
+        return None
+    return Curves(scene_named(scene).signal, np.quantile(curves, LEVELS, axis=0))
+
+
+def numerical_error(nominal: Result, fidelity: Fidelity) -> dict[str, float]:
+    """Return how far half the steps move each figure of the nominal run; {} of a model without steps."""
+    if fidelity.solver == "closed-form":
+        return {}
+    halved = fidelity.replace({"step_angle": fidelity.step_angle / 2})
+    refined = refine(
+        nominal,
+        lambda coarse, _: simulate(coarse.scene, coarse.gear, halved),
+        1,
+        usable=lambda result: result.status is Status.OK,
+    )
+    if not refined.times:
+        return {}
+    finer = refined.finest.summary
+    return {name: abs(finer[name] - value) for name, value in nominal.summary.items() if name in finer}
+
+
+def _plain(column: Iterable[float]) -> list[float | None]:
+    """Numbers for JSON, which has no nan."""
+    return [float(value) if np.isfinite(value) else None for value in column]

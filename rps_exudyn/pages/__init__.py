@@ -1,0 +1,1 @@
+"""What people look at: charts, reports, animations, and the page with sliders."""

@@ -1,0 +1,144 @@
+"""Stills and films of a motion without a browser: GIF, WebP, MP4, PNG."""
+
+import io
+import shutil
+import subprocess
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import replacing
+from rps_exudyn.pages.animation.camera import Camera
+from rps_exudyn.pages.animation.camera import view as camera_of
+from rps_exudyn.pages.animation.drawn import Drawing
+from rps_exudyn.pages.animation.motion import Motion
+from rps_exudyn.pages.animation.overlays import ContactLines, contact_lines
+from rps_exudyn.pages.animation.parts import Part, picture_parts
+from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.results.result import Result
+
+SIZE = (800, 500)  # [pixels]
+FILM_FRAMES = 60
+SECONDS = 4.0  # that a film lasts
+STILLS, FILMS = (".png", ".webp"), (".gif", ".mp4")
+TOP, BOTTOM = np.array([0.81, 0.84, 0.87]), np.array([0.97, 0.975, 0.98])  # of the background
+INK = (20, 20, 25)
+Size = tuple[int, int]
+
+
+def write_still(result: Result, path: Path, view: str, *, explode: float = 0.0) -> None:
+    """Write one picture (.png, .webp) of the record's first instant.
+
+    Raises:
+        InputError: the result has no motion, or the file cannot be written.
+    """
+    motion = Motion.of(result)
+    picture = still(motion, picture_parts(result.gear), contact_lines(motion), SIZE, view, explode)
+    with replacing(path) as partial:
+        partial.write_bytes(image_bytes(picture, path.suffix[1:].lower()))
+
+
+def write_film(result: Result, path: Path, view: str, *, explode: float = 0.0) -> None:
+    """Write a film (.gif, .mp4) of one tooth pitch, which repeats itself, or of the whole record.
+
+    Raises:
+        InputError: the result has no motion, the file cannot be written, or there is no ffmpeg for an MP4.
+    """
+    encoder = shutil.which("ffmpeg")
+    if path.suffix.lower() == ".mp4" and not encoder:
+        raise InputError(f"{path} needs the program ffmpeg, which is not on the PATH; a .gif needs none.")
+    motion = Motion.of(result)
+    drawing = Drawing(motion, picture_parts(result.gear), contact_lines(motion), explode)
+    camera = camera_of(view, motion.gear, explode)
+    pictures = (_picture(drawing, camera, frame, SIZE, 1) for frame in film_frames(motion))
+    with replacing(path) as partial:
+        if encoder and path.suffix.lower() == ".mp4":
+            _write_mp4(pictures, partial, encoder)
+        else:
+            _write_gif(list(pictures), partial)
+
+
+def still(
+    motion: Motion,
+    parts: Sequence[Part],
+    lines: ContactLines | None,
+    size: Size,
+    view: str = "gear",
+    explode: float = 0.0,
+) -> Image.Image:
+    """The first instant as a picture, edges smoothed."""
+    drawing = Drawing(motion, parts, lines, explode)
+    return _picture(drawing, camera_of(view, motion.gear, explode), 0, size, 2, written=False)
+
+
+def image_bytes(picture: Image.Image, kind: str) -> bytes:
+    """The picture as the content of a file."""
+    out = io.BytesIO()
+    picture.save(out, kind, **({"quality": 82} if kind == "webp" else {"optimize": True}))
+    return out.getvalue()
+
+
+def film_frames(motion: Motion) -> np.ndarray:
+    """Numbers of the instants that a film shows: the first tooth pitch, if the pinion turns steadily on."""
+    angle = motion.signals["pinion_angle"]
+    turned = np.abs(angle - angle[0])
+    pitch = 2 * np.pi / motion.gear.pinion.teeth
+    steady = bool((np.diff(turned) > 0).all()) and turned[-1] > pitch
+    last = int(np.searchsorted(turned, pitch * (1 - 1e-6))) - 1 if steady else motion.frames - 1
+    return np.unique(np.round(np.linspace(0, last, FILM_FRAMES)).astype(int))
+
+
+def _picture(
+    drawing: Drawing, camera: Camera, frame: int, size: Size, finer: int, written: bool = True
+) -> Image.Image:
+    """One instant; `finer` pixels each way are averaged to one."""
+    width, height = size
+    background = np.linspace(TOP, BOTTOM, height * finer)[:, None, :]
+    image = np.ascontiguousarray(np.broadcast_to(background, (height * finer, width * finer, 3)))
+    drawing.draw(image, camera, frame)
+    whole = image.reshape(height, finer, width, finer, 3).mean(axis=(1, 3))
+    picture = Image.fromarray((255 * np.clip(whole, 0, 1)).astype(np.uint8))
+    if written:
+        text = _reading(drawing.motion, frame)
+        ImageDraw.Draw(picture).text((12, height - 26), text, INK, font_size=16)
+    return picture
+
+
+def _reading(motion: Motion, frame: int) -> str:
+    """Angle and torque of the instant in words."""
+    shown = [f"{name.replace('_', ' ')} {SIGNALS[name].show(float(motion.signals[name][frame]))}"
+             for name in ("pinion_angle", "pinion_torque") if name in motion.signals]  # fmt: skip
+    return ", ".join(shown)
+
+
+def _write_gif(pictures: list[Image.Image], path: Path) -> None:
+    """All frames share the palette of one of them: others flicker."""
+    palette = pictures[len(pictures) // 2].quantize(128, dither=Image.Dither.NONE)
+    few = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
+    duration = round(1000 * SECONDS / len(few))
+    few[0].save(path, "gif", save_all=True, append_images=few[1:], duration=duration, loop=0, optimize=False)
+
+
+def _write_mp4(pictures: Iterator[Image.Image], path: Path, encoder: str) -> None:
+    rate = FILM_FRAMES / SECONDS
+    source = [
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "rgb24",
+        "-s",
+        f"{SIZE[0]}x{SIZE[1]}",
+        "-r",
+        f"{rate:g}",
+        "-i",
+        "-",
+    ]
+    made = ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-y", str(path)]
+    content = b"".join(picture.tobytes() for picture in pictures)
+    done = subprocess.run([encoder, "-loglevel", "error", *source, *made], input=content, capture_output=True)
+    if done.returncode:
+        problem = done.stderr.decode(errors="replace").strip().splitlines()
+        raise InputError(f"ffmpeg cannot write {path.name}: {problem[-1] if problem else 'no reason given'}.")

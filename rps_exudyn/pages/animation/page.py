@@ -1,0 +1,130 @@
+"""The page that plays a result: one file without requests, which a browser opens from the disk."""
+
+import base64
+import hashlib
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from rps_exudyn.base.files import replacing
+from rps_exudyn.pages.animation.camera import VIEWS
+from rps_exudyn.pages.animation.film import image_bytes, still
+from rps_exudyn.pages.animation.motion import Motion
+from rps_exudyn.pages.animation.overlays import ContactLines, contact_lines
+from rps_exudyn.pages.animation.page_data import page_data
+from rps_exudyn.pages.animation.parts import picture_parts
+from rps_exudyn.pages.charts.style import about, scene_of
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import Quantity
+from rps_exudyn.results.result import Result
+
+_FOLDER = Path(__file__).parent / "viewer"
+SCRIPTS = ("data.js", "gl.js", "overlay.js", "scene.js", "curve.js", "main.js")
+FALLBACK = (640, 400)  # size of the still for browsers without WebGL [pixels]
+_LINE_LOAD = Quantity("N/m", "N/mm", "")
+
+
+def write_page(result: Result, path: str | Path) -> None:
+    """Write the page of a result.
+
+    Raises:
+        InputError: the result has no motion, or the file cannot be written.
+    """
+    text = page(result)
+    with replacing(path) as partial:
+        partial.write_text(text, encoding="utf-8", errors="replace")
+
+
+def page(result: Result) -> str:
+    """The page as HTML.
+
+    Raises:
+        InputError: the result has no motion.
+    """
+    motion = Motion.of(result)
+    parts, lines = picture_parts(result.gear), contact_lines(motion)
+    data = page_data(motion, parts, lines)
+    picture = image_bytes(still(motion, parts, lines, FALLBACK), "webp")
+    style, script = _style_and_script()
+    environment = Environment(
+        loader=FileSystemLoader(_FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True
+    )
+    return environment.get_template("page.html").render(
+        title=f"{scene_of(result)}, played",
+        lead=about(result),
+        notes=_notes(result, motion),
+        still=f"data:image/webp;base64,{base64.b64encode(picture).decode('ascii')}",
+        views=list(VIEWS),
+        factors=[_factor_name(*each) for each in data["factors"]],
+        curves=data["curves"],
+        arrows=data["arrows"],
+        densest=None if lines is None else _LINE_LOAD.show(float(lines.load.max())),
+        remarks=list(_remarks(result, motion, lines)),
+        data=json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"),
+        script=script,
+        style=style,
+        script_hash=_hash(script),
+        style_hash=_hash(style),
+    )
+
+
+@cache
+def _style_and_script() -> tuple[str, str]:
+    style = (_FOLDER / "page.css").read_text(encoding="utf-8")
+    return style, "\n".join((_FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS)
+
+
+def _hash(text: str) -> str:
+    """The hash by which the page's own policy admits its script."""
+    return base64.b64encode(hashlib.sha256(text.encode("utf-8")).digest()).decode("ascii")
+
+
+def _factor_name(displacement: float, tilt: float) -> str:
+    if displacement == tilt == 1:
+        return "as they are"
+    return f"lift × {displacement:g}, tilt × {tilt:g}"
+
+
+def _notes(result: Result, motion: Motion) -> list[str]:
+    """What must not be missed."""
+    notes = []
+    if result.status is not Status.OK:
+        notes.append(f"This run failed ({result.status}): {result.message}")
+    if motion.rigid:
+        notes.append(
+            f"Fidelity {result.fidelity['name']} has no deflections and no lines of contact: "
+            "the rack moves along X only."
+        )
+    return notes
+
+
+def _remarks(result: Result, motion: Motion, lines: ContactLines | None) -> Any:
+    """What is shown how, in sentences."""
+    most = motion.largest_factors
+    yield (
+        f"{motion.frames} of {motion.recorded} recorded instants are shown, with those of every "
+        "signal's largest and smallest value; between instants nothing is interpolated."
+    )
+    if not motion.rigid:
+        yield (
+            "Deflections are micrometres and milliradians. Magnified, they deviate from their mean over the "
+            f"record by up to {most.displacement:g} times (lift, sideways, plunger) and {most.tilt:g} times "
+            "(angles) what was computed; the mean itself stays as it is."
+        )
+    if lines is not None:
+        yield (
+            "Lines of contact have the places and loads of the contact law, and each flank side's sum is the "
+            "recorded normal force."
+        )
+        if result.gear.mesh.law == "area":
+            yield 'Law "area" has no lines; their places and shares are those of law "line".'
+        if result.gear.mesh.law != "teeth":
+            yield "Along a line the load is in proportion to the depth: right in sum, not in its course."
+    yield (
+        "Arrows end where a force acts and are as long as it is large. The bent arrow is the torque that "
+        "drives the pinion. The plunger's bore and the spring are drawn for the eye; the model has their "
+        "mass and rate."
+    )

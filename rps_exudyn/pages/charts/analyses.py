@@ -1,0 +1,273 @@
+"""Pictures of what is computed from results: torques of several, differences, orders, losses, contact."""
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rps_exudyn.analysis.comparison import Comparison
+from rps_exudyn.analysis.contact_pattern import contact_pattern, one_pitch
+from rps_exudyn.analysis.harmonics import order_spectrum
+from rps_exudyn.analysis.load_distribution import LoadDistribution, load_distribution, mesh_stiffness
+from rps_exudyn.analysis.passes import Signals, passes
+from rps_exudyn.analysis.work_balance import describe_losses, loss_torques
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.pages.charts import style
+from rps_exudyn.pages.charts.curves import AGAINST_MOTION, add_measured
+from rps_exudyn.pages.charts.style import head
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.quantities import SIGNALS, SUMMARY
+from rps_exudyn.results.result import MeasuredTorque, Result
+
+DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (3, 1.5)), (0, (1, 1)), (0, (6, 2, 1, 2)), "-")
+"""Line styles, so that curves that lie over each other can be distinguished."""
+
+
+def torques_figure(
+    results: dict[str, Result], headline: str, measured: MeasuredTorque | None = None
+) -> Figure:
+    """The picture of the first pass of each result (by its name); at most as many as there are colours."""
+    figure, (axes,) = style.panels([3.8])
+    for (name, result), colour, dashes in zip(results.items(), style.SEVERAL, DASHES, strict=False):
+        turned = passes(result.signals)[0]
+        torque = turned.direction * turned.signals["pinion_torque"]
+        axes.plot(
+            SIGNALS["pinion_angle"].displayed(turned.angle),
+            SIGNALS["pinion_torque"].displayed(torque),
+            color=colour,
+            linewidth=1.4,
+            linestyle=dashes,
+            label=name,
+        )
+    axes.set_ylabel(SIGNALS["pinion_torque"].axis_label(AGAINST_MOTION))
+    if measured is not None:
+        first = next(iter(results.values()))
+        add_measured(axes, measured, first.signals, against_motion=True)
+    style.legend_above(axes)
+    style.angle_axis(axes)
+    style.title(figure, headline)
+    return figure
+
+
+# --- Picture of two results: both torques over the pinion angle, below them their difference
+
+
+def draw_comparison(comparison: Comparison, names: tuple[str, str], path: str | Path) -> None:
+    """Save the picture of two results with these names.
+
+    Raises:
+        InputError: their torques have no pinion angles in common, or the file cannot be written.
+    """
+    if "pinion_torque" not in comparison.signals:
+        raise InputError(f"{path} is not drawn: the two results share no range of the pinion angle.")
+    style.save(comparison_figure(comparison, names), path)
+
+
+def comparison_figure(comparison: Comparison, names: tuple[str, str]) -> Figure:
+    """The picture; the difference is second minus first, in % of the first's mean torque."""
+    figure, (both, apart) = style.panels([3.2, 2.0])
+    torque = comparison.signals["pinion_torque"]
+    angle = SIGNALS["pinion_angle"].displayed(comparison.angle)
+    style.line(both, angle, torque.first, SIGNALS["pinion_torque"], "pinion torque", "torque", names[0])
+    style.line(both, angle, torque.second, SIGNALS["pinion_torque"], "pinion torque", "other", names[1])
+    both.lines[1].set_linestyle((0, (5, 2)))  # the first shows through where they agree
+    style.widen(both, 0.05)
+    style.legend_above(both)
+    if torque.mean:
+        apart.plot(angle, 100 * torque.difference / abs(torque.mean), color=style.COLOURS["failure"])
+        apart.set_ylabel("difference [% of mean]")
+    else:
+        style.line(apart, angle, torque.difference, SIGNALS["pinion_torque"], "difference", "failure")
+    apart.axhline(0, **style.REFERENCE_LINE)
+    style.angle_axis(apart)
+    headline = f"Pinion torque of {names[1]} against {names[0]}"
+    figures = f"RMS {torque.shown(torque.rms)} · largest {torque.shown(torque.largest)}"
+    style.title(figure, f"{headline} · {figures}")
+    return figure
+
+
+# --- Picture of the orders of a torque: amplitudes over periods per revolution, as stems
+
+HIGHEST_ORDER = 36
+LEAST_AMPLITUDE = 1e-3  # [N mm], where the scale begins: far below what a bench can measure
+
+
+def spectrum_figure(results: dict[str, Result]) -> Figure:
+    """The picture of the first pass of each result (by its name), from order 1 on, on a logarithmic scale;
+    amplitudes below `LEAST_AMPLITUDE` are left out.
+
+    Raises:
+        InputError: a record covers no whole revolution.
+    """
+    figure, (axes,) = style.panels([3.2])
+    quantity, width = SUMMARY["torque_first_order"], 0.8 / len(results)
+    for i, (name, result) in enumerate(results.items()):
+        signals = passes(result.signals)[0].signals
+        spectrum = order_spectrum(signals["pinion_angle"], signals["pinion_torque"], HIGHEST_ORDER)
+        if spectrum is None:
+            raise InputError(f"No spectrum of {name}: its record covers less than a revolution.")
+        orders = spectrum.orders[1:] + (i - (len(results) - 1) / 2) * width
+        amplitude = 1e3 * quantity.displayed(spectrum.amplitude[1:])
+        known = amplitude > LEAST_AMPLITUDE
+        colour = style.SEVERAL[i]
+        axes.vlines(orders[known], LEAST_AMPLITUDE, amplitude[known], color=colour, linewidth=1.6)
+        axes.plot(orders[known], amplitude[known], "o", color=colour, markersize=4, label=name)
+    axes.set_yscale("log")
+    axes.set_ylim(LEAST_AMPLITUDE, None)
+    axes.set_ylabel("amplitude [N mm]")
+    axes.set_xlabel("order [1/revolution]")
+    teeth = next(iter(results.values())).gear.pinion.teeth
+    axes.set_xticks([1, *range(teeth, HIGHEST_ORDER + 1, teeth)])
+    style.legend_above(axes)
+    head(figure, next(iter(results.values())), "Orders of the pinion torque", {})
+    return figure
+
+
+# --- Picture of the losses: work lost at each place per angle turned, stacked to the torque of the drive
+
+LOSS_PLACES = {"bearing": "bearings", "bush": "bush", "seat": "plunger's seat", "mesh": "teeth"}
+
+
+def losses_figure(result: Result) -> Figure:
+    """The picture of the first pass; the drive's torque is a line over the stack.
+
+    Raises:
+        InputError: the record has no pass, or no losses.
+    """
+    runs = passes(result.signals)
+    torques = loss_torques(runs[0].signals) if runs else {}
+    if not torques:
+        raise InputError("No losses to draw: the result has no record of work over the pinion angle.")
+    signals, fractions = runs[0].signals, describe_losses(runs[0].signals)
+    figure, (axes,) = style.panels([3.6])
+    angle = SIGNALS["pinion_angle"].displayed(runs[0].angle)
+    quantity, below = SIGNALS["pinion_torque"], np.zeros_like(angle)
+    for place, called in LOSS_PLACES.items():
+        if place not in torques:
+            continue
+        above = below + quantity.displayed(torques[place])
+        label = f"{called} {100 * fractions[f'loss_share_{place}']:.1f} %"
+        axes.fill_between(
+            angle, below, above, color=style.COLOURS[place], linewidth=0, alpha=0.85, label=label
+        )
+        below = above
+    if "pinion_torque" in signals:
+        driving = runs[0].direction * signals["pinion_torque"]
+        axes.plot(angle, quantity.displayed(driving), color="black", linewidth=1, label="drive")
+    axes.set_ylabel(quantity.axis_label("torque lost"))
+    axes.set_ylim(0, None)
+    axes.legend(reverse=True, loc="upper left", bbox_to_anchor=(1, 1), frameon=False)  # as the layers lie
+    style.angle_axis(axes)
+    head(figure, result, "Where the torque goes", {})
+    return figure
+
+
+# --- Picture of the loads on the lines of contact: force of each, the densest, stiffness of the mesh
+
+FLANK_NAMES = {-1: "drive flanks", +1: "coast flanks"}
+NEWTON_PER_MILLIMETRE = 1e-3
+NEWTON_PER_MICROMETRE = 1e-6
+LEAST_FORCE = 1e-3  # of the largest force: a line that never carries more is not drawn
+
+
+def load_figure(result: Result) -> Figure:
+    """The picture of the first pass: forces of the lines, largest loads per length, stiffness of the mesh.
+
+    Raises:
+        InputError: the record has no pass, lacks the rack's motions, or its law has no load per length.
+    """
+    runs = passes(result.signals)
+    if not runs:
+        raise InputError("No load distribution: the pinion does not turn in this result.")
+    loads = load_distribution(result.gear, runs[0].signals)
+    figure, axes = style.panels([2.2, 2.2, 2.0, 2.0])
+    for panel, side in zip(axes, FLANK_NAMES, strict=False):
+        _forces(panel, loads, side)
+    _densest(axes[2], loads)
+    _stiffness(axes[3], result.gear, runs[0].signals)
+    style.angle_axis(axes[-1])
+    head(figure, result, "Loads on the lines of contact", {})
+    return figure
+
+
+def _forces(axes: Axes, loads: LoadDistribution, side: int) -> None:
+    angle = SIGNALS["pinion_angle"].displayed(loads.angle)
+    whole = loads.force_on(side)
+    lines = [line for line in loads.lines if line[0] == side]
+    shown = [line for line in lines if loads.force_of(*line).max() > LEAST_FORCE * max(whole.max(), 1e-300)]
+    named = len(shown) <= len(style.SEVERAL)
+    for k, (_, tooth) in enumerate(shown):
+        colour = style.SEVERAL[k % len(style.SEVERAL)]
+        first = "_" if k else f"{len(shown)} rack teeth, colours in turn"
+        label = f"rack tooth {tooth}" if named else first
+        axes.plot(angle, loads.force_of(side, tooth), color=colour, label=label)
+    axes.plot(angle, whole, color="black", linewidth=0.8, linestyle="--", label="all")
+    axes.set_ylabel(f"{FLANK_NAMES[side]} [N]")
+    axes.set_ylim(0, None)
+    style.legend_above(axes)
+
+
+def _densest(axes: Axes, loads: LoadDistribution) -> None:
+    angle = SIGNALS["pinion_angle"].displayed(loads.angle)
+    for side, colour in zip(FLANK_NAMES, style.SEVERAL, strict=False):
+        largest = np.zeros(loads.angle.size)
+        chosen = loads.side == side
+        np.maximum.at(largest, loads.instant[chosen], loads.load[chosen])
+        axes.plot(angle, NEWTON_PER_MILLIMETRE * largest, color=colour, label=FLANK_NAMES[side])
+    axes.set_ylabel("largest load\n[N/mm]")
+    axes.set_ylim(0, None)
+    style.legend_above(axes)
+
+
+def _stiffness(axes: Axes, gear: SteeringGear, signals: Signals) -> None:
+    angle = SIGNALS["pinion_angle"].displayed(signals["pinion_angle"])
+    along_x = NEWTON_PER_MICROMETRE * mesh_stiffness(gear, signals)[:, 0]
+    axes.plot(angle, along_x, color="black")
+    axes.set_ylabel("mesh stiffness\nalong X [N/µm]")
+    style.widen(axes, 0.2 * float(along_x.max()))
+
+
+# --- Picture of the contact pattern: the largest pressure on each point of the unrolled flanks
+
+PATTERN_FLANKS = {-1: "flanks that drive the rack towards +X", +1: "flanks that drive it towards -X"}
+MILLIMETRES, MEGAPASCAL = 1e3, 1e-6
+
+
+def pattern_figure(result: Result) -> Figure:
+    """The picture of both sides over one tooth pitch in the middle of the first pass, all teeth superimposed.
+
+    Raises:
+        InputError: the record has no pass, or lacks the rack's motions.
+    """
+    runs = passes(result.signals)
+    if not runs:
+        raise InputError("No contact pattern: the pinion does not turn in this result.")
+    signals = one_pitch(runs[0].signals, result.gear.pinion.teeth)
+    patterns = contact_pattern(result.gear, signals)
+    pair = GearPair.of(result.gear)
+    pitch = pair.reference_radius * np.sin(pair.alpha_t)
+    with mpl.rc_context({"font.size": 10}):
+        figure = Figure(figsize=(9.5, 4.2), layout="constrained")
+        axes = figure.subplots(1, 2, sharey=True)
+    highest = max(pattern.pressure.max() for pattern in patterns) * MEGAPASCAL
+    for panel, pattern in zip(axes, patterns, strict=True):
+        pressure = np.ma.masked_equal(pattern.pressure * MEGAPASCAL, 0)
+        face, roll = MILLIMETRES * pattern.face, MILLIMETRES * pattern.roll
+        shown = panel.pcolormesh(face, roll, pressure, cmap="viridis", vmin=0, vmax=highest, rasterized=True)
+        panel.axhline(MILLIMETRES * pitch, **style.REFERENCE_LINE)
+        panel.text(face[-1], MILLIMETRES * pitch, "pitch line ", ha="right", va="bottom", fontsize=8.5)
+        panel.set_title(
+            f"{PATTERN_FLANKS[pattern.side]}: up to {pattern.pressure.max() * MEGAPASCAL:.0f} MPa",
+            loc="left",
+            fontsize=10,
+        )
+        panel.set_xlabel("along the face [mm]")
+        panel.set_facecolor("#f2f2f2")
+    axes[0].set_ylabel("length of roll from the base circle [mm]")
+    figure.colorbar(shown, ax=axes, label="largest pressure [MPa]", pad=0.01)
+    head(figure, result, "Contact pattern over one tooth pitch", {})
+    return figure

@@ -1,0 +1,146 @@
+"""Curves over the pinion angle, with the two directions of a record in colours of their own."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rps_exudyn.analysis.measured import onto_simulated
+from rps_exudyn.analysis.passes import Signals, passes
+from rps_exudyn.base.units import short
+from rps_exudyn.pages.charts import style
+from rps_exudyn.results.quantities import SIGNALS
+from rps_exudyn.results.result import MeasuredTorque, Result
+
+DIRECTIONS = {+1: ("towards +X", "forward"), -1: ("towards -X", "backward")}
+AGAINST_MOTION = "torque against the motion"
+NOT_SIMULATED = "not simulated (test.path = there-and-back does)"
+HEIGHT_OF_ONE_WAY = 0.8  # of the panel of both directions
+LONGEST_NAME = 40  # letters of a file's name in a legend
+
+
+def over_angle(axes: Axes, signals: Signals, name: str, axis: str, colour: str, label: str = "") -> None:
+    """Draw one signal: a curve in `colour`, or one per pass in the colour of its direction.
+
+    `axis` is the name at the axis, `label` the one in the legend of a record in one direction.
+    """
+    curves = [(turned.signals, DIRECTIONS[turned.direction][1], "") for turned in passes(signals)]
+    if len(curves) < 2:
+        curves = [(dict(signals), colour, label)]
+    for part, its_colour, its_label in curves:
+        angle = SIGNALS["pinion_angle"].displayed(part["pinion_angle"])
+        style.line(axes, angle, part[name], SIGNALS[name], axis, its_colour, its_label or None)
+
+
+class Panel(NamedTuple):
+    """Axes of one signal."""
+
+    name: str
+    direction: int  # the only one that is drawn there; 0: both
+    axes: Axes
+
+
+def panels_over_angle(
+    result: Result,
+    panels: Mapping[str, tuple[str, str, float, float]],
+    measured: MeasuredTorque | None = None,
+) -> tuple[Figure, list[Panel]]:
+    """A figure of those signals that the result has; a torque in both directions is against its motion.
+
+    Each direction of the torque has its own panel where a measured one is compared with it.
+
+    `panels` are signal -> name at the axis, colour, height [in], least span shown [display unit].
+    """
+    ways = _directions_apart(result.signals, measured)
+    shown = [
+        (name, way, panel)
+        for name, panel in panels.items()
+        if name in result.signals
+        for way in (ways if name == "pinion_torque" else (0,))
+    ]
+    heights = [height * (HEIGHT_OF_ONE_WAY if way else 1) for _, way, (_, _, height, _) in shown]
+    figure, axes = style.panels(heights)
+    drawn = [Panel(name, way, each) for (name, way, _), each in zip(shown, axes, strict=True)]
+    for panel, (name, way, (label, colour, _, least)) in zip(axes, shown, strict=True):
+        if name != "pinion_torque":
+            over_angle(panel, result.signals, name, label, colour)
+        elif way:
+            torque_one_way(panel, result.signals, measured, way)
+        else:
+            both_ways = len(passes(result.signals)) > 1
+            if both_ways:
+                torque_against_motion(panel, result.signals)
+            else:
+                over_angle(panel, result.signals, name, label, colour)
+            if measured is not None:
+                add_measured(panel, measured, result.signals, against_motion=both_ways)
+        style.widen(panel, least)
+    style.angle_axis(axes[-1])
+    return figure, drawn
+
+
+def _directions_apart(signals: Signals, measured: MeasuredTorque | None) -> tuple[int, ...]:
+    """The directions that get a panel each: those of a measured and a simulated torque, if they are two."""
+    if measured is None:
+        return (0,)
+    found = {each.direction for part in (signals, measured.signals) for each in passes(part)}
+    return tuple(sorted(found, reverse=True)) if len(found) > 1 else (0,)
+
+
+def torque_one_way(axes: Axes, signals: Signals, measured: MeasuredTorque | None, way: int) -> None:
+    """Draw the simulated and the measured torque against the motion in one direction."""
+    name, colour = DIRECTIONS[way]
+    quantity, label = SIGNALS["pinion_torque"], "simulated"
+    for turned in passes(signals):
+        if turned.direction == way:
+            angle = SIGNALS["pinion_angle"].displayed(turned.angle)
+            style.line(axes, angle, way * turned.signals["pinion_torque"], quantity, "", colour, label)
+            label = "_"
+    axes.set_ylabel(quantity.axis_label(f"torque {name}\nagainst the motion"))
+    if measured is not None:
+        add_measured(axes, measured, signals, against_motion=True, only=way)
+    if label != "_":
+        axes.plot([], [], " ", label=NOT_SIMULATED)
+
+
+def torque_against_motion(axes: Axes, signals: Signals) -> None:
+    """Draw both directions of the torque on one side of zero, where their ripples can be compared."""
+    quantity = SIGNALS["pinion_torque"]
+    for turned in passes(signals):
+        angle = SIGNALS["pinion_angle"].displayed(turned.angle)
+        torque = turned.direction * turned.signals["pinion_torque"]
+        style.line(axes, angle, torque, quantity, AGAINST_MOTION, DIRECTIONS[turned.direction][1])
+    style.name_directions(axes, {colour: label for label, colour in DIRECTIONS.values()})
+
+
+def add_measured(
+    axes: Axes,
+    measured: MeasuredTorque,
+    signals: Signals,
+    *,
+    against_motion: bool = False,
+    only: int = 0,
+) -> None:
+    """Draw a measured torque below the others, in thin lines because it may have many points.
+
+    Args:
+        axes: where.
+        measured: the curve.
+        signals: simulated ones, onto whose angles the measured ones are brought by whole turns.
+        against_motion: draw both directions on one side of zero.
+        only: direction that is drawn; 0: both.
+    """
+    label: str | None = f"measured: {short(measured.name, LONGEST_NAME)}"
+    for turned in onto_simulated(measured, signals):
+        if only in (0, turned.direction):
+            angle = SIGNALS["pinion_angle"].displayed(turned.angle)
+            torque = (turned.direction if against_motion else 1) * turned.signals["pinion_torque"]
+            axes.plot(
+                angle,
+                SIGNALS["pinion_torque"].displayed(torque),
+                linestyle="-" if only or turned.direction > 0 else (0, (4, 1.5)),
+                label=label,
+                **style.MEASURED_LINE,
+            )
+            label = None

@@ -1,0 +1,113 @@
+"""A fit to measured curves: both ways with the model and its band, residuals, beliefs before and after."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rps_exudyn.inference.fitting.fitted import Fit, FittedPass, Verdict
+from rps_exudyn.inference.fitting.unknowns import LEVEL
+from rps_exudyn.pages.charts import style
+from rps_exudyn.pages.charts.curves import AGAINST_MOTION, DIRECTIONS
+
+WIDE = 1.96  # standard deviations of a 95 % interval
+POSTERIOR = {Verdict.FOUND: "lift", Verdict.BY_PRIOR: "torque"}
+FARTHEST = 6.0  # standard deviations of the noise that the ordinate of what is left shows
+NAMED = 4  # factors of a combination that its bar names
+
+
+def curves_figure(fit: Fit) -> Figure | None:
+    """Measured and fitted torque against the motion, and what is left; None without free turning."""
+    turned = [each for each in fit.passes if each.by_angle]
+    if not turned:
+        return None
+    figure, (torque, left) = style.panels([3.4, 2.0])
+    noise = float(np.median([each.noise for each in turned]))
+    for each in turned:
+        _draw_pass(torque, left, each, FARTHEST * noise)
+    torque.set_ylabel(f"{AGAINST_MOTION}\n[N m]")
+    left.set_ylabel("measured - fitted\n[N m]")
+    left.axhspan(-2 * noise, 2 * noise, **style.BAND)
+    left.axhline(0.0, **style.REFERENCE_LINE)
+    beyond = sum(_draw_beyond(left, each, FARTHEST * noise) for each in turned)
+    if beyond:
+        left.plot([], [], "k^", markersize=4, label=f"{beyond} points beyond the axis, at its ends")
+        style.legend_above(left)
+    left.set_ylim(-1.05 * FARTHEST * noise, 1.05 * FARTHEST * noise)
+    style.angle_axis(left)
+    handles, labels = torque.get_legend_handles_labels()
+    shown = dict(zip(labels, handles, strict=True))
+    torque.legend(
+        shown.values(), shown, loc="lower right", bbox_to_anchor=(1, 1), ncols=2, borderpad=0, frameon=False
+    )
+    return figure
+
+
+def _draw_pass(torque: Axes, left: Axes, each: FittedPass, farthest: float) -> None:
+    name, colour = DIRECTIONS[each.direction]
+    angle, sense = np.degrees(each.angle), each.direction
+    points: Any = {"s": 5, "alpha": 0.5, "linewidths": 0, "zorder": 3, "color": style.COLOURS[colour]}
+    torque.scatter(angle, sense * each.value, label=f"measured {name}", **points)
+    low, high = (sense * (each.model + sign * each.half_band) for sign in (-1, 1))
+    torque.fill_between(angle, low, high, color=style.COLOURS[colour], alpha=0.3, linewidth=0)
+    torque.plot(angle, sense * each.model, color=style.COLOURS[colour], label=f"fitted {name}, 95 % band")
+    deviation = each.value - each.model
+    inside = np.abs(deviation) <= farthest
+    left.scatter(angle[inside], deviation[inside], **points)
+
+
+def _draw_beyond(left: Axes, each: FittedPass, farthest: float) -> int:
+    """Draw the deviations beyond the ordinate at its ends, and return how many there are."""
+    angle, deviation = np.degrees(each.angle), each.value - each.model
+    for sense, mark in ((1, "^"), (-1, "v")):
+        out = sense * deviation > farthest
+        ends = np.full(int(out.sum()), sense * farthest)
+        left.plot(angle[out], ends, mark, color=style.COLOURS[DIRECTIONS[each.direction][1]], markersize=4)
+    return int((np.abs(deviation) > farthest).sum())
+
+
+def beliefs_figure(fit: Fit) -> Figure | None:
+    """Each parameter of the level over its expected value, before and after, with the combination as a bar of
+    its own; None where none was fitted."""
+    bars = [
+        (each.path, np.log(each.value / each.prior), each.sd, each.prior_sd, each.verdict)
+        for each in fit.estimates
+        if each.path in LEVEL
+    ]
+    moved = {path: middle for path, middle, *_ in bars}
+    for each in fit.combinations:
+        middle = sum(power * moved[path] for path, power in each.exponents.items())
+        shown = " x\n".join(each.words.split(" x ")[:NAMED])
+        bars.append((f"product:\n{shown}", middle, each.sd, each.prior_sd, Verdict.FOUND))
+    if not bars:
+        return None
+    heights = [0.9 + 0.4 * name.count("\n") for name, *_ in bars]
+    figure, (axes,) = style.panels([0.6 + 0.42 * sum(heights)])
+    _draw_bars(axes, bars, heights)
+    axes.set_xscale("log")
+    axes.set_xlabel("value over expected value; grey: before, coloured: after, 95 %")
+    low, high = axes.get_xlim()
+    ticks = [tick for tick in (0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0) if low <= tick <= high]
+    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    axes.minorticks_off()
+    return figure
+
+
+def _draw_bars(
+    axes: Axes, bars: Sequence[tuple[str, float, float, float, Verdict]], heights: Sequence[float]
+) -> None:
+    places = -np.cumsum(heights) + np.array(heights) / 2
+    for place, (_, middle, sd, before, verdict) in zip(places, bars, strict=True):
+        colour = style.COLOURS[POSTERIOR.get(verdict, "other")]
+        for centre, deviation, thick, shade in (
+            (0.0, before, 0.62, "#d0d0d0"),
+            (middle, sd, 0.3, colour),
+        ):
+            ends = np.exp(centre + WIDE * deviation * np.array([-1, 1]))
+            axes.barh(place, ends[1] - ends[0], left=ends[0], height=thick, color=shade, zorder=2)
+        axes.plot([np.exp(middle)], [place], "|", color="black", markersize=9, zorder=3)
+    axes.axvline(1.0, **style.REFERENCE_LINE)
+    axes.set_ylim(-sum(heights), 0.0)
+    axes.set_yticks(places, [name for name, *_ in bars], fontsize=9)

@@ -1,0 +1,313 @@
+"""One look for all charts: sizes, colours by meaning, axes with units, and how a picture is saved."""
+
+import textwrap
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from PIL import Image
+
+from rps_exudyn.base.files import replacing
+from rps_exudyn.base.units import mm
+from rps_exudyn.pages.charts import style
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import SIGNALS, SUMMARY, Quantity
+from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import is_scene, scene_named
+
+COLOURS = {
+    "torque": "#0b5394",
+    "other": "#e69138",
+    "lift": "#38761d",
+    "roll": "#b45f06",
+    "reference": "#777777",
+    "failure": "#b00020",
+    "forward": "#0b5394",
+    "backward": "#e69138",
+    "measured": "#000000",
+    "mesh": "#0b5394",
+    "seat": "#e69138",
+    "bush": "#6aa84f",
+    "bearing": "#999999",
+}
+"""Colours by meaning: signals, directions, places where work is lost."""
+
+SEVERAL = ("#0b5394", "#e69138", "#38761d", "#b00020", "#674ea7", "#777777")
+"""Colours of curves that only the legend distinguishes."""
+
+_LOOK: Any = {
+    "font.size": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.formatter.useoffset": False,
+    "grid.color": "#e4e4e4",
+    "lines.linewidth": 1.4,
+}
+
+MEASURED_LINE: Any = {"color": COLOURS["measured"], "linewidth": 0.7, "alpha": 0.6, "zorder": 1.8}
+
+REFERENCE_LINE: Any = {"color": COLOURS["reference"], "linewidth": 1, "linestyle": "--", "zorder": 1}
+
+LETTERS = 12.5  # of a headline in an inch
+LINE_HEIGHT = 0.2  # of a sentence over the axes [in]
+POINTS = 72  # to an inch
+LETTER, LEGEND_MARK = 0.075, 0.6  # width of a letter, and of a line with its gaps, in legends [in]
+
+NOT_ZERO = "axis does not begin at 0"
+
+DPI = 150  # pixels to an inch in pictures of pixels
+COMPRESSION = 1  # of pixels, of 9: a third of the default's time for a tenth more bytes
+
+BAND: Any = {"color": COLOURS["reference"], "alpha": 0.15, "linewidth": 0, "zorder": 0}
+
+
+def panels(
+    heights: list[float], width: float = 8.0, *, common_abscissa: bool = True
+) -> tuple[Figure, list[Axes]]:
+    """A figure of panels one below the other, by default with a common abscissa, and their axes; sizes in
+    inches."""
+    with mpl.rc_context(_LOOK):
+        figure = Figure(figsize=(width, sum(heights)), layout="constrained")
+        axes = figure.subplots(len(heights), 1, sharex=common_abscissa, squeeze=False, height_ratios=heights)[
+            :, 0
+        ]
+    figure.align_ylabels(axes)
+    return figure, list(axes)
+
+
+def line(
+    axes: Axes,
+    x: np.ndarray,
+    y: np.ndarray,
+    quantity: Quantity,
+    name: str,
+    colour: str,
+    label: str | None = None,
+) -> None:
+    """Draw one signal over x (display unit), shape (n,) both; y is SI and drawn in its display unit.
+
+    `name` is for the axis, `label` for the legend.
+    """
+    width = _LOOK["lines.linewidth"]
+    axes.plot(x, quantity.displayed(y), color=COLOURS[colour], linewidth=width, label=label)
+    axes.set_ylabel(quantity.axis_label(name))
+
+
+def legend_above(axes: Axes) -> None:
+    """Put the legend over the axes, where it hides no curve, in as many columns as have room; none without
+    labels."""
+    if labels := axes.get_legend_handles_labels()[1]:
+        width = axes.figure.get_figure(root=True).bbox_inches.width
+        longest = max(len(label) for label in labels)
+        columns = max(1, min(4, int(width / (LEGEND_MARK + LETTER * longest))))
+        legend = axes.legend(
+            loc="lower right", bbox_to_anchor=(1, 1), ncols=columns, borderpad=0, frameon=False
+        )
+        for text in legend.get_texts():
+            text.set_parse_math(False)  # a dollar in a name is a dollar
+
+
+def angle_axis(axes: Axes) -> None:
+    """Make the pinion angle [deg] the common abscissa, with ticks that suit turns and teeth."""
+    axes.set_xlabel(SIGNALS["pinion_angle"].axis_label("pinion angle"))
+    low, high = axes.dataLim.intervalx
+    steps = [1, 1.8, 3.6, 9, 10] if high - low > 400 else [1, 1.5, 3, 6, 10]
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=9, steps=steps))
+    for each in axes.get_shared_x_axes().get_siblings(axes):
+        each.margins(x=0)
+
+
+def name_directions(axes: Axes, named: dict[str, str]) -> None:
+    """Label the first curve of each direction; `named` is colour -> its name in the legend."""
+    for colour, name in named.items():
+        curves = [curve for curve in axes.lines if curve.get_color() == COLOURS[colour]]
+        if curves:
+            curves[0].set_label(name)
+    legend_above(axes)
+
+
+def abscissa(axes: Axes, label: str) -> None:
+    """Label another common abscissa than the angle, for instance "time [ms]", and limit it to the data."""
+    axes.set_xlabel(label)
+    low, high = axes.dataLim.intervalx
+    if np.isfinite([low, high]).all() and low < high:
+        axes.set_xlim(low, high)
+
+
+def title(figure: Figure, headline: str, failure: str = "") -> None:
+    """Write what the picture shows and, in the colour of failure, why not to trust it.
+
+    The failure stands above the legend of the first axes, and the figure grows by its lines.
+    """
+    width = round(LETTERS * figure.get_size_inches()[0])
+    lines = [_wrapped(line, width) for line in headline.split("\n")]
+    figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=11).set_parse_math(False)
+    if failure:
+        said = textwrap.wrap(failure, width=width)
+        axes = figure.axes[0]
+        text = axes.set_title(
+            "\n".join(said),
+            loc="left",
+            fontsize=10,
+            color=COLOURS["failure"],
+            pad=6 + POINTS * _height_of_legend(axes),
+        )
+        text.set_parse_math(False)
+        _heighten(figure, LINE_HEIGHT * len(said))
+
+
+def footnote(figure: Figure, sentences: Sequence[str]) -> None:
+    """Write sentences below everything, in the colour of failure; the figure grows by their lines."""
+    width = round(LETTERS * figure.get_size_inches()[0])
+    said = [line for sentence in sentences for line in textwrap.wrap(sentence, width=width)]
+    text = figure.supxlabel("\n".join(said), x=0.01, ha="left", fontsize=9, color=COLOURS["failure"])
+    text.set_parse_math(False)
+    _heighten(figure, LINE_HEIGHT * len(said))
+
+
+def _heighten(figure: Figure, by: float) -> None:
+    width, height = figure.get_size_inches()
+    figure.set_size_inches(width, height + by)
+
+
+def _height_of_legend(axes: Axes) -> float:
+    """Height of the legend over the axes [in]; 0 without one."""
+    legend, figure = axes.get_legend(), axes.figure.get_figure(root=True)
+    if legend is None:
+        return 0.0
+    return float(legend.get_window_extent(FigureCanvasAgg(figure).get_renderer()).height / figure.dpi)
+
+
+def _wrapped(headline: str, width: int) -> str:
+    """The headline, broken between its parts if it is too long for one line of so many letters, and within a
+    part that is longer than a line."""
+    parts = [part if len(part) > width else part.replace(" ", "\xa0") for part in headline.split(" · ")]
+    broken = textwrap.fill("\xa0· ".join(parts), width=width, break_on_hyphens=False)
+    return broken.replace("\xa0", " ").replace(" ·\n", "\n")
+
+
+def widen(axes: Axes, least: float) -> None:
+    """Widen the ordinate to at least this span (display unit): rounding must not look like a signal."""
+    low, high = axes.get_ylim()
+    if high - low < least:
+        middle = (low + high) / 2
+        axes.set_ylim(middle - least / 2, middle + least / 2)
+
+
+def map_to_scale(
+    axes: Axes, x: np.ndarray, y: np.ndarray, values: np.ndarray, text: str, missing: str
+) -> Any:
+    """Colour cells at their places on both axes, of any distances, with their values as text; return the
+    colours for a colour bar.
+
+    Args:
+        axes: where.
+        x: rising places of the columns, shape (n,).
+        y: rising places of the rows, shape (m,).
+        values: shape (m, n); nan stays white.
+        text: format of a value.
+        missing: text of a nan.
+    """
+    image = axes.pcolormesh(_edges(x), _edges(y), values, cmap="viridis", edgecolors="white", linewidth=0.5)
+    for (i, j), value in np.ndenumerate(values):
+        dark = np.isfinite(value) and _brightness(image.to_rgba(value)) < 0.5
+        label = text.format(value) if np.isfinite(value) else missing
+        colour = "white" if dark else "black"
+        axes.text(float(x[j]), float(y[i]), label, ha="center", va="center", color=colour)
+    axes.set_xticks(x)
+    axes.set_yticks(y)
+    axes.grid(False)
+    return image
+
+
+def _edges(places: np.ndarray) -> np.ndarray:
+    """Edges of cells around rising places: halfway between them."""
+    if places.size == 1:
+        return places[0] + np.array([-0.5, 0.5])
+    halfway = (places[1:] + places[:-1]) / 2
+    return np.concatenate([[2 * places[0] - halfway[0]], halfway, [2 * places[-1] - halfway[-1]]])
+
+
+def _brightness(colour: Any) -> float:
+    """Brightness of a colour, from 0 to 1 (ITU-R BT.601)."""
+    red, green, blue, *_ = colour
+    return float(0.299 * red + 0.587 * green + 0.114 * blue)
+
+
+def from_zero(axes: Axes) -> None:
+    """Let the ordinate begin, or end, at zero."""
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, 0.0), max(high, 0.0))
+
+
+def tell_where_it_begins(axes: Axes) -> None:
+    """Say at the ordinate's foot that it does not begin at zero, if so."""
+    low, high = axes.get_ylim()
+    if low > 0 or high < 0:
+        at = axes.transAxes
+        axes.text(0.005, 0.015, NOT_ZERO, transform=at, fontsize=10, color=COLOURS["reference"])
+
+
+def save(figure: Figure, path: str | Path) -> None:
+    """Write the picture in the format of the path's suffix.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    with replacing(path) as partial:
+        if partial.suffix == ".png":
+            _save_pixels(figure, partial)
+        else:
+            figure.savefig(partial, dpi=DPI)
+
+
+def _save_pixels(figure: Figure, path: Path) -> None:
+    """Draw once, and keep no transparency: matplotlib's own `savefig` draws a figure with a layout twice, for
+    the same pixels."""
+    before = figure.dpi, figure.canvas
+    figure.set_dpi(DPI)
+    try:
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        pixels = Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3])
+        pixels.save(path, "PNG", compress_level=COMPRESSION, dpi=(DPI, DPI))
+    finally:
+        figure.set_dpi(before[0])
+        figure.set_canvas(before[1])
+
+
+# --- Headline of a result's picture: scene and its figures, the gear, and its failure in words
+
+
+def head(figure: Figure, result: Result, subject: str, figures: Mapping[str, str]) -> None:
+    """Write the headline; `figures` are the summary's names -> labels, skipped if they are not in it."""
+    parts = [subject] + [
+        f"{label} {SUMMARY[name].show(result.summary[name])}"
+        for name, label in figures.items()
+        if name in result.summary
+    ]
+    failure = "" if result.status is Status.OK else f"{result.status}: {result.message}"
+    style.title(figure, f"{' · '.join(parts)}\n{about(result)}", failure)
+
+
+def scene_of(result: Result) -> str:
+    """The scene's name in words, for instance "Load test"."""
+    return result.scene.replace("-", " ").capitalize()
+
+
+def about(result: Result) -> str:
+    """What was simulated in one line: gear, preload, speed where there is one, fidelity."""
+    gear = result.gear
+    size = f"{gear.pinion.teeth} teeth, module {mm(gear.pinion.normal_module)}"
+    parts = [size, f"preload {gear.yoke.preload:g} N"]
+    if not is_scene(result.scene) or scene_named(result.scene).at_test_speed:
+        parts.append(next(item for item in SteeringGear.declared_at("test.speed")).show(gear.test.speed))
+    return " · ".join([*parts, f"fidelity {result.fidelity['name']}"])

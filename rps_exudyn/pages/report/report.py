@@ -1,0 +1,60 @@
+"""From paths of studies and results to one HTML file."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import replacing
+from rps_exudyn.pages.report.html import Article, page
+from rps_exudyn.pages.report.result_page import contact_section, result_article, side_by_side
+from rps_exudyn.pages.report.study_page import study_article
+from rps_exudyn.study.blocks import beside, load
+from rps_exudyn.study.store import Store
+
+SUFFIXES = (".html", ".htm")
+
+
+def write_report(paths: Sequence[str | Path], out: str | Path, contact: bool = False) -> None:
+    """Write the page about studies (folders) and results (files).
+
+    Args:
+        paths: folders and files.
+        out: the page.
+        contact: adds loads and pattern of the contact to each result.
+
+    Raises:
+        InputError: a path that is neither, damaged, or of another format; or `out` cannot be written.
+    """
+    articles = _articles([Path(path) for path in paths], contact)
+    text = page(" · ".join(article.title for article in articles), articles)
+    with replacing(out) as partial:
+        partial.write_text(text, encoding="utf-8", errors="replace")
+
+
+def default_name(paths: Sequence[Path]) -> Path:
+    """The default path of the report: in a study's folder, beside a result, or in the current folder."""
+    if len(paths) > 1:
+        return Path("report.html")
+    (path,) = paths
+    return path / "report.html" if path.is_dir() else beside(path, f"{path.stem}.html")
+
+
+def _articles(paths: Sequence[Path], contact: bool) -> list[Article]:
+    """The articles; all paths are opened before anything is drawn, so that all mistakes are reported."""
+    problems: list[str] = []
+    opened = {}
+    for path in paths:
+        try:
+            opened[path] = Store.open(path) if path.is_dir() else load(path)
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError(problems)
+    results = {path: content for path, content in opened.items() if not isinstance(content, Store)}
+    articles = [side_by_side(results)] if len(results) > 1 else []
+    return articles + [
+        study_article(content)
+        if isinstance(content, Store)
+        else result_article(content, path, [contact_section(content)] if contact else [])
+        for path, content in opened.items()
+    ]

@@ -1,0 +1,223 @@
+"""The article about one result of any scene, and the comparison of several side by side."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rps_exudyn.analysis.measured import NOTHING_TO_COMPARE, compare_with_measured
+from rps_exudyn.analysis.passes import passes
+from rps_exudyn.base.errors import InputError, as_sentence
+from rps_exudyn.base.units import words
+from rps_exudyn.pages.charts import style
+from rps_exudyn.pages.charts.scene import scene_figure
+from rps_exudyn.pages.charts.signals import WIDTH, signals_figure
+from rps_exudyn.pages.report.html import (
+    GEAR_FACTS,
+    Article,
+    Code,
+    Facts,
+    Fold,
+    Grid,
+    PageBlock,
+    Pictures,
+    Section,
+    Text,
+    Warning,
+    as_text,
+    fidelity_facts,
+    gear_facts,
+    parameter_grid,
+    provenance_facts,
+)
+from rps_exudyn.pages.report.pictures import picture
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.law_error import law_error
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import COUNTERS, GEOMETRY, SUMMARY, Quantity
+from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import is_scene
+
+if TYPE_CHECKING:
+    from rps_exudyn.analysis.load_distribution import LoadDistribution
+
+
+def result_article(result: Result, path: Path, more: Sequence[Section] = ()) -> Article:
+    """Outcome, curves, what else was asked for, parameters and provenance of a result in the file `path`."""
+    return Article(
+        title=f"{result.scene} · {path.name}",
+        lead=f"fidelity {result.fidelity['name']} · status {result.status} · {result.provenance['date']}",
+        sections=[
+            Section("Outcome", list(_outcome(result))),
+            Section("Curves", list(_curves(result))),
+            *_measured_section(result),
+            *more,
+            Section("Parameters", list(_parameters(result))),
+            Section("Provenance", [provenance_facts(result.provenance), Code(_commands(path))]),
+        ],
+    )
+
+
+def side_by_side(results: Mapping[Path, Result]) -> Article:
+    """The outcomes, numbers and differing parameters of several results, by their files, in one table."""
+    names = {path: path.name for path in results}
+    if len(set(names.values())) < len(names):
+        names = {path: str(path) for path in results}
+    messages = [result.message for result in results.values()]
+    rows = [
+        ["scene", *(result.scene for result in results.values())],
+        ["fidelity", *(result.fidelity["name"] for result in results.values())],
+        ["status", *(result.status.value for result in results.values())],
+        *([["message", *messages]] if any(messages) else []),
+    ]
+    for name in SUMMARY:
+        values = [result.summary.get(name) for result in results.values()]
+        if any(value is not None for value in values):
+            rows.append([name, *("" if value is None else SUMMARY[name].show(value) for value in values)])
+    settings = {path: result.gear.changes() for path, result in results.items()}
+    for parameter in dict.fromkeys(name for changed in settings.values() for name in changed):
+        values = [result.gear.value_at(parameter) for result in results.values()]
+        if len({repr(value) for value in values}) > 1:
+            rows.append([parameter, *(parameter_grid({parameter: value}).rows[0][1] for value in values)])
+    grid = Grid(["", *names.values()], rows)
+    return Article("Results side by side", f"{len(results)} files", [Section("Numbers", [grid])])
+
+
+def _outcome(result: Result) -> Iterable[PageBlock]:
+    yield gear_facts({path: result.gear.value_at(path) for path in GEAR_FACTS})
+    if result.status is not Status.OK:
+        yield Warning(
+            f"The simulation failed ({result.status}): {result.message or 'no message'} "
+            f"{result.status.remedy} Its numbers must not be used."
+        )
+    elif result.message:
+        yield Grid(("remarks",), [[sentence] for sentence in result.message.split("; ")])
+    if result.summary:
+        yield _quantities(SUMMARY, result.summary)
+        if result.status is Status.OK and (error := law_error(result.gear, result.fidelity)):
+            yield Text(error.sentence)
+    else:
+        yield Text("It left no numbers.")
+
+
+def _curves(result: Result) -> Iterable[PageBlock]:
+    if not result.signals:
+        yield Text("No signals were kept.")
+        return
+    figures = {result.scene: _scene_figure(result), "All signals that move": signals_figure(result)}
+    pictures = [picture(figure, caption) for caption, figure in figures.items() if figure is not None]
+    yield Pictures(pictures) if pictures else Text("No signal moves.")
+
+
+def _measured_section(result: Result) -> Iterable[Section]:
+    """How the simulated torque differs from the measured one that the result keeps, if it keeps one."""
+    if result.measured is None:
+        return
+    blocks: list[PageBlock] = []
+    for each in compare_with_measured(result.measured, result.signals, result.gear.pinion.teeth):
+        blocks.append(Grid(("quantity", "measured", "simulated"), each.rows, each.heading))
+        blocks.append(Text(as_sentence(each.difference)))
+    yield Section(f"Measured: {result.measured.name}", blocks or [Text(NOTHING_TO_COMPARE)])
+
+
+def _scene_figure(result: Result) -> Figure | None:
+    """The scene's own picture without its headline, which the page has; None if signals are missing."""
+    if result.status is not Status.OK or not is_scene(result.scene):
+        return None
+    try:
+        figure = scene_figure(result)
+    except (KeyError, IndexError):  # signals that were not kept
+        return None
+    figure.suptitle("")
+    figure.set_size_inches(WIDTH, figure.get_size_inches()[1])
+    for axes in figure.axes:
+        if axes.get_legend() is not None:
+            style.legend_above(axes)  # in fewer columns
+    return figure
+
+
+def _parameters(result: Result) -> Iterable[PageBlock]:
+    changed = result.gear.changes()
+    if changed:
+        yield parameter_grid(changed, "Parameters that differ from the defaults")
+    else:
+        yield Text("Every parameter has its default.")
+    every = {item.path: result.gear.value_at(item.path) for item in SteeringGear.declared()}
+    yield Fold("All parameters of gear and test", [parameter_grid(every)])
+    yield fidelity_facts(result.fidelity)
+    yield Fold(
+        "Settings of the solver", [Facts([(name, as_text(value)) for name, value in result.solver.items()])]
+    )
+    if result.counters:
+        times = {"CPU time": result.cpu_s, "elapsed time": result.wall_s}
+        rows = [(name, f"{seconds:.3g} s") for name, seconds in times.items()]
+        rows += [
+            (COUNTERS[name].long_name, COUNTERS[name].show(value)) for name, value in result.counters.items()
+        ]
+        yield Fold("What it took", [Facts(rows)])
+    if result.findings:
+        found = [(words(name), as_text(value)) for name, value in result.findings.items()]
+        yield Fold("What the solver found", [Facts(found)])
+    if result.geometry:
+        yield Fold("Geometry", [_quantities(GEOMETRY, result.geometry)])
+
+
+def _quantities(known: Mapping[str, Quantity], values: Mapping[str, float]) -> Grid:
+    rows = [[name, known[name].show(value), known[name].long_name] for name, value in values.items()]
+    return Grid(("quantity", "value", "definition"), rows)
+
+
+def _commands(path: Path) -> str:
+    return f"rps-exudyn rerun {path}     # the same again, from what the file holds\nrps-exudyn show {path}"
+
+
+# --- The section about the contact of the teeth: loads of the lines, shares of the teeth, contact pattern
+#
+# It is drawn on request: the contact law is evaluated again at every recorded pose.
+
+
+def contact_section(result: Result) -> Section:
+    """Return the section, or one sentence where the record has no loads of the contact."""
+    return Section("Contact of the teeth", list(_contact_blocks(result)))
+
+
+def _contact_blocks(result: Result) -> Iterator[PageBlock]:
+    from rps_exudyn.analysis.load_distribution import load_distribution  # loads the compiled contact
+    from rps_exudyn.pages.charts.analyses import load_figure, pattern_figure
+
+    if result.status is not Status.OK:
+        yield Text("The simulation failed: its loads would not be those of the gear.")
+        return
+    if result.fidelity["mesh"] != "flank":
+        modelled = result.fidelity["mesh"]
+        yield Text(f"fidelity.mesh is {modelled}; loads along the lines of contact are those of flank.")
+        return
+    try:
+        yield Pictures([picture(pattern_figure(result), "Contact pattern")])
+        yield Pictures([picture(load_figure(result), "Loads on the lines of contact")])
+        yield _largest_loads(load_distribution(result.gear, passes(result.signals)[0].signals))
+    except InputError as error:  # no pass, no motions of the rack, or a law without load per length
+        yield Text(" ".join(error.problems))
+
+
+def _largest_loads(loads: "LoadDistribution") -> Grid:
+    """The numbers of both sides over the first pass."""
+    from rps_exudyn.pages.charts.analyses import FLANK_NAMES
+
+    rows = []
+    for side, name in FLANK_NAMES.items():
+        chosen, share = loads.side == side, loads.largest_share(side)
+        carries = bool(np.isfinite(share).any())
+        rows.append(
+            [
+                name,
+                f"{loads.force_on(side).max():.4g} N",
+                f"{1e-3 * loads.load[chosen].max(initial=0.0):.4g} N/mm",
+                f"{1e-6 * loads.pressure[chosen].max(initial=0.0):.4g} MPa",
+                f"{100 * np.nanmin(share):.3g} to {100 * np.nanmax(share):.3g} %" if carries else "",
+            ]
+        )
+    columns = ("flanks", "normal force", "largest load per length", "Hertz's pressure", "share of one tooth")
+    return Grid(columns, rows)

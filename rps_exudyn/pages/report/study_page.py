@@ -1,0 +1,380 @@
+"""The article about a study of any scene and design, also a half-finished one."""
+
+import itertools
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.units import words
+from rps_exudyn.pages.charts.signals import overlaid_figure
+from rps_exudyn.pages.report.effects_charts import (
+    distribution_figure,
+    main_effect_figure,
+    scattered_figure,
+    surface_figure,
+)
+from rps_exudyn.pages.report.html import (
+    GEAR_FACTS,
+    Article,
+    Cell,
+    Code,
+    Facts,
+    Fold,
+    Grid,
+    Link,
+    Links,
+    PageBlock,
+    Picture,
+    Pictures,
+    Section,
+    Text,
+    Warning,
+    fidelity_facts,
+    gear_facts,
+    parameter_grid,
+    provenance_facts,
+)
+from rps_exudyn.pages.report.pictures import picture
+from rps_exudyn.pages.report.study_sections import (
+    MOST_ROWS,
+    band_sections,
+    case_id,
+    case_link,
+    count,
+    curve_id,
+    curves_of_cases,
+    failed_blocks,
+    remarks_section,
+    settings,
+)
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.study import sensitivity
+from rps_exudyn.study.description import GRID_DESIGN, Axis
+from rps_exudyn.study.effects import MainEffect, grid_effect, sampled_effect, surface
+from rps_exudyn.study.store import Store
+from rps_exudyn.study.table import PENDING, CaseTable, axis_quantity, show_value
+
+LEADING = 3  # numbers whose folds are open, with their best and worst cases
+WITH_PICTURES = 6  # numbers whose effects are drawn, too
+MOST_SURFACES = 3  # for each of them, over the axes with the largest effects
+MOST_VALUES = 8  # of an axis, written out
+
+
+def study_article(store: Store) -> Article:
+    """Everything about the study in a folder."""
+    table = CaseTable.of(store)
+    description = table.description
+    return Article(
+        title=description.title or description.name,
+        lead=f"{description.scene} · fidelity {description.fidelity.get('name', '')} · {_progress(table)}",
+        sections=[
+            Section("What was run", list(_what(table))),
+            Section("Outcome", list(_outcome(table))),
+            *remarks_section(table),
+            Section("Main effects and response surfaces", list(_effects(table))),
+            *band_sections(table, _ranked(table)),
+            *_sensitivity(table),
+            Section("Best and worst cases", list(_extremes(table, store))),
+            Section("Failed cases", list(failed_blocks(table))),
+            Section("All cases", list(_all_cases(table, store))),
+            Section("Provenance", list(_provenance(table))),
+        ],
+    )
+
+
+def _progress(table: CaseTable) -> str:
+    parts = [f"{number} {status}" for status, number in Counter(table.status.tolist()).items()]
+    return f"{count(len(table.cases), 'case')}: {', '.join(parts)}" if parts else "no cases"
+
+
+# --- what was run ------------------------------------------------------------------------------
+
+
+def _what(table: CaseTable) -> Iterable[PageBlock]:
+    description = table.description
+    pending = int((table.status == PENDING).sum())
+    if pending:
+        yield Warning(
+            f"Not finished: {pending} of {len(table.cases)} cases are still to run. The page shows the "
+            "others; the same command continues where it stopped."
+        )
+    if table.skipped:
+        yield Warning(
+            f"{len(table.skipped)} files could not be read and count as not done; see Failed cases."
+        )
+    facts = [
+        ("study", description.name),
+        ("scene", description.scene),
+        ("fidelity", str(description.fidelity.get("name", ""))),
+        ("design", description.design),
+        ("seed", "" if description.design == GRID_DESIGN else str(description.seed)),
+        ("cases", _progress(table)),
+        ("signals kept", _kept(table)),
+        ("CPU time", _times(table)),
+    ]
+    yield Facts([(name, text) for name, text in facts if text])
+    default = SteeringGear()
+    varied = {path for axis in description.axes for path in (*axis.paths, *axis.along)}
+    fixed = {
+        path: description.base.get(path, default.value_at(path)) for path in GEAR_FACTS if path not in varied
+    }
+    yield Fold("The gear, where it is not varied", [gear_facts(fixed)], is_open=True)
+    rows = [
+        [
+            axis.name,
+            ", ".join([*axis.paths, *axis.along]),
+            _values(table, axis),
+            axis_quantity(axis).long_name,
+        ]
+        for axis in description.axes
+    ]
+    yield Grid(("axis", "parameters", "values", "meaning"), rows, "What was varied")
+    if description.base:
+        yield parameter_grid(description.base, "Set for all cases, other than by default")
+    yield fidelity_facts(description.fidelity)
+
+
+def _kept(table: CaseTable) -> str:
+    keep = table.description.signals
+    if keep.signals == ():
+        return "none"
+    names = "all" if keep.signals is None else ", ".join(keep.signals)
+    return f"{names}; at most {keep.samples} samples" if keep.samples else names
+
+
+def _times(table: CaseTable) -> str:
+    seconds = table.times("cpu_s")
+    known = seconds[np.isfinite(seconds)]
+    return f"{known.sum():.3g} s together, median {np.median(known):.2g} s a case" if known.size else ""
+
+
+def _values(table: CaseTable, axis: Axis) -> str:
+    """The values written out, or their range."""
+    if axis.values is None:
+        found = table.axes[axis.name]
+        low, high = (show_value(axis, found[at].item()) for at in (found.argmin(), found.argmax()))
+        kind = axis.distribution.get("kind", "")
+        return f"{low} to {high}{', ' if kind else ''}{kind}" if found.size else str(kind)
+    if len(axis.values) <= MOST_VALUES:
+        return ", ".join(show_value(axis, value) for value in axis.values)
+    ends = (show_value(axis, axis.values[at]) for at in (0, -1))
+    return f"{' to '.join(ends)}, {len(axis.values)} values"
+
+
+# --- outcome -----------------------------------------------------------------------------------
+
+
+def _outcome(table: CaseTable) -> Iterable[PageBlock]:
+    if not table.numbers:
+        yield Text("No case has ended ok yet.")
+        return
+    rows = []
+    for name, values in table.numbers.items():
+        known = values[np.isfinite(values)]
+        shown = [SUMMARY[name].show(float(at(known))) for at in (np.min, np.median, np.max)]
+        rows.append([name, *shown, SUMMARY[name].long_name])
+    yield Grid(
+        ("quantity", "lowest", "median", "highest", "definition"), rows, "Over the cases that ended ok"
+    )
+
+
+def _ranked(table: CaseTable) -> list[str]:
+    """Numbers that differ between the cases; efficiencies first, where a scene measures them."""
+    return sorted(table.varying(), key=lambda name: not name.startswith("efficiency"))
+
+
+# --- effects -----------------------------------------------------------------------------------
+
+
+def _effects(table: CaseTable) -> Iterable[PageBlock]:
+    names = _ranked(table)
+    if not names:
+        yield Text("No number differs between the cases that ended ok.")
+        return
+    if table.description.design == GRID_DESIGN:
+        yield Text(
+            "Dots are cases; the line is the mean over the settings of all other axes that are known at each "
+            "of its points."
+        )
+    else:
+        yield Text("Dots are cases; the line joins the means of classes of equally many.")
+    yield Text("The fraction is the part of the variance that the means of an axis' levels explain.")
+    for place, name in enumerate(names):
+        blocks = list(_effects_on(table, name))
+        if place < WITH_PICTURES:
+            blocks.append(Pictures([*_effect_pictures(table, name), *_surfaces(table, name)]))
+        yield Fold(words(name), blocks, is_open=place < LEADING)
+
+
+def _effects_on(table: CaseTable, name: str) -> Iterable[PageBlock]:
+    yield Text(f"{SUMMARY[name].long_name}.")
+    rows = [_effect_row(axis, effect, name) for axis, effect in _all_effects(table, name)]
+    yield Grid(("axis", "from", "to", "mean from", "mean to", "fraction"), rows)
+
+
+def _effect_pictures(table: CaseTable, name: str) -> Iterable[Picture]:
+    if table.description.design != GRID_DESIGN:
+        spread = distribution_figure(table.numbers[name], name, SUMMARY[name])
+        yield picture(spread, f"{words(name)}: distribution")
+    for axis, effect in _all_effects(table, name):
+        figure = main_effect_figure(axis, effect, name, SUMMARY[name])
+        yield picture(figure, f"{words(name)} over {axis.name}")
+
+
+def _surfaces(table: CaseTable, name: str) -> Iterable[Picture]:
+    """Pictures over pairs of the axes with the largest effects."""
+    effects = sorted(_all_effects(table, name), key=lambda pair: -pair[1].fraction)
+    pairs = itertools.combinations([axis for axis, _ in effects], 2)
+    return (_surface(table, pair, name) for pair in itertools.islice(pairs, MOST_SURFACES))
+
+
+def _all_effects(table: CaseTable, name: str) -> list[tuple[Axis, MainEffect]]:
+    """Every axis that takes several values, with its effect on a number."""
+    axes = [axis for axis in table.description.axes if len(np.unique(table.axes[axis.name])) > 1]
+    numbers, limited = table.numbers[name], table.limited
+    if table.description.design == GRID_DESIGN:
+        return [(axis, grid_effect(table.axes, axis.name, numbers, limited)) for axis in axes]
+    return [(axis, sampled_effect(table.axes[axis.name], numbers, limited)) for axis in axes]
+
+
+def _effect_row(axis: Axis, effect: MainEffect, name: str) -> list[str]:
+    """Row from the first level to the last; words, which have no order, from the lowest mean to the
+    highest."""
+    known = np.flatnonzero(np.isfinite(effect.mean))
+    if known.size < 2:
+        return [axis.name, "", "", "", "", ""]
+    if effect.levels.dtype.kind != "f":
+        known = known[np.argsort(effect.mean[known], kind="stable")]
+    ends = [known[0], known[-1]]
+    levels = [show_value(axis, effect.levels[at].item()) for at in ends]
+    means = [SUMMARY[name].show(float(effect.mean[at])) for at in ends]
+    return [axis.name, *levels, *means, f"{effect.fraction:.0%}"]
+
+
+def _surface(table: CaseTable, pair: tuple[Axis, Axis], name: str) -> Picture:
+    first, second = pair
+    quantity, numbers = SUMMARY[name], table.numbers[name]
+    if table.description.design == GRID_DESIGN:
+        means = surface(table.axes, first.name, second.name, numbers)
+        known = np.isfinite(numbers)
+        marks = (table.axes[first.name][known], table.axes[second.name][known], table.limited[known])
+        figure = surface_figure(first, second, means, name, quantity, marks)
+    else:
+        known = np.isfinite(numbers)
+        points = (table.axes[first.name][known], table.axes[second.name][known], numbers[known])
+        figure = scattered_figure(first, second, points, name, quantity, table.limited[known])
+    return picture(figure, f"{words(name)} over {first.name} and {second.name}")
+
+
+def _sensitivity(table: CaseTable) -> list[Section]:
+    design = table.description.design
+    if design not in sensitivity.DESIGNS:
+        return []
+    kinds = sensitivity.KINDS[design]
+    blocks: list[PageBlock] = [Facts(list(kinds.items()))]
+    for name in _ranked(table):
+        try:
+            blocks.append(_indices(table, name, list(kinds)))
+        except InputError as error:
+            blocks.append(Text(" ".join(error.problems)))
+            break
+    return [Section("Sensitivity indices", blocks)]
+
+
+def _indices(table: CaseTable, name: str, kinds: Sequence[str]) -> Grid:
+    found = sensitivity.indices(table, name)
+    show = SUMMARY[name].show if found.design == sensitivity.MORRIS else "{:.3f}".format
+
+    def cell(index: sensitivity.Index) -> str:
+        interval = f" ± {show(index.confidence)}" if np.isfinite(index.confidence) else ""
+        return f"{show(index.value)}{interval}"
+
+    rows = [[axis, *(cell(row[kind]) for kind in kinds)] for axis, row in found.rows.items()]
+    left_out = f", {found.left_out} left out for unknown numbers" if found.left_out else ""
+    caption = f"{words(name)}: from {found.groups} groups of cases{left_out}; ± is the 95 % interval"
+    return Grid(("axis", *kinds), rows, caption)
+
+
+# --- single cases ------------------------------------------------------------------------------
+
+
+def _ends(name: str) -> dict[str, str]:
+    """The ends of a number from the better to the worse, if that is known: end -> its label."""
+    if name.startswith("efficiency"):
+        return {"highest": "highest (best)", "median": "median", "lowest": "lowest (worst)"}
+    best, worst = (" (best)", " (worst)") if name.startswith("torque") else ("", "")
+    return {"lowest": f"lowest{best}", "median": "median", "highest": f"highest{worst}"}
+
+
+def _extremes(table: CaseTable, store: Store) -> Iterable[PageBlock]:
+    names = _ranked(table)[:LEADING]
+    if not names:
+        yield Text("No number differs between the cases that ended ok.")
+    for name in names:
+        yield Fold(words(name), list(_extremes_of(table, store, name)), is_open=True)
+
+
+def _extremes_of(table: CaseTable, store: Store, name: str) -> Iterable[PageBlock]:
+    numbers = table.numbers[name]
+    order = np.argsort(numbers, kind="stable")[: int(np.isfinite(numbers).sum())]
+    places = {"lowest": order[0], "median": order[(len(order) - 1) // 2], "highest": order[-1]}
+    rows: list[Sequence[Cell]] = []
+    results = {}
+    for end, label in _ends(name).items():
+        case, number = table.cases[places[end]], float(numbers[places[end]])
+        row = case_link(table, case)
+        rows.append([label, SUMMARY[name].show(number), *settings(table, case), row])
+        try:
+            results[end] = store.result(case)
+        except InputError as error:
+            yield Text(" ".join(error.problems))
+    yield Grid(("", name, *table.axes, "case"), rows)
+    figure = overlaid_figure(results)
+    if figure is None:
+        yield Text("No signals were kept of these cases.")
+    else:
+        yield Pictures([picture(figure, f"Cases with the lowest, median and highest {words(name)}")])
+
+
+def _all_cases(table: CaseTable, store: Store) -> Iterable[PageBlock]:
+    names = (_ranked(table) or list(table.numbers))[:LEADING]
+    remarked, seen = {case.hash for case, _ in table.remarked()}, set[str]()
+    curves, drawn = curves_of_cases(table, store, table.cases[:MOST_ROWS])
+    rows: list[Sequence[Cell]] = []
+    ids = []
+    for at, case in enumerate(table.cases[:MOST_ROWS]):
+        known = {name: float(table.numbers[name][at]) for name in names}
+        shown = [SUMMARY[name].show(value) if np.isfinite(value) else "" for name, value in known.items()]
+        status = table.status[at].item() + ", remark" * (case.hash in remarked)
+        name: Cell = Links([Link(case.hash, curve_id(table, case))]) if case.hash in drawn else case.hash
+        rows.append([*settings(table, case), status, *shown, name])
+        ids.append("" if case.hash in seen else case_id(table, case))
+        seen.add(case.hash)
+    some = f"The first {MOST_ROWS} of {len(table.cases)} cases. " if len(table.cases) > MOST_ROWS else ""
+    yield Text(f"{some}Every number of every case: rps-exudyn collect {table.path}")
+    if curves:
+        yield Pictures(curves)
+    yield Fold(count(len(rows), "case"), [Grid((*table.axes, "status", *names, "case"), rows, ids=ids)])
+
+
+# --- provenance --------------------------------------------------------------------------------
+
+
+def _provenance(table: CaseTable) -> Iterable[PageBlock]:
+    origin = dict(table.description.provenance)
+    command = str(origin.pop("command", "")) or f"rps-exudyn study {table.path / 'study.toml'}"
+    yield provenance_facts(origin)
+    example = next((case.hash for case, ok in zip(table.cases, table.ok, strict=True) if ok), "HASH")
+    yield Code(
+        f"{command}     # the study; what is finished is kept\n"
+        f"rps-exudyn rerun {table.path / 'cases' / example}.h5     # one case\n"
+        f"rps-exudyn collect {table.path}     # all numbers in one table\n"
+        f"rps-exudyn report {table.path}     # this page"
+    )
+    with suppress(OSError):
+        study_file = (table.path / "study.toml").read_text(encoding="utf-8", errors="replace")
+        yield Fold("Study file", [Code(study_file)])

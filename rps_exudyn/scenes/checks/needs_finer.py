@@ -1,0 +1,70 @@
+"""Whether equilibria must be closer together than asked for: their own record shows it.
+
+A yoke that stops at its nut, or a tooth that takes over with a jerk, is over in a few degrees. Equilibria
+cost so little that such a record is made again in half the steps instead of being refused. After each turn of
+a swing the rack rolls over to its other side, and knows the rate of that half a step late. Where the yoke is
+at its nut, the force follows from how far teeth and nut yield, and teeth that bend need finer strips.
+"""
+
+import numpy as np
+
+from rps_exudyn.analysis.resolution import every_second, missed, unresolved
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.checks.after_run import driven_along, missed_mean, rolling_lag
+from rps_exudyn.solvers.closed_form import closed_form
+
+MEAN = 0.01  # of the mean that may hide between the steps ...
+ROLLING = 0.01  # ... or be moved by a late rate of rolling
+ROLLING_OVER = 0.004  # ... in a swing, over its travel: its work is then right to a percent
+PEAK = 0.025  # of the mean by which a step may leave the curve through its neighbours: peaks are right to 4 %
+FINEST = 12  # stations of a strip; more show nothing
+STRIPS_AGREE = 0.005  # of the mean, between a record and that by strips of twice the stations
+
+
+def rolls_over_late(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:
+    """Return whether the steps of a swing are too long for how the rack rolls over in it."""
+    roll = signals.get("rack_roll", np.zeros(1))
+    return bool(np.isfinite(roll).all()) and rolling_lag(signals, gear)[0] > ROLLING_OVER
+
+
+def needs_finer(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:
+    """Return whether the steps of a steady motion's record are too long for its mean or its peaks."""
+    if not np.isfinite(np.concatenate(list(signals.values()))).all():
+        return False
+    force, path = driven_along(signals)
+    return bool(
+        missed_mean(signals) > MEAN
+        or rolling_lag(signals, gear)[1] > ROLLING
+        or unresolved(path, force) > PEAK
+    )
+
+
+def bends_more(signals: dict[str, np.ndarray], gear: SteeringGear, tolerance: float) -> bool:
+    """Return whether the torque or force of the drive bends between the steps by more than a share of the
+    mean free torque."""
+    force, path = driven_along(signals)
+    mean = abs(closed_form(gear).free_torque)
+    allowed = tolerance * (mean if "pinion_torque" in signals else mean / float(GearPair.of(gear).gain))
+    return bool(missed(path, force).max(initial=0.0) > allowed)
+
+
+def yoke_stops(signals: dict[str, np.ndarray]) -> bool:
+    """Return whether the yoke meets its nut: forces then depend on the rack's place to a few micrometres,
+    and so on how it rolled before the record."""
+    return bool((signals.get("yokenut_force", np.zeros(1)) > 0).any())
+
+
+def finer_strips(fidelity: Fidelity, gear: SteeringGear) -> Fidelity | None:
+    """Return the model with strips of twice the stations; None where nothing finer is known, or the law loads
+    each place of a strip by itself, which few stations integrate."""
+    if gear.mesh.law != "teeth" or fidelity.mesh != "flank" or fidelity.strip_stations >= FINEST:
+        return None
+    return fidelity.replace({"strip_stations": min(FINEST, 2 * fidelity.strip_stations)})
+
+
+def strips_change(coarse: dict[str, np.ndarray], fine: dict[str, np.ndarray]) -> float:
+    """Return by which share finer strips move the mean of the drive's torque or force over a record."""
+    (work, _), (right, _) = (every_second(*driven_along(each)[::-1]) for each in (coarse, fine))
+    return float(abs(work - right) / abs(right)) if right else float(work != 0) * np.inf

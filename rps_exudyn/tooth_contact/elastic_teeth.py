@@ -1,0 +1,193 @@
+"""Contact of flanks whose teeth bend together: law "teeth".
+
+All lines of contact of both sides stand under one system of equations (`unilateral`): a station yields by the
+loads on all stations of its two teeth (`tooth_compliance`), by its own line's Hertzian flattening, and by the
+torsion of the pinion's core. Drive and coast flank bend the same tooth against each other; most of that
+bending cancels, which laws without it miss.
+"""
+
+import numpy as np
+
+from rps_exudyn.base.compiled import inline, kernel
+from rps_exudyn.forces.rigid_motion import cross, plus
+from rps_exudyn.gears.tooth_stiffness import HERTZ
+from rps_exudyn.tooth_contact.contact_tangent import add_viscous, arm_of, friction_at, slopes_of
+from rps_exudyn.tooth_contact.flank_contact import begin_contact, end_side
+from rps_exudyn.tooth_contact.flank_line import (
+    DAMPING_LOSS,
+    DEEPEST,
+    ENERGY,
+    LINES,
+    add_load,
+    begin_side,
+    note_line_load,
+    side_of,
+)
+from rps_exudyn.tooth_contact.teeth_stations import DEPTH, LENGTH, P_R, P_T, P_Z, RATE, ROLL, TOP, find_lines
+from rps_exudyn.tooth_contact.tooth_compliance import add_block, add_line
+from rps_exudyn.tooth_contact.unilateral import (
+    factorize,
+    local_energy,
+    local_yield,
+    press_stations,
+    substitute_all,
+)
+from rps_exudyn.tooth_contact.wrench import WRENCH_SIZE
+
+GUESS = 20e9  # load per length and depth with which the solution begins [N/m^2]
+
+
+@kernel
+def teeth_contact(angle, rate, position, rotation, velocity, spin, data, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    """Fill the wrench of law "teeth", see `wrench`, and its stiffness unless both factors are 0, see
+    `contact_tangent.Slopes`; `data` is a record `MESH`, `work` a `SCRATCH`."""
+    begin_contact(work)
+    flank = data.flank
+    drive = side_of(-1.0, angle, rate, position, rotation, velocity, spin, flank)
+    coast = side_of(1.0, angle, rate, position, rotation, velocity, spin, flank)
+    lines, n = find_lines(angle, drive, coast, data)
+    force, elastic = np.empty(n * flank.stations), np.empty(n * flank.stations)
+    matrix = compliance_matrix(lines, n, data)
+    if not solve_loads(matrix, lines, data, force, elastic):
+        for i in range(WRENCH_SIZE):
+            work.wrench[i] = np.nan
+        return
+    energy = stored_energy(lines, elastic)
+    of_drive = slopes_of(work.stiffness, factor_q, factor_v, drive, angle, position, flank)
+    of_coast = slopes_of(work.stiffness, factor_q, factor_v, coast, angle, position, flank)
+    if of_drive.wanted:
+        add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data, work)
+    for side, slopes in ((drive, of_drive), (coast, of_coast)):
+        begin_side(side, flank, work)
+        for line in range(n):
+            if lines.side[line] == side.sign:
+                _add_loads(lines, line, force, elastic, side, flank, work)
+        work.sums[ENERGY], energy = energy, 0.0
+        end_side(angle, position, side, flank, work, slopes)
+
+
+@inline
+def _add_loads(lines, line, force, elastic, side, flank, work):  # type: ignore[no-untyped-def]
+    """Add the loads of one line."""
+    stations, count, pressed = lines.stations, flank.stations, False
+    for i in range(line * count, (line + 1) * count):
+        if force[i] > 0:
+            pressed = True
+            add_load(force[i], stations[P_R, i], stations[P_T, i], stations[P_Z, i], side, flank, work)
+            work.sums[DAMPING_LOSS] += (force[i] - elastic[i]) * stations[RATE, i]
+            note_line_load(force[i] / stations[LENGTH, i], stations[ROLL, i], work)
+    if pressed:
+        work.sums[LINES] += 1
+        work.sums[DEEPEST] = max(work.sums[DEEPEST], lines.deepest[line])
+
+
+# --- loads -----------------------------------------------------------------------------------------
+@inline
+def compliance_matrix(lines, n, data):  # type: ignore[no-untyped-def]
+    """Return the compliance of all stations without the Hertzian part, lower triangle, shape (n, n) [m/N]."""
+    count = data.flank.stations
+    nodes, weights = data.flank.along[0, 0, :count], data.flank.along[0, 1, :count]
+    matrix = np.empty((n * count, n * count))
+    for a in range(n):
+        for b in range(a + 1):
+            torsion = data.teeth.torsion * lines.side[a] * lines.side[b]
+            for i in range(a * count, (a + 1) * count):
+                for j in range(b * count, (b + 1) * count):
+                    matrix[i, j] = torsion
+            same_side = lines.side[a] == lines.side[b]
+            if a == b:
+                add_line(matrix, lines.on_pinion, a * count, nodes, weights, data.teeth.pinion)
+                add_line(matrix, lines.on_rack, a * count, nodes, weights, data.teeth.rack)
+                continue
+            if lines.tooth[a] == lines.tooth[b]:
+                sigma = 1.0 if same_side else -data.teeth.pinion.coupling
+                add_block(matrix, lines.on_pinion, a * count, b * count, count, sigma, data.teeth.pinion)
+            if lines.rack_tooth[a] == lines.rack_tooth[b]:
+                sigma = 1.0 if same_side else -data.teeth.rack.coupling
+                add_block(matrix, lines.on_rack, a * count, b * count, count, sigma, data.teeth.rack)
+    return matrix
+
+
+@inline
+def solve_loads(matrix, lines, data, force, elastic):  # type: ignore[no-untyped-def]
+    """Fill the forces of all stations, and those without damping; returns whether they were found."""
+    damping = data.flank.damping
+    depth, length, top = lines.stations[DEPTH], lines.stations[LENGTH], lines.stations[TOP]
+    found = press_stations(force.size, matrix, depth, length, top, HERTZ, GUESS, elastic)
+    for i in range(force.size):
+        force[i] = elastic[i]
+    if found and damping > 0:
+        pressing = np.empty(force.size)
+        for i in range(force.size):
+            pressing[i] = depth[i] + damping * lines.stations[RATE, i]
+        found = press_stations(force.size, matrix, pressing, length, top, HERTZ, GUESS, force)
+    return found
+
+
+@inline
+def stored_energy(lines, elastic):  # type: ignore[no-untyped-def]
+    """Elastic energy of teeth and contact [J]: half of force times bending, and of the Hertzian part."""
+    energy = 0.0
+    for i in range(elastic.size):
+        if elastic[i] > 0:
+            length, top = lines.stations[LENGTH, i], lines.stations[TOP, i]
+            f = elastic[i] / length
+            flattened, stored = local_energy(f, top, HERTZ)
+            energy += length * stored + elastic[i] * (lines.stations[DEPTH, i] - flattened) / 2
+    return energy
+
+
+# --- The tangent of teeth that bend together: the derivative of their equations through the pressed stations
+#
+# With the wrenches w_i per load and those with friction u_i of the pressed stations (`contact_tangent`), and
+# the tangent compliance A of their equations, a small motion m changes the wrench by -U^T A^-1 W m. Which
+# stations are pressed does not change; the change of the compliance, which moves with the lines, is left out.
+
+
+@inline
+def add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data, work):  # type: ignore[no-untyped-def]
+    """Add the tangent of all stations' loads; `matrix` is their compliance, `force` their loads [N]."""
+    count, flank, m = data.flank.stations, data.flank, 0
+    chosen = np.empty(force.size, np.int64)
+    for i in range(force.size):
+        if force[i] > 0:
+            chosen[m] = i
+            m += 1
+    full = (m + 3) // 4 * 4
+    system, yields, loads = np.zeros((full, full)), np.zeros((full, 6)), np.empty((m, 6))
+    for row in range(m):
+        i = chosen[row]
+        for col in range(row):
+            system[row, col] = matrix[i, chosen[col]]
+        _, slope = local_yield(force[i] / lines.stations[LENGTH, i], lines.stations[TOP, i], HERTZ)
+        system[row, row] = matrix[i, i] + slope / lines.stations[LENGTH, i]
+        if lines.side[i // count] < 0:
+            _fill_wrenches(lines.stations, i, row, force[i], yields, loads, drive, flank, work, of_drive)
+        else:
+            _fill_wrenches(lines.stations, i, row, force[i], yields, loads, coast, flank, work, of_coast)
+    for row in range(m, full):
+        system[row, row] = 1.0
+    if not factorize(system, full):
+        return
+    substitute_all(system, full, yields)
+    factor = of_drive.factor_q + flank.damping * of_drive.factor_v
+    stiffness = of_drive.stiffness
+    for row in range(m):
+        for i in range(6):
+            value = factor * loads[row, i]
+            for j in range(6):
+                stiffness[i, j] -= value * yields[row, j]
+
+
+@inline
+def _fill_wrenches(stations, i, row, load, yields, loads, side, data, work, slopes):  # type: ignore[no-untyped-def]
+    """Fill a station's wrenches per load, without and with friction; add what its friction alone changes."""
+    p_r, p_t, z, stance = stations[P_R, i], stations[P_T, i], stations[P_Z, i], slopes.stance
+    arm = arm_of(p_r, p_t, z, stance)
+    rub = friction_at(p_r, p_t, z, side, data, work, slopes)
+    whole = plus(stance.normal, rub.force)
+    yields[row, 0], yields[row, 1], yields[row, 2] = stance.normal
+    yields[row, 3], yields[row, 4], yields[row, 5] = cross(arm, stance.normal)
+    loads[row, 0], loads[row, 1], loads[row, 2] = whole
+    loads[row, 3], loads[row, 4], loads[row, 5] = cross(arm, whole)
+    add_viscous(load, arm, rub, slopes)

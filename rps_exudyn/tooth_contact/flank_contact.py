@@ -1,0 +1,145 @@
+"""Contact of plane rack flanks with involute helicoids, integrated along the lines of contact.
+
+    strip of one line                        stations: Gauss points along the line between breakpoints
+      xi ^     ____________________             nodes: Gauss points in xi between the strip's edges
+         |    /    /    |     \\    \\        ends: face, a limit (tip, form circle, rack's tips, the bar's
+         |   /    /     |      \\    \\             surface), or where the depth falls to zero; stations
+       --+--/----/------|-------\\----\\-- Z      lean as the ends do
+         | /    /       |        \\  |       breakpoints: where another limit cuts a corner off
+         |/____/________|_________\\_|
+
+No search is needed for the teeth of both sides: psi* gives q*(Z) of every tooth, and the flank is where
+q_form <= q <= q_tip. The law "line": load per length of line = line_stiffness * (depth + damping * its rate)
+at the strip's crest, which is what ISO 6336 assumes of teeth.
+
+Friction is Coulomb's with the local sliding velocity, linear in it below the zone speed (as in Exudyn's
+GeneralContact). Loads act normal to the rack's plane, at points of the pinion's flank.
+"""
+
+from rps_exudyn.base.compiled import inline, kernel
+from rps_exudyn.tooth_contact.contact_tangent import add_turn_of_loads, press, slopes_of
+from rps_exudyn.tooth_contact.flank_line import (
+    DEEPEST,
+    LINES,
+    LOAD,
+    add_side,
+    band_of,
+    band_on_flank,
+    bands,
+    begin_side,
+    first_tooth,
+    formed_point,
+    line_of,
+    note_line_load,
+    side_of,
+)
+from rps_exudyn.tooth_contact.flank_strip import (
+    crest_of,
+    deepest_crest,
+    describe_strip,
+    touching,
+    within_band,
+)
+from rps_exudyn.tooth_contact.plain_line import is_plain, plain_ends, plain_point
+from rps_exudyn.tooth_contact.strip_limits import ends_of, watch_limits
+from rps_exudyn.tooth_contact.wrench import WRENCH_SIZE
+
+
+@inline
+def begin_contact(work):  # type: ignore[no-untyped-def]
+    """Empty the sums of an evaluation."""
+    for i in range(WRENCH_SIZE):
+        work.wrench[i] = 0.0
+    for i in range(6):
+        for j in range(6):
+            work.stiffness[i, j] = 0.0
+
+
+@kernel
+def line_contact(angle, rate, position, rotation, velocity, spin, data, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
+    """Fill the wrench of law "line", see `wrench`, and its stiffness unless both factors are 0, see
+    `contact_tangent.Slopes`; `data` is a record `FLANK`, `work` a `SCRATCH`."""
+    begin_contact(work)
+    plain = is_plain(data)
+    for sign in (-1.0, 1.0):
+        side = side_of(sign, angle, rate, position, rotation, velocity, spin, data)
+        first, last, turn = first_tooth(angle, side, data)
+        begin_side(side, data, work)
+        slopes = slopes_of(work.stiffness, factor_q, factor_v, side, angle, position, data)
+        for tooth in range(first, last + 1):
+            line = line_of(tooth, turn, side, data)
+            before, depth = work.sums[LOAD], 0.0
+            if plain:
+                depth = _plain_line(line, side, data, work, slopes)
+            else:
+                for part in range(bands(data)):
+                    depth = max(depth, _line_in_band(band_of(part, data), line, side, data, work, slopes))
+            note_line(before, depth, work)
+        end_side(angle, position, side, data, work, slopes)
+
+
+@inline
+def note_line(before, depth, work):  # type: ignore[no-untyped-def]
+    """Count a line that bears more than the load before it."""
+    if work.sums[LOAD] > before:
+        work.sums[LINES] += 1
+        work.sums[DEEPEST] = max(work.sums[DEEPEST], depth)
+
+
+@inline
+def end_side(angle, position, side, data, work, slopes):  # type: ignore[no-untyped-def]
+    """Add what one side's loads sum up to."""
+    add_side(work, angle, position, side, data, work.wrench)
+    if slopes.wanted:
+        add_turn_of_loads(work, side, slopes)
+
+
+@inline
+def _plain_line(line, side, data, work, slopes):  # type: ignore[no-untyped-def]
+    """Law "line": add the loads on one line of unmodified flanks; the greatest depth."""
+    low, high = plain_ends(line, 0.0, side, data)
+    if not low < high:
+        return 0.0
+    for k in range(data.stations):
+        z = low + (high - low) * data.along[0, 0, k]
+        length = (high - low) * data.along[0, 1, k] / data.cos_base_helix
+        p_r, p_t, q, depth = plain_point(z, line, side, data)
+        _press_line(depth, length, p_r, p_t, q, z, side, data, work, slopes)
+    return max(line.d_0 + line.d_1 * low, line.d_0 + line.d_1 * high)
+
+
+@inline
+def _line_in_band(band, line, side, data, work, slopes):  # type: ignore[no-untyped-def]
+    """Law "line": add the loads on one line within a band of the flank; the greatest depth."""
+    strip, cuts, breaks, band = work.strip, work.cuts, work.breaks, band_on_flank(line, band, data)
+    low, high = within_band(line, band, data)
+    if not low < high:
+        return 0.0
+    describe_strip(strip, line, band, side, data)
+    low, high, low_ends, high_ends = touching(strip, low, high)
+    if not low < high:
+        return 0.0
+    ends = ends_of(strip, low, high, 0.0)
+    low_ends, high_ends = low_ends and ends.limit_low < 0, high_ends and ends.limit_high < 0
+    _, count, _, _ = watch_limits(strip, ends, 0.0, low_ends, high_ends, cuts, breaks)
+    if count == 0:  # limits leave nothing, and no breaks
+        return 0.0
+    for i in range(count - 1):
+        z_0, length = breaks[i], breaks[i + 1] - breaks[i]
+        for k in range(data.stations):  # the load fades out linearly, which the plain rule integrates exactly
+            z = z_0 + length * data.along[0, 0, k]
+            weight = length * data.along[0, 1, k] / data.cos_base_helix
+            xi, depth = crest_of(strip, z)
+            p_r, p_t, q = formed_point(xi, z, line, band, side, data)
+            _press_line(depth, weight, p_r, p_t, q, z, side, data, work, slopes)
+    return deepest_crest(strip, breaks[0], breaks[count - 1])
+
+
+@inline
+def _press_line(depth, length, p_r, p_t, q, z, side, data, work, slopes):  # type: ignore[no-untyped-def]
+    """Law "line": add the load on a part of the line about a point."""
+    if not depth > 0:  # the end of what is pressed is found to a few digits; damping presses nothing apart
+        return
+    before = work.sums[LOAD]
+    press(depth, data.line_stiffness * length, 1.0, p_r, p_t, z, side, data, work, slopes)
+    note_line_load((work.sums[LOAD] - before) / length, q, work)

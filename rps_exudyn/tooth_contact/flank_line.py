@@ -1,0 +1,363 @@
+"""The line along which a plane flank of the rack meets an involute helicoid, and the loads on it.
+
+Line frame of one side: origin in the gear's centre, axes e_r, e_t at the generator psi* whose normal is
+parallel to the plane's in the transverse section, and the gear's axis k. With xi = psi - psi*, N the
+rack flank's outward normal (tangential part -s N_p, axial part N_z) and q*(Z) = q(psi*, Z):
+
+    P(xi, Z)     = r_b e_r(xi) + (s q* - r_b xi) e_t(xi) + Z k                       point of the flank
+    depth(xi, Z) = c + N_p (s r_b (sin xi - xi cos xi) + q* cos xi) - N_z Z          exact for any pose
+    dA           = (q* - s r_b xi) / cos beta_b dxi dZ
+
+(derived here from the helicoid of `gears.helicoid`). The depth is linear along a generator xi = const and
+close to a parabola across, d depth/d xi = -N_p q sin xi: the contact is a strip along the line xi = 0, the
+line of contact.
+In the expansions below only powers are left out that the strip's half width, some 0.05, makes < 1e-6.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rps_exudyn.base.compiled import inline
+from rps_exudyn.forces.friction import PATCH, bristle, by_load, clear, coulomb, stored, stribeck
+from rps_exudyn.forces.rigid_motion import Vector
+from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS
+from rps_exudyn.tooth_contact import wrench
+from rps_exudyn.tooth_contact.flank_strip import MARGIN
+
+Coefficients = tuple[float, float, float, float]
+
+
+class Side(NamedTuple):
+    """One side's line frame (r, t, z), and what does not change along its lines.
+
+    Coefficients (c, c_r, c_t, c_z) stand for c + c_r P_r + c_t P_t + c_z Z, see `affine`.
+    """
+
+    sign: float  # s
+    psi: float  # psi*
+    sin: float  # e_r = (cos, sin), e_t = (-sin, cos) in the (e, Y) plane
+    cos: float
+    n_p: float  # |transverse part| of the normal; N = (0, -s n_p, n_z)
+    n_z: float
+    offset: float  # depth of flank j at the gear's centre: offset + s j p_bn
+    velocity: Vector  # of the rack relative to the pinion, at the gear's centre
+    spin: Vector  # angular velocity of the rack relative to the pinion
+    slip: Coefficients  # of the same motion along B = N x e_r
+    part: Coefficients  # and along N, which parts the flanks when negative
+    y: Coefficients  # the rack's own y coordinate of a point
+    z: Coefficients  # and its z coordinate
+
+
+class Line(NamedTuple):
+    """One tooth's line on one side: q*(Z) = q_0 + q_1 Z, depth at xi = 0 is d_0 + d_1 Z."""
+
+    q_0: float
+    q_1: float
+    d_0: float
+    d_1: float
+    rack_tooth: float  # number of the rack's tooth that it lies on
+
+
+class Band(NamedTuple):
+    """A part of the flank between two tangent lengths; above `relief_from` the tip relief is taken off."""
+
+    low: float
+    high: float
+    relief: float
+    relief_from: float
+
+
+# What the loads of one side add up to, in the line frame about the gear's centre.
+LOAD, LOAD_R, LOAD_T, LOAD_Z = 0, 1, 2, 3  # normal loads, and times P_r, P_t, Z
+DRAG_R, DRAG_R_T, DRAG_R_Z = 4, 5, 6  # friction on the pinion along e_r, and times P_t, Z
+DRAG_B, DRAG_B_R, DRAG_B_N = 7, 8, 9  # along B = N x e_r, and times P_r, times P . N
+ENERGY, FRICTION_LOSS, DAMPING_LOSS, DEEPEST, LINES = 10, 11, 12, 13, 14
+PER_ROLL = 15  # largest load per length over tangent length
+SUMS = 16
+LEAST_ROLL = 1e-6  # tangent length where pressures are taken at least [m]
+
+
+@inline
+def affine(coefficients, p_r, p_t, z):  # type: ignore[no-untyped-def]
+    """The value at a point of the line frame."""
+    return coefficients[0] + coefficients[1] * p_r + coefficients[2] * p_t + coefficients[3] * z
+
+
+@inline
+def _to_pinion(x, z, data):  # type: ignore[no-untyped-def]
+    """Components along e and k of the pinion frame from those along X and Z of the housing."""
+    return data.cos_delta * x - data.sin_delta * z, data.sin_delta * x + data.cos_delta * z
+
+
+@inline
+def _to_line(e, y, sin, cos):  # type: ignore[no-untyped-def]
+    """Components along e_r and e_t from those along e and Y."""
+    return cos * e + sin * y, cos * y - sin * e
+
+
+@inline
+def gear_centre(angle, position, data):  # type: ignore[no-untyped-def]
+    """The gear's centre from its axis of rotation (e, Y), and from the rack's reference point (X, Y, Z)."""
+    ca, sa = np.cos(angle), np.sin(angle)
+    ecc_e = ca * data.eccentric_e - sa * data.eccentric_y
+    ecc_y = sa * data.eccentric_e + ca * data.eccentric_y
+    gx = data.cos_delta * ecc_e - position[0]
+    gy = ecc_y + data.axis_offset - position[1]
+    gz = -data.sin_delta * ecc_e - position[2]
+    return ecc_e, ecc_y, gx, gy, gz
+
+
+@inline
+def side_of(sign, angle, rate, position, rotation, velocity, spin, data):  # type: ignore[no-untyped-def]
+    """The line frame of side `sign` at this pose and motion."""
+    ecc_e, ecc_y, gx, gy, gz = gear_centre(angle, position, data)
+    # the normal: rack -> housing -> pinion frame (e, Y, k)
+    bx, by, bz = sign * data.normal_x, -data.normal_y, -sign * data.normal_z
+    nx = rotation[0, 0] * bx + rotation[0, 1] * by + rotation[0, 2] * bz
+    ny = rotation[1, 0] * bx + rotation[1, 1] * by + rotation[1, 2] * bz
+    nz = rotation[2, 0] * bx + rotation[2, 1] * by + rotation[2, 2] * bz
+    n_e, n_k = _to_pinion(nx, nz, data)
+    n_p = np.sqrt(n_e * n_e + ny * ny)
+    n_t = -sign * n_p
+    sin, cos = sign * n_e / n_p, -sign * ny / n_p  # e_t(psi*) = -s N_xy / N_p
+    # motion of the rack relative to the pinion, at the gear's centre
+    ux = velocity[0] + spin[1] * gz - spin[2] * gy
+    uy = velocity[1] + spin[2] * gx - spin[0] * gz
+    uz = velocity[2] + spin[0] * gy - spin[1] * gx
+    v_e, v_z = _to_pinion(ux, uz, data)
+    w_e, w_z = _to_pinion(spin[0], spin[2], data)
+    w_z -= rate
+    v_r, v_t = _to_line(v_e + rate * ecc_y, uy - rate * ecc_e, sin, cos)
+    w_r, w_t = _to_line(w_e, spin[1], sin, cos)
+    return Side(
+        sign,
+        np.arctan2(sin, cos),
+        sin,
+        cos,
+        n_p,
+        n_k,
+        data.flank_offset - (nx * gx + ny * gy + nz * gz),
+        (v_r, v_t, v_z),
+        (w_r, w_t, w_z),
+        (n_k * v_t - n_t * v_z, n_k * w_z + n_t * w_t, -n_t * w_r, -n_k * w_r),
+        (n_t * v_t + n_k * v_z, n_t * w_z - n_k * w_t, n_k * w_r, -n_t * w_r),
+        _rack_axis(1, rotation, gx, gy, gz, sin, cos, data),
+        _rack_axis(2, rotation, gx, gy, gz, sin, cos, data),
+    )
+
+
+@inline
+def _rack_axis(i, rotation, gx, gy, gz, sin, cos, data):  # type: ignore[no-untyped-def]
+    """The rack's own coordinate i of a point, as coefficients."""
+    x, y, z = rotation[0, i], rotation[1, i], rotation[2, i]
+    e, k = _to_pinion(x, z, data)
+    r, t = _to_line(e, y, sin, cos)
+    return x * gx + y * gy + z * gz, r, t, k
+
+
+@inline
+def first_tooth(angle, side, data):  # type: ignore[no-untyped-def]
+    """Number of the first tooth whose line lies on the flank, and q*(0) there and per tooth further on."""
+    theta = data.theta + angle
+    if side.sign < 0:
+        theta += data.theta_coast_to_drive
+    rb = data.base_radius
+    turn, per_tooth = theta - side.psi, 2 * np.pi / data.teeth
+    reach = rb * (data.half_face * abs(data.twist) + MARGIN)
+    low, high = (data.q_form - reach) / rb, (data.q_tip + reach) / rb
+    if side.sign > 0:
+        tooth = np.ceil((low - turn) / per_tooth)
+        last = np.floor((high - turn) / per_tooth)
+    else:
+        tooth = np.ceil((-high - turn) / per_tooth)
+        last = np.floor((-low - turn) / per_tooth)
+    return int(tooth), int(last), turn
+
+
+@inline
+def line_of(tooth, turn, side, data):  # type: ignore[no-untyped-def]
+    """The line of one tooth against the flank of the rack that is nearest to it."""
+    s, rb, p = side.sign, data.base_radius, data.normal_base_pitch
+    if tooth % data.teeth == 0:
+        turn += data.pitch_error
+    q_0 = s * rb * (turn + 2 * np.pi * tooth / data.teeth)
+    q_1 = -s * rb * data.twist
+    d_0 = side.offset + side.n_p * q_0
+    rack_tooth = -s * np.rint(d_0 / p)
+    return Line(q_0, q_1, d_0 + s * rack_tooth * p, side.n_p * q_1 - side.n_z, rack_tooth)
+
+
+@inline
+def bands(data):  # type: ignore[no-untyped-def]
+    """How many bands the flank has: one, or with tip relief two."""
+    return 2 if data.relief > 0 else 1
+
+
+@inline
+def band_of(part, data):  # type: ignore[no-untyped-def]
+    """The band of the flank below the tip relief, 0, or that with it, 1."""
+    if part == 0:
+        return Band(data.q_form, min(data.q_tip, data.relief_start), 0.0, 0.0)
+    return Band(data.relief_start, data.q_tip, data.relief, data.relief_start)
+
+
+@inline
+def surplus(q, z_squared, band, data):  # type: ignore[no-untyped-def]
+    """Surplus of the flank along the transverse tangent, at the tangent length q and the square of Z [m]."""
+    relieved = max(q - band.relief_from, 0.0)
+    return data.slope * (q - data.q_form) - band.relief * relieved * relieved - data.crowning * z_squared
+
+
+@inline
+def band_on_flank(line, band, data):  # type: ignore[no-untyped-def]
+    """The band with its ends where the modified flank meets form and tip circle.
+
+    A surplus along the tangent brings the flank to the circle at a shorter tangent length of the perfect one.
+    Crowning is taken where the line of contact crosses the circle; it changes too little across the strip.
+    """
+    if data.crowning == 0 and data.slope == 0 and band.relief == 0:
+        return band
+    low, high = band.low, band.high
+    if low == data.q_form:
+        low += data.crowning * _crossing_place(low, line, data)
+    if high == data.q_tip:
+        grown = surplus(high, _crossing_place(high, line, data), band, data)
+        high -= grown / (1 + data.slope - 2 * band.relief * (high - band.relief_from))
+    return Band(low, high, band.relief, band.relief_from)
+
+
+@inline
+def _crossing_place(q, line, data):  # type: ignore[no-untyped-def]
+    """Square of the Z where a line has the tangent length q, within the face."""
+    z, b = (q - line.q_0) / line.q_1, data.half_face
+    return z * z if abs(z) < b else b * b
+
+
+# --- loads -----------------------------------------------------------------------------------------
+@inline
+def point(xi, z, line, side, data):  # type: ignore[no-untyped-def]
+    """P_r, P_t and the tangent length q."""
+    s, rb = side.sign, data.base_radius
+    x2 = xi * xi
+    cos, sin = 1 - x2 / 2 * (1 - x2 / 12), xi * (1 - x2 / 6 * (1 - x2 / 20))
+    along = s * (line.q_0 + line.q_1 * z) - rb * xi
+    return rb * cos - along * sin, rb * sin + along * cos, s * along
+
+
+@inline
+def formed_point(xi, z, line, band, side, data):  # type: ignore[no-untyped-def]
+    """P_r, P_t on the modified flank and the tangent length q of the perfect one."""
+    p_r, p_t, q = point(xi, z, line, side, data)
+    along = side.sign * surplus(q, z * z, band, data)
+    return p_r - along * xi, p_t + along, q
+
+
+@inline
+def add_load(load, p_r, p_t, z, side, data, work):  # type: ignore[no-untyped-def]
+    """Add a normal load at a point, with its friction."""
+    slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t
+    slip_b = affine(side.slip, p_r, p_t, z)
+    slip = np.sqrt(slip_r * slip_r + slip_b * slip_b)
+    if data.law.has_state:
+        w_r, w_b = rolling_slip(p_r, p_t, side, data)
+        along, across = w_r * slip_r + w_b * slip_b, w_r * slip_b - w_b * slip_r
+        patch = patch_of(side, data)
+        f_1, f_2, lost = bristle(load, along, across, patch, data.friction, data.law, work.memory)
+        f_r, f_b = w_r * f_1 - w_b * f_2, w_b * f_1 + w_r * f_2
+    else:
+        drag = coulomb(load, data.friction, slip, data.zone) * stribeck(slip, data.law)
+        f_r, f_b, lost = drag * slip_r, drag * slip_b, drag * slip * slip
+    work.sums[LOAD] += load
+    work.sums[LOAD_R] += load * p_r
+    work.sums[LOAD_T] += load * p_t
+    work.sums[LOAD_Z] += load * z
+    work.sums[DRAG_R] += f_r
+    work.sums[DRAG_R_T] += f_r * p_t
+    work.sums[DRAG_R_Z] += f_r * z
+    work.sums[DRAG_B] += f_b
+    work.sums[DRAG_B_R] += f_b * p_r
+    work.sums[DRAG_B_N] += f_b * (side.n_z * z - side.sign * side.n_p * p_t)
+    work.sums[FRICTION_LOSS] += lost
+
+
+@inline
+def rolling_slip(p_r, p_t, side, data):  # type: ignore[no-untyped-def]
+    """Direction of the slip at a point while pinion and rack run steadily, components along e_r and B.
+
+    Bristles of one side share their deflection against it: it differs from point to point, and what they
+    share must not, or they would lose torque in short steps.
+    """
+    v_e, v_z = data.cos_delta * data.gain, data.sin_delta * data.gain
+    r = side.cos * v_e - p_t
+    b = side.n_z * (p_r - side.sin * v_e) + side.sign * side.n_p * v_z
+    size = np.sqrt(r * r + b * b)
+    return (r / size, b / size) if size > 0 else (1.0, 0.0)
+
+
+@inline
+def patch_of(side, data):  # type: ignore[no-untyped-def]
+    """Place of one side's bristles in the memory."""
+    return data.law.place + (PATCH if side.sign > 0 else 0)
+
+
+@inline
+def begin_side(side, data, work):  # type: ignore[no-untyped-def]
+    """Begin to add up one side's loads."""
+    for i in range(SUMS):
+        work.sums[i] = 0.0
+    if data.law.has_state:
+        clear(patch_of(side, data), work.memory)
+
+
+@inline
+def _end_friction(side, data, work):  # type: ignore[no-untyped-def]
+    """Give the friction the size that belongs to the side's whole load, and add what its bristles store."""
+    law, factor = data.law, by_load(work.sums[LOAD], data.law)
+    if factor != 1.0:
+        for i in range(DRAG_R, DRAG_B_N + 1):
+            work.sums[i] *= factor
+        work.sums[FRICTION_LOSS] *= factor
+    if law.has_state:
+        work.sums[ENERGY] += stored(patch_of(side, data), factor * data.friction, law, work.memory)
+
+
+@inline
+def note_line_load(load_per_length, q, work):  # type: ignore[no-untyped-def]
+    """Keep the largest load per length over tangent length [N/m^2]: Hertz's pressure is its root."""
+    work.sums[PER_ROLL] = max(work.sums[PER_ROLL], load_per_length / max(q, LEAST_ROLL))
+
+
+@inline
+def add_side(work, angle, position, side, data, out):  # type: ignore[no-untyped-def]
+    """Add one side's loads to `out` (`wrench` layout): line frame -> housing frame."""
+    _end_friction(side, data, work)
+    cd, sd, cos, sin = data.cos_delta, data.sin_delta, side.cos, side.sin
+    ecc_e, ecc_y, gx, gy, gz = gear_centre(angle, position, data)
+    n_t, n_z = -side.sign * side.n_p, side.n_z  # N, and B = (0, n_z, -n_t)
+    load, drag = work.sums[LOAD], work.sums[DRAG_B]
+    # on the pinion, line frame, about the gear's centre; on the rack the opposite
+    f_r, f_t, f_z = work.sums[DRAG_R], n_t * load + n_z * drag, n_z * load - n_t * drag
+    m_r = n_z * work.sums[LOAD_T] - n_t * work.sums[LOAD_Z] - work.sums[DRAG_B_N]
+    m_t = -n_z * work.sums[LOAD_R] + n_t * work.sums[DRAG_B_R] + work.sums[DRAG_R_Z]
+    m_z = n_t * work.sums[LOAD_R] + n_z * work.sums[DRAG_B_R] - work.sums[DRAG_R_T]
+    f_e, f_y = cos * f_r - sin * f_t, sin * f_r + cos * f_t
+    m_e, m_y = cos * m_r - sin * m_t, sin * m_r + cos * m_t
+    out[wrench.TORQUE] += m_z + ecc_e * f_y - ecc_y * f_e
+    fx, fy, fz = cd * f_e + sd * f_z, f_y, cd * f_z - sd * f_e
+    mx, my, mz = cd * m_e + sd * m_z, m_y, cd * m_z - sd * m_e
+    out[wrench.FORCE.start] -= fx
+    out[wrench.FORCE.start + 1] -= fy
+    out[wrench.FORCE.start + 2] -= fz
+    out[wrench.MOMENT.start] -= mx + gy * fz - gz * fy
+    out[wrench.MOMENT.start + 1] -= my + gz * fx - gx * fz
+    out[wrench.MOMENT.start + 2] -= mz + gx * fy - gy * fx
+    out[wrench.NORMAL_DRIVE if side.sign < 0 else wrench.NORMAL_COAST] += load
+    out[wrench.ELASTIC_ENERGY] += work.sums[ENERGY]
+    out[wrench.FRICTION_POWER] += work.sums[FRICTION_LOSS]
+    out[wrench.DAMPING_POWER] += work.sums[DAMPING_LOSS]
+    out[wrench.PENETRATION] = max(out[wrench.PENETRATION], work.sums[DEEPEST])
+    out[wrench.TOUCHING] += work.sums[LINES]
+    # Hertz: p^2 = f E* / (pi rho) with rho = q / cos(beta_b)
+    pressure = np.sqrt(work.sums[PER_ROLL] * EFFECTIVE_MODULUS * data.cos_base_helix / np.pi)
+    out[wrench.PRESSURE] = max(out[wrench.PRESSURE], pressure)

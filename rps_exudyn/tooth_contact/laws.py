@@ -1,0 +1,69 @@
+"""The laws of the teeth's contact on the coordinates of pinion (1) and rack (6).
+
+All are called alike:
+
+    law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent)
+
+with coordinates and rates (7,), the record `MESH`, the pool that spheres stand in, a record `SCRATCH`. They
+fill `out` (15,), forces, energy terms and `wrench.MESH_OUTPUTS`, and add factor_q dF/dq + factor_v dF/dv to
+`tangent` (7, 7), to a few per cent of its largest entry or better, unless both factors are 0.
+"""
+
+from rps_exudyn.base.compiled import inline
+from rps_exudyn.forces.rigid_motion import fill_rotation, minus, spin_of, turn_of, vector
+from rps_exudyn.tooth_contact.contact_tangent import add_on_coordinates, pinion_axis
+from rps_exudyn.tooth_contact.elastic_teeth import teeth_contact
+from rps_exudyn.tooth_contact.flank_contact import line_contact
+from rps_exudyn.tooth_contact.sampled_contact import sphere_contact
+from rps_exudyn.tooth_contact.wrench import on_coordinates
+
+DEEPEST = 0.055  # penetration over the module: the strip's half width is a sixth of the curvature's radius
+
+
+@inline
+def pose_of(q, v, reference, pose):  # type: ignore[no-untyped-def]
+    """Fill the rack's rotation, position and angular velocity, the rows of `pose` (5, 3); return its turn."""
+    turn = turn_of(q[4:7])
+    fill_rotation(q[4:7], pose)
+    spin = spin_of(turn, v[4:7])
+    for i in range(3):
+        pose[3, i], pose[4, i] = reference[i] + q[1 + i], spin[i]
+    return turn
+
+
+@inline
+def on_flanks(q, turn, flank, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
+    """Turn the wrench of flanks, and its stiffness, into those on the coordinates."""
+    if factor_q != 0 or factor_v != 0:
+        axis, to_axis = pinion_axis(q[0], work.pose[3], flank)
+        add_on_coordinates(work.wrench, q, turn, axis, to_axis, work.stiffness, factor_q, tangent)
+    on_coordinates(work.wrench, turn, out)
+
+
+@inline
+def line_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
+    """Load per length of line in proportion to the flanks' depth: law "line"."""
+    turn, pose = pose_of(q, v, mesh.flank.rack_reference, work.pose), work.pose
+    line_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], mesh.flank, work, factor_q, factor_v)
+    on_flanks(q, turn, mesh.flank, work, factor_q, factor_v, out, tangent)
+
+
+@inline
+def teeth_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
+    """Teeth that bend together: law "teeth"."""
+    turn, pose = pose_of(q, v, mesh.flank.rack_reference, work.pose), work.pose
+    teeth_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], mesh, work, factor_q, factor_v)
+    on_flanks(q, turn, mesh.flank, work, factor_q, factor_v, out, tangent)
+
+
+@inline
+def sphere_law(q, v, mesh, pool, work, factor_q, factor_v, out, tangent):  # type: ignore[no-untyped-def]
+    """Spheres on the pinion's flanks against the rack's planes, as in general contact."""
+    spheres = mesh.spheres
+    turn, pose = pose_of(q, v, spheres.rack_reference, work.pose), work.pose
+    sphere_contact(q[0], v[0], pose[3], pose[0:3], v[1:4], pose[4], spheres, pool, work, factor_q, factor_v)
+    if factor_q != 0 or factor_v != 0:
+        axis = spheres.pinion_frame[0, 2], spheres.pinion_frame[1, 2], spheres.pinion_frame[2, 2]
+        to_axis = minus(vector(spheres.pinion_origin), vector(pose[3]))
+        add_on_coordinates(work.wrench, q, turn, axis, to_axis, work.stiffness, factor_q, tangent)
+    on_coordinates(work.wrench, turn, out)

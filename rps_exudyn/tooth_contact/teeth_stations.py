@@ -1,0 +1,194 @@
+"""Stations on the lines of contact where teeth that bend together may press on each other.
+
+All lines of both sides are taken as far as their flanks overlap by more than -BEYOND of the deepest overlap.
+On each stand as many stations, at Gauss points between the ends that form and tip circle, the rack's tips,
+the bar's surface and the faces give the line.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rps_exudyn.base.compiled import inline
+from rps_exudyn.gears.tooth_stiffness import FLATTENED
+from rps_exudyn.tooth_contact import flank_strip
+from rps_exudyn.tooth_contact.flank_line import (
+    Band,
+    affine,
+    band_of,
+    band_on_flank,
+    bands,
+    first_tooth,
+    formed_point,
+    line_of,
+)
+from rps_exudyn.tooth_contact.flank_strip import (
+    PRESSING,
+    STRIP_SHAPE,
+    crest_of,
+    deepest_crest,
+    describe_strip,
+    touching,
+    within_band,
+)
+from rps_exudyn.tooth_contact.plain_line import is_plain, plain_ends, plain_point
+from rps_exudyn.tooth_contact.strip_limits import ends_of
+from rps_exudyn.tooth_contact.tooth_compliance import PLACE_SIZE, fill_between_ends, fill_place
+
+BEYOND = 0.5  # of the deepest overlap: flanks apart by less may meet as their teeth bend
+
+# What the stations are, one row per property, one column per station. ROLL: the tangent length q
+DEPTH, RATE, LENGTH, TOP, P_R, P_T, P_Z, ROLL = 0, 1, 2, 3, 4, 5, 6, 7
+STATION_SIZE = 8
+
+
+class Lines(NamedTuple):
+    """Lines of contact and their stations, as many on each; room for more lines than there are."""
+
+    side: np.ndarray  # -1 drive, +1 coast; shape (lines,)
+    tooth: np.ndarray  # of the pinion
+    rack_tooth: np.ndarray
+    deepest: np.ndarray  # greatest overlap [m]
+    stations: np.ndarray  # (STATION_SIZE, stations)
+    on_pinion: np.ndarray  # (PLACE_SIZE, stations)
+    on_rack: np.ndarray  # (PLACE_SIZE, stations)
+
+
+@inline
+def find_lines(angle, drive, coast, data):  # type: ignore[no-untyped-def]
+    """Return the lines along which flanks may meet, with their stations, and how many there are."""
+    flank, n = data.flank, 0
+    most, deepest = _overlap(angle, drive, coast, flank)
+    total = most * flank.stations
+    numbers, columns = np.empty((4, most)), np.empty((STATION_SIZE + 2 * PLACE_SIZE, total))
+    lines = Lines(
+        numbers[0],
+        numbers[1],
+        numbers[2],
+        numbers[3],
+        columns[:STATION_SIZE],
+        columns[STATION_SIZE : STATION_SIZE + PLACE_SIZE],
+        columns[STATION_SIZE + PLACE_SIZE :],
+    )
+    if most == 0:
+        return lines, n
+    strip, margin, plain = np.empty(STRIP_SHAPE), BEYOND * deepest, is_plain(flank)
+    for side in (drive, coast):
+        first, last, turn = first_tooth(angle, side, flank)
+        for tooth in range(first, last + 1):
+            line = line_of(tooth, turn, side, flank)
+            if plain:
+                n += _fill_plain_line(lines, n, margin, tooth, line, side, data)
+                continue
+            for part in range(bands(flank)):
+                band = band_on_flank(line, band_of(part, flank), flank)
+                n += _fill_line(lines, n, strip, margin, band, tooth, line, side, data)
+    return lines, n
+
+
+@inline
+def _overlap(angle, drive, coast, flank):  # type: ignore[no-untyped-def]
+    """How many lines there may be, none if no flanks overlap, and the deepest overlap."""
+    deepest, most = 0.0, 0
+    whole = Band(flank.q_form, flank.q_tip, 0.0, 0.0)
+    for side in (drive, coast):
+        first, last, turn = first_tooth(angle, side, flank)
+        for tooth in range(first, last + 1):
+            line = line_of(tooth, turn, side, flank)
+            low, high = within_band(line, whole, flank)
+            if low < high:
+                most += bands(flank)
+                deepest = max(deepest, line.d_0 + max(line.d_1 * low, line.d_1 * high))
+    # a surplus of the flank reaches deeper than that
+    deepest += max(flank.slope * (flank.q_tip - flank.q_form), 0.0)
+    return (most if deepest > 0 else 0), deepest
+
+
+@inline
+def _describe_line(strip, band, line, side, margin, flank):  # type: ignore[no-untyped-def]
+    """Describe a line's strip, `margin` deeper than it is, and return between which Z it lies."""
+    low, high = within_band(line, band, flank)
+    if not low < high:
+        return low, high
+    describe_strip(strip, line, band, side, flank)
+    strip[flank_strip.DEPTH, 0] += margin
+    strip[PRESSING, 0] += margin
+    low, high, _, _ = touching(strip, low, high)
+    if not low < high:
+        return low, high
+    ends = ends_of(strip, low, high, 0.0)
+    return ends.low, ends.high
+
+
+@inline
+def _fill_plain_line(lines, n, margin, tooth, line, side, data):  # type: ignore[no-untyped-def]
+    """Fill one line of unmodified flanks; 1, or 0 where the flanks are apart."""
+    flank = data.flank
+    low, high = plain_ends(line, margin, side, flank)
+    if not low < high:
+        return 0
+    lines.side[n], lines.tooth[n] = side.sign, tooth % flank.teeth
+    lines.rack_tooth[n] = line.rack_tooth
+    lines.deepest[n] = line.d_0 + max(line.d_1 * low, line.d_1 * high)
+    for k in range(flank.stations):
+        i, z = n * flank.stations + k, low + (high - low) * flank.along[0, 0, k]
+        lines.stations[LENGTH, i] = (high - low) * flank.along[0, 1, k] / flank.cos_base_helix
+        p_r, p_t, q, lines.stations[DEPTH, i] = plain_point(z, line, side, flank)
+        _fill_station(lines, i, p_r, p_t, q, z, side, data)
+    return 1
+
+
+@inline
+def _fill_line(lines, n, strip, margin, band, tooth, line, side, data):  # type: ignore[no-untyped-def]
+    """Fill one line within a band of modified flanks; 1, or 0 where the flanks are apart."""
+    flank = data.flank
+    low, high = _describe_line(strip, band, line, side, margin, flank)
+    if not low < high:
+        return 0
+    lines.side[n], lines.tooth[n] = side.sign, tooth % flank.teeth
+    lines.rack_tooth[n] = line.rack_tooth
+    lines.deepest[n] = deepest_crest(strip, low, high) - margin
+    for k in range(flank.stations):
+        i, z = n * flank.stations + k, low + (high - low) * flank.along[0, 0, k]
+        xi, depth = crest_of(strip, z)
+        lines.stations[LENGTH, i] = (high - low) * flank.along[0, 1, k] / flank.cos_base_helix
+        lines.stations[DEPTH, i] = depth - margin
+        p_r, p_t, q = formed_point(xi, z, line, band, side, flank)
+        _fill_station(lines, i, p_r, p_t, q, z, side, data)
+    return 1
+
+
+@inline
+def _fill_station(lines, i, p_r, p_t, q, z, side, data):  # type: ignore[no-untyped-def]
+    """Fill what follows from a station's point: its motion, and its places on both teeth."""
+    flank, stations = data.flank, lines.stations
+    tan = data.teeth.sin_alpha / data.teeth.cos_alpha
+    stations[RATE, i] = affine(side.part, p_r, p_t, z)
+    stations[P_R, i], stations[P_T, i], stations[P_Z, i], stations[ROLL, i] = p_r, p_t, z, q
+
+    x = min(max((q - data.teeth.middle) * data.teeth.per_half, -1.0), 1.0)
+    cos, cos_y = polynomial(data.teeth.form, 0, x), polynomial(data.teeth.form, 1, x)
+    cos_tan = polynomial(data.teeth.form, 2, x)
+    s = z / flank.cos_base_helix
+    fill_between_ends(lines.on_pinion, i, cos, cos_y, cos_tan, s, data.teeth.pinion_end, data.teeth.pinion)
+
+    y_rack, z_rack = affine(side.y, p_r, p_t, z), affine(side.z, p_r, p_t, z)
+    height = -y_rack - data.teeth.reference_depth  # above the rack's reference line, towards the tips
+    half_width = data.teeth.rack_half_thickness - height * tan
+    cos_y = data.teeth.cos_alpha * (height - half_width * tan + data.teeth.rack.root)
+    chord = np.sqrt(max(flank.bar_radius * flank.bar_radius - y_rack * y_rack, 0.0)) / data.teeth.cos_rack
+    s = z_rack / data.teeth.cos_rack
+    fill_place(lines.on_rack, i, data.teeth.cos_alpha, cos_y, data.teeth.sin_alpha, s, chord, data.teeth.rack)
+
+    # ln(4 h_P h_R / (a^2 / f)) - nu / (1 - nu) with a^2 / f = 4 rho / (pi E*), rho = q / cos(beta_b)
+    thickness = max(polynomial(data.teeth.form, 3, x) * half_width, data.teeth.thinnest)
+    stations[TOP, i] = np.log(thickness * data.teeth.per_width) - FLATTENED
+
+
+@inline
+def polynomial(coefficients, row, x):  # type: ignore[no-untyped-def]
+    """Return the value of a polynomial, the highest power first."""
+    value = coefficients[row, 0]
+    for k in range(1, coefficients.shape[1]):
+        value = value * x + coefficients[row, k]
+    return value
