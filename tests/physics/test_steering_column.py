@@ -158,7 +158,7 @@ def test_figures_of_a_made_up_loop() -> None:
 
 
 def test_formulas_know_no_column() -> None:
-    with pytest.raises(InputError, match="knows no steering column"):
+    with pytest.raises(InputError, match="has no steering column"):
         rps.run("steering-feel", fidelity="closed-form")
 
 

@@ -37,7 +37,10 @@ def test_stricter_than_any_setting_of_the_preset(command: Command) -> None:
 
 def test_scene_or_preset_that_was_not_measured(command: Command) -> None:
     said = refused(command, "stick-slip", "--accuracy", "1%")
-    assert f"--accuracy knows {', '.join(known_scenes())}; for stick-slip nothing can be promised: it" in said
+    assert (
+        f"--accuracy has tables for {', '.join(known_scenes())}; for stick-slip nothing can be promised: it"
+        in said
+    )
     assert "accuracies are known of flank, quasi-static" in refused(
         command, "--fidelity", "closed-form", "--accuracy", "1%"
     )

@@ -70,7 +70,7 @@ def test_too_many_failures_end_with_their_cause() -> None:
     own = carried({}, {"yoke.clearance": "uniform(1 um, 200 um)"})
     gear = SteeringGear().replace({"pinion.runout": "99 um"})
     with pytest.raises(
-        InputError, match=r"[34] of 8 samples failed, too many for a band; .* formulas know no"
+        InputError, match=r"[34] of 8 samples failed, too many for a band; .* formulas have no"
     ):
         band_of_runs("free-pinion-torque", gear, Fidelity.preset("closed-form"), own, samples=8)
 
