@@ -185,7 +185,7 @@ def test_nothing_of_a_file_becomes_markup(made_up_result: Result, tmp_path: Path
     assert page.tags.isdisjoint({"img", "iframe", "object", "form"})
     assert [tag for tag, _ in page.elements].count("script") == 1  # the page's own, told by its hash
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
-    script = (files("rps_exudyn") / "report" / "page.js").read_text(encoding="utf-8")
+    script = (files("rps_exudyn") / "pages" / "report" / "page.js").read_text(encoding="utf-8")
     assert f"<script>{script}</script>" in text
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     assert f"script-src 'sha256-{digest}';" in text
