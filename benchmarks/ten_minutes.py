@@ -84,8 +84,6 @@ def timed(name: str, process: list[str], place: Path, environment: dict[str, str
         subprocess.CalledProcessError: it failed.
     """
     settings = surroundings() | environment
-    if "NUMBA_CACHE_DIR" in environment:
-        settings.pop("NUMBA_CACHE_DIR", None)
     before, began = children(), perf_counter()
     done = subprocess.run(process, cwd=place, env=settings, capture_output=True)
     allowed = (0, 1) if name.endswith(" check") else (0,)  # 1: some limit is not kept
