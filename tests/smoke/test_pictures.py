@@ -171,7 +171,7 @@ def validations(album: Album) -> None:
     for rows in (compared, compared[:1], none[:1]):
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(
-                "rps_exudyn.assessment.validation.comparison.compare_rows", lambda *_, rows=rows: iter(rows)
+                "rps_exudyn.assessment.validation.comparison.compare_rows", lambda *_, rows=rows, **__: rows
             )
             do(album, "validate", "--out", f"validation_{len(rows)}.html")
 
