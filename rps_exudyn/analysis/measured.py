@@ -97,7 +97,15 @@ def _range_of(signals: Signals, direction: int) -> np.ndarray:
 
 def compare_with_measured(measured: MeasuredTorque, signals: Signals, teeth: int) -> list[AgainstMeasured]:
     """Compare the torques in each direction in which both were recorded, +X first: at common angles, or where
-    the simulation covers a turn at all measured ones."""
+    the simulation covers a turn at all measured ones.
+
+    Examples:
+        >>> from rps_exudyn.results.result import MeasuredTorque
+        >>> result = rps.run("free-pinion-torque", fidelity="quasi-static")
+        >>> itself = MeasuredTorque("itself", result.signals)
+        >>> [each.direction for each in rps.compare_with_measured(itself, result.signals, 6)]
+        [1]
+    """
     compared: list[AgainstMeasured] = []
     for direction in (+1, -1) if "pinion_torque" in signals else ():
         ours, theirs = (longest_pass(each, direction) for each in (signals, measured.signals))

@@ -8,6 +8,12 @@ class InputError(ValueError):
 
     Each of `problems` is one sentence that names what, where, which value, and what is allowed.
     The command line prints them and exits with status 2; nothing has been computed by then.
+
+    Examples:
+        >>> rps.SteeringGear().replace({"pinion.teeth": "seven"})
+        Traceback (most recent call last):
+            ...
+        rps_exudyn.base.errors.InputError: pinion.teeth is 'seven'; ...
     """
 
     def __init__(self, problems: str | Iterable[str]) -> None:

@@ -65,6 +65,11 @@ def build_model(
         pulse: force that acts on the rack besides.
         approach: the steady motion before the start, see `settled_path`.
         pictured: bodies get the shapes that Exudyn's viewer shows, which take longer to make than the rest.
+
+    Examples:
+        >>> model = rps.build_model(rps.SteeringGear(), rps.Fidelity.preset("flank"))
+        >>> model.start.converged
+        True
     """
     import exudyn as exu
 

@@ -31,7 +31,12 @@ PresetName = Literal["full", "flank", "quasi-static", "closed-form"]
 
 
 class Fidelity(Table):
-    """One way to model and solve the gear."""
+    """One way to model and solve the gear.
+
+    Examples:
+        >>> rps.Fidelity.preset("quasi-static").replace({"step_angle": "2 deg"}).solver
+        'equilibrium'
+    """
 
     based_on: PresetName = parameter(
         "flank", "preset whose choices these are but for those changed", "choice"

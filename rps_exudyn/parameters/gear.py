@@ -294,7 +294,13 @@ class Mesh(LoadedFrictionLaw):
 
 
 class SteeringGear(Table):
-    """A rack-and-pinion steering gear and the test it is put to; the defaults are the paper's gear."""
+    """A rack-and-pinion steering gear and the test it is put to; the defaults are the paper's gear.
+
+    Examples:
+        >>> gear = rps.SteeringGear().replace({"pinion.teeth": 7, "yoke.preload": "250 N"})
+        >>> gear.pinion.teeth, gear.yoke.preload
+        (7, 250.0)
+    """
 
     basic_rack: BasicRack = BasicRack()
     pinion: Pinion = Pinion()

@@ -16,7 +16,12 @@ from typing import Any, NamedTuple
 
 
 class Status(StrEnum):
-    """Outcome of one simulation; only `OK` results may be used."""
+    """Outcome of one simulation; only `OK` results may be used.
+
+    Examples:
+        >>> rps.run("free-pinion-torque", fidelity="closed-form").status is rps.Status.OK
+        True
+    """
 
     OK = "ok"
     DIVERGED = "diverged"

@@ -109,6 +109,11 @@ class Result:
         wall_s: elapsed time of the simulation [s].
         provenance: versions, commit, date and machine.
         measured: a measured torque to compare with, drawn over the simulated one.
+
+    Examples:
+        >>> result = rps.run("free-pinion-torque", fidelity="quasi-static", turns=0.1)
+        >>> result["pinion_torque"].shape == result["pinion_angle"].shape
+        True
     """
 
     scene: str

@@ -40,6 +40,13 @@ def add_scene(scene: "Scene") -> None:
 
     Raises:
         InputError: a scene of the package has that name.
+
+    Examples:
+        >>> from dataclasses import replace
+        >>> from rps_exudyn.scenes import scene_named
+        >>> rps.add_scene(replace(scene_named("free-pinion-torque"), name="my-test"))
+        >>> rps.run("my-test", fidelity="closed-form").scene
+        'my-test'
     """
     if scene.name in SCENE_NAMES:
         raise InputError(f"{scene.name} is a scene of the package; give yours another name.")

@@ -104,6 +104,11 @@ class Scene:
         short_path: `test.path` of a run over a few tooth pitches.
         promised_as: name of the scene whose table of accuracy holds; "" if it is its own.
         unpromised: why no accuracy can be promised of a test; "" if one can.
+
+    Examples:
+        >>> from rps_exudyn.scenes import scene_named
+        >>> scene_named("reversal").swings
+        True
     """
 
     name: str

@@ -59,6 +59,11 @@ def run(
 
     Raises:
         InputError: no such scene or fidelity, parameters that are not allowed, or a gear that cannot exist.
+
+    Examples:
+        >>> result = rps.run("free-pinion-torque", fidelity="closed-form")
+        >>> result.status.value, round(result.summary["torque_mean"], 2)
+        ('ok', 0.62)
     """
     limit = None if time_limit is None else TimeLimit.of(time_limit)
     if gear is not None and not isinstance(gear, SteeringGear):

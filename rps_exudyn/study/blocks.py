@@ -142,6 +142,11 @@ def load(path: str | Path) -> Result:
 
     Raises:
         InputError: no such file or case, not a result of this package, damaged, or of a newer format.
+
+    Examples:
+        >>> rps.run("free-pinion-torque", fidelity="closed-form").save("result.h5")
+        >>> rps.load("result.h5").scene
+        'free-pinion-torque'
     """
     path = Path(path)
     if path.parent.name == "cases" and not path.exists() and (blocks := blocks_beside(path)).exist:

@@ -50,6 +50,10 @@ def open_study(path: str | Path) -> Dataset:
 
     Raises:
         InputError: no study there, a damaged one, or one of another format version.
+
+    Examples:
+        >>> rps.open_study("preload-study")["torque_mean"].dims
+        ('preload', 'friction')
     """
     table = _table(path)
     layout = _Layout(table)
@@ -70,6 +74,10 @@ def study_frame(path: str | Path) -> "DataFrame":
 
     Raises:
         InputError: as `open_study`.
+
+    Examples:
+        >>> len(rps.study_frame("preload-study"))
+        6
     """
     from pandas import DataFrame
 

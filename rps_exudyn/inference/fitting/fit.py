@@ -74,6 +74,14 @@ def fit(
     Raises:
         InputError: files that cannot be read, curves too short, values in a wrong unit, a prior that cannot
             be, or a gear that has no equilibrium where the fit begins.
+
+    Examples:
+        >>> curve = rps.run("free-pinion-torque", fidelity="quasi-static")
+        >>> table = np.column_stack([curve["pinion_angle"], curve["pinion_torque"]])
+        >>> np.savetxt("bench.csv", table, header="angle [rad],torque [N m]", delimiter=",", comments="")
+        >>> found = rps.fit(["bench.csv"], free=["yoke.preload"], other_law=False)
+        >>> round(found.estimate("yoke.preload").value, -1)
+        300.0
     """
     began, gear = process_time(), gear or SteeringGear()
     measurement = files if isinstance(files, Measurement) else read_measurement(files, columns)

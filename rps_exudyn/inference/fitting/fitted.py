@@ -93,7 +93,12 @@ class FittedPass:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """What follows from measured curves for a gear."""
+    """What follows from measured curves for a gear.
+
+    Examples:
+        >>> "converged" in rps.Fit.__annotations__
+        True
+    """
 
     gear: SteeringGear  # with the estimates in place
     given: SteeringGear

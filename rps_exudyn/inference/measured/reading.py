@@ -46,6 +46,12 @@ def read_measured_torque(path: str | Path, columns: Mapping[str, str] | None = N
 
     Raises:
         InputError: the file cannot be read, lacks a column or its unit, or holds no numbers or no curve.
+
+    Examples:
+        >>> table = [(angle, 0.6) for angle in range(361)]
+        >>> np.savetxt("bench.csv", table, header="angle [deg];torque [N m]", delimiter=";", comments="")
+        >>> rps.read_measured_torque("bench.csv").signals["pinion_torque"].size
+        361
     """
     return read_curve(path, TORQUE, columns)
 

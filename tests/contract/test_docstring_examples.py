@@ -1,0 +1,28 @@
+"""Each public name has an example in its docstring, and it runs as printed."""
+
+import doctest
+import inspect
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rps_exudyn as rps
+from made_up_study import make_study
+from rps_exudyn import scenes
+
+
+@pytest.mark.parametrize("name", rps.__all__)
+def test_example_runs_as_printed(
+    name: str, made_up_result: rps.Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(scenes, "_OWN", {})
+    monkeypatch.chdir(tmp_path)
+    make_study(tmp_path / "preload-study", made_up_result)
+    one = getattr(rps, name)
+    known = {"rps": rps, "np": np}
+    example = doctest.DocTestParser().get_doctest(inspect.getdoc(one) or "", known, name, None, None)
+    assert example.examples, "its docstring has no example"
+    said: list[str] = []
+    doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(example, out=said.append)
+    assert not said, "".join(said)
