@@ -65,7 +65,8 @@ def ready(made: Any) -> Any:
         with compiling(made):
             made.compile(_signatures[made])
         made.disable_compile()  # other types of arguments are an error, not another compilation
-        kernel_cache.stamp()
+        if made.stats.cache_misses:
+            kernel_cache.stamp()
     return made
 
 

@@ -62,22 +62,21 @@ def _check_self_contained(file: h5py.File, size: int, name: str | Path) -> None:
     """Refuse data that lie in other files, and more data than a file of this size [bytes] can hold."""
     declared = 0
 
-    def check(group: h5py.Group) -> None:
+    def reason(path: str, link: object) -> str | None:
         nonlocal declared
-        for member in group:
-            if not isinstance(group.get(member, getlink=True), h5py.HardLink):
-                raise InputError(f"{name} is refused: {group.name.rstrip('/')}/{member} is a link, no data.")
-            each = group[member]
-            if isinstance(each, h5py.Group):
-                check(each)
-            elif isinstance(each, h5py.Dataset):
-                if each.external or each.is_virtual:
-                    raise InputError(f"{name} is refused: the data of {each.name} lie in other files.")
-                declared += each.nbytes
+        if not isinstance(link, h5py.HardLink):
+            return f"/{path} is a link, no data"
+        if isinstance(each := file[path], h5py.Dataset):
+            if each.external or each.is_virtual:
+                return f"the data of /{path} lie in other files"
+            declared += each.nbytes
+        return None
 
-    check(file)
-    if declared > MOST_EXPANSION * size:
-        raise InputError(f"{name} is refused: it declares {declared:.2g} bytes of data in {size:.2g}.")
+    refused = file.visititems_links(reason)  # each group once; ends at the first reason
+    if refused is None and declared > MOST_EXPANSION * size:
+        refused = f"it declares {declared:.2g} bytes of data in {size:.2g}"
+    if refused is not None:
+        raise InputError(f"{name} is refused: {refused}.")
 
 
 def _check_intact(content: bytes, name: str | Path) -> None:

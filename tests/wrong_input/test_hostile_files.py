@@ -66,6 +66,21 @@ def test_a_result_holds_all_of_its_data(
         rps.load(path)
 
 
+def test_groups_that_hold_each_other_are_visited_once(made_up_result: rps.Result, tmp_path: Path) -> None:
+    """Forty groups, each linked twice in the one before, are 2^40 paths; the last holds the first again."""
+    path = tmp_path / "r.h5"
+    made_up_result.save(path)
+    path.write_bytes(without_checksum(path.read_bytes()))
+    with h5py.File(path, "a") as file:
+        first = group = file.create_group("first")
+        for _ in range(40):
+            inner = group.create_group("one")
+            group["other"] = inner
+            group = inner
+        group["again"] = first
+    assert rps.load(path).summary == made_up_result.summary
+
+
 def test_constant_signals_pack_as_far_as_is_allowed(made_up_result: rps.Result, tmp_path: Path) -> None:
     """Deflate stores a thousand zeros in one byte: the bound lets them pass."""
     long = rps.Result(**{**vars(made_up_result), "signals": {"time": np.zeros(10**6)}, "measured": None})
