@@ -18,7 +18,6 @@ DEAD_FORCE = record_type(
 )
 """Record of a force that keeps its size and direction, on a point of the bar's axis."""
 
-NO_FORCE = record(DEAD_FORCE, force=(0.0, 0.0, 0.0), place=0.0)
 LOAD, WEIGHT = Part("load", ("rack",), ("load_force",)), Part("weight", ("rack",), ("weight_force",))
 
 

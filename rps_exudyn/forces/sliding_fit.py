@@ -50,7 +50,6 @@ FIT = record_type(
 """Record of the sliding fit between the rack and what carries it."""
 
 PART = Part("bush", ("rack",), ("bush_lateral_force", "bush_drag"))
-FIT_COLUMNS = PART.columns
 STILL = (0.0, 0.0, 0.0)
 
 
