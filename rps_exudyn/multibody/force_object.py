@@ -55,7 +55,12 @@ def add_forces(
     ) -> np.ndarray:
         if memory is not None:
             memory[1, TIME] = t
-        return -tangent_of(np.asarray(q), np.asarray(v), fq, fv)  # of the left-hand side
+        tangent = -tangent_of(np.asarray(q), np.asarray(v), fq, fv)  # of the left-hand side
+        if np.isfinite(tangent.sum()):
+            return tangent
+        # where the iteration has diverged: Exudyn repeats the step in a shorter one, but ends with an error if
+        # the Jacobian before cannot be factorized
+        return np.zeros_like(tangent)
 
     return mbs.AddObject(
         ObjectGenericODE2(

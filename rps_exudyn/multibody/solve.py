@@ -43,6 +43,8 @@ class SolverPlan:
     discontinuous_tolerance: float = 1e-4
     adaptive_step: bool = True
     minimum_step: float = 1e-7  # [s]
+    recovery_steps: int = 3  # that converge in shortened steps before these are lengthened again ...
+    recovery_iterations: int = 12  # ... of Newton's method, which such a step may take
 
     def as_dict(self) -> dict[str, Any]:
         """Return all settings by their names, for the result's file."""
@@ -164,6 +166,8 @@ def settings_of(plan: SolverPlan) -> "exudyn.SimulationSettings":
     time = settings.timeIntegration
     time.startTime, time.endTime, time.numberOfSteps = plan.start_time, plan.end_time, plan.steps
     time.adaptiveStep, time.minimumStepSize = plan.adaptive_step, plan.minimum_step
+    time.adaptiveStepRecoverySteps = plan.recovery_steps
+    time.adaptiveStepRecoveryIterations = plan.recovery_iterations
     time.stepInformation = time.verboseMode = 0
     time.computeLoadsJacobian = 0
     time.generalizedAlpha.spectralRadius = plan.spectral_radius

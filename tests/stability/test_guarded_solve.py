@@ -7,6 +7,7 @@ from exudyn.itemInterface import Force, MarkerNodePosition, NodePoint, ObjectMas
 
 import rps_exudyn as rps
 from rps_exudyn.multibody import recorder
+from rps_exudyn.multibody.force_object import add_forces
 from rps_exudyn.multibody.solve import SolverPlan, solve
 from rps_exudyn.results.outcome import Status
 
@@ -66,6 +67,27 @@ def test_a_python_error_in_a_force_is_told() -> None:
     outcome = solve(one_mass(broken), PLAN)
     assert outcome.status is Status.NO_CONVERGENCE
     assert outcome.message == "ZeroDivisionError at 0 s: broken force"
+
+
+def test_an_iteration_that_diverges_is_repeated_in_a_shorter_step() -> None:
+    """A law without a value at some of its evaluations, as where Newton's method leaves its range: Exudyn ends
+    with an error in the step after a Jacobian that cannot be factorized."""
+    without_value = iter([0.0] * 60 + [float("nan")] * 6)
+    mbs = exu.SystemContainer().AddSystem()
+    node = mbs.AddNode(NodePoint())
+    mbs.AddObject(ObjectMassPoint(mass=1.0, nodeNumber=node))
+
+    def slope(q: np.ndarray, v: np.ndarray, factor_q: float, factor_v: float) -> np.ndarray:
+        return (next(without_value, 0.0) - factor_q * 1e3 * np.cos(q[0])) * np.eye(3)
+
+    def force(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return np.array([next(without_value, 0.0) + 2 - 1e3 * np.sin(q[0]), 0.0, 0.0])
+
+    add_forces(mbs, [node], 3, force, slope)
+    mbs.Assemble()
+    outcome = solve(mbs, PLAN)
+    assert next(without_value, None) is None
+    assert outcome.status is Status.OK, outcome.message
 
 
 def test_settings_are_complete() -> None:
