@@ -14,6 +14,48 @@ if TYPE_CHECKING:
     import exudyn
 
 
+PLAIN_TANGENTS = 2  # in one time step, before the next ones are corrected
+
+
+class Secant:
+    """Broyden's correction of the tangents in a time step that Newton's method does not solve at once.
+
+    Where friction turns about within one iteration, tangents of both sides lead to and fro without end. Along
+    the last move x of the iteration the corrected tangent T has the change of force that was found,
+
+        T + (dF - T x) (W x)' / (x' W x),        W = |diag T|
+
+    (C. G. Broyden, Math. Comp. 19 (1965), 577, in coordinates scaled by their own stiffnesses).
+    """
+
+    def __init__(self) -> None:
+        self.time, self.tangents = np.nan, 0
+        self.rates = self.forces = self.rates_before = self.forces_before = np.zeros(0)
+
+    def noted(self, time: float, rates: np.ndarray, forces: np.ndarray) -> np.ndarray:
+        """Keep the forces (n,) at rates (n,) in the step that ends at a time [s]; return them."""
+        if time != self.time:
+            self.time, self.tangents = time, 0
+            self.rates = self.forces = np.zeros(0)
+        self.rates_before, self.forces_before = self.rates, self.forces
+        self.rates, self.forces = rates, forces
+        return forces
+
+    def corrected(self, tangent: np.ndarray, time: float, factor_v: float) -> np.ndarray:
+        """Return the tangent (n, n) where the forces were found last, by the iteration's unknowns, of which
+        one unit changes a rate by `factor_v`."""
+        self.tangents += 1
+        if self.tangents <= PLAIN_TANGENTS or time != self.time or not self.rates_before.size:
+            return tangent
+        move = (self.rates - self.rates_before) / factor_v
+        weighted = np.abs(np.diag(tangent)) * move
+        size = float(weighted @ move)
+        if not 0 < size < np.inf:
+            return tangent
+        lacking = self.forces - self.forces_before - tangent @ move
+        return np.asarray(tangent + np.outer(lacking, weighted / size))
+
+
 def add_forces(
     mbs: "exudyn.MainSystem",
     nodes: Sequence[Any],
@@ -39,10 +81,13 @@ def add_forces(
     """
     from exudyn.itemInterface import ObjectGenericODE2, VObjectGenericODE2
 
+    secant = Secant()
+
     def force(mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]) -> np.ndarray:
         if memory is not None:
             memory[1, TIME] = t
-        return force_of(np.asarray(q), np.asarray(v))
+        rates = np.asarray(v)
+        return secant.noted(t, rates, force_of(np.asarray(q), rates))
 
     def force_with_applied(
         mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]
@@ -55,12 +100,10 @@ def add_forces(
     ) -> np.ndarray:
         if memory is not None:
             memory[1, TIME] = t
-        tangent = -tangent_of(np.asarray(q), np.asarray(v), fq, fv)  # of the left-hand side
-        if np.isfinite(tangent.sum()):
-            return tangent
-        # where the iteration has diverged: Exudyn repeats the step in a shorter one, but ends with an error if
-        # the Jacobian before cannot be factorized
-        return np.zeros_like(tangent)
+        tangent = secant.corrected(tangent_of(np.asarray(q), np.asarray(v), fq, fv), t, fv)
+        # an iteration may leave the law's range: Exudyn repeats such a step in a shorter one, but ends with
+        # an error if the Jacobian before cannot be factorized
+        return -tangent if np.isfinite(tangent.sum()) else np.zeros_like(tangent)  # of the left-hand side
 
     return mbs.AddObject(
         ObjectGenericODE2(

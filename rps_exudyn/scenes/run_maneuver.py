@@ -74,6 +74,7 @@ def run_maneuver(
     Raises:
         InputError: the fidelity's solver cannot make it, or no memory holds its record.
     """
+    maneuver = maneuver.halved(options.halvings)
     if fidelity.solver != "closed-form":
         spheres = fidelity.profile_samples * fidelity.axial_samples * 2 * gear.pinion.teeth
         check_memory(maneuver.lead + maneuver.steps, spheres if fidelity.mesh == "general-contact" else 0)

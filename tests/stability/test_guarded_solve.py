@@ -70,8 +70,8 @@ def test_a_python_error_in_a_force_is_told() -> None:
 
 
 def test_an_iteration_that_diverges_is_repeated_in_a_shorter_step() -> None:
-    """A law without a value at some of its evaluations, as where Newton's method leaves its range: Exudyn ends
-    with an error in the step after a Jacobian that cannot be factorized."""
+    """A law without a value at some of its evaluations, as where Newton's method leaves its range: Exudyn
+    ends with an error in the step after a Jacobian that cannot be factorized."""
     without_value = iter([0.0] * 60 + [float("nan")] * 6)
     mbs = exu.SystemContainer().AddSystem()
     node = mbs.AddNode(NodePoint())
