@@ -29,8 +29,11 @@ from rps_exudyn.tooth_contact.flank_line import (
     begin_side,
     first_tooth,
     formed_point,
+    is_plain,
     line_of,
     note_line_load,
+    plain_ends,
+    plain_point,
     side_of,
 )
 from rps_exudyn.tooth_contact.flank_strip import (
@@ -40,7 +43,6 @@ from rps_exudyn.tooth_contact.flank_strip import (
     touching,
     within_band,
 )
-from rps_exudyn.tooth_contact.plain_line import is_plain, plain_ends, plain_point
 from rps_exudyn.tooth_contact.strip_limits import ends_of, watch_limits
 from rps_exudyn.tooth_contact.wrench import WRENCH_SIZE
 
