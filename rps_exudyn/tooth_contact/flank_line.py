@@ -406,6 +406,19 @@ def on_plain_line(coefficients, line, side, data):  # type: ignore[no-untyped-de
 
 
 @inline
+def slowest_place(line, side, data):  # type: ignore[no-untyped-def]
+    """Z where the flanks slide slowest along a line: with parallel axes, where sliding turns about.
+
+    Both components of the slip, along e_r and along B, are linear in Z; nan where nothing slides.
+    """
+    r, r_z = side.velocity[0] - side.spin[2] * side.sign * line.q_0, side.spin[1]
+    r_z -= side.spin[2] * side.sign * line.q_1
+    b, b_z = on_plain_line(side.slip, line, side, data)
+    square = r_z * r_z + b_z * b_z
+    return -(r * r_z + b * b_z) / square if square > 0 else np.nan
+
+
+@inline
 def plain_ends(line, margin, side, data):  # type: ignore[no-untyped-def]
     """Return between which Z the flanks are pressed, `margin` deeper than they are; low > high if nowhere."""
     pressing, per_z = line.d_0 + margin, line.d_1
