@@ -29,9 +29,13 @@ from rps_exudyn.tooth_contact.flank_line import (
     begin_side,
     first_tooth,
     formed_point,
+    is_plain,
     line_of,
     note_line_load,
+    plain_ends,
+    plain_point,
     side_of,
+    slowest_place,
 )
 from rps_exudyn.tooth_contact.flank_strip import (
     crest_of,
@@ -40,7 +44,6 @@ from rps_exudyn.tooth_contact.flank_strip import (
     touching,
     within_band,
 )
-from rps_exudyn.tooth_contact.plain_line import is_plain, plain_ends, plain_point, slowest_place
 from rps_exudyn.tooth_contact.strip_limits import ends_of, insert_break, watch_limits
 from rps_exudyn.tooth_contact.wrench import WRENCH_SIZE
 
