@@ -172,7 +172,7 @@ DEEPEST = 50
 
 def printable(text: str) -> str:
     """Return a text of others with control characters, which a terminal would obey, as their escapes."""
-    return "".join(sign if sign.isprintable() or sign in "\n\t" else ascii(sign)[1:-1] for sign in text)
+    return "".join(sign if sign.isprintable() or sign in "\n\t\0" else ascii(sign)[1:-1] for sign in text)
 
 
 def read_json_tables(text: str, what: str) -> dict[str, Any]:

@@ -18,8 +18,7 @@ from typing import Any
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import pretty
-from rps_exudyn.pages.explore.answer import Answer, answer
-from rps_exudyn.pages.explore.sliders import SLIDERS, settings_of
+from rps_exudyn.pages.explore.sliders import SLIDERS, Answer, answer, settings_of
 from rps_exudyn.parameters.gear import SteeringGear, gear_file
 from rps_exudyn.simulate.cases.processes import Processes
 from rps_exudyn.simulate.cases.run_cases import Task, available_processors
