@@ -18,10 +18,9 @@ from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.solvers.reduced_gear import reduced_gear
 from rps_exudyn.solvers.settled_start import SteadyApproach, settled_path
-from rps_exudyn.solvers.sliding_stability import PERIODS, masses
-from rps_exudyn.solvers.steering_column import SteeringColumn
+from rps_exudyn.solvers.sliding_stability import PERIODS, masses, reduced_gear
+from rps_exudyn.solvers.steering_column import ColumnModel
 
 PER_PERIOD = 60  # steps in a natural period; of the periods of a run ...
 FIRST = 1  # ... those from this one on show the vibration
@@ -115,7 +114,7 @@ def fast_growth(gear: SteeringGear, fidelity: Fidelity) -> float:
     path = settled_path(forces.statics, GearPair.of(gear), drive, lead, np.linspace(0, pitch / 400, 5))
     if not path.converged:
         raise ArithmeticError("no equilibrium at the start")
-    q, v, column = path.coordinates[-1].copy(), path.rates[-1].copy(), SteeringColumn.of(gear)
+    q, v, column = path.coordinates[-1].copy(), path.rates[-1].copy(), ColumnModel.of(gear)
     free = np.array([i for i in range(q.size) if i not in forces.locked])
     inverse, balance = np.linalg.inv(masses(gear, forces, q)[np.ix_(free, free)]), forces.dynamics
     ahead = balance.force(q, v)[0] / column.stiffness - q[0]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
-from rps_exudyn.analysis.stick_slip import (
+from rps_exudyn.analysis.friction_oscillator import (
     Oscillator,
     Rubbing,
     describe_stick_slip,
@@ -23,8 +23,13 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.stick_slip import predictions
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
-from rps_exudyn.solvers.sliding_stability import masses, one_inertia_damping, sliding_damping
+from rps_exudyn.solvers.sliding_stability import (
+    masses,
+    one_inertia_damping,
+    presliding_angle,
+    reduced_gear,
+    sliding_damping,
+)
 from verification.runge_kutta import FreeMotion
 from verification.sliding_limit import fast_growth, growth, measured_damping
 from verification.stick_slip import event_based, largest_sticking_speed, regularised, sliding_limit
@@ -62,8 +67,8 @@ def test_largest_sticking_speed_is_that_of_events(ratio: float) -> None:
 
 def test_sticking_speeds_of_the_table_with_its_stribeck_speeds() -> None:
     """With 5 mm/s for the teeth and 10 mm/s for the plunger, damping ratios 0.01, 0.03 and 0.1: events of a
-    two-part model give 14.5, 6.8 and 2.8 rad/s, met to 2 %, and none at 0.3, where 5 mm/s for both leaves 0.84
-    rad/s. Events found by another integrator say the same of the last."""
+    two-part model give 14.5, 6.8 and 2.8 rad/s, met to 2 %, and none at 0.3, where 5 mm/s for both leaves
+    0.84 rad/s. Events found by another integrator say the same of the last."""
     gear = STEEL.replace({"mesh.stribeck_speed": "5 mm/s", "yoke.stribeck_speed": "10 mm/s"})
     model, other = reduced_gear(gear), damped(0.3)
     unit = 2 * np.sqrt(model.stiffness * model.inertia)
@@ -202,7 +207,7 @@ def test_limit_of_the_whole_gear_is_the_predicted_one(law: str) -> None:
 
 
 def test_guides_lower_the_limit_of_fast_sliding() -> None:
-    """At 2.5 rad/s on bristles a vibration decays already at the damping that one inertia needs, since guides
+    """At 2.5 rad/s on bristles a vibration decays already at the damping that one inertia needs, for guides
     damp it; the limit by eigenvalues of the whole gear, over a tooth pitch, is up to a third above that at the
     start alone, and never below."""
     parts = {f"{part}.friction_law": "bristle" for part in ("mesh", "yoke", "bush", "bearing")}
@@ -215,8 +220,8 @@ def test_guides_lower_the_limit_of_fast_sliding() -> None:
 
 
 def test_pinion_vibrates_against_the_teeth_up_to_the_limit() -> None:
-    """At 2.5 rad/s friction that falls feeds a vibration of 10 kHz where one inertia is stable already. Motion
-    in steps of 1 us, where it grows fastest, agrees: it grows at 0.85 of the limit and decays at 1.15."""
+    """At 2.5 rad/s friction that falls feeds a vibration of 10 kHz where one inertia is stable already.
+    Motion in steps of 1 us, where it grows fastest, agrees: it grows at 0.85 of the limit and decays at 1.15."""
     gear, model = STEEL.replace({"test.speed": 2.5}), Fidelity.preset("flank")
     limit = sliding_damping(gear, model)
     assert 0.85 * limit > 1.05 * one_inertia_damping(gear)
