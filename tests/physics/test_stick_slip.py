@@ -12,7 +12,6 @@ from rps_exudyn.analysis.friction_oscillator import (
     Rubbing,
     describe_stick_slip,
     sticking_speed,
-    sticks,
     unstable_speed,
 )
 from rps_exudyn.base.errors import InputError
@@ -208,8 +207,8 @@ def test_limit_of_the_whole_gear_is_the_predicted_one(law: str) -> None:
 
 def test_guides_lower_the_limit_of_fast_sliding() -> None:
     """At 2.5 rad/s on bristles a vibration decays already at the damping that one inertia needs, for guides
-    damp it; the limit by eigenvalues of the whole gear, over a tooth pitch, is up to a third above that at the
-    start alone, and never below."""
+    damp it; the limit by eigenvalues of the whole gear, over a tooth pitch, is up to a third above
+    that at the start alone, and never below."""
     parts = {f"{part}.friction_law": "bristle" for part in ("mesh", "yoke", "bush", "bearing")}
     short = {f"{part}.bristle_travel": "2 um" for part in ("mesh", "yoke", "bush", "bearing")}
     gear, model = STEEL.replace({**parts, **short, "test.speed": 2.5}), Fidelity.preset("flank")
@@ -221,13 +220,15 @@ def test_guides_lower_the_limit_of_fast_sliding() -> None:
 
 def test_pinion_vibrates_against_the_teeth_up_to_the_limit() -> None:
     """At 2.5 rad/s friction that falls feeds a vibration of 10 kHz where one inertia is stable already.
-    Motion in steps of 1 us, where it grows fastest, agrees: it grows at 0.85 of the limit and decays at 1.15."""
+    Motion in steps of 1 us, where it grows fastest, agrees: it grows at 0.85 of the limit and decays
+    at 1.15."""
     gear, model = STEEL.replace({"test.speed": 2.5}), Fidelity.preset("flank")
     limit = sliding_damping(gear, model)
     assert 0.85 * limit > 1.05 * one_inertia_damping(gear)
     place = gear.replace({"test.start_angle": "40.9 deg"})
     rates = [fast_growth(place.replace({"column.damping": share * limit}), model) for share in (0.85, 1.15)]
-    assert rates[0] > 20 and rates[1] < -20
+    assert rates[0] > 20
+    assert rates[1] < -20
 
 
 def fallen(ratio: float, stiffness: float, speed: float) -> SteeringGear:
