@@ -55,10 +55,7 @@ STATIONS = {"mesh": "flank", "strip_stations": 12, "strip_points": 6}
 PER_FASTEST = 2.0  # Runge-Kutta's step over the time constant of the fastest mode; stable to 2.8
 MOST_EXPLICIT = 3000  # steps; motion that needs more is slow ...
 HALVED = (1, 2)  # times that the steps of finer runs are halved, ...
-LARGEST_STEP, LARGEST_TOLERANCE = (
-    np.deg2rad(2.0),
-    1e-5,
-)  # ... which are no longer than that, and are solved so
+LARGEST_STEP, LARGEST_TOLERANCE = np.deg2rad(2.0), 1e-5  # ... whose steps and tolerance are at most these
 MOST_REFINED = 12000  # ... and parts of them
 INSTANTS, GROWN = 24, 0.5  # at which slow motion is linearised; powers of e by which a vibration may grow
 
