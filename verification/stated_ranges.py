@@ -98,7 +98,7 @@ PARTS: dict[str, Range] = {
 
 CONDITIONS: dict[str, Range] = {
     "yoke.plunger_expansion": Choice({23e-6: 3, 115e-6: 1}),
-    "grease.base_oil": Choice({"none": 4, "PAO 32": 1, "VG 68": 0, "VG 100": 0, "VG 150": 0}),
+    "grease.base_oil": Choice({"none": 4, "PAO 32": 1, "VG 68": 0.3, "VG 100": 0.3, "VG 150": 0.3}),
     "conditions.temperature": Choice({293.15: 6, 253.15: 1, 313.15: 1}),
     "conditions.steering_cycles": Seldom(0.2, Logarithmic(1e3, 1e6)),
 }

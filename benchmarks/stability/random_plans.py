@@ -17,6 +17,7 @@ import multiprocessing.connection
 import os
 from collections import Counter
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from hashlib import sha256
 from math import isfinite, nan
 from pathlib import Path
@@ -34,6 +35,7 @@ from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.simulate.checked_run import run_unchecked
+from rps_exudyn.solvers.operating_gear import operating_gear
 from verification.behind_column import settled_figures
 from verification.plan_reference import expected, finer_metrics
 from verification.refined_steps import NotFoundError
@@ -103,7 +105,11 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
     """
     plan = plan_of(number)
     start = process_time()
-    refusal = "; ".join(refused(plan.gear, plan.fidelity, steady=scene_named(plan.scene).steady))
+    try:
+        tested = replace(plan, gear=operating.gear) if (operating := operating_gear(plan.gear)) else plan
+    except InputError as error:
+        return {"status": "input-error", "message": str(error)}
+    refusal = "; ".join(refused(tested.gear, plan.fidelity, steady=scene_named(plan.scene).steady))
     try:
         result = run_unchecked(plan.scene, plan.gear, plan.fidelity)
     except InputError as error:
@@ -119,7 +125,7 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
         return found
     done(found)
     start = process_time()
-    right, found["reference"] = references(plan)
+    right, found["reference"] = references(tested)
     found["reference_seconds"] = process_time() - start
     return found | errors(plan, result.summary, right)
 
