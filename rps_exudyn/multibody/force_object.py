@@ -15,45 +15,52 @@ if TYPE_CHECKING:
 
 
 PLAIN_TANGENTS = 2  # in one time step, before the next ones are corrected
+KEPT = 24  # evaluations of a time step that may correct them
 
 
 class Secant:
     """Broyden's correction of the tangents in a time step that Newton's method does not solve at once.
 
-    Where friction turns about within one iteration, tangents of both sides lead to and fro without end. Along
-    the last move x of the iteration the corrected tangent T has the change of force that was found,
+    Where friction turns about within one iteration, tangents of both sides lead to and fro without end. With
+    the change dF of force between the last place and an earlier one of the step, x apart, the tangent becomes
 
         T + (dF - T x) (W x)' / (x' W x),        W = |diag T|
 
-    (C. G. Broyden, Math. Comp. 19 (1965), 577, in coordinates scaled by their own stiffnesses).
+    (C. G. Broyden, Math. Comp. 19 (1965), 577, in coordinates scaled by their own stiffnesses): with that one
+    against which forces resist most, and only if they resist more than the tangent says.
     """
 
     def __init__(self) -> None:
         self.time, self.tangents = np.nan, 0
-        self.rates = self.forces = self.rates_before = self.forces_before = np.zeros(0)
+        self.rates: list[np.ndarray] = []
+        self.forces: list[np.ndarray] = []
 
     def noted(self, time: float, rates: np.ndarray, forces: np.ndarray) -> np.ndarray:
         """Keep the forces (n,) at rates (n,) in the step that ends at a time [s]; return them."""
         if time != self.time:
             self.time, self.tangents = time, 0
-            self.rates = self.forces = np.zeros(0)
-        self.rates_before, self.forces_before = self.rates, self.forces
-        self.rates, self.forces = rates, forces
+            self.rates, self.forces = [], []
+        self.rates, self.forces = [*self.rates[-KEPT:], rates], [*self.forces[-KEPT:], forces]
         return forces
 
     def corrected(self, tangent: np.ndarray, time: float, factor_v: float) -> np.ndarray:
         """Return the tangent (n, n) where the forces were found last, by the iteration's unknowns, of which
         one unit changes a rate by `factor_v`."""
         self.tangents += 1
-        if self.tangents <= PLAIN_TANGENTS or time != self.time or not self.rates_before.size:
+        if self.tangents <= PLAIN_TANGENTS or time != self.time or len(self.rates) < 2:
             return tangent
-        move = (self.rates - self.rates_before) / factor_v
-        weighted = np.abs(np.diag(tangent)) * move
-        size = float(weighted @ move)
-        if not 0 < size < np.inf:
+        moves = (self.rates[-1] - np.array(self.rates[:-1])) / factor_v
+        changes = self.forces[-1] - np.array(self.forces[:-1])
+        sizes = moves**2 @ np.abs(np.diag(tangent))
+        known = np.isfinite(changes).all(axis=1) & (sizes > 0) & (sizes < np.inf)
+        if not known.any():
             return tangent
-        lacking = self.forces - self.forces_before - tangent @ move
-        return np.asarray(tangent + np.outer(lacking, weighted / size))
+        moves, changes, sizes = moves[known], changes[known], sizes[known]
+        k = int(np.argmin(np.einsum("ij,ij->i", moves, changes) / sizes))
+        move, lacking = moves[k], changes[k] - tangent @ moves[k]
+        if move @ lacking >= 0:
+            return tangent
+        return np.asarray(tangent + np.outer(lacking, np.abs(np.diag(tangent)) * move / sizes[k]))
 
 
 def add_forces(
@@ -86,8 +93,8 @@ def add_forces(
     def force(mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]) -> np.ndarray:
         if memory is not None:
             memory[1, TIME] = t
-        rates = np.asarray(v)
-        return secant.noted(t, rates, force_of(np.asarray(q), rates))
+        rates = np.array(v)  # Exudyn uses its arrays again
+        return secant.noted(t, rates, force_of(np.asarray(q), rates).copy())
 
     def force_with_applied(
         mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]

@@ -7,7 +7,7 @@ from exudyn.itemInterface import Force, MarkerNodePosition, NodePoint, ObjectMas
 
 import rps_exudyn as rps
 from rps_exudyn.multibody import recorder
-from rps_exudyn.multibody.force_object import add_forces
+from rps_exudyn.multibody.force_object import Secant, add_forces
 from rps_exudyn.multibody.solve import SolverPlan, solve
 from rps_exudyn.results.outcome import Status
 
@@ -88,6 +88,25 @@ def test_an_iteration_that_diverges_is_repeated_in_a_shorter_step() -> None:
     outcome = solve(mbs, PLAN)
     assert next(without_value, None) is None
     assert outcome.status is Status.OK, outcome.message
+
+
+def test_corrected_tangents_find_the_rate_at_which_friction_turns_about() -> None:
+    """Newton's method on -arctan(v) goes from v = 2 to and fro over ever longer ways; with the change of
+    force over one of them it converges."""
+
+    def left(plain: int) -> float:
+        secant, rate = Secant(), np.array([2.0])
+        for tangents in range(14):
+            force = secant.noted(0.1, rate, -np.arctan(rate))
+            tangent = 0.5 * np.diag(-1 / (1 + rate**2))  # by unknowns, of which one changes the rate by 0.5
+            used = tangent if tangents < plain else secant.corrected(tangent, 0.1, 0.5)
+            rate = rate - 0.5 * np.linalg.solve(used, force)
+            if abs(rate[0]) > 1e6:
+                break
+        return float(abs(rate[0]))
+
+    assert left(plain=14) > 1e6
+    assert left(plain=0) < 1e-12
 
 
 def test_settings_are_complete() -> None:
