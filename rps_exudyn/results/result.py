@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import read_json_tables, replacing, with_checksum
+from rps_exudyn.base.files import printable, read_json_tables, replacing, with_checksum
 from rps_exudyn.base.hdf5 import file_image, opened
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 MOST_NUMBERS = 6  # of the summary that a printed result shows
-DRAWING = "rps_exudyn.pages.charts.scene:draw"  # looked up when a result is drawn: charts stand above results
+DRAWING = "rps_exudyn.pages.charts.scene_figures:draw"  # looked up when drawn: charts stand above results
 
 FILETYPE = "rps_exudyn-result"
 VERSION = (1, 4)
@@ -236,7 +236,7 @@ def failed(
 
 
 def read_result(path: str | Path) -> Result:
-    """Read the result in an HDF5 file of its own; `study.blocks.load` reads cases in blocks, too.
+    """Read the result in an HDF5 file of its own; `study.case_blocks.load` reads cases in blocks, too.
 
     Raises:
         InputError: no such file, not a result of this package, damaged, or of a newer format.
@@ -345,7 +345,7 @@ def _text(file: h5py.File, name: str) -> str:
     text = file.attrs[name]
     if not isinstance(text, str):
         raise ValueError(f"{name} is no text")
-    return text
+    return printable(text)
 
 
 def _tables(file: h5py.File, name: str) -> dict[str, Any]:
