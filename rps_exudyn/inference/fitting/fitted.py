@@ -456,7 +456,7 @@ def _more_runs(problem: Problem, levels: LevelFit, estimates: Sequence[Estimate]
 def _levels(ended: Ended, refused: Sequence[Refusal]) -> list[Estimate]:
     """Estimates of the level's parameters; found is what wider beliefs hardly move."""
     model, end = ended.levels.model, ended.levels.end
-    wide = stepped(model.believing(WIDER), end.u)
+    wide = _by_wide_beliefs(ended)
     laws = {
         each.path: float(law)
         for each, law in zip(ended.problem.unknowns, ended.by_law, strict=True)
@@ -482,9 +482,26 @@ def _levels(ended: Ended, refused: Sequence[Refusal]) -> list[Estimate]:
     return found
 
 
+def _by_wide_beliefs(ended: Ended) -> LevelEnd:
+    """The end with beliefs three times as wide, parameters that were not freed doubted as well; of the fit's
+    unknowns."""
+    model, end = ended.levels.model, ended.levels.end
+    paths = [each.path for each in model.unknowns]
+    values = {path: ended.gear.value_at(path) for path in LEVEL if path not in paths}
+    held = [
+        Unknown(path, "", float(np.log(value)), LEVEL[path].sd, LEVEL[path].step)
+        for path, value in values.items()
+        if value > 0
+    ]
+    doubting = replace(model, unknowns=[*model.unknowns, *held]).believing(WIDER)
+    wide = stepped(doubting, np.append(end.u, [each.before for each in held]))
+    covariance = wide.covariance[: end.u.size, : end.u.size]
+    return replace(wide, u=wide.u[: end.u.size], information=np.linalg.inv(covariance))
+
+
 def _verdict(unknown: Unknown, direction: np.ndarray, end: LevelEnd, wide: LevelEnd, law: float) -> Verdict:
     """What is said of the sum of logarithms that `direction` (unknowns,) makes."""
-    sd, widened = (float(np.sqrt(direction @ each.covariance @ direction)) for each in (end, wide))
+    sd, widened = (float(np.sqrt(direction @ each @ direction)) for each in (end.covariance, wide.covariance))
     still = abs(float(direction @ (wide.u - end.u))) < sd
     narrow = np.exp(NORMAL * widened + abs(law)) - 1 <= WIDEST[unknown.path]
     if still and narrow and end.converged and wide.converged:
