@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rps_exudyn.forces.memory import TIME
+from rps_exudyn.forces.friction import TIME
 
 if TYPE_CHECKING:
     import exudyn

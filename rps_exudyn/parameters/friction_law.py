@@ -13,6 +13,7 @@ from rps_exudyn.parameters.declaration import Length, Number, SlidingSpeed, Tabl
 
 LawName = Literal["coulomb", "stribeck", "bristle"]
 RUBBING_PARTS = "mesh", "yoke", "bush", "bearing"  # of a gear, each with its law
+MOST_ELEMENTS = 4  # elasto-plastic elements of a part with bristles
 PLAIN_LAW: LawName = "coulomb"  # the size alone: of general contact, and of what rests after tapping
 
 
@@ -22,7 +23,7 @@ class LawFacts:
 
     Attributes:
         falls: whether it may be larger at rest than in motion, by the static ratio.
-        has_state: whether it depends on the motion before, by a state along the motion (`forces.memory`).
+        has_state: whether it depends on the motion before, by a state along the motion (`forces.friction`).
         at_speed: the law that it becomes in steady sliding.
     """
 

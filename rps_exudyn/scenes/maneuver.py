@@ -11,6 +11,7 @@ from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.reduced_gear import reversal_angle
 from rps_exudyn.solvers.drive import Drive, DrivenBody, SetOff, Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.settled_start import Approach, SteadyApproach, SwingApproach
 
@@ -192,7 +193,7 @@ def swing_maneuver(
     """Return sinusoidal steering about the test's start angle.
 
     Steps are of `step_angle` [rad] where it is fastest; after each turn, where friction turns about over an
-    angle `yielding` [rad] that hardly depends on the steering, they are divided.
+    angle `yielding` [rad] that hardly depends on the steering, and the travel of bristles, they are divided.
 
     Raises:
         InputError: it leaves the rack's teeth.
@@ -204,7 +205,7 @@ def swing_maneuver(
     per_cycle = 4 * int(np.ceil(max(drive.period * test.speed / step_angle, LEAST_PER_CYCLE) / 4))
     time_step = drive.period / per_cycle
     lead, steps = int(np.ceil(RUN_IN / test.speed / time_step)), per_cycle * test.cycles
-    divided = _divided_after_turns(drive, per_cycle, lead + steps, yielding)
+    divided = _divided_after_turns(drive, per_cycle, lead + steps, yielding + reversal_angle(gear))
     swept = 2 * test.amplitude * gear.pinion.teeth / (2 * np.pi)  # tooth pitches in half a cycle
     before = int(np.ceil(max(LEAST_BEFORE, PER_PITCH_BEFORE * swept)))
     approach = SwingApproach(drive.period / 2, before)

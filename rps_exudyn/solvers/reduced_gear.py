@@ -9,8 +9,9 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 
 from rps_exudyn.analysis.stick_slip import Oscillator, Rubbing
+from rps_exudyn.forces.friction import ELEMENT_TRAVELS
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.parameters.friction_law import FrictionLaw
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS, FrictionLaw
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.gear_forces import following_inertia
@@ -26,9 +27,17 @@ def reduced_gear(gear: SteeringGear) -> Oscillator:
     return Oscillator(pinion + rack * gain**2, column.stiffness, column.damping, parts)
 
 
+def reversal_angle(gear: SteeringGear) -> float:
+    """Return the pinion angle after a turn over which one bristle would turn about [rad], twice that of its
+    first loading; 0 without bristles."""
+    return 2 * ELEMENT_TRAVELS[0][0] * presliding_angle(gear)
+
+
 def presliding_angle(gear: SteeringGear) -> float:
-    """Return the pinion angle over which bristles turn about [rad], the mean over the parts weighed with
-    their friction; 0 without bristles."""
+    """Return the pinion angle of the bristles' travel [rad], the mean over the parts weighed with their
+    friction; 0 without bristles."""
+    if not any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS):
+        return 0.0
     parts = [(law, torque, lever) for law, torque, lever in _parts(gear) if torque > 0 and lever > 0]
     yielding = [torque * law.bristle_travel / lever for law, torque, lever in parts if law.facts.has_state]
     whole = sum(torque for _, torque, _ in parts)

@@ -1,7 +1,7 @@
 """Records of the contact of the teeth: the constants of all laws, and the work space of an evaluation."""
 
 from rps_exudyn.base.compiled import record_type
-from rps_exudyn.forces.memory import MEMORY_SIZE
+from rps_exudyn.forces.friction import PATCH_SUMS, STATE_SIZE
 from rps_exudyn.tooth_contact.flank_data import FLANK
 from rps_exudyn.tooth_contact.flank_line import SUMS
 from rps_exudyn.tooth_contact.flank_strip import STRIP_SHAPE
@@ -18,7 +18,11 @@ MESH = record_type([("flank", FLANK), ("teeth", TEETH), ("spheres", SPHERES)])
 
 SCRATCH = record_type(
     [
-        ("memory", "f8", (2, MEMORY_SIZE)),  # state of the bristle friction, see `forces.memory`
+        ("memory", "f8", (2, STATE_SIZE)),  # state of the bristle friction, see `forces.friction`
+        ("rubbed", "f8", (PATCH_SUMS,)),  # sums over a patch of it
+        # of each side: changes of its directions with the loads, and of its weight, over the rack's motion
+        ("by_direction", "f8", (2, 2, 6, 6)),
+        ("by_weight", "f8", (2, 6)),
         ("sums", "f8", (SUMS,)),
         ("strip", "f8", STRIP_SHAPE),
         ("cuts", "f8", (LIMITS, 5)),
