@@ -1,9 +1,9 @@
-"""Laws of dry friction: Coulomb's with a zone about zero, Stribeck's, and elasto-plastic elements with a state.
+"""Laws of dry friction: Coulomb's with a zone about zero, Stribeck's, and bristles, which have a state.
 
-Bristles are n elements side by side, springs of fixed stiffness k_i = w_i phi_0 / (H_i delta) that slide where
-their force reaches a limit (Masing 1926, Iwan 1966); delta is the travel of the first loading, phi_0 the
-friction under the usual load. The limit w_i phi follows the load N and Stribeck's curve g, phi = mu N g(v), at
-the end of a step with the slip s:
+Bristles are n elasto-plastic elements side by side, springs of fixed stiffness k_i = w_i phi_0 / (H_i delta)
+that slide where their force reaches a limit (Masing 1926, Iwan 1966); delta is the travel of the first
+loading, phi_0 the friction under the usual load. The limit w_i phi follows the load N and Stribeck's curve g,
+phi = mu N g(v), at the end of a step with the slip s:
 
     trial t_i = f_i + k_i s,        f_i <- t_i min(1, w_i phi / |t_i|),        friction = sum f_i.
 
@@ -17,9 +17,9 @@ sliding each point has its own Stribeck friction against its own slip.
 
 State of the elements along a motion: an array (2, m), start and end of a step. Columns are the time, the
 coordinates of the stack, and for each patch the limit, the work lost so far, and the elements' forces along
-and across. Kernels read the start and write the end at each evaluation; the solver sets the end's time before,
-and copies the end to the next start once the step is found. Slip is then what the coordinates moved over the
-step.
+and across. Kernels read the start and write the end at each evaluation; the solver sets the end's time
+before, and copies the end to the next start once the step is found. Slip is then what the coordinates moved
+over the step.
 """
 
 from dataclasses import dataclass
@@ -45,7 +45,7 @@ ELEMENT_SHARES = (
     (0.2695, 0.4297, 0.3008),
     (0.16708, 0.29097, 0.32567, 0.21628),
 )
-"""w_i: each one's share of the limit. Both fit 1 - exp(-s / delta) to 0.143, 0.046, 0.023, 0.014."""
+"""w_i: each one's share of the limit. Both fit 1 - exp(-s / delta) to 0.153, 0.046, 0.023, 0.014."""
 
 # State of a patch, from its first column on
 LIMIT, LOST, FORCES = 0, 1, 2
@@ -56,7 +56,7 @@ PATCHES = PLACES + MOST_COORDINATES
 MOST_PATCHES = 5  # two sides of the teeth, seat, bush, bearings
 STATE_SIZE = PATCHES + MOST_PATCHES * (FORCES + 2 * MOST_ELEMENTS)
 
-# Sums over the points of a patch: what friction of size 1 along and across exerts, slip, weight N g, load N, N g'
+# Sums over the points of a patch: what friction of size 1 along and across exerts, slip, N g, N, N g'
 ALONG, ACROSS, SLIP_ALONG, SLIP_ACROSS, WEIGHT, WHOLE_LOAD, FALL = 0, 6, 12, 13, 14, 15, 16
 FRICTION_ALONG, FRICTION_ACROSS = 17, 18  # of the patch, found from the others [N]
 PATCH_SUMS = 19
@@ -133,7 +133,9 @@ def law_of(
     facts, n = part.facts, patches.elements
     stiffness, share = np.zeros(MOST_ELEMENTS), np.zeros(MOST_ELEMENTS)
     share[:n] = ELEMENT_SHARES[n - 1]
-    stiffness[:n] = share[:n] * friction * usual_load / np.multiply(ELEMENT_TRAVELS[n - 1], part.bristle_travel)
+    stiffness[:n] = (
+        share[:n] * friction * usual_load / np.multiply(ELEMENT_TRAVELS[n - 1], part.bristle_travel)
+    )
     return record(
         LAW,
         kind=KINDS[part.friction_law],
@@ -353,8 +355,8 @@ def rubbing(along, across, friction, zone, law):  # type: ignore[no-untyped-def]
 
 @inline
 def patch_slopes(friction, place, law, memory, sums):  # type: ignore[no-untyped-def]
-    """Derivatives of a patch's friction by its slip velocity (aa, ab, ba, bb), after `slide_patch`; and by the
-    load of a point over its g (a, b), less what the other points then hold less of it."""
+    """Derivatives of a patch's friction by its slip velocity (aa, ab, ba, bb), after `slide_patch`; and by
+    the load of a point over its g (a, b), less what the other points then hold less of it."""
     weight, along, across = sums[WEIGHT], sums[SLIP_ALONG], sums[SLIP_ACROSS]
     if not weight > 0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

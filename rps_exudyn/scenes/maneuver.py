@@ -11,8 +11,8 @@ from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.reduced_gear import reversal_angle
 from rps_exudyn.solvers.drive import Drive, DrivenBody, SetOff, Steady, Swing, travel_per_radian
+from rps_exudyn.solvers.reduced_gear import reversal_angle
 from rps_exudyn.solvers.settled_start import Approach, SteadyApproach, SwingApproach
 
 LEAST_PER_CYCLE = 200  # steps of a swing

@@ -12,8 +12,8 @@ fills the generalised forces `total` (n,) on the coordinates q with rates v, and
 factor_v dF/dv, to a few per cent of its largest entry or better: what turns with the bar's small angles is
 left out.
 
-Friction with a state takes the slip from what the coordinates moved over a step (`forces.friction`): a step of
-a coordinate is then one of its rate too.
+Friction with a state takes the slip from what the coordinates moved over a step (`forces.friction`): a step
+of a coordinate is then one of its rate too.
 """
 
 from typing import Any

@@ -27,7 +27,13 @@ from rps_exudyn.solvers.drive import OVERCOME, Drive, DrivenBody
 from rps_exudyn.solvers.equilibrium import SETTLED, EquilibriumPath, Start
 from rps_exudyn.solvers.gear_forces import GearForces
 from rps_exudyn.solvers.gear_model import COLUMNS
-from rps_exudyn.solvers.steering_column import SteeringColumn, TyreSpring, driven_place, driven_rate, of_column
+from rps_exudyn.solvers.steering_column import (
+    SteeringColumn,
+    TyreSpring,
+    driven_place,
+    driven_rate,
+    of_column,
+)
 
 WORK = {
     "work_mesh_friction",
@@ -36,7 +42,7 @@ WORK = {
     "work_bush_friction",
     "work_bearing_friction",
 }
-# Of `instant_signals`, no signals of a result; the last before the name of a work that is summed up over steps
+# Of `instant_signals`, no signals of a result; the last before the name of a work summed up over steps
 MESH_ENERGY, LOAD_ENERGY, SO_FAR = "mesh_energy", "load_energy", "so_far_"
 MESH_TAKEN = f"{SO_FAR}mesh"  # what the teeth took from the bodies
 AT_MESH = (0.0, ALONG_BAR)  # where mesh and yoke stand

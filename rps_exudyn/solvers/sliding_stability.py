@@ -1,12 +1,12 @@
 """The damping of the column below which steady sliding is unstable, of one inertia and of the whole gear.
 
 The limits of `analysis.stick_slip` know one inertia. A rack yields sideways and rolls as it vibrates, and
-friction across the sliding damps that: less damping of the column is enough. How much less, the whole gear
-says, its forces linearised about steady sliding; nothing is integrated. Bristles count as Stribeck's law in
-this difference, and by their own margin in the limit itself.
+friction across the sliding damps that: less damping of the column is enough. How much less follows from the
+forces of the whole gear linearised about steady sliding; nothing is integrated. Bristles count as Stribeck's
+law, which they follow in steady sliding.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
@@ -22,7 +22,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import SIZE, eigenvalues, slopes
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
-from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
+from rps_exudyn.solvers.reduced_gear import reduced_gear
 from rps_exudyn.solvers.settled_start import SteadyApproach, settled_path
 
 PERIODS = 9  # natural periods over which the gear is linearised
@@ -34,23 +34,13 @@ TOLERANCE = 1e-3  # of the damping sought
 def one_inertia_damping(gear: SteeringGear) -> float:
     """Return the damping of the column at which the reduced gear's vibration about steady sliding neither
     grows nor decays [N m s/rad]; nan where it is stable without any."""
-    model, presliding, speed = reduced_gear(gear), presliding_angle(gear), gear.test.speed
-    if not presliding:
-        return model.linear_limit(speed) or np.nan
-    damping = np.linspace(0, 1.2 * max(model.linear_limit(speed), 1e-9), 121)
-    margins = np.array([replace(model, damping=each).bristle_margin(speed, presliding) for each in damping])
-    unstable = np.flatnonzero(margins < 0)
-    if not unstable.size or unstable[-1] + 1 == damping.size:
-        return float("nan")
-    last = slice(unstable[-1], unstable[-1] + 2)
-    return float(np.interp(0.0, margins[last], damping[last]))
+    return reduced_gear(gear).linear_limit(gear.test.speed) or np.nan
 
 
 def sliding_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
     """Return the same of the whole gear; 0 where one inertia is stable without any, nan where the gear finds
     no equilibrium about which it could be linearised."""
-    falling, alone = reduced_gear(gear).linear_limit(gear.test.speed), one_inertia_damping(gear)
-    return 0.0 if np.isnan(alone) else max(0.0, alone + linearised_damping(gear, fidelity) - falling)
+    return 0.0 if np.isnan(one_inertia_damping(gear)) else linearised_damping(gear, fidelity)
 
 
 def linearised_damping(gear: SteeringGear, fidelity: Fidelity) -> float:

@@ -27,8 +27,8 @@ from rps_exudyn.tooth_contact.flank_line import (
     add_load,
     begin_side,
     note_line_load,
-    slip_at,
     side_of,
+    slip_at,
 )
 from rps_exudyn.tooth_contact.teeth_stations import DEPTH, LENGTH, P_R, P_T, P_Z, RATE, ROLL, TOP, find_lines
 from rps_exudyn.tooth_contact.tooth_compliance import add_block, add_line

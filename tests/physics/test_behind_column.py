@@ -8,7 +8,7 @@ import pytest
 
 import rps_exudyn as rps
 from benchmarks.stability.wheel_plans import errors, plan_of
-from rps_exudyn.forces.memory import MEMORY_SIZE
+from rps_exudyn.forces.friction import STATE_SIZE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import StepLimits
@@ -29,7 +29,7 @@ class NoForces:
     has_bristles = False
 
     def __init__(self) -> None:
-        self.memory = np.zeros((2, MEMORY_SIZE))
+        self.memory = np.zeros((2, STATE_SIZE))
 
     def tangent(self, q: np.ndarray, *rest: object) -> np.ndarray:
         return np.zeros((q.size, q.size))

@@ -12,7 +12,7 @@ import pytest
 
 from part_law import alone
 from rps_exudyn.base.compiled import ready
-from rps_exudyn.forces.memory import TIME
+from rps_exudyn.forces.friction import TIME
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
