@@ -1,4 +1,4 @@
-"""The sliding fit between rack and bush: a cylindrical joint with elasticity and Coulomb drag.
+"""The sliding fit between rack and bush: a cylindrical joint with elasticity, Coulomb and viscous drag.
 
 The rack slides, rolls and swivels with what carries it: the last segment of the chain, or the housing with
 the whole chain's stiffness condensed into the fit.
@@ -13,8 +13,10 @@ from rps_exudyn.forces.bush import RIGID_END, Chain, housing_station, lateral_st
 from rps_exudyn.forces.force_element import FRICTION_STATE, Part
 from rps_exudyn.forces.friction import (
     LAW,
+    LOST,
     Patches,
     coulomb,
+    duration,
     law_of,
     rubbing,
     slide,
@@ -40,6 +42,7 @@ FIT = record_type(
     [
         ("stiffness", "f8", (4, 4)),  # of y, z, about y, about z at the station
         ("drag", "f8"),  # Coulomb friction [N]
+        ("viscous", "f8"),  # drag over speed [N s/m]
         ("zone", "f8"),  # friction zone [m/s]
         ("radius", "f8"),  # at which rolling rubs [m]
         ("station", "f8"),  # X of the fit in the housing [m]
@@ -103,6 +106,10 @@ def fit_loads(carrier, rack, data, memory):  # type: ignore[no-untyped-def]
     else:
         rub = coulomb(1.0, data.drag, speed, data.zone) * stribeck(speed, law)
         drag, turning, power = rub * along, rub * roll, rub * speed**2
+    if law.has_state:  # the work is summed up with that of the bristles
+        lost += data.viscous * along**2 * duration(memory)
+        memory[1, law.place + LOST] = lost
+    drag, power = drag + data.viscous * along, power + data.viscous * along**2
 
     k = data.stiffness
     y, z, b, c = offset[1], offset[2], tilt[1], tilt[2]
@@ -184,14 +191,14 @@ def add_fit_tangent(q, v, data, memory, factor_q, factor_v, tangent):  # type: i
         limit, fall = data.drag * stribeck(speed, law), data.drag * stribeck_slope(speed, law)
         slopes = slide_slopes(limit, along, roll, fall, law.place, law, memory)
         in_line, mixed, turned, across = (
-            factor_v * slopes[0],
+            factor_v * (slopes[0] + data.viscous),
             factor_v * slopes[1],
             factor_v * slopes[2],
             factor_v * slopes[3],
         )
     else:
         _, _, ahead, aside, d_a, d_b = rubbing(along, roll, data.drag, data.zone, law)
-        in_line = factor_v * (ahead * d_a * d_a + aside * d_b * d_b)
+        in_line = factor_v * (ahead * d_a * d_a + aside * d_b * d_b + data.viscous)
         mixed = turned = factor_v * (ahead - aside) * d_a * d_b
         across = factor_v * (ahead * d_b * d_b + aside * d_a * d_a)
     tangent[0, 0] -= in_line
@@ -255,6 +262,7 @@ def _fit(
         FIT,
         stiffness=stiffness,
         drag=gear.bush.drag,
+        viscous=gear.bush.viscous_drag,
         zone=friction_zone,
         radius=gear.rack.bar_diameter / 2,
         station=housing_station(gear, station),

@@ -12,8 +12,8 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import Drive, DrivenBody, SetOff, Steady, Swing, travel_per_radian
-from rps_exudyn.solvers.reduced_gear import reversal_angle
 from rps_exudyn.solvers.settled_start import Approach, SteadyApproach, SwingApproach
+from rps_exudyn.solvers.sliding_stability import bristle_reversal_angle
 
 LEAST_PER_CYCLE = 200  # steps of a swing
 YIELDING = 3e-3  # pinion angle after a turn over which friction turns about, in most gears less [rad]
@@ -205,7 +205,7 @@ def swing_maneuver(
     per_cycle = 4 * int(np.ceil(max(drive.period * test.speed / step_angle, LEAST_PER_CYCLE) / 4))
     time_step = drive.period / per_cycle
     lead, steps = int(np.ceil(RUN_IN / test.speed / time_step)), per_cycle * test.cycles
-    divided = _divided_after_turns(drive, per_cycle, lead + steps, yielding + reversal_angle(gear))
+    divided = _divided_after_turns(drive, per_cycle, lead + steps, yielding + bristle_reversal_angle(gear))
     swept = 2 * test.amplitude * gear.pinion.teeth / (2 * np.pi)  # tooth pitches in half a cycle
     before = int(np.ceil(max(LEAST_BEFORE, PER_PITCH_BEFORE * swept)))
     approach = SwingApproach(drive.period / 2, before)
