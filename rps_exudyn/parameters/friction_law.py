@@ -42,8 +42,8 @@ LAWS: dict[LawName, LawFacts] = {
 class FrictionLaw(Table):
     """Friction of one part beyond its size; `friction_law` chooses what counts of the rest.
 
-    `coulomb` has one size. `stribeck` is larger at rest than in motion. `bristle` (LuGre) yields
-    elastically before it slides and holds at rest; its static ratio of 1 leaves Stribeck's part out.
+    `coulomb` has one size. `stribeck` is larger at rest than in motion. `bristle` (elasto-plastic elements)
+    yields elastically before it slides and holds at rest; its static ratio of 1 leaves Stribeck's part out.
     """
 
     friction_law: LawName = parameter(
@@ -59,7 +59,7 @@ class FrictionLaw(Table):
         2.0, "exponent of the speed in Stribeck's curve", "estimate", ge=0.5, le=4
     )
     bristle_travel: Length = parameter(
-        "5 um", "bristle: sliding over which friction turns about, its load over its stiffness", "estimate",
+        "5 um", "bristle: sliding of a first loading that reaches 63 % of the friction", "estimate",
         gt=0, le=1e-3,
     )  # fmt: skip
     bristle_damping: Time = parameter(0.0, "bristle: damping over stiffness", "estimate", ge=0, le=1e-2)

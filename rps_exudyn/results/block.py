@@ -19,7 +19,7 @@ import numpy as np
 from rps_exudyn.base.files import with_checksum
 from rps_exudyn.base.hdf5 import file_image, opened
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.parameters.retired import STORED
+from rps_exudyn.parameters.retired import STORED, of_this_version
 from rps_exudyn.results import provenance as origin
 from rps_exudyn.results.outcome import Status, codes_of
 from rps_exudyn.results.quantities import GROUPS
@@ -97,15 +97,16 @@ class CaseRecord:
         Raises:
             InputError: its parameters are wrong.
         """
-        about = self.attributes
+        about, fidelity = self.attributes, json.loads(self.attributes["fidelity"])
+        gear, message = of_this_version(json.loads(about["parameters"]), fidelity, about["message"])
         return Result(
             scene=about["scene"],
-            gear=SteeringGear.from_tables(json.loads(about["parameters"]), where=where, context=STORED),
-            fidelity=json.loads(about["fidelity"]),
+            gear=SteeringGear.from_tables(gear, where=where, context=STORED),
+            fidelity=fidelity,
             solver=json.loads(about["solver"]),
             findings=json.loads(about["findings"]),
             status=Status(about["status"]),
-            message=about["message"],
+            message=message,
             codes=self.codes,
             signals=self.signals,
             summary=self.tables["summary"],
