@@ -48,11 +48,17 @@ def torques(after: Pass) -> dict[str, float]:
 
 
 def anchor(after: Pass, presliding: float) -> float:
-    """3.2 sum(T delta / arm) / sum T [rad]; T / arm is the force that rubs."""
+    """Angle over which sum(T min(2 x - 1, 1)), x = arm angle / (4 delta), goes from -80 to +80 % of sum T
+    [rad]; T / arm is the force that rubs."""
     taken = torques(after)
-    rubs = GEAR.mesh.friction * np.mean(after.signals["mesh_normal_force"]) + taken["bearing"] / SHAFT
-    rubs += (taken["seat"] + taken["bush"]) / float(PAIR.gain)
-    return float(3.2 * presliding * rubs / sum(taken.values()))
+    rubs = {"mesh": GEAR.mesh.friction * np.mean(after.signals["mesh_normal_force"])}
+    rubs |= {"bearing": taken["bearing"] / SHAFT}
+    rubs |= {name: taken[name] / float(PAIR.gain) for name in ("seat", "bush")}
+    angle, whole = np.linspace(0, 40 * presliding / SHAFT, 20001), sum(taken.values())
+    turned = [
+        taken[name] * np.minimum(taken[name] / rubs[name] * angle / (2 * presliding) - 1, 1) for name in taken
+    ]
+    return float(np.ptp(np.interp([-TURNED, TURNED], sum(turned) / whole, angle)))
 
 
 def bent(slips: np.ndarray, presliding: float) -> np.ndarray:
@@ -94,8 +100,8 @@ def along_the_record(after: Pass, turned: np.ndarray, presliding: float, aside: 
 
 
 def test_reversal_angle_of_a_guided_rack() -> None:
-    """3.2 sum(T delta / arm) / sum T, to 5 %, beyond the angle by which the gear yields elastically, as it
-    does with Coulomb's law. 3.2 is what one bristle takes from -0.8 to 0.8, 4 delta from -1 to 1."""
+    """That of all parts side by side, to 5 %, beyond the angle by which the gear yields elastically, as it
+    does with Coulomb's law. One bristle takes 3.2 delta from -0.8 to 0.8 and 4 delta from -1 to 1."""
     found = {law: after_a_turn(reversal(law, rack="guided")) for law in ("bristle", "coulomb")}
     beyond = turning_angle(*found["bristle"][1:]) - turning_angle(*found["coulomb"][1:])
     assert beyond == pytest.approx(anchor(found["bristle"][0], 10e-6), rel=0.05)
