@@ -106,8 +106,8 @@ def test_tangent_of_each_part_is_the_derivative_of_its_forces(mesh: str, law: st
 @pytest.mark.parametrize("part", ["mesh", "seat", "bush", "bearing"])
 @pytest.mark.parametrize("mesh", ["line", "teeth"])
 def test_tangent_of_bristles_is_their_derivative(mesh: str, part: str) -> None:
-    """Of bristles that slide: 1.3e-3, for they slip as in the middle of a step. They turn about over a step of 3e-7 to 1.5e-5 m back, in which
-    they are bent across the motion too: by the last state what bends them across counts as along, 8 %."""
+    """Of bristles that slide: 1.3e-3, for they slip as in the middle of a step. They turn about over a step
+    of 3e-7 to 1.5e-5 m back: 8 %."""
     settings, fidelity = MESHES[mesh]
     damped = {f"{part}.bristle_damping": 1e-4 for part in PARTS}
     forces, path = followed({**settings, **rubbing("bristle"), **damped}, fidelity)
