@@ -45,7 +45,9 @@ def of_this_version(
     changed = {
         part: {**table, "bristle_travel": SAME_REVERSAL * table["bristle_travel"]}
         for part, table in gear.items()
-        if isinstance(table, dict) and table.get("friction_law") == "bristle" and "bristle_travel" in table
+        if isinstance(table, dict)
+        and table.get("friction_law") == "bristle"
+        and isinstance(table.get("bristle_travel"), float)
     }
     return gear | changed, "; ".join(filter(None, (message, TRAVEL_REMARK if changed else "")))
 
