@@ -3,7 +3,6 @@
 Results made by them remain readable; they are not run again.
 """
 
-from collections.abc import Mapping
 from typing import Any
 
 from pydantic import ValidationInfo, ValidatorFunctionWrapHandler
@@ -24,32 +23,6 @@ PARAMETERS = {
     "fidelity.generators": "fidelity.strip_stations and fidelity.strip_points integrate the contact",
 }
 """Path -> what replaces it."""
-
-
-SAME_REVERSAL = 0.687
-"""Travel of one bristle's first loading over that of the law of earlier versions (LuGre) which turns about
-over the same slip: ln 9 / 3.2, from -80 to 80 % of the friction; of four elements 0.514."""
-TRAVEL_REMARK = (
-    f"the file is of an earlier version: bristle_travel is {SAME_REVERSAL} times its value there, which "
-    "keeps the angle of a reversal"
-)
-
-
-def of_this_version(
-    gear: dict[str, Any], fidelity: Mapping[str, Any], message: str
-) -> tuple[dict[str, Any], str]:
-    """Return the tables of a gear that a file holds beside those of its model, and the file's message, with
-    what replaces parameters whose meaning has changed since."""
-    if "friction_elements" in fidelity:
-        return gear, message
-    changed = {
-        part: {**table, "bristle_travel": SAME_REVERSAL * table["bristle_travel"]}
-        for part, table in gear.items()
-        if isinstance(table, dict)
-        and table.get("friction_law") == "bristle"
-        and isinstance(table.get("bristle_travel"), float)
-    }
-    return gear | changed, "; ".join(filter(None, (message, TRAVEL_REMARK if changed else "")))
 
 
 STORED = {"stored": True}
