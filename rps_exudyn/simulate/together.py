@@ -25,6 +25,7 @@ from rps_exudyn.scenes.scene import SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
 from rps_exudyn.simulate.family import Family, FamilyRecord, is_alike
 from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
+from rps_exudyn.solvers.operating_gear import operating_gear
 
 FEWEST = 2  # gears for each that is followed to learn from: with fewer single runs are quicker
 AT_ONCE = 100_000  # instants of gears whose signals are held at once
@@ -38,6 +39,7 @@ UNSUPPORTED = {
     "fidelity": "many gears are followed together only by the fidelity quasi-static",
     "parts": "a bow, a side force or the weight of the rack asks for single runs",
     "friction": "bristles ask for single runs",
+    "conditions": "temperature, wear or a grease asks for single runs",
     "parameter": "gears that differ in {path} are run singly",
     "text": "the values of {path} are no plain numbers",
     "few": "the table has too few gears to be followed together, or its middle gear is not found",
@@ -54,6 +56,7 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
         "scene": scene_named(scene).test is None,
         "fidelity": same != usual,
         "parts": bool(parts),
+        "conditions": operating_gear(gear) is not None,
         "friction": any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS),
     }
     if reason := next((name for name, holds in reasons.items() if holds), ""):
