@@ -149,7 +149,7 @@ class Here:
 
 
 class CaseRunner:
-    """Does tasks in this process, or in `jobs` processes as soon as that is quicker; to use in a `with` block.
+    """Does tasks here, or in `jobs` processes as soon as that is quicker; to be used in a `with` block.
 
     Processes stay for the next call. What earlier calls took is expected once more, so that many short calls
     start processes as a long one does.
