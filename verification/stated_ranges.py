@@ -43,6 +43,8 @@ ERRORS: dict[str, Range] = {
     "installation.angle_error": Seldom(0.3, Even(-0.8 * DEG, 0.8 * DEG)),
     "installation.axis_offset": Seldom(0.3, Even(-1e-3, 0.1e-3)),
     "installation.gravity": Seldom(0.3, Even(-9.81, 9.81)),
+    "installation.gravity_angle": Seldom(0.5, Even(-np.pi, np.pi)),
+    "installation.gravity_slope": Seldom(0.5, Even(-20 * DEG, 20 * DEG)),
 }
 
 LAWS: dict[str, Range] = {

@@ -215,6 +215,13 @@ class Installation(Table):
         ge=-50,
         le=50,
     )
+    gravity_angle: Angle = parameter(
+        0.0, "turn of gravity's direction about X, from -Y (rack towards pinion) towards Z", "estimate"
+    )
+    gravity_slope: Angle = parameter(
+        0.0, "angle of gravity to the section across the rack: above 0 it draws the rack along X", "estimate",
+        ge=-90 * DEG, le=90 * DEG,
+    )  # fmt: skip
 
 
 class Yoke(LoadedFrictionLaw):

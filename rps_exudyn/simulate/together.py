@@ -31,7 +31,10 @@ FEWEST = 2  # gears for each that is followed to learn from: with fewer single r
 AT_ONCE = 100_000  # instants of gears whose signals are held at once
 WEIGHT = "test.load_mass"
 TABLES = ("basic_rack", "pinion", "rack", "installation", "yoke", "bush", "bearing", "mesh")
-NOT_NUMBERS = ("rack.bow", "rack.side_force", "rack.side_angle", "rack.travel", "installation.gravity")
+NOT_NUMBERS = (
+    *("rack.bow", "rack.side_force", "rack.side_angle", "rack.travel"),
+    *("installation.gravity", "installation.gravity_angle", "installation.gravity_slope"),
+)
 GAIN = ("pinion.normal_module", "rack.tooth_angle")  # from lock to lock each gear turns by its own angle
 
 UNSUPPORTED = {
