@@ -285,18 +285,18 @@ def _along_equilibria(
     turned = drive if column is None else replace(drive, body="pinion")
     record = record_of_path(forces, path, turned)
     if column is not None and path.wheel.size:  # else the gear was lost on its way to the start
-        record = _seen_from_wheel(record, column, drive, -path.wheel[:, 0])
+        record = _seen_from_wheel(record, column, drive, -path.wheel)
     run = _finished(gear, maneuver, outcome, record, path, forces.friction_zone, options)
     if interrupted:
         raise Interrupted(run)
     return run
 
 
-def _seen_from_wheel(record: Record, column: SteeringColumn, drive: Drive, angle: np.ndarray) -> Record:
-    """The record of a pinion as that of the wheel before its column, at its angles (n,) [rad]."""
+def _seen_from_wheel(record: Record, column: SteeringColumn, drive: Drive, wheel: np.ndarray) -> Record:
+    """The record of a pinion as that of the wheel before its column, with its angles and rates (n, 2)."""
     if not isinstance(drive, WheelTorque):
         return behind_column(record, column, drive)
-    return under_torque(record, column, drive, angle)
+    return under_torque(record, column, drive, wheel)
 
 
 # --- common ----------------------------------------------------------------------------------------
