@@ -227,6 +227,8 @@ def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver, tolerance:
     or to show the drive's torque to a tolerance."""
     if run.outcome.status not in (Status.OK, Status.INVALID) or not run.signals:
         return False
+    if maneuver.drive.body == "wheel" and Code.WORK_MISSING in run.outcome.codes:
+        return True  # the gear is let go behind its column, faster than the steps
     if isinstance(maneuver.drive, Swing):
         cured = run.ok or NOT_CURED_BY_STEPS.isdisjoint(run.outcome.codes)
         return cured and rolls_over_late(run.signals, gear)
