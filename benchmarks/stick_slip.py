@@ -14,14 +14,18 @@ from matplotlib.ticker import LogLocator
 import rps_exudyn as rps
 from benchmarks.accuracy_speed.chart import in_decades
 from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.analysis.stick_slip import Oscillator, sticking_speed, sticks
+from rps_exudyn.analysis.friction_oscillator import Oscillator, sticking_speed, sticks
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
-from rps_exudyn.solvers.sliding_stability import one_inertia_damping, sliding_damping
+from rps_exudyn.solvers.sliding_stability import (
+    one_inertia_damping,
+    presliding_angle,
+    reduced_gear,
+    sliding_damping,
+)
 from verification.sliding_limit import measured_damping
 from verification.stick_slip import event_based, on_bristles, regularised
 

@@ -74,7 +74,7 @@ SLOW = (  # files, or single tests, in the folders above that are not quick
 LONG = (  # files, folders or single tests that the everyday set leaves out
     "benchmarks",
     "contract/test_limit_of_cpu_time.py",
-    "physics/test_accuracy_kept.py",
+    "physics/test_accuracy_check.py",
     "physics/test_accuracy_methods.py",
     "physics/test_accuracy_promise.py",
     "physics/test_plan_reference.py",

@@ -22,6 +22,7 @@ from rps_exudyn.tooth_contact.flank_line import (
     band_on_flank,
     bands,
     begin_side,
+    clip,
     first_tooth,
     formed_point,
     line_of,
@@ -44,7 +45,6 @@ from rps_exudyn.tooth_contact.flank_strip import (
     width,
     within_band,
 )
-from rps_exudyn.tooth_contact.plain_line import clip
 from rps_exudyn.tooth_contact.strip_limits import ends_of, watch_limits
 
 COARSE, GENERATORS = 28, 32  # for the few strips that are too wide for an expansion

@@ -16,9 +16,8 @@ from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.solvers.drive import Steady
-from rps_exudyn.solvers.reduced_gear import reduced_gear
 from rps_exudyn.solvers.settled_start import SteadyApproach
-from rps_exudyn.solvers.sliding_stability import PERIODS
+from rps_exudyn.solvers.sliding_stability import PERIODS, reduced_gear
 
 PER_PERIOD = 60  # steps in a natural period; of the periods of a run ...
 FIRST = 1  # ... those from this one on show the vibration

@@ -1,4 +1,4 @@
-"""Stick-slip of gear and steering column reduced to one inertia (`analysis.stick_slip`), by events.
+"""Stick-slip of gear and steering column reduced to one inertia (`analysis.friction_oscillator`), by events.
 
 `event_based` sticks or slips, and finds where one ends, by an integrator of variable step; a mass on a belt
 is the same motion seen from the mass. Own solutions: nothing of the package's kernels is in them.
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from rps_exudyn.analysis.stick_slip import Oscillator
+from rps_exudyn.analysis.friction_oscillator import Oscillator
 
 LEAST_SPEED = 0.01  # of the largest looked at
 BEGUN = 1e-9  # of a slip's time, in periods: before it the speed is not looked at

@@ -19,8 +19,8 @@ def explore(
         port: its port; 0 takes a free one.
         browser: open the page in the browser.
     """
-    from rps_exudyn.pages.explore.answer import answer
     from rps_exudyn.pages.explore.server import Explorer
+    from rps_exudyn.pages.explore.sliders import answer
 
     chosen = gear.load()
     if not host.strip():

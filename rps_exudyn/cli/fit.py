@@ -194,7 +194,7 @@ def _written_files(
         yield series
     if plot:
         from rps_exudyn.pages.charts import style
-        from rps_exudyn.pages.charts.fit import beliefs_figure, curves_figure
+        from rps_exudyn.pages.charts.inference import beliefs_figure, curves_figure
 
         figure = curves_figure(fit) or beliefs_figure(fit)
         if figure is not None:

@@ -37,7 +37,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import FrictionLaw, LoadedFrictionLaw
 from rps_exudyn.parameters.retired import read_choice
 from rps_exudyn.parameters.rig import Test, conflicts_of_test
-from rps_exudyn.parameters.wrong_values import Problem
+from rps_exudyn.parameters.wrong_values import WrongValue
 
 STEEPEST_LEAD = 0.01  # lead error over face width [rad]: the flanks' normals are those of the design to 1e-4
 
@@ -339,7 +339,7 @@ class SteeringGear(Table):
     def _stands_alone(self, path: str) -> bool:
         return not derived.is_involved(path) and super()._stands_alone(path)
 
-    def conflicts(self) -> Iterator[Problem]:
+    def conflicts(self) -> Iterator[WrongValue]:
         """Yield parameters that do not fit each other."""
         return _conflicts(self)
 
@@ -357,55 +357,55 @@ class SteeringGear(Table):
         return f"<b>SteeringGear</b>, {'by default but for' if rows else 'all as by default'}<ul>{rows}</ul>"
 
 
-def _conflicts(gear: SteeringGear) -> Iterator[Problem]:
+def _conflicts(gear: SteeringGear) -> Iterator[WrongValue]:
     """Parameters that are each fine alone, but not together."""
     yield from conflicts_of_test(gear.test)
     bush, rack, yoke, pinion = gear.bush, gear.rack, gear.yoke, gear.pinion
     if pinion.shaft_length < pinion.face_width:
-        yield Problem(
+        yield WrongValue(
             ("pinion.shaft_length", "pinion.face_width"),
             f"pinion.shaft_length is {mm(pinion.shaft_length)}; it carries the whole gear and must be "
             f"at least as long as pinion.face_width = {mm(pinion.face_width)}.",
         )
     if abs(pinion.lead_error) > STEEPEST_LEAD * pinion.face_width:
-        yield Problem(
+        yield WrongValue(
             ("pinion.lead_error", "pinion.face_width"),
             f"pinion.lead_error is {mm(pinion.lead_error)}; over pinion.face_width = {mm(pinion.face_width)} "
             f"it must be at most {mm(STEEPEST_LEAD * pinion.face_width)} either way.",
         )
     if bush.inner_diameter >= bush.outer_diameter:
-        yield Problem(
+        yield WrongValue(
             ("bush.inner_diameter", "bush.outer_diameter"),
             f"bush.inner_diameter is {mm(bush.inner_diameter)}; it must be smaller than "
             f"bush.outer_diameter = {mm(bush.outer_diameter)}.",
         )
     if rack.bar_diameter >= bush.inner_diameter:
-        yield Problem(
+        yield WrongValue(
             ("rack.bar_diameter", "bush.inner_diameter"),
             f"rack.bar_diameter is {mm(rack.bar_diameter)}; the bar must pass through "
             f"bush.inner_diameter = {mm(bush.inner_diameter)}.",
         )
     tip_height = rack.reference_height + gear.basic_rack.addendum * gear.pinion.normal_module
     if tip_height >= rack.bar_diameter / 2:
-        yield Problem(
+        yield WrongValue(
             ("rack.reference_height", "rack.bar_diameter", "basic_rack.addendum", "pinion.normal_module"),
             f"rack.reference_height is {mm(rack.reference_height)}; with the addendum the teeth reach "
             f"{mm(tip_height)} above the bar's axis, which must be less than its radius "
             f"{mm(rack.bar_diameter / 2)}.",
         )
     if yoke.plunger_diameter <= rack.bar_diameter * 0.8:
-        yield Problem(
+        yield WrongValue(
             ("yoke.plunger_diameter", "rack.bar_diameter"),
             f"yoke.plunger_diameter is {mm(yoke.plunger_diameter)}; a seat for the bar needs more than "
             f"{mm(rack.bar_diameter * 0.8)}.",
         )
     if rack.travel >= rack.length:
-        yield Problem(
+        yield WrongValue(
             ("rack.travel", "rack.length"),
             f"rack.travel is {mm(rack.travel)}; it must be shorter than rack.length = {mm(rack.length)}.",
         )
     elif bush.distance > (farthest := rack.length - bush.length - rack.travel / 2):
-        yield Problem(
+        yield WrongValue(
             ("bush.distance", "bush.length", "rack.travel", "rack.length"),
             f"bush.distance is {mm(bush.distance)}; it must be at most {mm(farthest)}, or the rack "
             "leaves the bush within half its travel.",

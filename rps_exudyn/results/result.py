@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 MOST_NUMBERS = 6  # of the summary that a printed result shows
-DRAWING = "rps_exudyn.pages.charts.scene:draw"  # looked up when a result is drawn: charts stand above results
+DRAWING = "rps_exudyn.pages.charts.scene_figures:draw"  # looked up when drawn: charts stand above results
 
 FILETYPE = "rps_exudyn-result"
 VERSION = (1, 4)
@@ -236,7 +236,7 @@ def failed(
 
 
 def read_result(path: str | Path) -> Result:
-    """Read the result in an HDF5 file of its own; `study.blocks.load` reads cases in blocks, too.
+    """Read the result in an HDF5 file of its own; `study.case_blocks.load` reads cases in blocks, too.
 
     Raises:
         InputError: no such file, not a result of this package, damaged, or of a newer format.

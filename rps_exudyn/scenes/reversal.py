@@ -6,12 +6,12 @@ Steering is fastest, at the test's speed, where it passes the middle; it stands 
 from rps_exudyn.analysis.hysteresis import describe_reversal
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.figures import figures_of_motion
+from rps_exudyn.scenes.confirmation import run_swing
 from rps_exudyn.scenes.maneuver import swing_maneuver
+from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.remarks import remarks, wide_zone
 from rps_exudyn.scenes.scene import RunOptions, Scene, swept_revolutions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.scenes.swing import run_swing
 
 WIDEST_ZONE = 0.002  # reversal_angle within 3 % of the limit of no zone
 

@@ -1,4 +1,4 @@
-"""Make a maneuver: by dynamics in Exudyn, by equilibria, or by formula, as the fidelity says.
+"""Make a maneuver: by dynamics in Exudyn, by equilibria, or by formula, by the fidelity's choice.
 
     run = run_maneuver(gear, fidelity, maneuver)
 
@@ -41,7 +41,7 @@ from rps_exudyn.solvers.settled_start import settled_behind, settled_path
 from rps_exudyn.solvers.settling import TOLERANCE
 from rps_exudyn.solvers.steering_column import (
     BehindColumn,
-    SteeringColumn,
+    ColumnModel,
     WheelTorque,
     behind_column,
     under_torque,
@@ -259,7 +259,7 @@ def _along_equilibria(
     gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions
 ) -> SceneRun:
     forces, drive = gear_forces(gear, fidelity, maneuver.rack_load), maneuver.drive
-    column = SteeringColumn.of(gear) if drive.body == "wheel" else None
+    column = ColumnModel.of(gear) if drive.body == "wheel" else None
     start, interrupted = process_time(), False
     pair, approach, time = GearPair.of(gear), maneuver.approach, maneuver.time
     inertia = (0.0, 0.0) if isinstance(drive, Steady) else following_inertia(gear)
@@ -294,7 +294,7 @@ def _along_equilibria(
     return run
 
 
-def _seen_from_wheel(record: Record, column: SteeringColumn, drive: Drive, wheel: np.ndarray) -> Record:
+def _seen_from_wheel(record: Record, column: ColumnModel, drive: Drive, wheel: np.ndarray) -> Record:
     """The record of a pinion as that of the wheel before its column, with its angles and rates (n, 2)."""
     if not isinstance(drive, WheelTorque):
         return behind_column(record, column, drive)

@@ -6,16 +6,16 @@ comes and goes before the gear moves again. Equilibria take the column as a spri
 vibration of the gear behind it as well.
 """
 
-from rps_exudyn.analysis.steering_feel import describe_feel
+from rps_exudyn.analysis.wheel_metrics import describe_feel
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.figures import figures_of_motion
+from rps_exudyn.scenes.confirmation import run_swing
 from rps_exudyn.scenes.maneuver import YIELDING, swing_maneuver
+from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.remarks import remarks, wide_zone
 from rps_exudyn.scenes.reversal import WIDEST_ZONE
 from rps_exudyn.scenes.scene import RunOptions, Scene, swept_revolutions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.scenes.swing import run_swing
 from rps_exudyn.solvers.closed_form import closed_form
 
 

@@ -10,19 +10,18 @@ quarter of a cycle: the wheel moves off where it overcomes the friction.
 
 import numpy as np
 
-from rps_exudyn.analysis.steering_feel import describe_breakaway, describe_steering_torque
+from rps_exudyn.analysis.wheel_metrics import describe_breakaway, describe_steering_torque
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
-from rps_exudyn.scenes.confirmation import run_and_confirm
-from rps_exudyn.scenes.figures import figures_of_motion
+from rps_exudyn.scenes.confirmation import run_and_confirm, run_swing
 from rps_exudyn.scenes.maneuver import Maneuver, check_travel
+from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.remarks import remarks, wide_zone
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.scenes.swing import run_swing
 from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.steering_column import GrowingTorque, TyreSpring, WheelTorque
 

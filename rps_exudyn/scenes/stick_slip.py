@@ -3,8 +3,8 @@
 The column twists until static friction is overcome, which is the breakaway. If friction falls with speed the
 gear may come to rest again, and again. The record begins at rest and goes on for so many cycles; figures are
 those of its later half. Beside them stands what is predicted: the speed below which the reduced gear goes on
-sticking (`analysis.stick_slip`), and the damping of the column below which steady sliding is unstable
-(`solvers.sliding_stability`).
+sticking (`analysis.friction_oscillator`), and the damping of the column below which steady sliding is
+unstable (`solvers.sliding_stability`).
 
 Near that speed little damping decides whether vibration dies away or stays, and time steps add some of their
 own. There the motion is made again in half the steps until that changes nothing.
@@ -15,22 +15,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from rps_exudyn.analysis.stick_slip import describe_stick_slip, sticking_speed, unstable_speed
+from rps_exudyn.analysis.friction_oscillator import describe_stick_slip, sticking_speed, unstable_speed
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.confirmation import run_and_confirm
-from rps_exudyn.scenes.figures import balance
 from rps_exudyn.scenes.maneuver import Maneuver, check_travel
+from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import remarks, wide_zone
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.drive import SetOff
-from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
-from rps_exudyn.solvers.sliding_stability import sliding_damping
+from rps_exudyn.solvers.sliding_stability import presliding_angle, reduced_gear, sliding_damping
 
 PER_PERIOD = 40  # steps in a natural period of gear and column
 CYCLES = 12  # of sticking and slipping that are recorded, and more where little damps

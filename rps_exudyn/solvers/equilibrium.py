@@ -27,7 +27,7 @@ from rps_exudyn.solvers.follower import NO_COLUMN, RIGID, add_column_to, follow
 from rps_exudyn.solvers.gear_model import OUTPUTS
 from rps_exudyn.solvers.rescue import JUMP, Settling, beginning, search
 from rps_exudyn.solvers.settling import SETTLING_STEPS, TOLERANCE, TYPICAL_APPROACH
-from rps_exudyn.solvers.steering_column import BehindColumn, SteeringColumn, WheelTorque
+from rps_exudyn.solvers.steering_column import BehindColumn, ColumnModel, WheelTorque
 
 PIECE = 2000  # instants followed at once: Ctrl-C is heard between them
 MAX_RESCUES = 50  # or as many as instants are asked for
@@ -199,7 +199,7 @@ def equilibrium_path(
     drive: Drive,
     time: np.ndarray,
     led: EquilibriumPath | None = None,
-    column: SteeringColumn | None = None,
+    column: ColumnModel | None = None,
 ) -> EquilibriumPath:
     """Follow the equilibria at rising times [s] of a drive's motion.
 
@@ -254,7 +254,7 @@ class _Following:
         drive: Drive,
         time: np.ndarray,
         led: EquilibriumPath | None,
-        column: SteeringColumn | None,
+        column: ColumnModel | None,
     ) -> "_Following":
         """Begin with the guess for the first instant, or behind a path that leads along the first ones."""
         rows = _Rows.along(balance, pair, drive, time, column)
@@ -427,11 +427,11 @@ class _Rows:
     outputs: np.ndarray  # of all parts
     kept: np.ndarray  # (n, 2, .) state of the bristles
     hand: np.ndarray  # torque on the wheel [N m]
-    column: SteeringColumn | None
+    column: ColumnModel | None
 
     @classmethod
     def along(
-        cls, balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray, column: SteeringColumn | None
+        cls, balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray, column: ColumnModel | None
     ) -> "_Rows":
         """The driven coordinate at its places, all others at zero."""
         n, t = balance.size + (column is not None), len(time)

@@ -24,7 +24,7 @@ from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS, check_f
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.retired import choice_instead
 from rps_exudyn.solvers.balance import Balance, new_work
-from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar, bent_bar
+from rps_exudyn.solvers.bent_rack import ALONG_BAR, ON_BAR, BentBar, bent_bar
 from rps_exudyn.solvers.gear_model import GEAR, LAWS, outputs_along, parts_of
 from rps_exudyn.solvers.settling import static_approach
 from rps_exudyn.solvers.sphere_groups import by_touching_angle, standing_out
@@ -230,7 +230,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
 
 
 @dataclass(frozen=True)
-class Mesh:
+class ModelledMesh:
     """The contact of the teeth as modelled."""
 
     law: str  # of `gear_model.LAWS`
@@ -257,7 +257,9 @@ def rack_weight(gear: SteeringGear) -> np.record:
     return external_load.weight(bar.mass, gear.installation.gravity, float(bar.centre_of_mass[0]))
 
 
-def mesh_of(gear: SteeringGear, fidelity: Fidelity, zone: float, patches: Patches | None = None) -> Mesh:
+def mesh_of(
+    gear: SteeringGear, fidelity: Fidelity, zone: float, patches: Patches | None = None
+) -> ModelledMesh:
     """Return the contact of the teeth as the fidelity models it; of general contact its compiled samples.
 
     Raises:
@@ -270,10 +272,10 @@ def mesh_of(gear: SteeringGear, fidelity: Fidelity, zone: float, patches: Patche
         made["flank"] = pack(gear, zone=zone, along=along, across=across, patches=patches)
         if gear.mesh.law == "teeth":
             made["teeth"] = teeth_data(gear, made["flank"][0])
-        return Mesh(gear.mesh.law, made, limits)
+        return ModelledMesh(gear.mesh.law, made, limits)
     spheres = spheres_of(gear, fidelity, zone)
     # one deeper than its radius passes through GeneralContact's triangles unnoticed
-    return Mesh("spheres", made, {"mesh_penetration": spheres.radius / 2}, spheres)
+    return ModelledMesh("spheres", made, {"mesh_penetration": spheres.radius / 2}, spheres)
 
 
 def spheres_of(gear: SteeringGear, fidelity: Fidelity, zone: float) -> SampledContactData:
@@ -291,7 +293,7 @@ def _ideal_spheres(gear: SteeringGear, fidelity: Fidelity, zone: float) -> Sampl
     return spheres_of(_without_errors(gear), fidelity, zone)
 
 
-def ideal_mesh(mesh: Mesh) -> np.ndarray:
+def ideal_mesh(mesh: ModelledMesh) -> np.ndarray:
     """Return the record of the gear's mesh without friction and runout, shape (1,); without spheres."""
     made = mesh.record.copy()
     if mesh.spheres is None:

@@ -62,8 +62,7 @@ from rps_exudyn.solvers.bent_rack import (
     fill_pose_by_bar,
 )
 from rps_exudyn.tooth_contact import wrench
-from rps_exudyn.tooth_contact.laws import line_law, sphere_law, teeth_law
-from rps_exudyn.tooth_contact.mesh_record import MESH, SCRATCH
+from rps_exudyn.tooth_contact.laws import MESH, SCRATCH, line_law, sphere_law, teeth_law
 
 # Parts in the order of their outputs
 PARTS = (

@@ -21,12 +21,12 @@ from rps_exudyn.forces.force_element import (
     stacked,
 )
 from rps_exudyn.forces.memory import PLACES, TIME
-from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar
+from rps_exudyn.solvers.bent_rack import ALONG_BAR, ON_BAR, BentBar
 from rps_exudyn.solvers.drive import OVERCOME, Drive, DrivenBody
 from rps_exudyn.solvers.equilibrium import SETTLED, EquilibriumPath, Start
 from rps_exudyn.solvers.gear_forces import GearForces
 from rps_exudyn.solvers.gear_model import COLUMNS
-from rps_exudyn.solvers.steering_column import SteeringColumn, TyreSpring, driven_rate, of_column
+from rps_exudyn.solvers.steering_column import ColumnModel, TyreSpring, driven_rate, of_column
 
 WORK = {
     "work_mesh_friction",
@@ -71,7 +71,7 @@ class Record:
     start: Start = SETTLED  # how far it depends on how the gear came there
     begun: np.ndarray | None = None  # (n, .) state of the bristles at the start of the steps that end here
     wheel: np.ndarray | None = None  # (n, 2) angle and rate of the wheel, where the rig turns it [rad, rad/s]
-    column: SteeringColumn | None = None  # behind it
+    column: ColumnModel | None = None  # behind it
     tyre: TyreSpring | None = None  # at the rack, where a torque turns the wheel
     known: np.ndarray | None = None  # (n, .) outputs of all parts, if they are known already
 

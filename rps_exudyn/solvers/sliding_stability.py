@@ -1,28 +1,30 @@
 """The damping of the column below which steady sliding is unstable, of one inertia and of the whole gear.
 
-The limits of `analysis.stick_slip` know one inertia. A rack yields sideways and rolls as it vibrates, and
-friction across the sliding damps that: less damping of the column is enough. How much less, the whole gear
-says, its forces linearised about steady sliding; nothing is integrated. Bristles count as Stribeck's law in
-this difference, and by their own margin in the limit itself.
+The limits of `analysis.friction_oscillator` hold for one inertia. A rack yields sideways and rolls as it
+vibrates, and friction across the sliding damps that: less damping of the column is enough. How much less
+follows from the forces of the whole gear, linearised about steady sliding; nothing is integrated. Bristles
+count as Stribeck's law in this difference, and by their own margin in the limit itself.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 from scipy.optimize import brentq
 
+from rps_exudyn.analysis.friction_oscillator import Oscillator, Rubbing
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
-from rps_exudyn.parameters.friction_law import RUBBING_PARTS
+from rps_exudyn.parameters.friction_law import RUBBING_PARTS, FrictionLaw
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import SIZE, eigenvalues, slopes
+from rps_exudyn.solvers.closed_form import closed_form
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
-from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
 from rps_exudyn.solvers.settled_start import SteadyApproach, settled_path
 
 PERIODS = 9  # natural periods over which the gear is linearised
@@ -135,3 +137,60 @@ def _condensed(fidelity: Fidelity) -> Fidelity:
     """The same with a bush that has no coordinates of its own, and teeth whose contact is smooth."""
     coarse = {"bush": "condensed"} if "chain" in fidelity.bush else {}
     return fidelity.replace(coarse | ({"mesh": "flank"} if fidelity.mesh == "general-contact" else {}))
+
+
+# --- The gear behind its steering column, reduced to one inertia on a spring, with the friction of its parts.
+# Pinion and rack turn together at the gear's gain. What each part takes is the closed form's; it slides with
+# its lever times the pinion's speed: the teeth with the levers of their friction along the path of contact,
+# evenly loaded, plunger and bush with the rack, the bearing with the shaft.
+
+LEVERS = 5  # Gauss points along the path of contact
+
+
+def reduced_gear(gear: SteeringGear) -> Oscillator:
+    """Return the reduced model of a gear and its column; parts by law coulomb are no larger at rest."""
+    gain, (pinion, rack) = float(GearPair.of(gear).gain), following_inertia(gear)
+    parts = tuple(_part(law, torque, lever) for law, torque, lever in _parts(gear))
+    column = gear.column
+    return Oscillator(pinion + rack * gain**2, column.stiffness, column.damping, parts)
+
+
+def presliding_angle(gear: SteeringGear) -> float:
+    """Return the pinion angle over which bristles turn about [rad], the mean over the parts weighed with
+    their friction; 0 without bristles."""
+    parts = [(law, torque, lever) for law, torque, lever in _parts(gear) if torque > 0 and lever > 0]
+    yielding = [torque * law.bristle_travel / lever for law, torque, lever in parts if law.facts.has_state]
+    whole = sum(torque for _, torque, _ in parts)
+    return float(np.sum(yielding) / whole) if whole else 0.0
+
+
+def _parts(gear: SteeringGear) -> list[tuple[FrictionLaw, float, float]]:
+    """Law, torque [N m] and lever [m] of what rubs."""
+    formulas, pair = closed_form(gear), GearPair.of(gear)
+    mean, gain = formulas.towards(gear.test.direction), float(pair.gain)
+    node, weight = leggauss(LEVERS)
+    first, last = pair.active_path
+    levers = friction_levers(pair, first + (last - first) * (1 + node) / 2)
+    shares = weight * levers / (weight @ levers)
+    return [
+        *(
+            (gear.mesh, mean.mesh_loss * float(f), float(lever))
+            for f, lever in zip(shares, levers, strict=True)
+        ),
+        (gear.yoke, mean.plunger_loss, gain),
+        (gear.bush, mean.bush_loss, gain),
+        (gear.bearing, mean.bearing_loss, gear.pinion.shaft_diameter / 2),
+    ]
+
+
+def friction_levers(pair: GearPair, place: np.ndarray) -> np.ndarray:
+    """Return sliding speed over pinion speed at places on the path of contact, from the pitch point (n,) [m]:
+    l^2 = l_s^2 + q^2 + 2 q l_s sin(alpha_t) sin(beta_p), as in `closed_form.mean_lever`."""
+    along = -pair.reference_radius * np.sin(pair.delta) / np.cos(pair.beta_r)
+    turned = np.sin(pair.alpha_t) * np.sin(pair.beta_p)
+    return np.asarray(np.sqrt(along**2 + place**2 + 2 * place * along * turned))
+
+
+def _part(law: FrictionLaw, torque: float, lever: float) -> Rubbing:
+    ratio = law.static_ratio if law.facts.falls else 1.0
+    return Rubbing(max(torque, 0.0), ratio, law.stribeck_speed / max(lever, 1e-9), law.stribeck_exponent)

@@ -24,7 +24,7 @@ Angle = np.ndarray | float
 
 
 @dataclass(frozen=True)
-class SteeringColumn:
+class ColumnModel:
     """Inertia, joint and spring between hand and pinion."""
 
     inertia: float  # of the wheel [kg m^2]
@@ -34,7 +34,7 @@ class SteeringColumn:
     phase: float  # of its wheel-side yoke at wheel angle 0 [rad]
 
     @classmethod
-    def of(cls, gear: SteeringGear) -> "SteeringColumn":
+    def of(cls, gear: SteeringGear) -> "ColumnModel":
         """Return the column of a gear."""
         given = gear.column
         return cls(given.wheel_inertia, given.stiffness, given.damping, given.joint_angle, given.joint_phase)
@@ -70,7 +70,7 @@ class BehindColumn(Drive):
     """The pinion's motion behind a column of constant twist."""
 
     wheel: Drive
-    column: SteeringColumn
+    column: ColumnModel
     twist: float = 0.0  # [rad]
 
     def place(self, time: np.ndarray | float) -> np.ndarray:
@@ -90,7 +90,7 @@ class BehindColumn(Drive):
         )
 
 
-def pinion_at_start(wheel: Drive, column: SteeringColumn, twist: float) -> Drive:
+def pinion_at_start(wheel: Drive, column: ColumnModel, twist: float) -> Drive:
     """Return the pinion's motion at the start of the wheel's: behind a twist [rad], or at rest."""
     if isinstance(wheel, SetOff):
         return Steady("pinion", float(column.output(wheel.start)) - twist, 0.0)
@@ -197,9 +197,9 @@ def of_column(record: "Record") -> dict[str, np.ndarray]:
     }
 
 
-def under_torque(record: "Record", column: SteeringColumn, drive: WheelTorque, wheel: np.ndarray) -> "Record":
-    """Return the record of a pinion as that of the wheel that a torque turns, with its angles and rates (n, 2)
-    [rad, rad/s]."""
+def under_torque(record: "Record", column: ColumnModel, drive: WheelTorque, wheel: np.ndarray) -> "Record":
+    """Return the record of a pinion as that of the wheel that a torque turns, with its angles and
+    rates (n, 2) [rad, rad/s]."""
     return replace(
         record,
         drive=drive.torque(record.time),
@@ -210,7 +210,7 @@ def under_torque(record: "Record", column: SteeringColumn, drive: WheelTorque, w
     )
 
 
-def behind_column(record: "Record", column: SteeringColumn, wheel: Drive) -> "Record":
+def behind_column(record: "Record", column: ColumnModel, wheel: Drive) -> "Record":
     """Return the record of a driven pinion as that of the wheel whose motion leads to it."""
     angle, rate = wheel.place(record.time), wheel.rate(record.time)
     torque = column.ratio(angle) * record.drive + column.inertia * wheel.acceleration(record.time)

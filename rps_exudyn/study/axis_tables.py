@@ -10,7 +10,7 @@ from rps_exudyn.base.units import short, shown, to_si
 from rps_exudyn.parameters.declaration import Declared
 from rps_exudyn.parameters.distribution import KINDS
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
-from rps_exudyn.study.description import Axis, Value
+from rps_exudyn.study.definition import Axis, Value
 from rps_exudyn.study.toml_keys import Keys
 
 SHAPES = ("values", "linspace", "logspace")

@@ -37,11 +37,9 @@ from rps_exudyn.results.block import Keep
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.axis_tables import check_twice, read_axes
-from rps_exudyn.study.definition import FIDELITY, Study, choices
-from rps_exudyn.study.description import DESIGNS, GRID_DESIGN, UNCERTAIN_DESIGN, Axis
-from rps_exudyn.study.designs import ends
+from rps_exudyn.study.definition import DESIGNS, FIDELITY, GRID_DESIGN, UNCERTAIN_DESIGN, Axis, Study, choices
+from rps_exudyn.study.designs import ends, uncertain_axes
 from rps_exudyn.study.toml_keys import Keys
-from rps_exudyn.study.uncertain_axes import uncertain_axes
 
 MODEL_KEYS = ("scene", "gear", "fidelity", "accuracy", "set")
 DESIGN_KEYS = ("axis", "design", "samples", "seed", "inputs")

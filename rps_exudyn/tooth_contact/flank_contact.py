@@ -6,7 +6,7 @@
          |   /    /     |      \\    \\             surface), or where the depth falls to zero; stations
        --+--/----/------|-------\\----\\-- Z      lean as the ends do
          | /    /       |        \\  |       breakpoints: where another limit cuts a corner off
-         |/____/________|_________\\_|
+         |/____/________|_________\\_|             and, where axes are nearly parallel, where sliding turns
 
 No search is needed for the teeth of both sides: psi* gives q*(Z) of every tooth, and the flank is where
 q_form <= q <= q_tip. The law "line": load per length of line = line_stiffness * (depth + damping * its rate)
@@ -29,9 +29,13 @@ from rps_exudyn.tooth_contact.flank_line import (
     begin_side,
     first_tooth,
     formed_point,
+    is_plain,
     line_of,
     note_line_load,
+    plain_ends,
+    plain_point,
     side_of,
+    slowest_place,
 )
 from rps_exudyn.tooth_contact.flank_strip import (
     crest_of,
@@ -40,8 +44,7 @@ from rps_exudyn.tooth_contact.flank_strip import (
     touching,
     within_band,
 )
-from rps_exudyn.tooth_contact.plain_line import is_plain, plain_ends, plain_point
-from rps_exudyn.tooth_contact.strip_limits import ends_of, watch_limits
+from rps_exudyn.tooth_contact.strip_limits import ends_of, insert_break, watch_limits
 from rps_exudyn.tooth_contact.wrench import WRENCH_SIZE
 
 
@@ -100,11 +103,19 @@ def _plain_line(line, side, data, work, slopes):  # type: ignore[no-untyped-def]
     low, high = plain_ends(line, 0.0, side, data)
     if not low < high:
         return 0.0
-    for k in range(data.stations):
-        z = low + (high - low) * data.along[0, 0, k]
-        length = (high - low) * data.along[0, 1, k] / data.cos_base_helix
-        p_r, p_t, q, depth = plain_point(z, line, side, data)
-        _press_line(depth, length, p_r, p_t, q, z, side, data, work, slopes)
+    middle = low
+    if data.breaks_sliding:
+        z = slowest_place(line, side, data)
+        if low < z < high:
+            middle = z
+    for from_, to in ((low, middle), (middle, high)):
+        if not from_ < to:
+            continue
+        for k in range(data.stations):
+            z = from_ + (to - from_) * data.along[0, 0, k]
+            length = (to - from_) * data.along[0, 1, k] / data.cos_base_helix
+            p_r, p_t, q, depth = plain_point(z, line, side, data)
+            _press_line(depth, length, p_r, p_t, q, z, side, data, work, slopes)
     return max(line.d_0 + line.d_1 * low, line.d_0 + line.d_1 * high)
 
 
@@ -124,6 +135,8 @@ def _line_in_band(band, line, side, data, work, slopes):  # type: ignore[no-unty
     _, count, _, _ = watch_limits(strip, ends, 0.0, low_ends, high_ends, cuts, breaks)
     if count == 0:  # limits leave nothing, and no breaks
         return 0.0
+    if data.breaks_sliding:
+        count = insert_break(slowest_place(line, side, data), breaks, count)
     for i in range(count - 1):
         z_0, length = breaks[i], breaks[i + 1] - breaks[i]
         for k in range(data.stations):  # the load fades out linearly, which the plain rule integrates exactly

@@ -16,8 +16,7 @@ from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.gear import SteeringGear
 
 ALONG, ACROSS = 4, 2  # Gauss points: stations in each segment of a line, nodes across the strip
-
-
+TURNS_ABOUT = 0.25  # smallest over mean sliding below which the friction turns within the stations' distance
 MOST_POINTS = 12  # of a rule, as `fidelity.strip_stations` and `strip_points` allow
 
 FLANK = record_type(
@@ -60,6 +59,7 @@ FLANK = record_type(
         ("friction", "f8"),
         ("zone", "f8"),
         ("law", LAW),
+        ("breaks_sliding", "i8"),  # whether lines are integrated in two pieces where sliding turns about
         ("line_stiffness", "f8"),  # > 0: this law instead of the pressure
         # integration
         ("stations", "i8"),  # along a segment of a line
@@ -136,6 +136,7 @@ def pack(
         zone=sliding_zone(gear) if zone is None else zone,
         # half the preload on each side of the teeth
         law=law_of(mesh, patches or Patches(), count=2, usual_load=gear.yoke.preload / abs(2 * normal[1])),
+        breaks_sliding=pair.slowest_sliding < TURNS_ABOUT,
         line_stiffness=line_stiffness(gear) if mesh.law == "line" else 0.0,
         stations=along,
         points=across,

@@ -20,7 +20,7 @@ from rps_exudyn.tooth_contact.flank_strip import (
 )
 
 LIMITS = 7  # one for each of the six rows, but two for the bar, which ends the line on both sides
-BREAKS = 2 + 2 * LIMITS + LIMITS * (LIMITS - 1) // 2
+BREAKS = 3 + 2 * LIMITS + LIMITS * (LIMITS - 1) // 2
 SHORT = 0.006  # fraction of the strip's length that is no segment of its own
 CRUDE = 0.3  # relative size of a nonlinear term at a cut, beyond which its breaks are only hints
 LEANING = 0.5  # change of the lean between the ends, over the length: at most (the strip must not fold)
@@ -156,10 +156,10 @@ def _sort_breaks(cuts, watched, low, high, breaks):  # type: ignore[no-untyped-d
     breaks[0], breaks[1] = low, high
     count = 2
     for i in range(watched):
-        count = _insert(cuts[i, 2], breaks, count)
-        count = _insert(cuts[i, 3], breaks, count)
+        count = insert_break(cuts[i, 2], breaks, count)
+        count = insert_break(cuts[i, 3], breaks, count)
         for j in range(i):
-            count = _insert(_corner(cuts, i, j), breaks, count)
+            count = insert_break(_corner(cuts, i, j), breaks, count)
     return count
 
 
@@ -174,7 +174,7 @@ def crossing(strip, row, z):  # type: ignore[no-untyped-def]
 
 
 @inline
-def _insert(z, breaks, count):  # type: ignore[no-untyped-def]
+def insert_break(z, breaks, count):  # type: ignore[no-untyped-def]
     """Sort z into `breaks` if it lies between the ends and not too close to another; the new count."""
     near = SHORT * (breaks[count - 1] - breaks[0])
     if not breaks[0] + near < z < breaks[count - 1] - near:

@@ -15,7 +15,7 @@ from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.simulate.checked_run import run_unchecked
 from rps_exudyn.solvers.balance import Balance
-from rps_exudyn.solvers.steering_column import SteeringColumn
+from rps_exudyn.solvers.steering_column import ColumnModel
 from verification.behind_column import Behind, Wheel, figures
 from verification.stability import ScenePlan
 
@@ -42,7 +42,7 @@ def alone(turned: float) -> Behind:
     """An inertia without a gear behind a column whose wheel was turned by an angle [rad]."""
     return Behind(
         wheel=Wheel(lambda time: np.full_like(time, turned), np.zeros_like),
-        column=SteeringColumn(0.04, STIFFNESS, 0.0, 0.0, 0.0),
+        column=ColumnModel(0.04, STIFFNESS, 0.0, 0.0, 0.0),
         balance=cast(Balance, NoForces()),
         mass=np.diag([INERTIA, *[1.0] * 7]),
         moving=np.arange(8),

@@ -7,7 +7,7 @@ import pytest
 from numba import njit
 
 import rps_exudyn as rps
-from rps_exudyn.analysis.stick_slip import Oscillator, Rubbing
+from rps_exudyn.analysis.friction_oscillator import Oscillator, Rubbing
 from rps_exudyn.base.compiled import record
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.friction import ACROSS, ALONG, KINDS, LAW, LOAD, bristle, clear, stored

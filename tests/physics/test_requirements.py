@@ -13,7 +13,7 @@ from rps_exudyn.assessment.requirements.sheet import Judged, judge, weight_for_r
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.tooth_strength import pinion_form
 from rps_exudyn.inference.uncertainty.band import Band
-from rps_exudyn.parameters.carried import carried
+from rps_exudyn.inference.uncertainty.input_sets import carried
 from rps_exudyn.parameters.fidelity import FOR_MEANS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import load_test, mean_state

@@ -14,7 +14,7 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.solvers import equilibrium
 from rps_exudyn.solvers.closed_form import closed_form
-from rps_exudyn.solvers.steering_column import SteeringColumn
+from rps_exudyn.solvers.steering_column import ColumnModel
 from verification.sampler import random_gear
 
 FRICTION, TYRES, PEAK = 0.4, 200e3, 4.0
@@ -89,7 +89,7 @@ def test_wheel_behind_a_joint_carries_the_hand() -> None:
     """Power passes the joint: its ratio at the wheel's angle times the pinion's torque is the hand's, and
     the column twists under that torque; to the tolerance of equilibria, 1e-3 N at a centimetre."""
     gear = GEAR.replace({"column.joint_angle": "30 deg", "column.damping": 0.0})
-    column, result = SteeringColumn.of(gear), rps.run("steering-torque", gear, fidelity="quasi-static")
+    column, result = ColumnModel.of(gear), rps.run("steering-torque", gear, fidelity="quasi-static")
     assert result.status is Status.OK, result.message
     angle, torque = result["wheel_angle"], result["pinion_torque"]
     assert column.ratio(angle) * torque == pytest.approx(result["wheel_torque"], abs=5e-5)
@@ -180,7 +180,7 @@ def test_instants_between_those_of_the_test_are_left_out(monkeypatch: pytest.Mon
     steps = np.diff(result["time"])
     assert steps == pytest.approx(steps[0], rel=1e-9)
     # each angle of the wheel twists the column by the hand's torque
-    column = SteeringColumn.of(gear)
+    column = ColumnModel.of(gear)
     twist = column.output(result["wheel_angle"]) - result["pinion_angle"]
     torque = result["wheel_torque"] / column.ratio(result["wheel_angle"])
     settled = column.stiffness * twist + column.damping * np.gradient(twist, result["time"])

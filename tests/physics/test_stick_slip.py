@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import rps_exudyn as rps
-from rps_exudyn.analysis.stick_slip import (
+from rps_exudyn.analysis.friction_oscillator import (
     Oscillator,
     Rubbing,
     describe_stick_slip,
@@ -23,8 +23,13 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.stick_slip import predictions
 from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
-from rps_exudyn.solvers.sliding_stability import masses, one_inertia_damping, sliding_damping
+from rps_exudyn.solvers.sliding_stability import (
+    masses,
+    one_inertia_damping,
+    presliding_angle,
+    reduced_gear,
+    sliding_damping,
+)
 from verification.runge_kutta import FreeMotion
 from verification.sliding_limit import growth, measured_damping
 from verification.stick_slip import event_based, largest_sticking_speed, regularised

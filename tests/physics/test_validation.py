@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rps_exudyn.assessment.validation.comparison import Comparison, Simulated, compare_rows
+from rps_exudyn.assessment.validation.compared_rows import ComparedRow, Simulated, compare_rows
 from rps_exudyn.assessment.validation.row import SHIPPED, read_rows
 from rps_exudyn.assessment.validation.verdict import Verdict, verdict, verdict_on_limit
 from shell import Command
@@ -46,7 +46,7 @@ def test_uncertainty_is_the_root_of_the_sum_of_squares() -> None:
     """And a manual's range counts as even over its width: 0.4 / sqrt(12)."""
     row = ROWS["attrage-rotation"]
     assert row.data.uncertainty == pytest.approx(0.7 / 12**0.5)
-    made = Comparison(replace(row, data=replace(row.data, uncertainty=6.0)), _simulated(2.0, 3.0))
+    made = ComparedRow(replace(row, data=replace(row.data, uncertainty=6.0)), _simulated(2.0, 3.0))
     assert made.uncertainty == pytest.approx(7.0)
     assert made.error == pytest.approx(1.0 - 0.95)
 

@@ -12,10 +12,9 @@ import pytest
 from playwright import sync_api
 
 import rps_exudyn as rps
-from rps_exudyn.pages.explore import answer as answers
-from rps_exudyn.pages.explore.answer import answer
+from rps_exudyn.pages.explore import sliders as answers
 from rps_exudyn.pages.explore.server import Explorer
-from rps_exudyn.pages.explore.sliders import SLIDERS, Slider, settings_of
+from rps_exudyn.pages.explore.sliders import SLIDERS, Slider, answer, settings_of
 from watched_page import watched
 
 GEAR = rps.SteeringGear()

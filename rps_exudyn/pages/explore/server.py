@@ -15,8 +15,7 @@ from typing import Any
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import pretty
-from rps_exudyn.pages.explore.answer import Answer, answer
-from rps_exudyn.pages.explore.sliders import SLIDERS, settings_of
+from rps_exudyn.pages.explore.sliders import SLIDERS, Answer, answer, settings_of
 from rps_exudyn.parameters.gear import SteeringGear, gear_file
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")

@@ -14,8 +14,7 @@ from dataclasses import dataclass, replace
 from time import monotonic, process_time
 from typing import Any, Protocol
 
-from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.interrupts import raise_wrapped
+from rps_exudyn.base.errors import InputError, raise_wrapped
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Status

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from rps_exudyn.assessment.validation.comparison import Comparison
+from rps_exudyn.assessment.validation.compared_rows import ComparedRow
 from rps_exudyn.assessment.validation.row import KINDS
 from rps_exudyn.assessment.validation.verdict import COVERAGE, Verdict
 from rps_exudyn.pages.charts import style
@@ -36,7 +36,7 @@ TICKS = (-100.0, -10.0, -1.0, 0.0, 1.0, 10.0, 100.0)
 LINEAR = 1.0  # percent, below which the axis is linear
 
 
-def validation_page(comparisons: Sequence[Comparison]) -> str:
+def validation_page(comparisons: Sequence[ComparedRow]) -> str:
     """Return the HTML page."""
     counts = Counter(each.verdict for each in comparisons)
     lead = ", ".join(f"{counts[verdict]} {verdict.value}" for verdict in Verdict if counts[verdict])
@@ -59,7 +59,7 @@ def validation_page(comparisons: Sequence[Comparison]) -> str:
     return page("Validation", [Article("Validation", f"{len(comparisons)} rows: {lead}", sections)])
 
 
-def row_cells(each: Comparison) -> list[str]:
+def row_cells(each: ComparedRow) -> list[str]:
     """Return a row of the table, one cell for each of `COLUMNS`."""
     data, found = each.row.data, each.simulated
     show = data.shown_as.show
@@ -83,11 +83,11 @@ def row_cells(each: Comparison) -> list[str]:
     ]
 
 
-def _note(each: Comparison) -> list[str]:
+def _note(each: ComparedRow) -> list[str]:
     return [each.row.title, each.row.source, " ".join(part for part in (each.row.note, each.message) if part)]
 
 
-def validation_figure(comparisons: Sequence[Comparison]) -> Figure:
+def validation_figure(comparisons: Sequence[ComparedRow]) -> Figure:
     """The picture: E over |D| with its uncertainty, a row each, coloured by verdict; limits as such."""
     shown = [each for each in comparisons if each.verdict is not Verdict.NOT_COMPARABLE]
     shown.sort(key=lambda each: (KINDS.index(each.row.kind), each.row.title))

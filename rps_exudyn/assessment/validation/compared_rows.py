@@ -9,15 +9,14 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.assessment.validation.calculations import CALCULATIONS
-from rps_exudyn.assessment.validation.row import Procedure, Row
+from rps_exudyn.assessment.validation.row import Procedure, ValidationRow
 from rps_exudyn.assessment.validation.verdict import Verdict, verdict, verdict_on_limit
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.inference.uncertainty.band import Band, band_of_runs, numerical_error
-from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
+from rps_exudyn.inference.uncertainty.input_sets import carried, uncertain_inputs
 from rps_exudyn.inference.uncertainty.quick_band import SCENE, quick_band
 from rps_exudyn.inference.uncertainty.statistics import MEDIAN
-from rps_exudyn.parameters.carried import carried
 from rps_exudyn.parameters.fidelity import FOR_MEANS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
@@ -39,10 +38,10 @@ class Simulated:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ComparedRow:
     """A row after its run; all values SI."""
 
-    row: Row
+    row: ValidationRow
     simulated: Simulated
 
     @property
@@ -101,8 +100,8 @@ class Comparison:
 
 
 def compare_rows(
-    rows: Sequence[Row], on_progress: Callable[[int, int], None] | None = None, jobs: int = 1
-) -> list[Comparison]:
+    rows: Sequence[ValidationRow], on_progress: Callable[[int, int], None] | None = None, jobs: int = 1
+) -> list[ComparedRow]:
     """Run the rows in up to `jobs` processes; a run that fails makes a row that is not comparable.
 
     `on_progress` gets the number of procedures that are done, and of all.
@@ -118,7 +117,7 @@ def compare_rows(
             on_progress(len(found), len(tasks))
     missing = _missing("the run has no such number")
     return [
-        Comparison(row, found[key].get(row.data.quantity) or found[key].get("") or missing)
+        ComparedRow(row, found[key].get(row.data.quantity) or found[key].get("") or missing)
         for key, row in zip(keys, rows, strict=True)
     ]
 
