@@ -15,8 +15,8 @@ import numpy as np
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.results.outcome import Code, Interrupted, Remark
-from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status
+from rps_exudyn.results.quantities import OTHER, SUMMARY
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.run_maneuver import run_maneuver, run_maneuvers
@@ -77,9 +77,12 @@ def changes(values: Mapping[str, Any], finer: Mapping[str, Any]) -> dict[str, An
     }
 
 
-def changed(metrics: Metrics, run: SceneRun, finer: SceneRun) -> float:
-    """Return the largest change of a metric from one run to another, over its tolerance."""
-    return max(changes(metrics(run.signals), metrics(finer.signals)).values(), default=0.0)
+def figure_changes(metrics: Metrics, figure: str, run: SceneRun, later: SceneRun) -> float:
+    """Return how far a run's figure changes from one run to a later one, over its tolerance; inf where one of
+    them is not ok."""
+    if not (run.ok and later.ok):
+        return float("inf")
+    return float(changes(metrics(run.signals), metrics(later.signals)).get(figure, 0.0))
 
 
 def every_second(signals: Signals) -> Signals:
@@ -193,7 +196,8 @@ def _shown(name: str, change: float) -> str:
 
 CYCLES_BEFORE = {"equilibrium": (1, 4, 16, 48), "generalized-alpha": (1, 4)}
 """Solver -> cycles before the record from which a swing is begun, one after the other ..."""
-CYCLES_UNDER_TORQUE = (2, 6, 14, 30, 62)  # ... and one that a torque drives
+CYCLES_UNDER_TORQUE = (2, 6, 14, 30, 62)  # ... and one that a torque drives ...
+TRIES_OF_INVALID = 3  # ... of which so many are tried where a check fails
 CLOSED = 0.01  # of the largest torque, by which a cycle may end elsewhere than it began ...
 IN_PLACE = 0.002  # ... and of the rack's travel: a drift this slow goes on for ten cycles and more
 
@@ -208,7 +212,10 @@ def run_swing(
 ) -> SceneRun:
     """Make a swing from as many cycles before as it needs, with the metrics that half the steps and another
     cycle confirm; arguments as of `confirmed`. It is invalid if its cycles never become alike."""
-    run, settled = _settled(gear, fidelity, maneuver, options, metrics)
+    if isinstance(maneuver.drive, WheelTorque):
+        run, settled = _settled_under_torque(gear, fidelity, maneuver, options, metrics, figure)
+    else:
+        run, settled = _settled(gear, fidelity, maneuver, options)
 
     def made(halvings: int) -> SceneRun:
         earlier = settled.begun_earlier(1) if halvings else settled
@@ -218,44 +225,65 @@ def run_swing(
 
 
 def _settled(
-    gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions, metrics: Metrics
+    gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions
 ) -> tuple[SceneRun, Maneuver]:
-    """Return a swing whose cycles are alike, and its maneuver; invalid if they never become so."""
-    torque = isinstance(maneuver.drive, WheelTorque)
-    before = CYCLES_UNDER_TORQUE if torque else CYCLES_BEFORE.get(fidelity.solver, ())
+    """Return a swing of the rig whose first cycle closes, and its maneuver; invalid if it never does."""
+    before = CYCLES_BEFORE.get(fidelity.solver, ())
     maneuvers = [maneuver, *(maneuver.begun_earlier(cycles) for cycles in before)]
     refined = refine(
         run_maneuver(gear, fidelity, maneuver, options),
         lambda _, times: run_maneuver(gear, fidelity, maneuvers[times], options),
         len(before),
-        asks=lambda run: run.ok and (torque or unclosed(run.signals, maneuver) > 1),
-        change=(lambda a, b: changed(metrics, a, b)) if torque else None,
-        allowed=AGREED,
+        asks=lambda run: run.ok and unclosed(run.signals, maneuver) > 1,
     )
     run, settled = refined.finest, maneuvers[refined.times]
-    if not (before and run.ok):
-        return run, settled
-    if torque and not refined.confirmed:
-        return run.invalid(Code.SWING_NOT_SETTLED, _changing(refined.change, before[-1])), settled
-    if not torque and (beyond := unclosed(run.signals, maneuver)) > 1:
-        return run.invalid(Code.SWING_NOT_SETTLED, _open(beyond, before[-1])), settled
+    if before and run.ok and (beyond := unclosed(run.signals, maneuver)) > 1:
+        return run.invalid(
+            Code.SWING_NOT_SETTLED,
+            f"the swing does not settle: after {before[-1]} cycles the next one still ends {beyond:.2g} "
+            f"times as far from where it began as is allowed, {CLOSED:.0%} of the torque and "
+            f"{IN_PLACE:.1%} of the rack's travel",
+        ), settled
     return run, settled
 
 
-def _changing(change: float, cycles: int) -> str:
-    return (
-        f"the swing does not settle: from {cycles} cycles before the record a metric still changes by "
-        f"{change:.2g} times its tolerance, allowed are {AGREED:g}; the hand's torque may be near "
-        "resonance of the wheel on the tyres"
-    )
+def _settled_under_torque(
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    maneuver: Maneuver,
+    options: RunOptions,
+    metrics: Metrics,
+    figure: str,
+) -> tuple[SceneRun, Maneuver]:
+    """Return a swing by a torque whose figure more cycles before do not change, and its maneuver.
 
+    A check that an early cycle fails, a later one may pass; a swing that goes on failing ends so.
+    """
+    maneuvers = [maneuver, *(maneuver.begun_earlier(cycles) for cycles in CYCLES_UNDER_TORQUE)]
+    tried: list[SceneRun] = []
 
-def _open(beyond: float, cycles: int) -> str:
-    return (
-        f"the swing does not settle: after {cycles} cycles the next one still ends {beyond:.2g} "
-        f"times as far from where it began as is allowed, {CLOSED:.0%} of the torque and "
-        f"{IN_PLACE:.1%} of the rack's travel"
+    def asks(run: SceneRun) -> bool:
+        tried.append(run)
+        finished = run.outcome.status in (Status.OK, Status.INVALID) and bool(run.signals)
+        return finished and (run.ok or len(tried) <= TRIES_OF_INVALID)
+
+    refined = refine(
+        run_maneuver(gear, fidelity, maneuver, options),
+        lambda _, times: run_maneuver(gear, fidelity, maneuvers[times], options),
+        len(CYCLES_UNDER_TORQUE),
+        asks=asks,
+        change=lambda run, later: figure_changes(metrics, figure, run, later),
+        allowed=AGREED,
     )
+    run, settled = refined.finest, maneuvers[refined.times]
+    if run.ok and not refined.confirmed:
+        return run.invalid(
+            Code.SWING_NOT_SETTLED,
+            f"the swing does not settle: from {CYCLES_UNDER_TORQUE[-1]} cycles before the record {figure} "
+            f"still changes by {refined.change * OTHER:.1%}, allowed are {AGREED * OTHER:.1%}; the hand's "
+            "torque may be near resonance of the wheel on the tyres",
+        ), settled
+    return run, settled
 
 
 def unclosed(signals: Signals, maneuver: Maneuver) -> float:
