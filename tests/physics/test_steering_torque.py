@@ -82,13 +82,14 @@ def test_hand_gives_what_is_asked() -> None:
 
 def test_wheel_behind_a_joint_carries_the_hand() -> None:
     """Power passes the joint: its ratio at the wheel's angle times the pinion's torque is the hand's, and
-    the column twists under that torque; to the tolerance of equilibria, 1e-3 N at a centimetre."""
+    the column twists under that torque; to the tolerance of equilibria, 1e-3 N at a centimetre, ten times that
+    where the gear is let go. The wheel turns so slowly that its inertia takes nothing."""
     slow = {"column.joint_angle": "30 deg", "column.damping": 0.0, "test.steer_frequency": 1e-3}
     gear = GEAR.replace(slow)
     column, result = ColumnModel.of(gear), rps.run("steering-torque", gear, fidelity="quasi-static")
     assert result.status is Status.OK, result.message
     angle, torque = result["wheel_angle"], result["pinion_torque"]
-    assert column.ratio(angle) * torque == pytest.approx(result["wheel_torque"], abs=5e-5)
+    assert column.ratio(angle) * torque == pytest.approx(result["wheel_torque"], abs=1e-4)
     assert column.output(angle) - result["pinion_angle"] == pytest.approx(torque / column.stiffness, rel=1e-9)
     assert np.ptp(column.ratio(angle)) > 0.05
 
@@ -126,7 +127,7 @@ def test_wheel_moves_off_where_the_torque_overcomes_friction(
     """The bearings' friction, through the joint's ratio with its yoke in the bend's plane, 1 / cos beta."""
     found = grown(settings, fidelity)
     assert found.summary["breakaway_torque"] == pytest.approx(expected, rel=tolerance)
-    rate = 4 * PEAK * GEAR.test.steer_frequency * found.gear.test.direction
+    rate = 4 * PEAK * found.gear.test.steer_frequency * found.gear.test.direction
     assert found["wheel_torque"] == pytest.approx(rate * found["time"], abs=1e-9 * PEAK)
 
 
