@@ -251,8 +251,8 @@ def limits_table(folder: Path) -> str:
             share = f"{case['measured'] / case['with_guides']:.3f}"
             limits = [_shown(case[name]) for name in ("predicted", "with_guides", "measured")]
             rows.append([*row, *limits, share])
-    head = ["friction", "speed rad/s", "one inertia N m s/rad", "with guides N m s/rad", "measured N m s/rad"]
-    return markdown([*head, "measured / with guides"], rows)
+    head = ["friction", "speed rad/s", "one inertia N m s/rad", "whole gear N m s/rad", "measured N m s/rad"]
+    return markdown([*head, "measured / whole gear"], rows)
 
 
 def _shown(value: float | None) -> str:

@@ -4,7 +4,7 @@
 is the same motion seen from the mass. Own solutions: nothing of the package's kernels is in them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -161,3 +161,52 @@ def _trapezoid(model: Oscillator, drive: float, zone: float, step: float, state:
 
 
 NEWTONS = 25
+
+
+# --- the limit of steady sliding ------------------------------------------------------------------------
+NUDGED = 1e-3  # of the speed, by which steady sliding is disturbed
+DECIDED = 30.0  # times that, at which it has grown; a tenth: decayed
+MOST_PERIODS = 200  # natural periods for which it is followed
+
+
+def sliding_limit(model: Oscillator, drive: float, tolerance: float = 0.01) -> float:
+    """Return the largest damping at which a small disturbance of steady sliding at a speed [rad/s] grows
+    [N m s/rad], by integration and bisection to a share of it; 0 where it never grows."""
+    low, high = 0.0, 0.5 * np.sqrt(model.stiffness * model.inertia)
+    if not _grows(replace(model, damping=0.0), drive):
+        return 0.0
+    while _grows(replace(model, damping=high), drive):
+        low, high = high, 2 * high
+    while high - low > tolerance * high:
+        middle = (low + high) / 2
+        low, high = (middle, high) if _grows(replace(model, damping=middle), drive) else (low, middle)
+    return (low + high) / 2
+
+
+def _grows(model: Oscillator, drive: float) -> bool:
+    """Return whether a disturbed motion leaves steady sliding; undecided, whether its energy grew."""
+    rest = (model.friction(drive)) / model.stiffness
+    begin = [rest, drive * (1 - NUDGED)]
+
+    def size(state: np.ndarray) -> float:
+        twist = (state[0] - rest) * model.frequency
+        return float(np.hypot(twist, state[1] - drive) / drive)
+
+    def leaves(time: float, state: np.ndarray) -> float:
+        return size(state) - DECIDED * NUDGED
+
+    def settles(time: float, state: np.ndarray) -> float:
+        return size(state) - 0.1 * NUDGED
+
+    leaves.terminal = settles.terminal = True  # type: ignore[attr-defined]
+    solved = solve_ivp(
+        lambda time, state: _slipping(model, drive, state),
+        (0.0, MOST_PERIODS * 2 * np.pi / model.frequency),
+        begin,
+        events=(leaves, settles),
+        rtol=1e-7,
+        atol=1e-9 * drive / model.frequency,
+    )
+    if solved.t_events[1].size:
+        return False
+    return bool(solved.t_events[0].size) or size(solved.y[:, -1]) > NUDGED

@@ -1,4 +1,4 @@
-"""The sliding fit between rack and bush: a cylindrical joint with elasticity and Coulomb drag.
+"""The sliding fit between rack and bush: a cylindrical joint with elasticity, Coulomb and viscous drag.
 
 The rack slides, rolls and swivels with what carries it: the last segment of the chain, or the housing with
 the whole chain's stiffness condensed into the fit.
@@ -40,6 +40,7 @@ FIT = record_type(
     [
         ("stiffness", "f8", (4, 4)),  # of y, z, about y, about z at the station
         ("drag", "f8"),  # Coulomb friction [N]
+        ("viscous", "f8"),  # drag over speed [N s/m]
         ("zone", "f8"),  # friction zone [m/s]
         ("radius", "f8"),  # at which rolling rubs [m]
         ("station", "f8"),  # X of the fit in the housing [m]
@@ -101,6 +102,7 @@ def fit_loads(carrier, rack, data, memory):  # type: ignore[no-untyped-def]
     else:
         rub = coulomb(1.0, data.drag, speed, data.zone) * stribeck(speed, law)
         drag, turning, lost = rub * slide, rub * roll, rub * speed**2
+    drag, lost = drag + data.viscous * slide, lost + data.viscous * slide**2
 
     k = data.stiffness
     y, z, b, c = offset[1], offset[2], tilt[1], tilt[2]
@@ -175,7 +177,7 @@ def add_fit_tangent(q, v, data, memory, factor_q, factor_v, tangent):  # type: i
     # with the bar, whose tilts are small: it slides along X and rolls about it
     slide, roll, law = v[0], data.radius * v[3], data.law
     _, _, ahead, aside, d_a, d_b = rubbing(slide, roll, law.place, data.drag, data.zone, law, memory)
-    in_line = factor_v * (ahead * d_a * d_a + aside * d_b * d_b)
+    in_line = factor_v * (ahead * d_a * d_a + aside * d_b * d_b + data.viscous)
     mixed = factor_v * (ahead - aside) * d_a * d_b
     across = factor_v * (ahead * d_b * d_b + aside * d_a * d_a)
     tangent[0, 0] -= in_line
@@ -234,6 +236,7 @@ def _fit(
         FIT,
         stiffness=stiffness,
         drag=gear.bush.drag,
+        viscous=gear.bush.viscous_drag,
         zone=friction_zone,
         radius=gear.rack.bar_diameter / 2,
         station=housing_station(gear, station),

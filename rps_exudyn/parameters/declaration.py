@@ -92,6 +92,10 @@ Inertia = Annotated[float, Unit("kg*m^2", "kg*m^2")]
 Torsion = Annotated[float, Unit("N*m/rad", "N*m/rad")]
 TorsionDamping = Annotated[float, Unit("N*m*s/rad", "N*m*s/rad")]
 Acceleration = Annotated[float, Unit("m/s^2", "m/s^2")]
+ViscousDrag = Annotated[float, Unit("N*s/m", "N*s/m")]
+Temperature = Annotated[float, Unit("K", "degC")]
+Expansion = Annotated[float, Unit("1/K", "1/K")]
+WearCoefficient = Annotated[float, Unit("m^2/N", "mm^3/N/m")]
 
 
 def parameter(default: Any, meaning: str, source: Source, **limits: Any) -> Any:

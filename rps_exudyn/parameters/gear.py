@@ -11,6 +11,7 @@ from pydantic import PlainSerializer, WrapValidator, model_validator
 
 from rps_exudyn.base.units import mm
 from rps_exudyn.parameters import derived
+from rps_exudyn.parameters.conditions import Conditions, Grease, Housing
 from rps_exudyn.parameters.declaration import (
     DEG,
     Acceleration,
@@ -18,6 +19,7 @@ from rps_exudyn.parameters.declaration import (
     ContactStiffness,
     Count,
     Density,
+    Expansion,
     Force,
     Inertia,
     Length,
@@ -31,6 +33,8 @@ from rps_exudyn.parameters.declaration import (
     Torque,
     Torsion,
     TorsionDamping,
+    ViscousDrag,
+    WearCoefficient,
     parameter,
 )
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -211,6 +215,13 @@ class Installation(Table):
         ge=-50,
         le=50,
     )
+    gravity_angle: Angle = parameter(
+        0.0, "turn of gravity's direction about X, from -Y (rack towards pinion) towards Z", "estimate"
+    )
+    gravity_slope: Angle = parameter(
+        0.0, "angle of gravity to the section across the rack: above 0 it draws the rack along X", "estimate",
+        ge=-90 * DEG, le=90 * DEG,
+    )  # fmt: skip
 
 
 class Yoke(LoadedFrictionLaw):
@@ -239,6 +250,23 @@ class Yoke(LoadedFrictionLaw):
         ge=0,
         le=1e-3,
     )
+    plunger_thickness: Length = parameter(
+        "22 mm", "thickness of the plunger between rack and yokenut", "estimate", gt=0
+    )
+    plunger_expansion: Expansion = parameter(
+        "23e-6 1/K",
+        "linear thermal expansion of the plunger (aluminium; POM 115e-6 1/K)",
+        "estimate",
+        ge=0,
+        le=3e-4,
+    )
+    liner: Literal["ptfe", "pom", "none"] = parameter(
+        "ptfe", "liner of the seat: ptfe rubs more when it is cold; of others no law is stated", "estimate"
+    )
+    liner_wear: WearCoefficient = parameter(
+        "1e-6 mm^3/N/m", "wear coefficient of the liner: volume per force and sliding distance", "estimate",
+        ge=0, le=1e-12,
+    )  # fmt: skip
     nut_diameter: Length = parameter("36 mm", "diameter of the yokenut", "estimate", gt=0)
     nut_thickness: Length = parameter("10 mm", "thickness of the yokenut", "estimate", gt=0)
     thread_pitch: Length = parameter(
@@ -262,6 +290,9 @@ class Bush(FrictionLaw):
     segments: Count = parameter(25, "number of rigid segments", "paper", ge=1, le=400)
     drag: Force = parameter(
         "20 N", "constant Coulomb drag of the sliding fit (friction preload)", "estimate", ge=0
+    )
+    viscous_drag: ViscousDrag = parameter(
+        0.0, "viscous drag against the rack's speed; a grease adds its own", "estimate", ge=0, le=1e6
     )
     distance: Length = parameter(
         "350 mm", "distance from the mesh to the bush's free end, along the rack", "estimate", gt=0
@@ -288,6 +319,9 @@ class Mesh(LoadedFrictionLaw):
     law: Annotated[Literal["line", "teeth"], WrapValidator(read_choice), PlainSerializer(str)] = parameter(
         "line", "flank contact: load per length of line and depth, or teeth that bend together", "estimate"
     )
+    tooth_wear: WearCoefficient = parameter(
+        "1e-8 mm^3/N/m", "wear coefficient of the flanks, of pinion and rack each", "estimate", ge=0, le=1e-12
+    )
     line_stiffness: LineStiffness = parameter(
         0.0, "load per length of contact line and depth, law line; 0: c' of ISO 6336-1", "estimate", ge=0
     )
@@ -311,6 +345,9 @@ class SteeringGear(Table):
     bearing: Bearing = Bearing()
     mesh: Mesh = Mesh()
     column: SteeringColumn = SteeringColumn()
+    housing: Housing = Housing()
+    grease: Grease = Grease()
+    conditions: Conditions = Conditions()
     test: Test = Test()
 
     @model_validator(mode="before")

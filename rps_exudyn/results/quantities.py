@@ -85,7 +85,7 @@ class Quantity:
 
     def displayed(self, values: Any) -> Any:
         """Return SI values, a number or an array of any shape, in the display unit."""
-        return values / units.factor(self.display, self.unit)
+        return units.displayed(values, self.unit, self.display)
 
     def axis_label(self, name: str) -> str:
         """Return the label of an axis, for instance "pinion torque [N m]"."""
@@ -330,6 +330,14 @@ _SUMMARY = {
     "cap_force": _force("yoke setting: force of the tightened yokenut along its axis"),
     "clearance_set": _deflection("clearance that turning it back leaves; below 0 it still presses"),
     "preload_set": _force("spring force that it leaves at the rest position"),
+    "operating_preload": _force("yoke's preload at the gear's temperature and wear"),
+    "operating_clearance": _deflection("yoke's clearance at the gear's temperature and wear"),
+    "operating_yoke_friction": _number("friction coefficient plunger/rack at the gear's temperature"),
+    "operating_viscous_drag": Quantity(
+        "N*s/m", "N*s/m", "viscous drag on the rack at the gear's temperature, over its speed"
+    ),
+    "wear_liner": _deflection("depth worn off the liner of the plunger's seat, along the yoke's axis"),
+    "wear_teeth": _deflection("approach of the rack to the pinion by the wear of the flanks"),
     "rattle_impulse_per_cycle": Quantity(
         "N*s",
         "N*s",

@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import read_json_tables, replacing, with_checksum
+from rps_exudyn.base.files import printable, read_json_tables, replacing, with_checksum
 from rps_exudyn.base.hdf5 import file_image, opened
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -345,7 +345,7 @@ def _text(file: h5py.File, name: str) -> str:
     text = file.attrs[name]
     if not isinstance(text, str):
         raise ValueError(f"{name} is no text")
-    return text
+    return printable(text)
 
 
 def _tables(file: h5py.File, name: str) -> dict[str, Any]:

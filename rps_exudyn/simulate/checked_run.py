@@ -19,6 +19,7 @@ from rps_exudyn.scenes.checks.before_run import breaches, refused
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.solvers.operating_gear import operating_gear
 
 
 def run_checked(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
@@ -27,7 +28,8 @@ def run_checked(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
     Raises:
         InputError: a gear that cannot exist, or a test that it does not allow.
     """
-    sentences = refused(gear, fidelity, steady=scene_named(scene).steady)
+    tested = in_operation.gear if (in_operation := operating_gear(gear)) else gear
+    sentences = refused(tested, fidelity, steady=scene_named(scene).steady)
     if not sentences:
         return run_unchecked(scene, gear, fidelity)
     message = "; ".join(sentences)
@@ -50,7 +52,8 @@ def run_unchecked(
         Interrupted: Ctrl-C; it carries what was recorded.
     """
     wall, cpu = perf_counter(), process_time()
-    report = geometry_report(gear)
+    report, in_operation = geometry_report(gear), operating_gear(gear)
+    tested, numbers = (in_operation.gear, in_operation.numbers) if in_operation else (gear, {})
 
     def result_of(done: SceneRun) -> Result:
         return Result(
@@ -63,7 +66,7 @@ def run_unchecked(
             message=done.outcome.message,
             codes=each_once(done.outcome.codes),
             signals=done.signals,
-            summary=done.summary,
+            summary=done.summary | numbers,
             counters={**done.outcome.counters, "solver_cpu": done.outcome.cpu_s},
             geometry=report.numbers,
             cpu_s=process_time() - cpu,
@@ -71,7 +74,7 @@ def run_unchecked(
         )
 
     try:
-        return result_of(scene_named(scene).run(gear, fidelity, options))
+        return result_of(scene_named(scene).run(tested, fidelity, options))
     except Interrupted as interrupt:
         raise Interrupted(result_of(interrupt.recorded)) from None
 

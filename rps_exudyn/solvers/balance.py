@@ -160,7 +160,12 @@ def slopes(balance: Balance, places: np.ndarray, rates: np.ndarray) -> tuple[np.
 
 def eigenvalues(mass: np.ndarray, by_place: np.ndarray, by_rate: np.ndarray) -> np.ndarray:
     """Return the eigenvalues [1/s] of masses (n, n) under forces with such slopes (k, n, n), (k, 2n)."""
+    return np.asarray(np.linalg.eigvals(state_matrix(mass, by_place, by_rate)))
+
+
+def state_matrix(mass: np.ndarray, by_place: np.ndarray, by_rate: np.ndarray) -> np.ndarray:
+    """Return what makes rates and accelerations of places and rates, (k, 2n, 2n), of the same arguments."""
     k, n = by_place.shape[:2]
     accelerations = np.linalg.solve(mass, np.concatenate([by_place, by_rate], axis=2))
     moved = np.broadcast_to(np.eye(n, 2 * n, n), (k, n, 2 * n))
-    return np.asarray(np.linalg.eigvals(np.concatenate([moved, accelerations], axis=1)))
+    return np.concatenate([moved, accelerations], axis=1)

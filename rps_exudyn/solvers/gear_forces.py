@@ -254,7 +254,8 @@ def load_at_end(gear: SteeringGear, rack_load: float) -> np.record:
 def rack_weight(gear: SteeringGear) -> np.record:
     """Return the rack's weight, which acts at its mass centre."""
     bar = rack_masses(gear)
-    return external_load.weight(bar.mass, gear.installation.gravity, float(bar.centre_of_mass[0]))
+    gravity = external_load.gravity_of(gear.installation)
+    return external_load.weight(bar.mass, gravity, float(bar.centre_of_mass[0]))
 
 
 def mesh_of(

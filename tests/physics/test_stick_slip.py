@@ -12,7 +12,6 @@ from rps_exudyn.analysis.friction_oscillator import (
     Rubbing,
     describe_stick_slip,
     sticking_speed,
-    sticks,
     unstable_speed,
 )
 from rps_exudyn.base.errors import InputError
@@ -31,8 +30,8 @@ from rps_exudyn.solvers.sliding_stability import (
     sliding_damping,
 )
 from verification.runge_kutta import FreeMotion
-from verification.sliding_limit import growth, measured_damping
-from verification.stick_slip import event_based, largest_sticking_speed, regularised
+from verification.sliding_limit import fast_growth, growth, measured_damping
+from verification.stick_slip import event_based, largest_sticking_speed, regularised, sliding_limit
 from verification.stick_slip import on_bristles as cells_on_bristles
 
 GEAR = SteeringGear().replace({"column.stiffness": "100 N*m/rad"})
@@ -65,25 +64,16 @@ def test_largest_sticking_speed_is_that_of_events(ratio: float) -> None:
     assert found == pytest.approx(largest_sticking_speed(model, 1.5 * found), rel=0.02)
 
 
-def test_sticking_speeds_of_the_table() -> None:
-    """6.6 and 2.6 rad/s at damping ratios 0.03 and 0.1, to 10 %, and hardly any at 0.3. At 0.01 it is
-    14 rad/s: the table's 8 is where its search ended, in steps of 0.2 rad/s."""
-    assert sticking_speed(damped(0.03)) == pytest.approx(6.6, rel=0.1)
-    assert sticking_speed(damped(0.1)) == pytest.approx(2.6, rel=0.1)
-    assert sticking_speed(damped(0.3)) < 1.0
-    assert bool(sticks(damped(0.01), np.array([12.0]))[0])
-
-
 def test_sticking_speeds_of_the_table_with_its_stribeck_speeds() -> None:
-    """With 5 mm/s for the teeth and 10 mm/s for the plunger the last two of the table are met as well: 2.6
-    rad/s to 10 % and none at a damping ratio of 0.3, where 5 mm/s for both leaves 0.84 rad/s. Events found by
-    another integrator say the same of the last."""
+    """With 5 mm/s for the teeth and 10 mm/s for the plunger, damping ratios 0.01, 0.03 and 0.1: events of a
+    two-part model give 14.5, 6.8 and 2.8 rad/s, met to 2 %, and none at 0.3, where 5 mm/s for both leaves
+    0.84 rad/s. Events found by another integrator say the same of the last."""
     gear = STEEL.replace({"mesh.stribeck_speed": "5 mm/s", "yoke.stribeck_speed": "10 mm/s"})
     model, other = reduced_gear(gear), damped(0.3)
     unit = 2 * np.sqrt(model.stiffness * model.inertia)
-    speeds = [sticking_speed(replace(model, damping=ratio * unit)) for ratio in (0.03, 0.1, 0.3)]
-    assert speeds[:2] == pytest.approx([6.6, 2.6], rel=0.1)
-    assert speeds[2] == 0.0
+    speeds = [sticking_speed(replace(model, damping=ratio * unit)) for ratio in (0.01, 0.03, 0.1, 0.3)]
+    assert speeds[:3] == pytest.approx([14.5, 6.8, 2.8], rel=0.02)
+    assert speeds[3] == 0.0
     assert event_based(replace(model, damping=0.3 * unit), 0.7, rtol=1e-7) is None
     assert event_based(other, 0.7, rtol=1e-7) is not None
 
@@ -215,17 +205,58 @@ def test_limit_of_the_whole_gear_is_the_predicted_one(law: str) -> None:
     assert rates[0] > 0 > rates[1]
 
 
-@pytest.mark.parametrize("law", ["stribeck", "bristle"])
-def test_guides_lower_the_limit_of_fast_sliding(law: str) -> None:
-    """At 2.5 rad/s a vibration decays already at the damping that one inertia needs, since guides damp it; by
-    eigenvalues of the whole gear the limit is right within 10 %."""
-    parts = {f"{part}.friction_law": law for part in ("mesh", "yoke", "bush", "bearing")}
+def test_guides_lower_the_limit_of_fast_sliding() -> None:
+    """At 2.5 rad/s on bristles a vibration decays already at the damping that one inertia needs, for guides
+    damp it; the limit by eigenvalues of the whole gear, over a tooth pitch, is up to a third above
+    that at the start alone, and never below."""
+    parts = {f"{part}.friction_law": "bristle" for part in ("mesh", "yoke", "bush", "bearing")}
     short = {f"{part}.bristle_travel": "2 um" for part in ("mesh", "yoke", "bush", "bearing")}
     gear, model = STEEL.replace({**parts, **short, "test.speed": 2.5}), Fidelity.preset("flank")
     predicted = sliding_damping(gear, model)
-    assert 1.1 * predicted < 0.92 * one_inertia_damping(gear)
-    rates = [growth(gear.replace({"column.damping": share * predicted}), model) for share in (0.9, 1.1)]
+    assert predicted < 0.95 * one_inertia_damping(gear)
+    rates = [growth(gear.replace({"column.damping": share * predicted}), model) for share in (0.75, 1.0)]
     assert rates[0] > 0 > rates[1]
+
+
+def test_pinion_vibrates_against_the_teeth_up_to_the_limit() -> None:
+    """At 2.5 rad/s friction that falls feeds a vibration of 10 kHz where one inertia is stable already.
+    Motion in steps of 1 us, where it grows fastest, agrees: it grows at 0.85 of the limit and decays
+    at 1.15."""
+    gear, model = STEEL.replace({"test.speed": 2.5}), Fidelity.preset("flank")
+    limit = sliding_damping(gear, model)
+    assert 0.85 * limit > 1.05 * one_inertia_damping(gear)
+    place = gear.replace({"test.start_angle": "40.9 deg"})
+    rates = [fast_growth(place.replace({"column.damping": share * limit}), model) for share in (0.85, 1.15)]
+    assert rates[0] > 20
+    assert rates[1] < -20
+
+
+def fallen(ratio: float, stiffness: float, speed: float) -> SteeringGear:
+    """The default gear whose teeth and plunger are larger at rest, on a column, and the wheel's speed."""
+    laws = {f"{part}.static_ratio": ratio for part in ("mesh", "yoke")}
+    return STEEL.replace({**laws, "column.stiffness": stiffness, "test.speed": speed})
+
+
+@pytest.mark.parametrize("case", [(1.3, 57.0, 0.8), (1.5, 100.0, 0.8), (1.4, 100.0, 1.0)])
+def test_strong_instability_is_not_called_stable(case: tuple[float, float, float]) -> None:
+    """Beyond a damping ratio of about -0.7 eigenvalues are real, or far from the natural frequency: they
+    count. The gear's limit is between 1 and 1.3 of that which integration of one inertia finds."""
+    gear = fallen(*case)
+    measured = sliding_limit(reduced_gear(gear), case[2])
+    assert one_inertia_damping(gear) == pytest.approx(measured, rel=0.02)
+    assert 1.0 < sliding_damping(gear, Fidelity.preset("flank")) / measured < 1.3
+
+
+def test_limit_of_random_columns_is_that_of_events() -> None:
+    """Three random columns, ratios and speeds up to the one at which friction falls steepest: one inertia to
+    2 %, and the whole gear above it but for 2 % (the page has 200 of them)."""
+    rng = np.random.default_rng(33)
+    for _ in range(3):
+        speed = float(np.exp(rng.uniform(np.log(0.1), np.log(0.8))))
+        gear = fallen(rng.uniform(1.05, 1.6), float(np.exp(rng.uniform(np.log(20), np.log(400)))), speed)
+        measured = sliding_limit(reduced_gear(gear), speed)
+        assert one_inertia_damping(gear) == pytest.approx(measured, rel=0.02)
+        assert sliding_damping(gear, Fidelity.preset("flank")) > 0.98 * measured
 
 
 def test_masses_of_the_linearised_gear_are_those_of_its_exudyn_system() -> None:
@@ -238,11 +269,11 @@ def test_masses_of_the_linearised_gear_are_those_of_its_exudyn_system() -> None:
 
 
 def test_scene_states_the_limit_of_the_whole_gear() -> None:
-    """Its figure is the damping by eigenvalues, below that of one inertia, in either direction of the wheel
-    (the gear is not the same both ways, 15 %); nothing is stated where no friction falls."""
+    """Its metric is the damping by eigenvalues, in either direction of the wheel (the gear is not the same
+    both ways, 15 %); nothing is stated where no friction falls."""
     gear, model = STEEL.replace({"test.speed": 2.5}), Fidelity.preset("flank")
     stated = predictions(gear, model)["sliding_damping"]
-    assert stated == sliding_damping(gear, model) < 0.92 * one_inertia_damping(gear)
+    assert stated == sliding_damping(gear, model) > 0
     other = predictions(gear.replace({"test.direction": -1}), model)["sliding_damping"]
     assert other == pytest.approx(stated, rel=0.15)
     assert predictions(GEAR, model)["sliding_damping"] == 0.0

@@ -44,7 +44,7 @@ class Slider:
         """A gear's value in the shown unit, on the slider's grid where it is close to that."""
         value = gear.value_at(self.path)
         item = gear.declared_at(self.path)[0]
-        number = value / units.factor(self.unit, item.unit.si) if item.unit and self.unit else float(value)
+        number = units.displayed(value, item.unit.si, self.unit) if item.unit and self.unit else float(value)
         return float(f"{number:.9g}")
 
 
