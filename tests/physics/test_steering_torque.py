@@ -82,8 +82,8 @@ def test_hand_gives_what_is_asked() -> None:
 
 def test_wheel_behind_a_joint_carries_the_hand() -> None:
     """Power passes the joint: its ratio at the wheel's angle times the pinion's torque is the hand's, and
-    the column twists under that torque; to the tolerance of equilibria, 1e-3 N at a centimetre, ten times that
-    where the gear is let go. The wheel turns so slowly that its inertia takes nothing."""
+    the column twists under that torque; to the tolerance of equilibria, 1e-3 N at a centimetre, and ten times
+    that where the gear is let go. The wheel turns so slowly that its inertia takes nothing."""
     slow = {"column.joint_angle": "30 deg", "column.damping": 0.0, "test.steer_frequency": 1e-3}
     gear = GEAR.replace(slow)
     column, result = ColumnModel.of(gear), rps.run("steering-torque", gear, fidelity="quasi-static")
