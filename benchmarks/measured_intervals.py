@@ -177,7 +177,7 @@ def of_sets(cases: list[dict[str, Any]]) -> dict[str, Any]:
             "found": len(called),
             "found_holds": float(np.mean(called)) if called else None,
         }
-    result["load_test"] = sum("load-test" in each["refused"] for each in cases)
+    result["load_test"] = sum("weights" in each["refused"] for each in cases)
     result["chi_squared"] = sum("chi-squared" in each["refused"] for each in cases)
     result["simulations"] = max(each["simulations"] for each in cases)
     result["cpu_s"] = float(np.median([each["cpu_s"] for each in cases]))

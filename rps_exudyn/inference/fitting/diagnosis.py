@@ -43,7 +43,7 @@ def refusals(problem: Problem, levels: LevelFit) -> list[Refusal]:
         (_data_probability(levels), "chi-squared", "levels of the tests contradict each other"),
         (
             _load_probability(problem, levels),
-            "load-test",
+            "weights",
             "half the difference under weights changes with the weight where no flank lifts: friction "
             "depends on the load, or the runs differ by more than is declared",
         ),

@@ -32,9 +32,11 @@ from rps_exudyn.inference.fitting.prediction import (
 from rps_exudyn.inference.fitting.problem import Problem, found_offset, level_rows, white_noise
 from rps_exudyn.inference.fitting.series import Series
 from rps_exudyn.inference.fitting.unknowns import (
+    BY_LOAD,
     CURVED,
     SMALLEST,
     USUAL,
+    WITHOUT_YOKE,
     nuisance_unknowns,
     settings_of,
     unknowns_of,
@@ -174,8 +176,13 @@ def _ended(problem: Problem, gear: SteeringGear, before: Series | None, believed
     """
     unknowns = problem.unknowns
     own = [j for j, each in enumerate(unknowns) if each.is_level]
-    kinds = [test.kind for test in problem.measurement.tests]
-    of_level = [*(unknowns[j] for j in own), *nuisance_unknowns(kinds)]
+    tests = problem.measurement.tests
+    needed = {
+        BY_LOAD: any(test.of_kind.weighted for test in tests),
+        WITHOUT_YOKE: any(test.kind == "yoke-out" for test in tests),
+    }
+    nuisances = nuisance_unknowns(name for name, is_needed in needed.items() if is_needed)
+    of_level = [*(unknowns[j] for j in own), *nuisances]
     begin = np.array([each.before for each in of_level])
     if before is not None:
         begin[: len(own)] = before.u[own]

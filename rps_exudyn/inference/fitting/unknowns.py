@@ -125,10 +125,9 @@ def _positive(path: str, value: float, prior: tuple[float, float] | None) -> Unk
     return Unknown(path, "", float(np.log(value)), sd, LEVEL[path].step)
 
 
-def nuisance_unknowns(kinds: Iterable[str]) -> list[Unknown]:
-    """Return the nuisances of tests of these kinds."""
-    needed = {BY_LOAD: "load-test", WITHOUT_YOKE: "yoke-out"}
-    return [Unknown(name, "", 0.0, sd, 0.02) for name, sd in NUISANCES.items() if needed[name] in set(kinds)]
+def nuisance_unknowns(names: Iterable[str]) -> list[Unknown]:
+    """Return the nuisances of these names."""
+    return [Unknown(name, "", 0.0, NUISANCES[name], 0.02) for name in names]
 
 
 def nuisances_of(unknowns: list[Unknown], u: np.ndarray) -> dict[str, float]:
