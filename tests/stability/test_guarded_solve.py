@@ -7,8 +7,8 @@ from exudyn.itemInterface import Force, MarkerNodePosition, NodePoint, ObjectMas
 
 import rps_exudyn as rps
 from rps_exudyn.multibody import recorder
-from rps_exudyn.multibody.force_object import Secant, add_forces
-from rps_exudyn.multibody.solve import SolverPlan, solve
+from rps_exudyn.multibody.bodies import add_forces
+from rps_exudyn.multibody.solve import Secant, SolverPlan, solve
 from rps_exudyn.results.outcome import Status
 
 PLAN = SolverPlan(end_time=0.1, steps=100)
