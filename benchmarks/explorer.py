@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.pages.explore.answer import answer
-from rps_exudyn.pages.explore.sliders import SLIDERS, Slider
+from rps_exudyn.pages.explore.sliders import SLIDERS, Slider, answer
 from rps_exudyn.parameters.gear import SteeringGear
 
 DATA = "explorer.json"

@@ -22,7 +22,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.elastic_teeth import teeth_contact
 from rps_exudyn.tooth_contact.flank_contact import line_contact
 from rps_exudyn.tooth_contact.flank_data import pack
-from rps_exudyn.tooth_contact.mesh_record import SCRATCH
+from rps_exudyn.tooth_contact.laws import SCRATCH
 from verification.area_contact import area_contact
 from verification.contact_at import flank_contact, mesh_of_teeth
 from verification.law_area import by_law

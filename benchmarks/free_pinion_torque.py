@@ -13,10 +13,10 @@ import numpy as np
 
 import rps_exudyn as rps
 from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.analysis.comparison import compare
+from rps_exudyn.analysis.result_comparison import compare
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.charts.analyses import draw_comparison
-from rps_exudyn.pages.charts.scene import draw
+from rps_exudyn.pages.charts.scene_figures import draw
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import Result

@@ -21,7 +21,7 @@ from rps_exudyn.simulate.batch import Batch, batch
 from rps_exudyn.simulate.family import SINGLE_OUT
 from rps_exudyn.simulate.together import Common
 from rps_exudyn.solvers.many_gears import RUNOUT_ANGLE
-from rps_exudyn.study.description import settings_of
+from rps_exudyn.study.definition import settings_of
 from rps_exudyn.study.runner import StudyWork
 from rps_exudyn.study.study_file import read_study
 from verification.law_area import by_law

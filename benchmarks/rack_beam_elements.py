@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.gears.rack_beam import PLANES, RackBeam
-from rps_exudyn.gears.timoshenko import TimoshenkoBeam
+from rps_exudyn.gears.rack_beam import PLANES, RackBeam, TimoshenkoBeam
 from rps_exudyn.parameters.gear import SteeringGear
 
 ELEMENTS = 64

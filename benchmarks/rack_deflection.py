@@ -15,7 +15,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.rack_beam import RackBeam
 from rps_exudyn.pages.charts import style
-from rps_exudyn.pages.charts.scene import draw
+from rps_exudyn.pages.charts.scene_figures import draw
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SIGNALS

@@ -58,9 +58,15 @@ CHANGES = {
     "friction zone half as wide": Change({"zone_ratio": Fidelity().zone_ratio / 2}),
     "step half as long": Change({"step_angle": Fidelity().step_angle / 2}),
     "friction: bristles of 5 um": Change(gear=BRISTLES),
+    "friction: bristles of 5 um, four elements": Change({"friction_elements": 4}, gear=BRISTLES),
     "column: half as stiff": Change(gear={"column.stiffness": SteeringGear().column.stiffness / 2}),
     "column: half as damped": Change(gear={"column.damping": SteeringGear().column.damping / 2}),
     "column: universal joint bent by 20 deg": Change(gear={"column.joint_angle": "20 deg"}),
+    "temperature -30 degC": Change(gear={"conditions.temperature": "-30 degC"}),
+    "temperature -30 degC, base oil PAO 32": Change(
+        gear={"conditions.temperature": "-30 degC", "grease.base_oil": "PAO 32"}
+    ),
+    "wear of 1e6 cycles": Change(gear={"conditions.steering_cycles": 1e6}),
     "gravity, pinion below the rack": Change(gear={"installation.gravity": "9.81 m/s^2"}),
     "gravity, pinion above the rack": Change(gear={"installation.gravity": "-9.81 m/s^2"}),
 }

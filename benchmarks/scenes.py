@@ -15,7 +15,7 @@ from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.charts.analyses import losses_figure, pattern_figure, spectrum_figure, torques_figure
-from rps_exudyn.pages.charts.scene import draw
+from rps_exudyn.pages.charts.scene_figures import draw
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.results.result import Result

@@ -34,8 +34,8 @@ PARTS = {
     "compiled kernels loaded, and the simulation": "result = simulate('free-pinion-torque', gear)",
     "the same simulation once more": "simulate('free-pinion-torque', gear)",
     "the HDF5 file": "result.save('result.h5')",
-    "matplotlib": ("import matplotlib.figure, rps_exudyn.pages.charts.scene"),
-    "the picture": "rps_exudyn.pages.charts.scene.draw(result, 'result.png')",
+    "matplotlib": ("import matplotlib.figure, rps_exudyn.pages.charts.scene_figures"),
+    "the picture": "rps_exudyn.pages.charts.scene_figures.draw(result, 'result.png')",
 }
 NOT_IN_RUN = ("the same simulation once more",)
 PROBE = """

@@ -14,21 +14,25 @@ from matplotlib.ticker import LogLocator
 import rps_exudyn as rps
 from benchmarks.accuracy_speed.chart import in_decades
 from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.analysis.stick_slip import Oscillator, sticking_speed, sticks
+from rps_exudyn.analysis.friction_oscillator import Oscillator, sticking_speed, sticks
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
-from rps_exudyn.solvers.sliding_stability import one_inertia_damping, sliding_damping
+from rps_exudyn.solvers.sliding_stability import (
+    one_inertia_damping,
+    presliding_angle,
+    reduced_gear,
+    sliding_damping,
+)
 from verification.sliding_limit import measured_damping
 from verification.stick_slip import event_based, on_bristles, regularised
 
 DATA = "stick_slip.json"
 STIFFNESS = 100.0  # of the column [N m/rad]
 RATIOS = (1.1, 1.2, 1.5)  # static over kinetic friction of teeth and plunger
-TRAVELS = (0.0, 2e-6, 10e-6)  # of the bristles [m]; 0: friction that knows the speed alone
+TRAVELS = (0.0, 2e-6, 10e-6)  # of the bristles [m]; 0: friction that depends on the speed alone
 SHEETS = tuple((ratio, travel) for ratio in RATIOS for travel in TRAVELS)
 CELLS = (36, 28)  # speeds and dampings of a sheet
 SPEEDS, DAMPINGS = (0.2, 15.0), (0.01, 0.6)  # [rad/s], and damping ratios
@@ -87,7 +91,7 @@ def _damped(model: Oscillator, ratio: float) -> Oscillator:
 def sheet(
     ratio: float, travel: float, speeds: np.ndarray, ratios: np.ndarray, periods: int
 ) -> dict[str, Any]:
-    """One sheet: least speed over the wheel's in each cell, and both limits over the speed, as ratios."""
+    """One sheet: least speed over the wheel's in each cell, and the limit over the speed, as ratios."""
     gear = gear_with(ratio, travel)
     model = reduced_gear(gear)
     unit = damping_of(model, 1.0)
@@ -97,13 +101,11 @@ def sheet(
     else:
         least = np.stack([1.0 - sticks(_damped(model, each), speeds) for each in ratios])
     falling = [model.linear_limit(float(speed)) / unit for speed in speeds]
-    bristles = [one_inertia_damping(gear.replace({"test.speed": float(speed)})) / unit for speed in speeds]
     return {
         "ratio": ratio,
         "travel": travel,
         "least": np.round(least, 4).tolist(),
         "falling": falling,
-        "bristles": [None if np.isnan(each) else each for each in bristles],
     }
 
 
@@ -132,9 +134,6 @@ def map_picture(data: dict[str, Any]) -> Figure:
         shown = axes.get_ylim()
         falling = _within(each["falling"], shown)
         axes.plot(data["speeds"], falling, color="black", linestyle="--", label="limit, falling friction")
-        if each["travel"]:
-            limit = _within(each["bristles"], shown)
-            axes.plot(data["speeds"], limit, color=style.COLOURS["torque"], label="limit, bristles")
         for cell in data["tried"]:
             if each["ratio"] == 1.2 and cell["travel"] == each["travel"] and "share" in cell:
                 fill = "black" if cell["share"] > 0 else "white"
@@ -247,8 +246,8 @@ def limits_table(folder: Path) -> str:
             share = f"{case['measured'] / case['with_guides']:.3f}"
             limits = [_shown(case[name]) for name in ("predicted", "with_guides", "measured")]
             rows.append([*row, *limits, share])
-    head = ["friction", "speed rad/s", "one inertia N m s/rad", "with guides N m s/rad", "measured N m s/rad"]
-    return markdown([*head, "measured / with guides"], rows)
+    head = ["friction", "speed rad/s", "one inertia N m s/rad", "whole gear N m s/rad", "measured N m s/rad"]
+    return markdown([*head, "measured / whole gear"], rows)
 
 
 def _shown(value: float | None) -> str:

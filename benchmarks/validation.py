@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.topic import Topic, load_data, markdown, save_data
-from rps_exudyn.assessment.validation.comparison import compare_rows
-from rps_exudyn.assessment.validation.page import COLUMNS, row_cells, validation_figure
+from rps_exudyn.assessment.validation.compared_rows import compare_rows
 from rps_exudyn.assessment.validation.row import KINDS, SHIPPED, read_rows
+from rps_exudyn.assessment.validation.validation_page import COLUMNS, row_cells, validation_figure
 from rps_exudyn.inference.uncertainty.input_sets import SETS, Input
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear

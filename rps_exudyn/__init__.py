@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from rps_exudyn.scenes.scene import Scene
     from rps_exudyn.simulate.batch import Batch, batch
     from rps_exudyn.simulate.run import run
-    from rps_exudyn.study.blocks import load
+    from rps_exudyn.study.case_blocks import load
     from rps_exudyn.study.dataset import open_study, study_frame
 
 __all__ = [
@@ -67,7 +67,7 @@ _HOME = {
     "fit": "inference.fitting.fit",
     "SteeringGear": "parameters.gear",
     "Result": "results.result",
-    "load": "study.blocks",
+    "load": "study.case_blocks",
     "Batch": "simulate.batch",
     "batch": "simulate.batch",
     "run": "simulate.run",

@@ -12,7 +12,7 @@ from rps_exudyn.results.block import Keep
 from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.results.result import Result
-from rps_exudyn.study.description import Axis, Case, Description
+from rps_exudyn.study.definition import Axis, Case, Description
 from rps_exudyn.study.store import Store
 
 PRELOAD = Axis("preload", ("yoke.preload",), "N", (100.0, 200.0, 400.0), "grid")

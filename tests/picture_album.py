@@ -2,7 +2,7 @@
 
 with album.looking("run rattle"):
     cli.main(["run", "rattle"])
-album.pages["run rattle"]  # [Drawn({"rps_exudyn.pages.charts.scene.rattle_figure", ...}, []), ...]
+album.pages["run rattle"]  # [Drawn({"rps_exudyn.pages.charts.scene_figures.rattle_figure", ...}, []), ...]
 """
 
 import sys

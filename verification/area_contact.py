@@ -22,6 +22,7 @@ from rps_exudyn.tooth_contact.flank_line import (
     band_on_flank,
     bands,
     begin_side,
+    clip,
     first_tooth,
     formed_point,
     line_of,
@@ -44,7 +45,6 @@ from rps_exudyn.tooth_contact.flank_strip import (
     width,
     within_band,
 )
-from rps_exudyn.tooth_contact.plain_line import clip
 from rps_exudyn.tooth_contact.strip_limits import ends_of, watch_limits
 
 COARSE, GENERATORS = 28, 32  # for the few strips that are too wide for an expansion
@@ -58,7 +58,7 @@ REACH = 0.35  # contact is sought within this angle of a line's crest [rad]
 @kernel
 def area_contact(angle, rate, position, rotation, velocity, spin, data, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """Fill the wrench of law "area" and its stiffness, as `line_contact` of `flank_contact` does."""
-    begin_contact(work)
+    begin_contact(data.law, work)
     for sign in (-1.0, 1.0):
         side = side_of(sign, angle, rate, position, rotation, velocity, spin, data)
         first, last, turn = first_tooth(angle, side, data)

@@ -16,15 +16,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rps_exudyn.forces.memory import PLACES, TIME
+from rps_exudyn.forces.friction import PLACES, TIME
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.scenes.stick_slip import set_off
 from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.drive import Steady, Swing
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
-from rps_exudyn.solvers.reduced_gear import reduced_gear
-from rps_exudyn.solvers.steering_column import SteeringColumn
+from rps_exudyn.solvers.sliding_stability import reduced_gear
+from rps_exudyn.solvers.steering_column import ColumnModel
 from verification.refined_steps import NotFoundError
 from verification.runge_kutta import FreeMotion
 from verification.stability import ScenePlan
@@ -51,7 +51,7 @@ class Behind:
     """The gear's state while it is integrated behind a moved wheel; coordinates as in `gear_model`."""
 
     wheel: Wheel
-    column: SteeringColumn
+    column: ColumnModel
     balance: Balance
     mass: np.ndarray  # (m, m) of the moving coordinates
     moving: np.ndarray
@@ -67,7 +67,7 @@ class Behind:
             NotFoundError: there is none.
         """
         gear, fidelity = plan.gear, plan.fidelity.replace(FINE)
-        forces, column = gear_forces(gear, fidelity), SteeringColumn.of(gear)
+        forces, column = gear_forces(gear, fidelity), ColumnModel.of(gear)
         still = Steady("pinion", float(column.output(wheel.place(0.0))), 0.0)
         path = equilibrium_path(forces.statics, GearPair.of(gear), still, np.zeros(1))
         if not path.converged:

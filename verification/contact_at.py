@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.forces.memory import reset
+from rps_exudyn.forces.friction import reset
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.elastic_teeth import teeth_contact
 from rps_exudyn.tooth_contact.flank_contact import line_contact
-from rps_exudyn.tooth_contact.mesh_record import MESH, SCRATCH
+from rps_exudyn.tooth_contact.laws import MESH, SCRATCH
 from rps_exudyn.tooth_contact.sampled_contact import SampledContactData, pooled, sphere_contact
 from rps_exudyn.tooth_contact.teeth_data import teeth_data
 from verification.area_contact import area_contact

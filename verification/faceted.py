@@ -26,8 +26,14 @@ from rps_exudyn.solvers.gear_model import GEAR, LAWS
 from rps_exudyn.solvers.settling import static_approach
 from rps_exudyn.tooth_contact.mean_depth import mean_depth, rack_approach
 from rps_exudyn.tooth_contact.sampled_contact import pooled
-from rps_exudyn.tooth_contact.samples import FlankSamples, mesh_distance, sample_flank
-from rps_exudyn.tooth_contact.spheres import borders, contact_data, sphere_radius
+from rps_exudyn.tooth_contact.spheres import (
+    FlankSamples,
+    borders,
+    contact_data,
+    mesh_distance,
+    sample_flank,
+    sphere_radius,
+)
 from verification.equilibria import equilibria
 from verification.shaping import shaped_pinion
 

@@ -37,6 +37,10 @@ POWERS = {
     "kg*m^2": 5,
     "N*m/rad": 3,
     "N*m*s/rad": 4,
+    "K": 0,
+    "1/K": 0,
+    "N*s/m": 2,
+    "m^2/N": 0,
     "m/s^2": 0,  # gravity is the Earth's, whatever the gear's size
 }
 """SI unit -> power of the scale s with which its quantities grow in similar gears of the same materials."""

@@ -18,7 +18,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.scenes.yoke_impact import end_deflection, shaken
-from rps_exudyn.simulate.promised_quantity import Recorded, error_between, is_signal
+from rps_exudyn.simulate.accuracy_check import Recorded, error_between, is_signal
 from verification.references import SHAKEN
 from verification.runs import run_scene
 

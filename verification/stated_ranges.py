@@ -43,6 +43,8 @@ ERRORS: dict[str, Range] = {
     "installation.angle_error": Seldom(0.3, Even(-0.8 * DEG, 0.8 * DEG)),
     "installation.axis_offset": Seldom(0.3, Even(-1e-3, 0.1e-3)),
     "installation.gravity": Seldom(0.3, Even(-9.81, 9.81)),
+    "installation.gravity_angle": Seldom(0.5, Even(-np.pi, np.pi)),
+    "installation.gravity_slope": Seldom(0.5, Even(-20 * DEG, 20 * DEG)),
 }
 
 LAWS: dict[str, Range] = {
@@ -79,6 +81,7 @@ PARTS: dict[str, Range] = {
     "bush.poisson_ratio": Even(0, 0.45),
     "bush.segments": Whole(1, 40),
     "bush.drag": Even(0, 80),
+    "bush.viscous_drag": Seldom(0.2, Logarithmic(10, 3000)),
     "bush.distance": Share(Even(0.5, 1.0), lambda drawn: _farthest_bush(drawn)),
     "bearing.friction_torque": Even(0, 0.1),
     **{
@@ -91,6 +94,13 @@ PARTS: dict[str, Range] = {
     "mesh.stiffness": Logarithmic(3e12, 2e14),
     "mesh.damping": Seldom(0.25, Logarithmic(1e-6, 1e-3)),
     "mesh.line_stiffness": Seldom(0.5, Even(5e9, 25e9)),  # else from the gear
+}
+
+CONDITIONS: dict[str, Range] = {
+    "yoke.plunger_expansion": Choice({23e-6: 3, 115e-6: 1}),
+    "grease.base_oil": Choice({"none": 4, "PAO 32": 1, "VG 68": 0, "VG 100": 0, "VG 150": 0}),
+    "conditions.temperature": Choice({293.15: 6, 253.15: 1, 313.15: 1}),
+    "conditions.steering_cycles": Seldom(0.2, Logarithmic(1e3, 1e6)),
 }
 
 COLUMN: dict[str, Range] = {
@@ -117,7 +127,7 @@ TEST: dict[str, Range] = {
 OF_OTHER_SCENES = ("test.steer_torque", "test.steer_frequency", "test.steer_shape")
 """Parameters of scenes of which no plan is drawn: a gear keeps their defaults, and plans their texts."""
 
-GEAR: Mapping[str, Range] = {**TEETH, **ERRORS, **PARTS, **COLUMN, **TEST}
+GEAR: Mapping[str, Range] = {**TEETH, **ERRORS, **PARTS, **CONDITIONS, **COLUMN, **TEST}
 
 FIDELITY: Mapping[str, Range] = {
     "mesh": Choice({"flank": 1, "general-contact": 0}),  # which is drawn apart, for it costs more
@@ -134,6 +144,7 @@ FIDELITY: Mapping[str, Range] = {
     "profile_samples": Whole(12, 60),
     "axial_samples": Whole(8, 40),
     "zone_ratio": Logarithmic(0.001, 1),
+    "friction_elements": Whole(1, 4),
 }
 
 

@@ -1,15 +1,15 @@
-"""Stick-slip of gear and steering column reduced to one inertia (`analysis.stick_slip`), by events.
+"""Stick-slip of gear and steering column reduced to one inertia (`analysis.friction_oscillator`), by events.
 
 `event_based` sticks or slips, and finds where one ends, by an integrator of variable step; a mass on a belt
 is the same motion seen from the mass. Own solutions: nothing of the package's kernels is in them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from rps_exudyn.analysis.stick_slip import Oscillator
+from rps_exudyn.analysis.friction_oscillator import Oscillator
 
 LEAST_SPEED = 0.01  # of the largest looked at
 BEGUN = 1e-9  # of a slip's time, in periods: before it the speed is not looked at
@@ -89,8 +89,8 @@ def on_bristles(
     """Return how the gear moves on bristles, from just before it breaks away on: the least speed over the
     last third, over the wheel's, of the shape of the speeds [rad/s] and dampings [N m s/rad].
 
-    Near 1 it slides, near 0 it sticks. The bristle's equation is solved exactly over each step of even slip,
-    the motion by leaps between.
+    Near 1 it slides, near 0 it sticks. One bristle follows each step of even slip up to the limit of its
+    speed, the motion goes by leaps between.
     """
     step = 2 * np.pi / model.frequency / BRISTLE_STEPS
     kinetic, static = sum(part.torque for part in model.parts), float(model.friction(0.0))
@@ -98,8 +98,7 @@ def on_bristles(
     twist, omega, least = kinetic * bent / model.stiffness, np.zeros(speed.shape), np.ones(speed.shape)
     for i in range(periods * BRISTLE_STEPS):
         curve = model.friction(np.abs(omega)) / kinetic
-        rest = np.exp(-np.abs(omega) * step / (presliding * curve))
-        bent = np.sign(omega) * curve + (bent - np.sign(omega) * curve) * np.where(omega == 0, 1.0, rest)
+        bent = np.clip(bent + omega * step / (FIRST_LOADING * presliding), -curve, curve)
         pull = model.stiffness * twist + damping * (speed - omega) - kinetic * bent
         omega = omega + step * pull / model.inertia
         twist = twist + step * (speed - omega)
@@ -109,6 +108,7 @@ def on_bristles(
 
 
 BRISTLE_STEPS = 200  # in a natural period
+FIRST_LOADING = 2.0  # slip of a first loading of one bristle, over its travel
 BEFORE_BREAKAWAY = 0.95  # of static friction
 
 
@@ -161,3 +161,52 @@ def _trapezoid(model: Oscillator, drive: float, zone: float, step: float, state:
 
 
 NEWTONS = 25
+
+
+# --- the limit of steady sliding ------------------------------------------------------------------------
+NUDGED = 1e-3  # of the speed, by which steady sliding is disturbed
+DECIDED = 30.0  # times that, at which it has grown; a tenth: decayed
+MOST_PERIODS = 200  # natural periods for which it is followed
+
+
+def sliding_limit(model: Oscillator, drive: float, tolerance: float = 0.01) -> float:
+    """Return the largest damping at which a small disturbance of steady sliding at a speed [rad/s] grows
+    [N m s/rad], by integration and bisection to a share of it; 0 where it never grows."""
+    low, high = 0.0, 0.5 * np.sqrt(model.stiffness * model.inertia)
+    if not _grows(replace(model, damping=0.0), drive):
+        return 0.0
+    while _grows(replace(model, damping=high), drive):
+        low, high = high, 2 * high
+    while high - low > tolerance * high:
+        middle = (low + high) / 2
+        low, high = (middle, high) if _grows(replace(model, damping=middle), drive) else (low, middle)
+    return (low + high) / 2
+
+
+def _grows(model: Oscillator, drive: float) -> bool:
+    """Return whether a disturbed motion leaves steady sliding; undecided, whether its energy grew."""
+    rest = (model.friction(drive)) / model.stiffness
+    begin = [rest, drive * (1 - NUDGED)]
+
+    def size(state: np.ndarray) -> float:
+        twist = (state[0] - rest) * model.frequency
+        return float(np.hypot(twist, state[1] - drive) / drive)
+
+    def leaves(time: float, state: np.ndarray) -> float:
+        return size(state) - DECIDED * NUDGED
+
+    def settles(time: float, state: np.ndarray) -> float:
+        return size(state) - 0.1 * NUDGED
+
+    leaves.terminal = settles.terminal = True  # type: ignore[attr-defined]
+    solved = solve_ivp(
+        lambda time, state: _slipping(model, drive, state),
+        (0.0, MOST_PERIODS * 2 * np.pi / model.frequency),
+        begin,
+        events=(leaves, settles),
+        rtol=1e-7,
+        atol=1e-9 * drive / model.frequency,
+    )
+    if solved.t_events[1].size:
+        return False
+    return bool(solved.t_events[0].size) or size(solved.y[:, -1]) > NUDGED

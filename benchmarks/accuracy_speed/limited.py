@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from time import process_time
 from types import FrameType
 
-from rps_exudyn.base.interrupts import unwrapped_interrupts
+from rps_exudyn.base.errors import unwrapped_interrupts
 
 LEAST = 1e-3  # of what is left of an outer limit, which a timer of zero would switch off [s]
 

@@ -32,8 +32,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.study.cases import describe, setup_of
-from rps_exudyn.study.definition import Study
-from rps_exudyn.study.description import Axis, Value
+from rps_exudyn.study.definition import Axis, Study, Value
 from rps_exudyn.study.study_file import read_study
 from rps_exudyn.study.table import axis_quantity
 from verification.faceted import Surface, faceted_run, largest_deviation, meshed, shaped, spheres

@@ -11,8 +11,7 @@ from rps_exudyn.gears.pinion_mesh import PinionMesh, pinion_mesh
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.mean_depth import axial_reach, contact_ends
-from rps_exudyn.tooth_contact.samples import FlankSamples, sample_flank
-from rps_exudyn.tooth_contact.spheres import FLANK_MARGIN
+from rps_exudyn.tooth_contact.spheres import FLANK_MARGIN, FlankSamples, sample_flank
 
 BAR = RackBar.of(SteeringGear())
 SIDES = (-1, 1)

@@ -28,7 +28,7 @@ from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.forces.bush import bush_chain, resting_segments
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.solids import bush_segment_solid
-from rps_exudyn.multibody.bush_chain import add_chain
+from rps_exudyn.multibody.bodies import add_chain
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import DrivenBody, Steady, travel_per_radian

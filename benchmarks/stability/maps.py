@@ -34,8 +34,7 @@ from rps_exudyn.scenes.checks.before_run import DEEPEST, STEPS_PER_PITCH
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.study.cases import setup_of
-from rps_exudyn.study.definition import Study
-from rps_exudyn.study.description import Axis, Case
+from rps_exudyn.study.definition import Axis, Case, Study
 from rps_exudyn.study.study_file import read_study
 from rps_exudyn.study.table import axis_quantity
 from rps_exudyn.tooth_contact.mean_depth import mean_depth

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.topic import Topic, markdown
-from rps_exudyn.base.compiling import Step, listeners
+from rps_exudyn.base.compiling import CompileStep, listeners
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.results.result import Result
@@ -109,7 +109,7 @@ def child(pipe: multiprocessing.connection.Connection) -> None:
     """Do plans by their numbers, as the parent sends them; compiling is on no plan's clock."""
     compiled: list[int] = []
 
-    def listen(step: Step) -> None:
+    def listen(step: CompileStep) -> None:
         if not compiled:
             pipe.send("compiling")
         compiled.append(step.done)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rps_exudyn.analysis.comparison import SignalPair, signal_pair
 from rps_exudyn.analysis.passes import Pass, Signals, common_angles, longest_pass, passes
+from rps_exudyn.analysis.result_comparison import SignalPair, signal_pair
 from rps_exudyn.analysis.torque import describe_torque
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.results.result import MeasuredTorque

@@ -5,9 +5,9 @@ A record in both directions is first divided into `passes`.
 
 import numpy as np
 
+from rps_exudyn.analysis.curve import LEAST_FOR_PEAKS
 from rps_exudyn.analysis.harmonics import LEAST_PER_PERIOD, order_amplitude
 from rps_exudyn.analysis.passes import Pass, Signals, both_directions, number_of, passes, spread
-from rps_exudyn.analysis.resolution import LEAST_FOR_PEAKS
 
 
 def mean(angle: np.ndarray, values: np.ndarray) -> float:

@@ -20,7 +20,7 @@ LOADING = 1.0  # [s] that kernels take at most where a cache holds them
 OWN_SHARE = 0.5  # of the time, for the kernel itself behind those that it calls: all of them are in its code
 
 
-class Step(NamedTuple):
+class CompileStep(NamedTuple):
     """How many kernels are compiled, of those that are known to be needed."""
 
     done: int
@@ -29,7 +29,7 @@ class Step(NamedTuple):
     left: float  # [s]
 
 
-Listener = Callable[[Step], None]
+Listener = Callable[[CompileStep], None]
 
 listeners: list[Listener] = []
 
@@ -44,7 +44,7 @@ def listening(listener: Listener) -> Iterator[None]:
         listeners.remove(listener)
 
 
-def publish(step: Step) -> None:
+def publish(step: CompileStep) -> None:
     """Call all listeners with a step; another process may have made it."""
     for listener in tuple(listeners):
         listener(step)
@@ -80,12 +80,14 @@ class _Count:
         weights = {name: len(each.py_func.__code__.co_code) for name, each in new.items()}
         whole, shown = sum(weights.values()), False
 
-        def step() -> Step:
+        def step() -> CompileStep:
             seconds = perf_counter() - begun
             done = sum(bool(each.signatures) for each in self._needed.values())
             share = sum(weight for name, weight in weights.items() if new[name].signatures) / whole
             share = max((1 - OWN_SHARE) * share, 0.02) if not kernel.signatures else 1.0
-            return Step(done, len(self._needed), self._seconds + seconds, seconds * (1 - share) / share)
+            return CompileStep(
+                done, len(self._needed), self._seconds + seconds, seconds * (1 - share) / share
+            )
 
         def count() -> None:
             nonlocal shown
@@ -103,7 +105,7 @@ class _Count:
             thread.join()
             if shown:
                 self._seconds += perf_counter() - begun
-                publish(Step(len(self._needed), len(self._needed), self._seconds, 0.0))
+                publish(CompileStep(len(self._needed), len(self._needed), self._seconds, 0.0))
 
 
 compiling = _Count().running
@@ -116,9 +118,9 @@ class CompilingProgress:
     """The latest count; its total never is less than the count."""
 
     def __init__(self) -> None:
-        self.step = Step(0, 0, 0.0, 0.0)
+        self.step = CompileStep(0, 0, 0.0, 0.0)
 
-    def take(self, step: Step) -> None:
+    def take(self, step: CompileStep) -> None:
         """Take a step."""
         self.step = step
 

@@ -34,7 +34,7 @@ Listener = Callable[[Progress], None]
 
 
 @dataclass
-class _Following:
+class _Follower:
     """A listener, and which part of which run it follows."""
 
     listener: Listener
@@ -57,7 +57,7 @@ class _Following:
         self.listener(Progress(place(), whole, now - self.began, left))
 
 
-_following: ContextVar[_Following | None] = ContextVar("following", default=None)
+_following: ContextVar[_Follower | None] = ContextVar("following", default=None)
 
 
 @contextmanager
@@ -66,7 +66,7 @@ def following(listener: Listener | None) -> Iterator[None]:
     if listener is None:
         yield
         return
-    before = _following.set(_Following(listener))
+    before = _following.set(_Follower(listener))
     try:
         yield
     finally:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, Protocol
 
-from rps_exudyn.base.compiling import CompilingProgress, Step, listening
+from rps_exudyn.base.compiling import CompileStep, CompilingProgress, listening
 from rps_exudyn.base.progress import Progress as RunProgress
 from rps_exudyn.base.progress import following
 
@@ -27,7 +27,7 @@ PER_SECOND = 4  # pictures of a terminal
 WIDTH = 30  # of a bar
 
 
-class Row(Protocol):
+class ScreenRow(Protocol):
     """Something that goes on; it is read now and then, by another thread."""
 
     @property
@@ -54,14 +54,14 @@ class Screen:
         """`asked`: lines are wanted outside a terminal, too."""
         self._terminal = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
         self._shows = asked or self._terminal
-        self._rows: list[Row] = []
+        self._rows: list[ScreenRow] = []
         self._live: Progress | None = None
         self._tasks: dict[int, Any] = {}  # of rich, by the row's id
         self._ended = Event()
         self._lines: Thread | None = None
 
     @contextmanager
-    def row(self, row: Row) -> Iterator[None]:
+    def row(self, row: ScreenRow) -> Iterator[None]:
         """Show a row during a block."""
         self.add(row)
         try:
@@ -69,12 +69,12 @@ class Screen:
         finally:
             self.remove(row)
 
-    def add(self, row: Row) -> None:
+    def add(self, row: ScreenRow) -> None:
         """Show a row from now on, and as the one that is written where lines stay."""
         self._rows = [*(each for each in self._rows if each is not row), row]
         self._show()
 
-    def remove(self, row: Row) -> None:
+    def remove(self, row: ScreenRow) -> None:
         """Show a row no longer."""
         self._rows = [each for each in self._rows if each is not row]
         if self._live and (task := self._tasks.pop(id(row), None)) is not None:
@@ -208,7 +208,7 @@ class _Compiling:
     def __init__(self, screen: Screen) -> None:
         self._screen, self._row, self._shown = screen, CompilingProgress(), False
 
-    def take(self, step: Step) -> None:
+    def take(self, step: CompileStep) -> None:
         """Count a step; show the row where it takes long."""
         self._row.take(step)
         if self._row.is_done:

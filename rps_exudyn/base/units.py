@@ -8,7 +8,7 @@ import re
 from contextlib import suppress
 from functools import cache
 from math import pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import pint
@@ -43,7 +43,13 @@ _COMMON: dict[str, dict[str, float]] = {
     "N*m/rad": {"N*m/rad": 1.0, "N*m/deg": 180 / pi},
     "N*m*s/rad": {"N*m*s/rad": 1.0},
     "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9},
+    "N*s/m": {"N*s/m": 1.0},
+    "m^2/N": {"m^2/N": 1.0, "mm^3/N/m": 1e-9},
+    "K": {"K": 1.0, "degC": 1.0},
+    "1/K": {"1/K": 1.0},
 }
+ZERO_OF = {"degC": 273.15}
+"""Unit -> its zero in the SI unit; of all others it is 0."""
 
 
 @cache
@@ -93,8 +99,10 @@ def to_si(value: object, si_unit: str) -> float:
         if parts is None:
             raise ValueError("not a number and its unit")
         unit = re.sub(r"[.·]", "*", parts["unit"]).replace("°", "deg")
-        if common := _COMMON.get(si_unit, {}).get(re.sub(r"\s*([*/])\s*|\s+", _operator, unit)):
-            return float(parts["number"]) * common
+        unit_written = re.sub(r"\s*([*/])\s*|\s+", _operator, unit)
+        if common := _COMMON.get(si_unit, {}).get(unit_written):
+            number, zero = float(parts["number"]) * common, ZERO_OF.get(unit_written)
+            return number if zero is None else round(number + zero, 9)
         quantity = _registry().Quantity(float(parts["number"]), f"1{unit}" if unit[0] == "/" else unit)
         if _misleading(str(quantity.units), si_unit):
             raise ValueError(f"{quantity.units} are not meant")
@@ -113,8 +121,24 @@ def _operator(match: re.Match[str]) -> str:
 
 def show(value: float, si_unit: str, display: str) -> str:
     """A value given in `si_unit` as text in the unit `display`, for instance "1.83 mm"."""
-    number = value if display == si_unit else value / factor(display, si_unit)
-    return f"{number:.6g} {display}".strip()
+    return f"{displayed(value, si_unit, display):.6g} {display}".strip()
+
+
+def displayed(values: Any, si_unit: str, display: str) -> Any:
+    """Values in `si_unit`, a number or an array of any shape, in the unit `display`."""
+    if display == si_unit:
+        return values
+    return (values - ZERO_OF.get(display, 0.0)) / factor(display, si_unit)
+
+
+def difference_to_si(value: object, si_unit: str) -> float:
+    """A difference of two quantities in `si_unit`: 10 degC is 10 K.
+
+    Raises:
+        ValueError: as of `to_si`.
+    """
+    zero = "0 degC" if isinstance(value, str) and respelled(value).rstrip().endswith("degC") else 0.0
+    return to_si(value, si_unit) - to_si(zero, si_unit)
 
 
 def short(text: str, most: int = 100) -> str:
@@ -173,6 +197,10 @@ def _example(si_unit: str) -> str:
         "kg*m^2": '"0.04 kg*m^2"',
         "N*m/rad": '"120 N*m/rad"',
         "N*m*s/rad": '"0.02 N*m*s/rad"',
+        "N*s/m": '"500 N*s/m"',
+        "K": '"-30 degC"',
+        "1/K": '"23e-6 1/K"',
+        "m^2/N": '"1e-6 mm^3/N/m"',
     }
     return examples.get(si_unit, "0.1")
 
@@ -191,7 +219,7 @@ def respelled(text: str) -> str:
     Raises:
         ValueError: a comma that may divide thousands.
     """
-    text = _TURNS.sub("rpm", _TORQUE.sub(r"\1*\2", text.translate(_LETTERS)))
+    text = _TURNS.sub("rpm", _TORQUE.sub(r"\1*\2", text.translate(_LETTERS))).replace("°C", "degC")
     found = _COMMA.match(text)
     if not found:
         return text

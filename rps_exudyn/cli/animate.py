@@ -20,10 +20,10 @@ def animate(file: Path, /, *, out: Path | None = None, view: str = "gear", apart
         view: where film and still look from: gear, mesh, along-the-pinion or whole-rack; a page has them all.
         apart: the parts taken apart, in film and still; a page has a slider for it.
     """
+    from rps_exudyn.pages.animation.animation_page import write_page
     from rps_exudyn.pages.animation.camera import VIEWS
     from rps_exudyn.pages.animation.film import FILMS, STILLS, write_film, write_still
-    from rps_exudyn.pages.animation.page import write_page
-    from rps_exudyn.study.blocks import beside, load
+    from rps_exudyn.study.case_blocks import beside, load
 
     if view not in VIEWS:
         raise InputError(f"--view is {view!r}; it must be one of {', '.join(VIEWS)}.")

@@ -14,8 +14,8 @@ def collect(folder: Path, /, *, out: Path | None = None) -> int:
         folder: folder that `study` wrote.
         out: table (.h5, .csv); without it table.h5 in the folder.
     """
+    from rps_exudyn.study.case_progress import groups
     from rps_exudyn.study.collected import SUFFIXES, write_table
-    from rps_exudyn.study.messages import groups
     from rps_exudyn.study.store import Store
     from rps_exudyn.study.table import CaseTable
 

@@ -9,7 +9,7 @@ from rps_exudyn.cli.options import Json
 from rps_exudyn.cli.output import DONE, print_files, print_json, put, put_table
 
 if TYPE_CHECKING:
-    from rps_exudyn.analysis.comparison import Comparison
+    from rps_exudyn.analysis.result_comparison import ResultComparison
 
 
 def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Json = False) -> int:
@@ -20,9 +20,9 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Json =
         second: HDF5 file to compare with it; differences are second minus first.
         plot: picture (.png, .svg, .pdf) of both torques and their difference.
     """
-    from rps_exudyn.analysis.comparison import compare
+    from rps_exudyn.analysis.result_comparison import compare
     from rps_exudyn.pages.charts.analyses import draw_comparison
-    from rps_exudyn.study.blocks import load
+    from rps_exudyn.study.case_blocks import load
 
     if plot:
         check_writable(plot, PICTURES)
@@ -38,7 +38,9 @@ def diff(first: Path, second: Path, /, *, plot: Path | None = None, json: Json =
     return DONE
 
 
-def print_comparison(comparison: "Comparison", names: tuple[str, str], files: Iterable[Path] = ()) -> None:
+def print_comparison(
+    comparison: "ResultComparison", names: tuple[str, str], files: Iterable[Path] = ()
+) -> None:
     """Print the settings that differ, both summaries, and how far the curves of each signal lie apart."""
     for name, scene, status in zip(names, comparison.scene, comparison.status, strict=True):
         put(f"{name}: {scene} · status {status}", "bold")
@@ -63,7 +65,7 @@ def print_comparison(comparison: "Comparison", names: tuple[str, str], files: It
     print_files(files)
 
 
-def comparison_as_dict(comparison: "Comparison", files: Iterable[Path] = ()) -> dict[str, Any]:
+def comparison_as_dict(comparison: "ResultComparison", files: Iterable[Path] = ()) -> dict[str, Any]:
     """A comparison without the curves, in SI units; pairs are [first, second]."""
     from rps_exudyn.cli.printed import differences
     from rps_exudyn.results.quantities import SIGNALS
@@ -98,7 +100,7 @@ def _both_shown(path: str, pair: tuple[Any, Any]) -> tuple[str, str]:
     return first, second
 
 
-def _summary_differences(comparison: "Comparison") -> Iterable[tuple[str, ...]]:
+def _summary_differences(comparison: "ResultComparison") -> Iterable[tuple[str, ...]]:
     from rps_exudyn.results.quantities import SUMMARY
 
     for name, (first, second) in comparison.summary.items():

@@ -19,7 +19,6 @@ def explore(
         port: its port; 0 takes a free one.
         browser: open the page in the browser.
     """
-    from rps_exudyn.pages.explore.answer import answer
     from rps_exudyn.pages.explore.server import Explorer
 
     chosen = gear.load()
@@ -31,7 +30,7 @@ def explore(
         if not server.local:
             say(f"anyone who reaches {host} can compute on this machine now; there is no password.")
         with shown_progress():
-            answer(chosen, {})
+            server.warm_up()
         print(f"serving: {server.address} (Ctrl-C ends it)", flush=True)
         if browser:
             with suppress(webbrowser.Error):

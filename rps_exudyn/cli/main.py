@@ -14,8 +14,7 @@ from pathlib import Path
 
 from cyclopts import App, CycloptsError, UnusedCliTokensError
 
-from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.interrupts import unwrapped_interrupts
+from rps_exudyn.base.errors import InputError, unwrapped_interrupts
 from rps_exudyn.cli.animate import animate
 from rps_exudyn.cli.check import check
 from rps_exudyn.cli.collect import collect

@@ -74,7 +74,7 @@ class GearOptions:
         Raises:
             InputError: distributions that cannot be.
         """
-        from rps_exudyn.parameters.carried import carried
+        from rps_exudyn.inference.uncertainty.input_sets import carried
 
         return carried(self.tables(), parse_settings(self.settings)[0])
 

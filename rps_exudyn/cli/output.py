@@ -14,8 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.interrupts import unwrapped_interrupts
+from rps_exudyn.base.errors import InputError, unwrapped_interrupts
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 """Exit statuses."""

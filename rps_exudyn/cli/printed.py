@@ -11,8 +11,8 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import COUNTERS, SIGNALS, SUMMARY
 
 if TYPE_CHECKING:
-    from rps_exudyn.analysis.comparison import SignalPair
     from rps_exudyn.analysis.measured import AgainstMeasured
+    from rps_exudyn.analysis.result_comparison import SignalPair
     from rps_exudyn.results.result import Result
 
 

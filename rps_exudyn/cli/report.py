@@ -17,7 +17,7 @@ def report(*paths: Path, out: Path | None = None, contact: Flag = False) -> int:
         out: page (.html); without it report.html in the study's folder, or a page beside the only file.
         contact: add loads of the lines of contact, shares of the teeth and contact pattern to each result.
     """
-    from rps_exudyn.pages.report.report import SUFFIXES, default_name, write_report
+    from rps_exudyn.pages.report.write_report import SUFFIXES, default_name, write_report
 
     if not paths:
         raise InputError("report needs at least one study's folder or result's file.")

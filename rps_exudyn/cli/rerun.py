@@ -21,12 +21,12 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Json = False) -> int:
         file: HDF5 file that `run` or `study` wrote; it is not changed.
         out: HDF5 file of the new result; without it none is written.
     """
-    from rps_exudyn.analysis.comparison import differing_numbers, largest_difference
+    from rps_exudyn.analysis.result_comparison import differing_numbers, largest_difference
     from rps_exudyn.cli.printed import print_result, result_as_dict, verdict
     from rps_exudyn.parameters.fidelity import Fidelity
     from rps_exudyn.parameters.gear import SteeringGear
     from rps_exudyn.simulate.run import simulate
-    from rps_exudyn.study.blocks import load
+    from rps_exudyn.study.case_blocks import load
 
     if out and check_writable(out, RESULT_FILES).resolve() == file.resolve():
         raise InputError(f"--out {out} is the result that is simulated again; name another file.")

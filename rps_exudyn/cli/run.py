@@ -156,7 +156,7 @@ def keep(result: "Result", out: Path, plot: Path) -> tuple[list[Path], bool]:
 
 def _draw(result: "Result", plot: Path) -> None:
     """Draw the picture; the result is safe by then."""
-    from rps_exudyn.pages.charts.scene import draw
+    from rps_exudyn.pages.charts.scene_figures import draw
 
     draw(result, plot)
 

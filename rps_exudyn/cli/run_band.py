@@ -44,7 +44,7 @@ def do_band(
     Raises:
         InputError: distributions or a number of samples that cannot be, or a gear that fails.
     """
-    from rps_exudyn.pages.charts.band import band_figure
+    from rps_exudyn.pages.charts.inference import band_figure
     from rps_exudyn.pages.charts.style import save
 
     own, processes = options.carried(), checked_jobs(jobs)

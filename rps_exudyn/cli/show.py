@@ -16,7 +16,7 @@ def show(file: Path, /, *, plot: Path | None = None, from_zero: Flag = False, js
         from_zero: torques and forces of the picture are drawn from zero on.
     """
     from rps_exudyn.cli.printed import put_result
-    from rps_exudyn.study.blocks import load
+    from rps_exudyn.study.case_blocks import load
 
     if plot:
         check_writable(plot, PICTURES)

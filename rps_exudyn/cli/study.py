@@ -15,7 +15,7 @@ from rps_exudyn.cli.output import DONE, FAILED, say
 
 if TYPE_CHECKING:
     from rps_exudyn.simulate.cases.run_cases import Executor
-    from rps_exudyn.study.messages import Group
+    from rps_exudyn.study.case_progress import Group
     from rps_exudyn.study.runner import StudyWork, Tally
 
 MANY_CASES = 5000
@@ -132,12 +132,12 @@ def _kept(request: Request) -> str:
 
 def _list_cases(request: Request, json: bool) -> int:
     """Print the cases, which of them are missing, and the estimated time; exit status 0."""
-    from rps_exudyn.study.estimate import estimate
+    from rps_exudyn.study.case_progress import estimate
     from rps_exudyn.study.handover import dispatch_of
     from rps_exudyn.study.table import show_value
 
     work, jobs = request.work(), request.processes
-    time = estimate(work, jobs)
+    time = estimate(work.study, work.missing, work.measured(), jobs)
     with shown_progress():
         dispatch = dispatch_of(work.study, work.description, len(work.missing))
     missing = {case.hash for case in work.missing}

@@ -11,7 +11,7 @@ from rps_exudyn.cli.options import Jobs, Json
 from rps_exudyn.cli.output import DONE, naming, print_files, print_json, put, put_table
 
 if TYPE_CHECKING:
-    from rps_exudyn.assessment.validation.comparison import Comparison
+    from rps_exudyn.assessment.validation.compared_rows import ComparedRow
 
 DATA, PICTURE = ".json", ".png"  # beside the page
 
@@ -32,9 +32,9 @@ def validate(
         only: name of a row to run alone; may be repeated.
         out: page (.html), with data (.json) and picture (.png) beside it; without it validation.html.
     """
-    from rps_exudyn.assessment.validation.comparison import compare_rows
-    from rps_exudyn.assessment.validation.page import validation_figure, validation_page
+    from rps_exudyn.assessment.validation.compared_rows import compare_rows
     from rps_exudyn.assessment.validation.row import SHIPPED, read_rows
+    from rps_exudyn.assessment.validation.validation_page import validation_figure, validation_page
     from rps_exudyn.pages.charts.style import save
     from rps_exudyn.results.provenance import provenance
     from rps_exudyn.simulate.cases.run_cases import checked_jobs
@@ -68,8 +68,8 @@ def validate(
     return DONE
 
 
-def _print(comparisons: "list[Comparison]", files: list[Path]) -> None:
-    from rps_exudyn.assessment.validation.page import COLUMNS, row_cells
+def _print(comparisons: "list[ComparedRow]", files: list[Path]) -> None:
+    from rps_exudyn.assessment.validation.validation_page import COLUMNS, row_cells
 
     put_table(COLUMNS, [tuple(row_cells(each)) for each in comparisons])
     counts = Counter(each.verdict.value for each in comparisons)

@@ -17,7 +17,7 @@ def view(file: Path, /) -> int:
         file: HDF5 file that `run` wrote; its motion is computed anew.
     """
     from rps_exudyn.parameters.fidelity import Fidelity
-    from rps_exudyn.study.blocks import load
+    from rps_exudyn.study.case_blocks import load
 
     result = load(file)
     if not has_display():
@@ -28,7 +28,7 @@ def view(file: Path, /) -> int:
     fidelity = Fidelity.from_tables(result.fidelity, where=str(file))
     if fidelity.solver != "generalized-alpha":
         fidelity = Fidelity.preset("flank")
-    from rps_exudyn.multibody.viewing import play, solved_model
+    from rps_exudyn.multibody.solve import play, solved_model
 
     with TemporaryDirectory() as folder:
         motion = Path(folder) / "motion.txt"

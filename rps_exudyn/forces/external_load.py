@@ -1,7 +1,7 @@
 """External forces on the rack: a load at its end, its weight, a pulse."""
 
 from dataclasses import dataclass
-from math import pi, sin
+from math import cos, pi, sin
 from typing import Protocol
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from rps_exudyn.base.compiled import inline, record, record_type
 from rps_exudyn.forces.force_element import Part
 from rps_exudyn.forces.rigid_motion import cross, dot, on_angles, plus, scaled, spin_of, turn_of, vector
+from rps_exudyn.parameters.gear import Installation
 
 DEAD_FORCE = record_type(
     [
@@ -49,9 +50,17 @@ def end_load(load: float, across: tuple[float, float], place: float) -> np.recor
     return record(DEAD_FORCE, force=(-load, *across), place=place)
 
 
-def weight(mass: float, gravity: float, place: float) -> np.record:
-    """The weight of the rack, its mass centre at `place` [m], under `gravity` along -Y [m/s^2]."""
-    return record(DEAD_FORCE, force=(0.0, -mass * gravity, 0.0), place=place)
+def weight(mass: float, gravity: np.ndarray, place: float) -> np.record:
+    """The weight of the rack, its mass centre at `place` [m], under `gravity` (3,) [m/s^2]."""
+    return record(DEAD_FORCE, force=tuple(mass * gravity), place=place)
+
+
+def gravity_of(installation: Installation) -> np.ndarray:
+    """Acceleration of gravity in the housing, shape (3,) [m/s^2]: along -Y, turned about X towards Z by the
+    angle, and raised towards X by the slope."""
+    angle, slope = installation.gravity_angle, installation.gravity_slope
+    direction = sin(slope), -cos(slope) * cos(angle), cos(slope) * sin(angle)
+    return installation.gravity * np.array(direction)
 
 
 class TimedForce(Protocol):

@@ -1,20 +1,23 @@
-"""Pinion, rack, plunger and yokenut as Exudyn bodies, with their masses, and pictures from their solids."""
+"""Objects of the Exudyn system: pinion, rack, plunger and yokenut with masses, forces, bush segments."""
 
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rps_exudyn.forces.bush import Chain, housing_station
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
+from rps_exudyn.forces.friction import TIME
 from rps_exudyn.gears import masses, solids
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.steering_model import SteeringModel
+from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import SIZE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    import exudyn
 
     from rps_exudyn.gears.polyhedron import Solid
-    from rps_exudyn.parameters.gear import SteeringGear
 
 COLOURS = {  # by their names in CSS, as red, green and blue
     "steelblue": (70 / 255, 130 / 255, 180 / 255),
@@ -152,3 +155,121 @@ def shapes_of(
 def six_moments(inertia: np.ndarray) -> np.ndarray:
     """The components xx, yy, zz, yz, xz, xy of an inertia tensor (3, 3) [kg m^2], shape (6,)."""
     return inertia[[0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]
+
+
+# --- A force element as an Exudyn object: an `ObjectGenericODE2`, massless but for modes of bending. Unlike a
+# connector between separated markers it carries its own lever arms, so moments balance exactly.
+
+
+def add_forces(
+    mbs: "exudyn.MainSystem",
+    nodes: Sequence[Any],
+    size: int,
+    force_of: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    tangent_of: Callable[[np.ndarray, np.ndarray, float, float], np.ndarray],
+    *,
+    memory: np.ndarray | None = None,
+    mass: np.ndarray | None = None,
+    applied: Callable[[float], np.ndarray] | None = None,
+) -> Any:
+    """Add an object with a law of forces, and its Jacobian, over the coordinates of some nodes.
+
+    Args:
+        mbs: the system.
+        nodes: whose coordinates the law takes, one after the other.
+        size: number of coordinates.
+        force_of: (q, v) -> forces (size,).
+        tangent_of: (q, v, factor_q, factor_v) -> factor_q dF/dq + factor_v dF/dv, shape (size, size).
+        memory: state of the bristle friction, where the time at which a step ends is set.
+        mass: of these coordinates besides that of their bodies, shape (size, size); none by default.
+        applied: forces (size,) at a time [s] that act besides.
+    """
+    from exudyn.itemInterface import ObjectGenericODE2, VObjectGenericODE2
+
+    def force(mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]) -> np.ndarray:
+        if memory is not None:
+            memory[1, TIME] = t
+        return force_of(np.asarray(q), np.asarray(v))
+
+    def force_with_applied(
+        mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]
+    ) -> np.ndarray:
+        assert applied is not None
+        return np.asarray(force(mbs, t, item, q, v) + applied(t))
+
+    def jacobian(
+        mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float], fq: float, fv: float
+    ) -> np.ndarray:
+        if memory is not None:
+            memory[1, TIME] = t
+        return -tangent_of(np.asarray(q), np.asarray(v), fq, fv)  # of the left-hand side
+
+    return mbs.AddObject(
+        ObjectGenericODE2(
+            nodeNumbers=list(nodes),
+            massMatrix=np.zeros((size, size)) if mass is None else mass,
+            forceUserFunction=force if applied is None else force_with_applied,
+            jacobianUserFunction=jacobian,
+            visualization=VObjectGenericODE2(show=False),
+        )
+    )
+
+
+# --- The bush as bodies and springs
+
+
+def add_chain(
+    mbs: "exudyn.MainSystem",
+    gear: SteeringGear,
+    chain: Chain,
+    rest: np.ndarray,
+    *,
+    mass: float,
+    inertia: np.ndarray,
+    axis_height: float,
+) -> tuple[list[Any], list[Any]]:
+    """Add segments and springs to an Exudyn system; returns the segments' nodes and bodies.
+
+    `rest` (N, 6) is where they start; each has `mass` [kg] and `inertia` (3, 3) [kg m^2] about its centre.
+    Springs sit at one point of both neighbours, so that the pair of forces has no free moment.
+    """
+    from exudyn.itemInterface import (
+        MarkerBodyRigid,
+        NodeRigidBodyRxyz,
+        ObjectConnectorRigidBodySpringDamper,
+        ObjectGround,
+        ObjectRigidBody,
+        VObjectConnectorRigidBodySpringDamper,
+    )
+
+    centres = housing_station(gear, chain.centres)
+    moments = six_moments(inertia)
+    nodes, bodies = [], []
+    for x, start in zip(centres, rest, strict=True):
+        node = mbs.AddNode(
+            NodeRigidBodyRxyz(referenceCoordinates=[x, axis_height, 0, 0, 0, 0], initialCoordinates=start)
+        )
+        nodes.append(node)
+        bodies.append(mbs.AddObject(ObjectRigidBody(mass=mass, inertia=moments, nodeNumber=node)))
+
+    housing = mbs.AddObject(ObjectGround())
+
+    def marker(segment: int, x: float) -> Any:
+        body, place = (
+            (bodies[segment], [x - centres[segment], 0, 0])
+            if segment >= 0
+            else (housing, [x, axis_height, 0])
+        )
+        return mbs.AddMarker(MarkerBodyRigid(bodyNumber=body, localPosition=place))
+
+    for connection in chain.connections:
+        x = housing_station(gear, connection.station)
+        markers = [marker(connection.before, x), marker(connection.after, x)]
+        mbs.AddObject(
+            ObjectConnectorRigidBodySpringDamper(
+                markerNumbers=markers,
+                stiffness=np.diag(connection.stiffness),
+                visualization=VObjectConnectorRigidBodySpringDamper(show=False),
+            )
+        )
+    return nodes, bodies

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.multibody.force_object import add_forces
+from rps_exudyn.multibody.bodies import add_forces
 from rps_exudyn.multibody.steering_model import SteeringModel
-from rps_exudyn.solvers.steering_column import SteeringColumn, WheelTorque
+from rps_exudyn.solvers.steering_column import ColumnModel, WheelTorque
 
 
-def add_column(model: SteeringModel, column: SteeringColumn) -> None:
+def add_column(model: SteeringModel, column: ColumnModel) -> None:
     """Add the wheel where its drive starts, and the column between it and the pinion."""
     from exudyn.itemInterface import Node1D, ObjectRotationalMass1D
 
@@ -66,7 +66,7 @@ def add_wheel_torque(model: SteeringModel, drive: WheelTorque) -> None:
     )
 
 
-def _add_straight(model: SteeringModel, column: SteeringColumn) -> None:
+def _add_straight(model: SteeringModel, column: ColumnModel) -> None:
     from exudyn.itemInterface import CoordinateSpringDamper, MarkerNodeCoordinate
 
     markers = [
@@ -78,7 +78,7 @@ def _add_straight(model: SteeringModel, column: SteeringColumn) -> None:
     )
 
 
-def _add_jointed(model: SteeringModel, column: SteeringColumn) -> None:
+def _add_jointed(model: SteeringModel, column: ColumnModel) -> None:
     add_forces(
         model.mbs,
         [model.nodes[name] for name in ("wheel", "pinion")],
@@ -88,7 +88,7 @@ def _add_jointed(model: SteeringModel, column: SteeringColumn) -> None:
     )
 
 
-def jointed_forces(q: np.ndarray, v: np.ndarray, column: SteeringColumn) -> np.ndarray:
+def jointed_forces(q: np.ndarray, v: np.ndarray, column: ColumnModel) -> np.ndarray:
     """Return the torques (2,) on wheel and pinion [N m]; their coordinates count against the angles."""
     ratio = float(column.ratio(-q[0]))
     torque = float(column.torque(column.output(-q[0]) + q[1], v[1] - ratio * v[0]))
@@ -96,7 +96,7 @@ def jointed_forces(q: np.ndarray, v: np.ndarray, column: SteeringColumn) -> np.n
 
 
 def jointed_tangent(
-    q: np.ndarray, v: np.ndarray, column: SteeringColumn, factor_q: float, factor_v: float
+    q: np.ndarray, v: np.ndarray, column: ColumnModel, factor_q: float, factor_v: float
 ) -> np.ndarray:
     """Return factor_q dF/dq + factor_v dF/dv of `jointed_forces`, shape (2, 2)."""
     ratio, slope = float(column.ratio(-q[0])), float(column.ratio_slope(-q[0]))

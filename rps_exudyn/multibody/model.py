@@ -30,20 +30,18 @@ from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, stacked
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears import solids
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.multibody.bodies import add_bodies
-from rps_exudyn.multibody.bush_chain import add_chain
+from rps_exudyn.multibody.bodies import add_bodies, add_chain, add_forces
 from rps_exudyn.multibody.column import add_column, add_wheel_torque
-from rps_exudyn.multibody.force_object import add_forces
 from rps_exudyn.multibody.general_contact import add_general_contacts
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.bent_bar import BentBar
+from rps_exudyn.solvers.bent_rack import BentBar
 from rps_exudyn.solvers.drive import Drive, Steady
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_model import COLUMNS
 from rps_exudyn.solvers.settled_start import Approach, settled_behind, start_of_motion
-from rps_exudyn.solvers.steering_column import SteeringColumn, WheelTorque
+from rps_exudyn.solvers.steering_column import ColumnModel, WheelTorque
 
 
 def build_model(
@@ -76,7 +74,7 @@ def build_model(
     if drive is None:
         drive = Steady("pinion", gear.test.start_angle, gear.test.direction * gear.test.speed)
     forces = gear_forces(gear, fidelity, rack_load)
-    column = SteeringColumn.of(gear) if drive.body == "wheel" else None
+    column = ColumnModel.of(gear) if drive.body == "wheel" else None
     pair, statics = GearPair.of(gear), forces.statics
     if column is None:
         start = start_of_motion(statics, pair, drive, approach, fidelity.step_angle)

@@ -10,7 +10,7 @@ from rps_exudyn.base.progress import reached
 from rps_exudyn.forces.bush import stored_in_chain
 from rps_exudyn.forces.external_load import axis_velocity
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
-from rps_exudyn.forces.memory import TIME
+from rps_exudyn.forces.friction import TIME
 from rps_exudyn.multibody.solve import StepsUsedUpError
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.solvers.balance import SIZE, Balance
@@ -22,7 +22,7 @@ MOST_STEPS, SPARE = 50, 500  # of the planned ones
 SAME_TIME = 1e-12  # of the time, by which Exudyn's last step may end beyond one that was reduced
 
 
-class Step(NamedTuple):
+class RecordedStep(NamedTuple):
     """One converged step."""
 
     time: float  # [s]
@@ -40,7 +40,7 @@ class Recorder:
     model: SteeringModel
     end: float = np.inf  # of the run, for its progress [s]
     planned: int | None = None  # steps, of which a run may need `MOST_STEPS` times as many and `SPARE` more
-    steps: list[Step] = field(default_factory=list)
+    steps: list[RecordedStep] = field(default_factory=list)
 
     def attach(self) -> "Recorder":
         """Hook into the model's time steps; return itself."""
@@ -57,7 +57,9 @@ class Recorder:
             # Newton's last evaluation was made before its last correction, on the contacts it began with
             mbs.sys["dynamicSolver"].ComputeODE2RHS(mbs)
             mesh = self.model.contacts.force()[self.model.columns(["pinion", "rack"])]
-        self.steps.append(Step(t, coordinates, rates, drive, mesh, self._remembered(t, coordinates, rates)))
+        self.steps.append(
+            RecordedStep(t, coordinates, rates, drive, mesh, self._remembered(t, coordinates, rates))
+        )
         reached(t / self.end, lambda: self.model.drive.shown(t))
         if self.planned is not None and len(self.steps) > MOST_STEPS * self.planned + SPARE:
             raise StepsUsedUpError(

@@ -16,7 +16,7 @@ from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import GearForces
 from rps_exudyn.solvers.record import Record
-from rps_exudyn.solvers.steering_column import SteeringColumn
+from rps_exudyn.solvers.steering_column import ColumnModel
 
 if TYPE_CHECKING:
     import exudyn
@@ -47,7 +47,7 @@ class SteeringModel:
     segments: list[Any] = field(default_factory=list)
     pulse: TimedForce | None = None
     constraint: Any = None
-    column: SteeringColumn | None = None  # where the rig turns the wheel; its node is "wheel"
+    column: ColumnModel | None = None  # where the rig turns the wheel; its node is "wheel"
     pictured: bool = True  # bodies have the shapes that Exudyn's viewer shows
 
     def coordinates(self, name: str) -> slice:

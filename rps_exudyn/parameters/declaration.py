@@ -30,7 +30,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of
 from rps_exudyn.parameters.distribution import Distribution, is_distribution
 from rps_exudyn.parameters.retired import STORED, choice_instead
-from rps_exudyn.parameters.wrong_values import ConflictError, Problem, nearest, problems_of
+from rps_exudyn.parameters.wrong_values import ConflictError, WrongValue, nearest, problems_of
 
 DEG = math.pi / 180  # for limits of angles
 SMALLEST, LARGEST = 1e-30, 1e20  # of all numbers, in SI: powers of others are beyond a computer's numbers
@@ -92,6 +92,10 @@ Inertia = Annotated[float, Unit("kg*m^2", "kg*m^2")]
 Torsion = Annotated[float, Unit("N*m/rad", "N*m/rad")]
 TorsionDamping = Annotated[float, Unit("N*m*s/rad", "N*m*s/rad")]
 Acceleration = Annotated[float, Unit("m/s^2", "m/s^2")]
+ViscousDrag = Annotated[float, Unit("N*s/m", "N*s/m")]
+Temperature = Annotated[float, Unit("K", "degC")]
+Expansion = Annotated[float, Unit("1/K", "1/K")]
+WearCoefficient = Annotated[float, Unit("m^2/N", "mm^3/N/m")]
 
 
 def parameter(default: Any, meaning: str, source: Source, **limits: Any) -> Any:
@@ -125,7 +129,7 @@ class Table(BaseModel):
     # Pydantic's own mark of a constructor that validation of nested tables may pass by
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
-    def conflicts(self) -> "Iterator[Problem]":
+    def conflicts(self) -> "Iterator[WrongValue]":
         """Yield what is wrong between parameters that are each fine alone."""
         yield from ()
 

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from rps_exudyn.base.units import shown, to_si
+from rps_exudyn.base.units import difference_to_si, shown, to_si
 
 CUT = 3.0  # standard deviations at which normal distributions end
 _PLUS_MINUS = re.compile(r"\s*(?P<first>.+?)\s*(?:\+-|\+/-|±)\s*(?P<second>.*\S)?\s*")
@@ -69,7 +69,8 @@ class Distribution:
         if kind == "normal" and number.endswith("%") and not found["first"].endswith("%"):
             second = abs(first) * to_si(number, "")
         else:
-            second = to_si(number, "" if kind == "lognormal" else si_unit)
+            unit = "" if kind == "lognormal" else si_unit
+            second = difference_to_si(number, unit) if kind == "normal" else to_si(number, unit)
         if not (math.isfinite(first) and math.isfinite(second) and KINDS[kind].drawable(first, second)):
             raise ValueError(f"is {shown(text)}; the numbers of {kind} must be {KINDS[kind].numbers}")
         return cls(kind, first, second)

@@ -24,7 +24,8 @@ from rps_exudyn.parameters.declaration import (
     Table,
     parameter,
 )
-from rps_exudyn.parameters.wrong_values import Problem
+from rps_exudyn.parameters.friction_law import MOST_ELEMENTS
+from rps_exudyn.parameters.wrong_values import WrongValue
 
 LEAST_SWING_STEPS = 5  # fewer do not see an impact
 PresetName = Literal["full", "flank", "quasi-static", "closed-form"]
@@ -102,6 +103,14 @@ class Fidelity(Table):
         0.001, "friction zone over the smallest sliding speed of the teeth", "choice", gt=0, le=1
     )
 
+    friction_elements: int = parameter(
+        1,
+        "bristle: elasto-plastic elements of each part; more follow the first loading's shape more closely",
+        "choice",
+        ge=1,
+        le=MOST_ELEMENTS,
+    )
+
     @computed_field  # type: ignore[prop-decorator]
     @property
     def name(self) -> str:
@@ -139,7 +148,7 @@ class Fidelity(Table):
     def __repr__(self) -> str:
         return f"<Fidelity: {self.name}>"
 
-    def conflicts(self) -> Iterator[Problem]:
+    def conflicts(self) -> Iterator[WrongValue]:
         """Yield choices that are each fine alone, but not together."""
         return _conflicts(self)
 
@@ -187,27 +196,27 @@ def _choices() -> tuple[Declared, ...]:
     return tuple(Fidelity.declared())
 
 
-def _conflicts(chosen: Fidelity) -> Iterator[Problem]:
+def _conflicts(chosen: Fidelity) -> Iterator[WrongValue]:
     if 0 < chosen.swing_steps < LEAST_SWING_STEPS:
-        yield Problem(
+        yield WrongValue(
             ("swing_steps",),
             f"fidelity.swing_steps is {chosen.swing_steps}; it must be 0, for the scene's own, or at least "
             f"{LEAST_SWING_STEPS}.",
         )
     if chosen.rack == "guided" and chosen.bush != "condensed":
-        yield Problem(
+        yield WrongValue(
             ("rack", "bush"),
             f"fidelity.bush is {chosen.bush}, but fidelity.rack is guided, whose bush only drags: "
             "leave it condensed.",
         )
     if chosen.rack == "flexible" and chosen.bush == "chain":
-        yield Problem(
+        yield WrongValue(
             ("rack", "bush"),
             f"fidelity.bush is {chosen.bush}, but fidelity.rack is flexible, whose bush is condensed to its "
             "exact stiffness: leave it condensed.",
         )
     if chosen.rack == "flexible" and chosen.mesh == "general-contact":
-        yield Problem(
+        yield WrongValue(
             ("rack", "mesh"),
             "fidelity.mesh is general-contact, but fidelity.rack is flexible, and it knows only rigid "
             "bodies: choose fidelity.mesh = flank.",
@@ -215,7 +224,7 @@ def _conflicts(chosen: Fidelity) -> Iterator[Problem]:
     for choice, solver, understood, reason in _SOLVER_LIMITS:
         value = getattr(chosen, choice)
         if chosen.solver == solver and value not in understood:
-            yield Problem(
+            yield WrongValue(
                 ("solver", choice),
                 f"fidelity.{choice} is {value}, but fidelity.solver is {solver}, {reason}.",
             )

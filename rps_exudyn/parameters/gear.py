@@ -11,6 +11,7 @@ from pydantic import PlainSerializer, WrapValidator, model_validator
 
 from rps_exudyn.base.units import mm
 from rps_exudyn.parameters import derived
+from rps_exudyn.parameters.conditions import Conditions, Grease, Housing
 from rps_exudyn.parameters.declaration import (
     DEG,
     Acceleration,
@@ -18,6 +19,7 @@ from rps_exudyn.parameters.declaration import (
     ContactStiffness,
     Count,
     Density,
+    Expansion,
     Force,
     Inertia,
     Length,
@@ -31,13 +33,15 @@ from rps_exudyn.parameters.declaration import (
     Torque,
     Torsion,
     TorsionDamping,
+    ViscousDrag,
+    WearCoefficient,
     parameter,
 )
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.friction_law import FrictionLaw, LoadedFrictionLaw
 from rps_exudyn.parameters.retired import read_choice
 from rps_exudyn.parameters.rig import Test, conflicts_of_test
-from rps_exudyn.parameters.wrong_values import Problem
+from rps_exudyn.parameters.wrong_values import WrongValue
 
 STEEPEST_LEAD = 0.01  # lead error over face width [rad]: the flanks' normals are those of the design to 1e-4
 
@@ -211,6 +215,13 @@ class Installation(Table):
         ge=-50,
         le=50,
     )
+    gravity_angle: Angle = parameter(
+        0.0, "turn of gravity's direction about X, from -Y (rack towards pinion) towards Z", "estimate"
+    )
+    gravity_slope: Angle = parameter(
+        0.0, "angle of gravity to the section across the rack: above 0 it draws the rack along X", "estimate",
+        ge=-90 * DEG, le=90 * DEG,
+    )  # fmt: skip
 
 
 class Yoke(LoadedFrictionLaw):
@@ -239,6 +250,23 @@ class Yoke(LoadedFrictionLaw):
         ge=0,
         le=1e-3,
     )
+    plunger_thickness: Length = parameter(
+        "22 mm", "thickness of the plunger between rack and yokenut", "estimate", gt=0
+    )
+    plunger_expansion: Expansion = parameter(
+        "23e-6 1/K",
+        "linear thermal expansion of the plunger (aluminium; POM 115e-6 1/K)",
+        "estimate",
+        ge=0,
+        le=3e-4,
+    )
+    liner: Literal["ptfe", "pom", "none"] = parameter(
+        "ptfe", "liner of the seat: ptfe rubs more when it is cold; of others no law is stated", "estimate"
+    )
+    liner_wear: WearCoefficient = parameter(
+        "1e-6 mm^3/N/m", "wear coefficient of the liner: volume per force and sliding distance", "estimate",
+        ge=0, le=1e-12,
+    )  # fmt: skip
     nut_diameter: Length = parameter("36 mm", "diameter of the yokenut", "estimate", gt=0)
     nut_thickness: Length = parameter("10 mm", "thickness of the yokenut", "estimate", gt=0)
     thread_pitch: Length = parameter(
@@ -262,6 +290,9 @@ class Bush(FrictionLaw):
     segments: Count = parameter(25, "number of rigid segments", "paper", ge=1, le=400)
     drag: Force = parameter(
         "20 N", "constant Coulomb drag of the sliding fit (friction preload)", "estimate", ge=0
+    )
+    viscous_drag: ViscousDrag = parameter(
+        0.0, "viscous drag against the rack's speed; a grease adds its own", "estimate", ge=0, le=1e6
     )
     distance: Length = parameter(
         "350 mm", "distance from the mesh to the bush's free end, along the rack", "estimate", gt=0
@@ -288,6 +319,9 @@ class Mesh(LoadedFrictionLaw):
     law: Annotated[Literal["line", "teeth"], WrapValidator(read_choice), PlainSerializer(str)] = parameter(
         "line", "flank contact: load per length of line and depth, or teeth that bend together", "estimate"
     )
+    tooth_wear: WearCoefficient = parameter(
+        "1e-8 mm^3/N/m", "wear coefficient of the flanks, of pinion and rack each", "estimate", ge=0, le=1e-12
+    )
     line_stiffness: LineStiffness = parameter(
         0.0, "load per length of contact line and depth, law line; 0: c' of ISO 6336-1", "estimate", ge=0
     )
@@ -311,6 +345,9 @@ class SteeringGear(Table):
     bearing: Bearing = Bearing()
     mesh: Mesh = Mesh()
     column: SteeringColumn = SteeringColumn()
+    housing: Housing = Housing()
+    grease: Grease = Grease()
+    conditions: Conditions = Conditions()
     test: Test = Test()
 
     @model_validator(mode="before")
@@ -339,7 +376,7 @@ class SteeringGear(Table):
     def _stands_alone(self, path: str) -> bool:
         return not derived.is_involved(path) and super()._stands_alone(path)
 
-    def conflicts(self) -> Iterator[Problem]:
+    def conflicts(self) -> Iterator[WrongValue]:
         """Yield parameters that do not fit each other."""
         return _conflicts(self)
 
@@ -357,55 +394,55 @@ class SteeringGear(Table):
         return f"<b>SteeringGear</b>, {'by default but for' if rows else 'all as by default'}<ul>{rows}</ul>"
 
 
-def _conflicts(gear: SteeringGear) -> Iterator[Problem]:
+def _conflicts(gear: SteeringGear) -> Iterator[WrongValue]:
     """Parameters that are each fine alone, but not together."""
     yield from conflicts_of_test(gear.test)
     bush, rack, yoke, pinion = gear.bush, gear.rack, gear.yoke, gear.pinion
     if pinion.shaft_length < pinion.face_width:
-        yield Problem(
+        yield WrongValue(
             ("pinion.shaft_length", "pinion.face_width"),
             f"pinion.shaft_length is {mm(pinion.shaft_length)}; it carries the whole gear and must be "
             f"at least as long as pinion.face_width = {mm(pinion.face_width)}.",
         )
     if abs(pinion.lead_error) > STEEPEST_LEAD * pinion.face_width:
-        yield Problem(
+        yield WrongValue(
             ("pinion.lead_error", "pinion.face_width"),
             f"pinion.lead_error is {mm(pinion.lead_error)}; over pinion.face_width = {mm(pinion.face_width)} "
             f"it must be at most {mm(STEEPEST_LEAD * pinion.face_width)} either way.",
         )
     if bush.inner_diameter >= bush.outer_diameter:
-        yield Problem(
+        yield WrongValue(
             ("bush.inner_diameter", "bush.outer_diameter"),
             f"bush.inner_diameter is {mm(bush.inner_diameter)}; it must be smaller than "
             f"bush.outer_diameter = {mm(bush.outer_diameter)}.",
         )
     if rack.bar_diameter >= bush.inner_diameter:
-        yield Problem(
+        yield WrongValue(
             ("rack.bar_diameter", "bush.inner_diameter"),
             f"rack.bar_diameter is {mm(rack.bar_diameter)}; the bar must pass through "
             f"bush.inner_diameter = {mm(bush.inner_diameter)}.",
         )
     tip_height = rack.reference_height + gear.basic_rack.addendum * gear.pinion.normal_module
     if tip_height >= rack.bar_diameter / 2:
-        yield Problem(
+        yield WrongValue(
             ("rack.reference_height", "rack.bar_diameter", "basic_rack.addendum", "pinion.normal_module"),
             f"rack.reference_height is {mm(rack.reference_height)}; with the addendum the teeth reach "
             f"{mm(tip_height)} above the bar's axis, which must be less than its radius "
             f"{mm(rack.bar_diameter / 2)}.",
         )
     if yoke.plunger_diameter <= rack.bar_diameter * 0.8:
-        yield Problem(
+        yield WrongValue(
             ("yoke.plunger_diameter", "rack.bar_diameter"),
             f"yoke.plunger_diameter is {mm(yoke.plunger_diameter)}; a seat for the bar needs more than "
             f"{mm(rack.bar_diameter * 0.8)}.",
         )
     if rack.travel >= rack.length:
-        yield Problem(
+        yield WrongValue(
             ("rack.travel", "rack.length"),
             f"rack.travel is {mm(rack.travel)}; it must be shorter than rack.length = {mm(rack.length)}.",
         )
     elif bush.distance > (farthest := rack.length - bush.length - rack.travel / 2):
-        yield Problem(
+        yield WrongValue(
             ("bush.distance", "bush.length", "rack.travel", "rack.length"),
             f"bush.distance is {mm(bush.distance)}; it must be at most {mm(farthest)}, or the rack "
             "leaves the bush within half its travel.",

@@ -18,7 +18,7 @@ from rps_exudyn.parameters.declaration import (
     Torque,
     parameter,
 )
-from rps_exudyn.parameters.wrong_values import Problem
+from rps_exudyn.parameters.wrong_values import WrongValue
 
 
 class Test(Table):
@@ -108,10 +108,10 @@ class Test(Table):
     )
 
 
-def conflicts_of_test(test: Test) -> Iterator[Problem]:
+def conflicts_of_test(test: Test) -> Iterator[WrongValue]:
     """Yield parameters of the test that are each fine alone, but not together."""
     if test.band_low >= test.band_high:
-        yield Problem(
+        yield WrongValue(
             ("test.band_low", "test.band_high"),
             f"test.band_low is {test.band_low:g} Hz; it must be below test.band_high = "
             f"{test.band_high:g} Hz.",

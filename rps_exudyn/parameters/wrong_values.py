@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from rps_exudyn.parameters.declaration import Table
 
 
-class Problem(NamedTuple):
+class WrongValue(NamedTuple):
     """One thing that is wrong: the parameters' paths, and a sentence that says what is allowed."""
 
     paths: tuple[str, ...]
@@ -26,20 +26,20 @@ class Problem(NamedTuple):
 class ConflictError(ValueError):
     """Raised where parameters that are each fine alone do not fit each other."""
 
-    def __init__(self, problems: list[Problem]) -> None:
+    def __init__(self, problems: list[WrongValue]) -> None:
         self.problems = problems
         super().__init__("\n".join(problem.sentence for problem in problems))
 
 
 def problems_of(
     table: type["Table"], error: ValidationError, given: Mapping[str, Any], settings: Iterable[str] = ()
-) -> list[Problem]:
+) -> list[WrongValue]:
     """Everything that is wrong: single parameters first, then what does not fit between right ones.
 
     Validation stops at wrong single values; they are left out (their defaults stand in) to go on, and a
     conflict that involves one of them is not reported, because it may vanish with the first correction.
     """
-    found: list[Problem] = []
+    found: list[WrongValue] = []
     wrong: list[tuple[int | str, ...]] = []
     remaining: ValidationError | None = error
     while remaining:
@@ -68,7 +68,7 @@ def _paths(places: Iterable[tuple[int | str, ...]]) -> list[str]:
 
 def _meant(
     table: type["Table"], item: Any, given: Mapping[str, Any], settings: Iterable[str]
-) -> list[Problem]:
+) -> list[WrongValue]:
     """Return what one of validation's errors means."""
     conflict = item.get("ctx", {}).get("error")
     if isinstance(conflict, ConflictError):
@@ -76,13 +76,15 @@ def _meant(
     return [_problem(table, item, given, settings)]
 
 
-def _problem(table: type["Table"], item: Any, given: Mapping[str, Any], settings: Iterable[str]) -> Problem:
+def _problem(
+    table: type["Table"], item: Any, given: Mapping[str, Any], settings: Iterable[str]
+) -> WrongValue:
     path = ".".join(str(part) for part in item["loc"])
     value = _value_in(given, item["loc"])
     shown = units.shown(value)
     if item["type"] == "extra_forbidden":
         kind = "table of parameters" if isinstance(value, Mapping) else "parameter"
-        from_file = not Problem((path,), "").concerns(settings)
+        from_file = not WrongValue((path,), "").concerns(settings)
         meant = nearest(table, path, table.not_in_files if from_file else ())
         sentence = f"{units.short(path)} is no {kind}; {meant}."
     elif item["type"] == "model_type":
@@ -95,7 +97,7 @@ def _problem(table: type["Table"], item: Any, given: Mapping[str, Any], settings
         sentence = f"{path} is {shown}, which earlier versions had: {instead}."
     else:
         sentence = f"{path} is {shown}; it must be {table.declared_at(path)[0].allowed}."
-    return Problem((path,), sentence)
+    return WrongValue((path,), sentence)
 
 
 def _without(given: Mapping[str, Any], wrong: list[tuple[int | str, ...]]) -> dict[str, Any]:

@@ -34,6 +34,8 @@ def by_formula(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, optio
         raise InputError("fidelity.solver is closed-form, which has no pulses; use generalized-alpha.")
     start = process_time()
     beyond = beyond_formulas(gear)
+    if gear.bush.viscous_drag and np.ptp(np.abs(maneuver.drive.rate(maneuver.time))) > 0:
+        beyond = beyond or "the formulas take bush.viscous_drag at a constant speed"
     signals = _turned(gear, maneuver) if maneuver.drive.body == "pinion" else _pushed(gear, maneuver)
     outcome = Outcome(
         Status.INVALID if beyond else Status.OK,

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from rps_exudyn.analysis.curve import UNRESOLVED, unresolved
 from rps_exudyn.analysis.passes import Signals, first_angle, passes
-from rps_exudyn.analysis.resolution import UNRESOLVED, unresolved
 from rps_exudyn.gears.tooth_stiffness import BEARABLE_PRESSURE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear

@@ -1,4 +1,4 @@
-"""Make a maneuver: by dynamics in Exudyn, by equilibria, or by formula, as the fidelity says.
+"""Make a maneuver: by dynamics in Exudyn, by equilibria, or by formula, by the fidelity's choice.
 
     run = run_maneuver(gear, fidelity, maneuver)
 
@@ -41,7 +41,7 @@ from rps_exudyn.solvers.settled_start import settled_behind, settled_path
 from rps_exudyn.solvers.settling import TOLERANCE
 from rps_exudyn.solvers.steering_column import (
     BehindColumn,
-    SteeringColumn,
+    ColumnModel,
     WheelTorque,
     behind_column,
     under_torque,
@@ -227,6 +227,8 @@ def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver, tolerance:
     or to show the drive's torque to a tolerance."""
     if run.outcome.status not in (Status.OK, Status.INVALID) or not run.signals:
         return False
+    if maneuver.drive.body == "wheel" and Code.WORK_MISSING in run.outcome.codes:
+        return True  # the gear is let go behind its column, faster than the steps
     if isinstance(maneuver.drive, Swing):
         cured = run.ok or NOT_CURED_BY_STEPS.isdisjoint(run.outcome.codes)
         return cured and rolls_over_late(run.signals, gear)
@@ -257,7 +259,7 @@ def _along_equilibria(
     gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions
 ) -> SceneRun:
     forces, drive = gear_forces(gear, fidelity, maneuver.rack_load), maneuver.drive
-    column = SteeringColumn.of(gear) if drive.body == "wheel" else None
+    column = ColumnModel.of(gear) if drive.body == "wheel" else None
     start, interrupted = process_time(), False
     pair, approach, time = GearPair.of(gear), maneuver.approach, maneuver.time
     inertia = (0.0, 0.0) if isinstance(drive, Steady) else following_inertia(gear)
@@ -285,18 +287,18 @@ def _along_equilibria(
     turned = drive if column is None else replace(drive, body="pinion")
     record = record_of_path(forces, path, turned)
     if column is not None and path.wheel.size:  # else the gear was lost on its way to the start
-        record = _seen_from_wheel(record, column, drive, -path.wheel[:, 0])
+        record = _seen_from_wheel(record, column, drive, -path.wheel)
     run = _finished(gear, maneuver, outcome, record, path, forces.friction_zone, options)
     if interrupted:
         raise Interrupted(run)
     return run
 
 
-def _seen_from_wheel(record: Record, column: SteeringColumn, drive: Drive, angle: np.ndarray) -> Record:
-    """The record of a pinion as that of the wheel before its column, at its angles (n,) [rad]."""
+def _seen_from_wheel(record: Record, column: ColumnModel, drive: Drive, wheel: np.ndarray) -> Record:
+    """The record of a pinion as that of the wheel before its column, with its angles and rates (n, 2)."""
     if not isinstance(drive, WheelTorque):
         return behind_column(record, column, drive)
-    return under_torque(record, column, drive, angle)
+    return under_torque(record, column, drive, wheel)
 
 
 # --- common ----------------------------------------------------------------------------------------

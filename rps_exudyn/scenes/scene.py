@@ -93,7 +93,7 @@ class Scene:
         run: simulates it; raises InputError for a test or a model that the scene cannot have.
         signal: name of the signal whose error counts.
         figure: name of the number in the summary that must be right.
-        chart: its picture is drawn by the function CHART_figure(result, measured) of `charts.scene`.
+        chart: its picture is drawn by the function CHART_figure(result, measured) of `charts.scene_figures`.
         steady: whether everything slides at a constant speed.
         needs_inertia: whether equilibria cannot show it.
         at_rest: whether nothing moves: its instants are loads one after the other.

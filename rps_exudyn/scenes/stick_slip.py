@@ -3,8 +3,8 @@
 The column twists until static friction is overcome, which is the breakaway. If friction falls with speed the
 gear may come to rest again, and again. The record begins at rest and goes on for so many cycles; figures are
 those of its later half. Beside them stands what is predicted: the speed below which the reduced gear goes on
-sticking (`analysis.stick_slip`), and the damping of the column below which steady sliding is unstable
-(`solvers.sliding_stability`).
+sticking (`analysis.friction_oscillator`), and the damping of the column below which steady sliding is
+unstable (`solvers.sliding_stability`).
 
 Near that speed little damping decides whether vibration dies away or stays, and time steps add some of their
 own. There the motion is made again in half the steps until that changes nothing.
@@ -15,21 +15,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from rps_exudyn.analysis.stick_slip import describe_stick_slip, sticking_speed, unstable_speed
+from rps_exudyn.analysis.friction_oscillator import describe_stick_slip, sticking_speed
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
-from rps_exudyn.scenes.figures import balance
+from rps_exudyn.scenes.confirmation import run_and_confirm
 from rps_exudyn.scenes.maneuver import Maneuver, check_travel
+from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import remarks, wide_zone
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.drive import SetOff
-from rps_exudyn.solvers.reduced_gear import presliding_angle, reduced_gear
-from rps_exudyn.solvers.sliding_stability import sliding_damping
+from rps_exudyn.solvers.sliding_stability import presliding_angle, reduced_gear, sliding_damping
 
 PER_PERIOD = 40  # steps in a natural period of gear and column
 CYCLES = 12  # of sticking and slipping that are recorded, and more where little damps
@@ -58,9 +58,14 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
     run = _resolved(gear, fidelity, options)
     nothing = None if model.surplus > 0 else NOTHING_FALLS
     zone = wide_zone(fidelity, "sticking depends", WIDEST_ZONE) if model.surplus > 0 else None
-    return run.noting(*remarks(gear, run.signals), nothing, zone).described(
-        lambda signals: {**_seen(signals, gear), **predictions(gear, fidelity), **balance(signals)}
-    )
+    predicted = predictions(gear, fidelity)
+
+    def metrics(signals: Signals) -> dict[str, float]:
+        return {**_seen(signals, gear), **predicted, **balance(signals)}
+
+    maneuvers, certain = [set_off(gear)], "halvings" in run.outcome.findings or model.surplus <= 0
+    run = run_and_confirm(gear, fidelity, maneuvers, options, metrics, SCENE.figure, run, always=not certain)
+    return run.noting(*remarks(gear, run.signals), nothing, zone)
 
 
 def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
@@ -95,7 +100,7 @@ def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
 
 def _near_sticking(gear: SteeringGear) -> bool:
     """Return whether the wheel turns about as fast as the reduced gear just sticks."""
-    limit = predicted_sticking(gear)
+    limit = sticking_speed(reduced_gear(gear))
     return limit / NEAR < gear.test.speed < limit * NEAR
 
 
@@ -141,21 +146,14 @@ def _seen(signals: Signals, gear: SteeringGear) -> dict[str, float]:
 def predictions(gear: SteeringGear, fidelity: Fidelity) -> dict[str, float]:
     """Return what is predicted: where the reduced gear sticks, and where the gear's steady sliding is stable;
     of that nothing where no equilibrium is found about which it could be said."""
-    model, presliding = reduced_gear(gear), presliding_angle(gear)
-    predicted = {"sticking_speed": predicted_sticking(gear)}
+    model = reduced_gear(gear)
+    predicted = {"sticking_speed": sticking_speed(model)}
     damping = sliding_damping(gear, fidelity) if model.surplus > 0 else 0.0
     if np.isfinite(damping):
         predicted["sliding_damping"] = damping
-    if presliding:
-        predicted["bristle_margin"] = model.bristle_margin(gear.test.speed, presliding)
+    if presliding_angle(gear):
+        predicted["bristle_margin"] = model.sliding_margin(gear.test.speed)
     return predicted
-
-
-def predicted_sticking(gear: SteeringGear) -> float:
-    """Return the largest speed of the wheel at which the reduced gear sticks, or with bristles vibrates
-    [rad/s]; 0 where it never does."""
-    model, presliding = reduced_gear(gear), presliding_angle(gear)
-    return unstable_speed(model, presliding) if presliding else sticking_speed(model)
 
 
 SCENE = Scene(

@@ -14,8 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from rps_exudyn.analysis.passes import longest_pass
-from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.interrupts import raise_wrapped
+from rps_exudyn.base.errors import InputError, raise_wrapped
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status, joined_text

@@ -6,9 +6,9 @@
 `rps.run(..., accuracy="1%")` and `rps-exudyn run --accuracy 1%` use it.
 
 The error is that of a quantity: the scene's torque or force, RMS over the motion in % of its mean, or a
-number of its summary where that curve jumps (`promised_quantity`). What a setting promises is its worst error
-on many random gears and tests, with a margin, and what the reference itself leaves open. docs/accuracy.md
-says how it was found.
+number of its summary where that curve jumps (`accuracy_check.error_between`). What a setting promises is its
+worst error on many random gears and tests, with a margin, and what the reference itself leaves open.
+docs/accuracy.md describes the method.
 """
 
 import json

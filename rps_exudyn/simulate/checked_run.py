@@ -1,7 +1,13 @@
-"""One run of one plan: checked before it, and its record after it."""
+"""One run of one plan: checked before it, and its record after it; safer settings where it fails.
 
+result = run_with_fallback("free-pinion-torque", gear, fidelity)
+result.findings["tries"]      what was tried, and how each ended
+"""
+
+from collections.abc import Iterator
 from dataclasses import replace
 from time import perf_counter, process_time
+from typing import Any
 
 from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -9,9 +15,11 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.checks.before_run import refused
-from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
+from rps_exudyn.scenes.checks.before_run import breaches, refused
+from rps_exudyn.scenes.refine import refine
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.solvers.operating_gear import operating_gear
 
 
 def run_checked(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
@@ -20,7 +28,8 @@ def run_checked(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
     Raises:
         InputError: a gear that cannot exist, or a test that it does not allow.
     """
-    sentences = refused(gear, fidelity, steady=scene_named(scene).steady)
+    tested = in_operation.gear if (in_operation := operating_gear(gear)) else gear
+    sentences = refused(tested, fidelity, steady=scene_named(scene).steady)
     if not sentences:
         return run_unchecked(scene, gear, fidelity)
     message = "; ".join(sentences)
@@ -43,7 +52,8 @@ def run_unchecked(
         Interrupted: Ctrl-C; it carries what was recorded.
     """
     wall, cpu = perf_counter(), process_time()
-    report = geometry_report(gear)
+    report, in_operation = geometry_report(gear), operating_gear(gear)
+    tested, numbers = (in_operation.gear, in_operation.numbers) if in_operation else (gear, {})
 
     def result_of(done: SceneRun) -> Result:
         return Result(
@@ -56,7 +66,7 @@ def run_unchecked(
             message=done.outcome.message,
             codes=each_once(done.outcome.codes),
             signals=done.signals,
-            summary=done.summary,
+            summary=done.summary | numbers,
             counters={**done.outcome.counters, "solver_cpu": done.outcome.cpu_s},
             geometry=report.numbers,
             cpu_s=process_time() - cpu,
@@ -64,6 +74,76 @@ def run_unchecked(
         )
 
     try:
-        return result_of(scene_named(scene).run(gear, fidelity, options))
+        return result_of(scene_named(scene).run(tested, fidelity, options))
     except Interrupted as interrupt:
         raise Interrupted(result_of(interrupt.recorded)) from None
+
+
+# --- Fallback: the first try is the plan as given, repaired where `checks.before_run` refuses it. Changed
+# settings stand in the result's fidelity, message and tries.
+
+Changes = dict[str, Any]
+
+
+def run_with_fallback(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
+    """Simulate by the first settings that end well; if none do, return the first try's result.
+
+    Raises:
+        InputError: a gear that cannot exist, or a test that it does not allow.
+    """
+    safer = list(_safer(scene_named(scene), gear, fidelity))
+
+    def tried(changes: Changes) -> Result:
+        return run_unchecked(scene, gear, fidelity.replace(changes) if changes else fidelity)
+
+    results = refine(
+        tried(safer[0]),
+        lambda _, times: tried(safer[times]),
+        len(safer) - 1,
+        asks=lambda result: result.status is not Status.OK,
+    ).runs
+    tries = [
+        {"changed": changes, "status": result.status.value, "message": result.message}
+        for changes, result in zip(safer, results, strict=False)
+    ]
+    return _reported(results[-1] if results[-1].status is Status.OK else results[0], tries)
+
+
+def _safer(scene: Scene, gear: SteeringGear, fidelity: Fidelity) -> Iterator[Changes]:
+    """Changes of the fidelity, safer from one to the next."""
+    changes: Changes = {}
+    for breach in breaches(gear, fidelity, steady=scene.steady):
+        changes |= breach.repair
+    yield dict(changes)
+    step = changes.get("step_angle", fidelity.step_angle)
+    yield changes | {"step_angle": step / 2}
+    changes |= {"step_angle": step / 5}
+    yield dict(changes)
+    equilibria_can = fidelity.bush != "chain" and not scene.needs_inertia
+    if fidelity.solver == "generalized-alpha" and equilibria_can:
+        yield changes | {"solver": "equilibrium"}
+    elif fidelity.solver == "equilibrium":
+        yield changes | {"solver": "generalized-alpha"}
+
+
+def _reported(result: Result, tries: list[dict[str, Any]]) -> Result:
+    """The result with its tries, and with a message if the plan was not the one given."""
+    findings, codes = {**result.findings, "tries": tries}, result.codes
+    last, failures = (
+        tries[-1],
+        [f"{_shown(each)}: {each['status']} ({each['message']})" for each in tries[:-1]],
+    )
+    if not failures and not last["changed"]:
+        message = result.message
+    elif result.status is Status.OK:
+        remarks = [result.message] if result.message else []
+        codes = each_once([Code.OTHER_SETTINGS, *codes])
+        message = "; ".join([*failures, f"ok with {_shown(last)}", *remarks])
+    else:
+        message = f"{result.message}; nor did {len(failures)} safer settings"
+    return replace(result, findings=findings, codes=codes, message=message)
+
+
+def _shown(tried: dict[str, Any]) -> str:
+    changes = [f"{n} {Fidelity.declared_at(n)[0].show(value)}" for n, value in tried["changed"].items()]
+    return ", ".join(changes) or "as given"

@@ -10,8 +10,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from rps_exudyn.analysis.curve import every_second, lag, missed
 from rps_exudyn.analysis.passes import spread
-from rps_exudyn.analysis.resolution import every_second, lag, missed
 from rps_exudyn.analysis.torque import mean
 from rps_exudyn.analysis.work_balance import losses
 from rps_exudyn.forces.force_element import RACK

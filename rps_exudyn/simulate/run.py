@@ -4,9 +4,9 @@
 `simulate` with a gear that is ready. Both give a `Result`:
 
     plain                the plan is checked, run, and its record is checked
-    robust=True          where that fails, the next safer settings (fallback.py)
+    robust=True          where that fails, the next safer settings (checked_run.py)
     time_limit=20.0      the same in a process that is killed after that time (isolated_run)
-    accuracy="1%"        by the cheapest model that keeps this error (by_accuracy.py, accuracy_kept.py)
+    accuracy="1%"        by the cheapest model that keeps this error (by_accuracy.py, accuracy_check.py)
 """
 
 from collections.abc import Callable
@@ -22,12 +22,11 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.simulate.accuracy_kept import Wanted, kept_by
+from rps_exudyn.simulate.accuracy_check import Wanted, kept_by
 from rps_exudyn.simulate.by_accuracy import Choice, beyond_in_run, choose, percent
 from rps_exudyn.simulate.cases.run_cases import Task
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
-from rps_exudyn.simulate.checked_run import run_checked
-from rps_exudyn.simulate.fallback import run_with_fallback
+from rps_exudyn.simulate.checked_run import run_checked, run_with_fallback
 
 
 def run(

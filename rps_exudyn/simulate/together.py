@@ -25,12 +25,16 @@ from rps_exudyn.scenes.scene import SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
 from rps_exudyn.simulate.family import Family, FamilyRecord, is_alike
 from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
+from rps_exudyn.solvers.operating_gear import operating_gear
 
 FEWEST = 2  # gears for each that is followed to learn from: with fewer single runs are quicker
 AT_ONCE = 100_000  # instants of gears whose signals are held at once
 WEIGHT = "test.load_mass"
 TABLES = ("basic_rack", "pinion", "rack", "installation", "yoke", "bush", "bearing", "mesh")
-NOT_NUMBERS = ("rack.bow", "rack.side_force", "rack.side_angle", "rack.travel", "installation.gravity")
+NOT_NUMBERS = (
+    *("rack.bow", "rack.side_force", "rack.side_angle", "rack.travel"),
+    *("installation.gravity", "installation.gravity_angle", "installation.gravity_slope"),
+)
 GAIN = ("pinion.normal_module", "rack.tooth_angle")  # from lock to lock each gear turns by its own angle
 
 UNSUPPORTED = {
@@ -38,6 +42,7 @@ UNSUPPORTED = {
     "fidelity": "many gears are followed together only by the fidelity quasi-static",
     "parts": "a bow, a side force or the weight of the rack asks for single runs",
     "friction": "bristles ask for single runs",
+    "conditions": "temperature, wear or a grease asks for single runs",
     "parameter": "gears that differ in {path} are run singly",
     "text": "the values of {path} are no plain numbers",
     "few": "the table has too few gears to be followed together, or its middle gear is not found",
@@ -54,6 +59,7 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
         "scene": scene_named(scene).test is None,
         "fidelity": same != usual,
         "parts": bool(parts),
+        "conditions": operating_gear(gear) is not None,
         "friction": any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS),
     }
     if reason := next((name for name, holds in reasons.items() if holds), ""):

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.compiled import ready
-from rps_exudyn.forces.memory import MEMORY_SIZE, TIME, reset
+from rps_exudyn.forces.friction import STATE_SIZE, TIME, reset
 from rps_exudyn.solvers.gear_model import WORK
 
 SIZE = 8  # coordinates of pinion, rack and plunger; modes of a flexible rack follow
@@ -73,13 +73,13 @@ class Balance:
 
     @property
     def memory(self) -> np.ndarray:
-        """Return the state of the bristle friction over the present step, shape (2, MEMORY_SIZE)."""
+        """Return the state of the bristle friction over the present step, shape (2, STATE_SIZE)."""
         return np.asarray(self.works[0]["contact"]["memory"])
 
     @property
     def kept(self) -> int:
         """Return the number of columns of that state that a path keeps: none without bristles."""
-        return MEMORY_SIZE if self.has_bristles else 0
+        return STATE_SIZE if self.has_bristles else 0
 
     def force(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return the generalised forces (n,) at coordinates and rates (n,)."""
@@ -160,7 +160,12 @@ def slopes(balance: Balance, places: np.ndarray, rates: np.ndarray) -> tuple[np.
 
 def eigenvalues(mass: np.ndarray, by_place: np.ndarray, by_rate: np.ndarray) -> np.ndarray:
     """Return the eigenvalues [1/s] of masses (n, n) under forces with such slopes (k, n, n), (k, 2n)."""
+    return np.asarray(np.linalg.eigvals(state_matrix(mass, by_place, by_rate)))
+
+
+def state_matrix(mass: np.ndarray, by_place: np.ndarray, by_rate: np.ndarray) -> np.ndarray:
+    """Return what makes rates and accelerations of places and rates, (k, 2n, 2n), of the same arguments."""
     k, n = by_place.shape[:2]
     accelerations = np.linalg.solve(mass, np.concatenate([by_place, by_rate], axis=2))
     moved = np.broadcast_to(np.eye(n, 2 * n, n), (k, n, 2 * n))
-    return np.asarray(np.linalg.eigvals(np.concatenate([moved, accelerations], axis=1)))
+    return np.concatenate([moved, accelerations], axis=1)

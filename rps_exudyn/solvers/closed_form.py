@@ -152,7 +152,12 @@ def mean_lever(pair: GearPair) -> float:
 def first_order_torque(gear: SteeringGear) -> float:
     """Mean free torque as the sum of the losses, friction small [N m]."""
     rubbing = torque_per_preload(gear) * gear.yoke.preload
-    return float(rubbing + GearPair.of(gear).gain * gear.bush.drag + gear.bearing.friction_torque)
+    return float(rubbing + GearPair.of(gear).gain * bush_drag(gear) + gear.bearing.friction_torque)
+
+
+def bush_drag(gear: SteeringGear) -> float:
+    """Return the bush's drag on the rack, with its viscous part at the speed of the test [N]."""
+    return float(gear.bush.drag + gear.bush.viscous_drag * gear.test.speed * abs(GearPair.of(gear).gain))
 
 
 def torque_per_preload(gear: SteeringGear) -> float:
@@ -177,7 +182,7 @@ def runout_harmonics(gear: SteeringGear) -> tuple[float, float]:
     T = T_0 + (dT_0/dP k e + dT_mesh/dP k_t e + D e cos(beta_p) / cos(beta_r)) cos(phi) - P e sin(phi).
     """
     pair, yoke, e = GearPair.of(gear), gear.yoke, gear.pinion.runout
-    drag = gear.bush.drag + seat_wedge_factor(yoke.seat_angle) * yoke.friction * yoke.preload
+    drag = bush_drag(gear) + seat_wedge_factor(yoke.seat_angle) * yoke.friction * yoke.preload
     by_lift = torque_per_preload(gear) * yoke.spring_rate * e
     by_tilt = mesh_torque_per_force(gear) * tilting_stiffness(gear) * e if e else 0.0
     by_shift = drag * e * np.cos(pair.beta_p) / np.cos(pair.beta_r)
@@ -204,7 +209,7 @@ def unloading_force(gear: SteeringGear, direction: int = +1) -> float:
     """
     drive = _mean_force(gear, -1, direction).force
     plunger = seat_wedge_factor(gear.yoke.seat_angle) * gear.yoke.friction * gear.yoke.preload
-    return float(gear.yoke.preload * drive[0] / drive[1] - direction * (gear.bush.drag + plunger))
+    return float(gear.yoke.preload * drive[0] / drive[1] - direction * (bush_drag(gear) + plunger))
 
 
 # --- balance of the rack -------------------------------------------------------------------------
@@ -219,12 +224,13 @@ def mean_state(gear: SteeringGear, direction: int, load: float) -> MeanState:
     seat_friction = seat_wedge_factor(yoke.seat_angle) * yoke.friction
     drive, coast = _mean_force(gear, -1, direction), _mean_force(gear, +1, direction)
     press = yoke.preload
-    along_x = load + direction * (gear.bush.drag + seat_friction * press)
+    drag = bush_drag(gear)
+    along_x = load + direction * (drag + seat_friction * press)
     balance = np.array([[drive.force[0], coast.force[0]], [drive.force[1], coast.force[1]]])
     normal = np.linalg.solve(balance, [along_x, press])
     if normal.min() < 0:  # along_x grows with the press, which is normal * f_y now
         f = drive if normal[1] < 0 else coast
-        alone = (load + direction * gear.bush.drag) / (f.force[0] - direction * seat_friction * f.force[1])
+        alone = (load + direction * drag) / (f.force[0] - direction * seat_friction * f.force[1])
         normal = np.where(normal < 0, 0.0, alone)
         press = alone * f.force[1]
     forces = normal[0] * drive.force + normal[1] * coast.force
@@ -238,7 +244,7 @@ def mean_state(gear: SteeringGear, direction: int, load: float) -> MeanState:
         plunger_force=float(press),
         mesh_loss=float(gear.mesh.friction * (normal[0] * drive.lever + normal[1] * coast.lever)),
         plunger_loss=float(seat_friction * press * pair.gain),
-        bush_loss=float(gear.bush.drag * pair.gain),
+        bush_loss=float(drag * pair.gain),
         bearing_loss=gear.bearing.friction_torque,
     )
 

@@ -14,8 +14,7 @@ from rps_exudyn.forces import external_load, sliding_fit, yoke
 from rps_exudyn.forces.bearing import bearing_record
 from rps_exudyn.forces.bush import Chain, bush_chain
 from rps_exudyn.forces.force_element import RACK, Part
-from rps_exudyn.forces.friction import PLAIN
-from rps_exudyn.forces.memory import Patches
+from rps_exudyn.forces.friction import PLAIN, Patches
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import pinion_inertia, rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
@@ -24,7 +23,7 @@ from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS, check_f
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.retired import choice_instead
 from rps_exudyn.solvers.balance import Balance, new_work
-from rps_exudyn.solvers.bent_bar import ALONG_BAR, ON_BAR, BentBar, bent_bar
+from rps_exudyn.solvers.bent_rack import ALONG_BAR, ON_BAR, BentBar, bent_bar
 from rps_exudyn.solvers.gear_model import GEAR, LAWS, outputs_along, parts_of
 from rps_exudyn.solvers.settling import static_approach
 from rps_exudyn.solvers.sphere_groups import by_touching_angle, standing_out
@@ -81,6 +80,13 @@ class GearForces:
     def parts(self) -> list[Part]:
         """Return the parts that exert forces, in the order of their outputs."""
         return parts_of(self.gear)
+
+    @property
+    def with_bristles(self) -> set[str]:
+        """Return the names of the parts whose friction has a state."""
+        gear = self.gear
+        of_parts = {"mesh": gear.mesh.flank, "seat": gear.seat, "bush": gear.fit, "bearing": gear.bearing}
+        return {name for name, part in of_parts.items() if part.law.has_state}
 
     @property
     def has_chain(self) -> bool:
@@ -164,19 +170,20 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
 
     The yoke is adjusted so that the preload acts at rest on a gear without runout.
     """
-    pair, patches = GearPair.of(gear), Patches()
+    pair, patches = GearPair.of(gear), Patches(fidelity.friction_elements)
     zone = fidelity.zone_ratio * pair.least_sliding * gear.test.speed
     check_friction_laws({part: getattr(gear, part) for part in RUBBING_PARTS}, fidelity.mesh)
     mesh = mesh_of(gear, fidelity, zone, patches)
     chain = bush_chain(gear)
-    condensed = sliding_fit.condensed_fit(gear, chain, friction_zone=zone, patches=patches)
+    of_bush = sliding_fit.bush_law(gear, patches)
+    condensed = sliding_fit.condensed_fit(gear, chain, friction_zone=zone, law=of_bush)
     fit, carried = condensed, False
     if fidelity.rack == "guided":
-        fit = condensed = sliding_fit.loose_fit(gear, friction_zone=zone, patches=patches)
+        fit = condensed = sliding_fit.loose_fit(gear, friction_zone=zone, law=of_bush)
     elif fidelity.bush == "rigid":
-        fit = condensed = sliding_fit.rigid_fit(gear, friction_zone=zone, patches=patches)
+        fit = condensed = sliding_fit.rigid_fit(gear, friction_zone=zone, law=of_bush)
     elif fidelity.bush == "chain":
-        fit, carried = sliding_fit.chain_fit(gear, chain, friction_zone=zone, patches=patches), True
+        fit, carried = sliding_fit.chain_fit(gear, chain, friction_zone=zone, law=of_bush), True
     load = load_at_end(gear, rack_load) if rack_load or gear.rack.side_force else None
     places = {"mesh": (0.0, ALONG_BAR), "seat": (0.0, ALONG_BAR), "bush": (float(fit.station), ALONG_BAR)}
     if load is not None:
@@ -230,7 +237,7 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
 
 
 @dataclass(frozen=True)
-class Mesh:
+class ModelledMesh:
     """The contact of the teeth as modelled."""
 
     law: str  # of `gear_model.LAWS`
@@ -254,10 +261,13 @@ def load_at_end(gear: SteeringGear, rack_load: float) -> np.record:
 def rack_weight(gear: SteeringGear) -> np.record:
     """Return the rack's weight, which acts at its mass centre."""
     bar = rack_masses(gear)
-    return external_load.weight(bar.mass, gear.installation.gravity, float(bar.centre_of_mass[0]))
+    gravity = external_load.gravity_of(gear.installation)
+    return external_load.weight(bar.mass, gravity, float(bar.centre_of_mass[0]))
 
 
-def mesh_of(gear: SteeringGear, fidelity: Fidelity, zone: float, patches: Patches | None = None) -> Mesh:
+def mesh_of(
+    gear: SteeringGear, fidelity: Fidelity, zone: float, patches: Patches | None = None
+) -> ModelledMesh:
     """Return the contact of the teeth as the fidelity models it; of general contact its compiled samples.
 
     Raises:
@@ -270,10 +280,10 @@ def mesh_of(gear: SteeringGear, fidelity: Fidelity, zone: float, patches: Patche
         made["flank"] = pack(gear, zone=zone, along=along, across=across, patches=patches)
         if gear.mesh.law == "teeth":
             made["teeth"] = teeth_data(gear, made["flank"][0])
-        return Mesh(gear.mesh.law, made, limits)
+        return ModelledMesh(gear.mesh.law, made, limits)
     spheres = spheres_of(gear, fidelity, zone)
     # one deeper than its radius passes through GeneralContact's triangles unnoticed
-    return Mesh("spheres", made, {"mesh_penetration": spheres.radius / 2}, spheres)
+    return ModelledMesh("spheres", made, {"mesh_penetration": spheres.radius / 2}, spheres)
 
 
 def spheres_of(gear: SteeringGear, fidelity: Fidelity, zone: float) -> SampledContactData:
@@ -291,7 +301,7 @@ def _ideal_spheres(gear: SteeringGear, fidelity: Fidelity, zone: float) -> Sampl
     return spheres_of(_without_errors(gear), fidelity, zone)
 
 
-def ideal_mesh(mesh: Mesh) -> np.ndarray:
+def ideal_mesh(mesh: ModelledMesh) -> np.ndarray:
     """Return the record of the gear's mesh without friction and runout, shape (1,); without spheres."""
     made = mesh.record.copy()
     if mesh.spheres is None:

@@ -17,7 +17,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS, Balance
 from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, Start, equilibrium_path
-from rps_exudyn.solvers.steering_column import SteeringColumn, pinion_at_start
+from rps_exudyn.solvers.steering_column import ColumnModel, pinion_at_start
 
 DISTANCES = (1, 2, 4, 8, 16, 32)  # tooth pitches before the start at which equilibria begin
 COARSE, FINE = 12, 48  # equilibria in a tooth pitch
@@ -146,7 +146,7 @@ def path_from(
 
 
 def settled_behind(
-    balance: Balance, pair: GearPair, wheel: Drive, column: SteeringColumn, approach: Approach | None
+    balance: Balance, pair: GearPair, wheel: Drive, column: ColumnModel, approach: Approach | None
 ) -> EquilibriumPath:
     """Return the equilibrium at the start of a motion of the wheel, the column twisted by its torque.
 

@@ -17,8 +17,7 @@ from rps_exudyn.gears.helicoid import Flank
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.mean_depth import mean_depth, rack_approach
 from rps_exudyn.tooth_contact.sampled_contact import SampledContactData
-from rps_exudyn.tooth_contact.samples import sample_flank
-from rps_exudyn.tooth_contact.spheres import SHALLOWEST, borders
+from rps_exudyn.tooth_contact.spheres import SHALLOWEST, borders, sample_flank
 
 GROUPS_A_TURN = 90  # of about 4 degrees; a strip of contact is 5 to 10 wide
 PRECISION = np.deg2rad(2.0)  # to which the angles are found at which a sphere begins and ends to touch

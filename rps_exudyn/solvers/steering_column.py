@@ -24,7 +24,7 @@ Angle = np.ndarray | float
 
 
 @dataclass(frozen=True)
-class SteeringColumn:
+class ColumnModel:
     """Inertia, joint and spring between hand and pinion."""
 
     inertia: float  # of the wheel [kg m^2]
@@ -34,7 +34,7 @@ class SteeringColumn:
     phase: float  # of its wheel-side yoke at wheel angle 0 [rad]
 
     @classmethod
-    def of(cls, gear: SteeringGear) -> "SteeringColumn":
+    def of(cls, gear: SteeringGear) -> "ColumnModel":
         """Return the column of a gear."""
         given = gear.column
         return cls(given.wheel_inertia, given.stiffness, given.damping, given.joint_angle, given.joint_phase)
@@ -70,7 +70,7 @@ class BehindColumn(Drive):
     """The pinion's motion behind a column of constant twist."""
 
     wheel: Drive
-    column: SteeringColumn
+    column: ColumnModel
     twist: float = 0.0  # [rad]
 
     def place(self, time: np.ndarray | float) -> np.ndarray:
@@ -90,7 +90,7 @@ class BehindColumn(Drive):
         )
 
 
-def pinion_at_start(wheel: Drive, column: SteeringColumn, twist: float) -> Drive:
+def pinion_at_start(wheel: Drive, column: ColumnModel, twist: float) -> Drive:
     """Return the pinion's motion at the start of the wheel's: behind a twist [rad], or at rest."""
     if isinstance(wheel, SetOff):
         return Steady("pinion", float(column.output(wheel.start)) - twist, 0.0)
@@ -175,6 +175,16 @@ def driven_rate(record: "Record") -> np.ndarray:
     return -record.of_rates("pinion")[..., 0]
 
 
+def driven_place(record: "Record") -> np.ndarray:
+    """Return the place of the driven body in the sense of travel along +X, shape (n,) [rad or m]."""
+    if record.driven == "rack":
+        return record.of("rack")[..., 0]
+    if record.driven == "wheel":
+        assert record.wheel is not None
+        return record.wheel[:, 0]
+    return -record.of("pinion")[..., 0]
+
+
 def of_column(record: "Record") -> dict[str, np.ndarray]:
     """Return the signals of wheel and column at each instant, the power lost by the name of its work; {}
     where the rig does not turn the wheel."""
@@ -197,26 +207,20 @@ def of_column(record: "Record") -> dict[str, np.ndarray]:
     }
 
 
-def under_torque(record: "Record", column: SteeringColumn, drive: WheelTorque, angle: np.ndarray) -> "Record":
-    """Return the record of a pinion as that of the wheel at angles (n,) [rad] that a torque turns."""
-    twist = column.output(angle) + record.of("pinion")[:, 0]
-    twisting = _backward(twist, record.time) - record.of_rates("pinion")[:, 0]
+def under_torque(record: "Record", column: ColumnModel, drive: WheelTorque, wheel: np.ndarray) -> "Record":
+    """Return the record of a pinion as that of the wheel that a torque turns, with its angles and
+    rates (n, 2) [rad, rad/s]."""
     return replace(
         record,
         drive=drive.torque(record.time),
         driven="wheel",
-        wheel=np.column_stack([angle, twisting / column.ratio(angle)]),
+        wheel=wheel,
         column=column,
         tyre=drive.tyre,
     )
 
 
-def _backward(values: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """Rate of values (n,) over time [s]."""
-    return np.gradient(values, time) if time.size > 1 else np.zeros_like(values)
-
-
-def behind_column(record: "Record", column: SteeringColumn, wheel: Drive) -> "Record":
+def behind_column(record: "Record", column: ColumnModel, wheel: Drive) -> "Record":
     """Return the record of a driven pinion as that of the wheel whose motion leads to it."""
     angle, rate = wheel.place(record.time), wheel.rate(record.time)
     torque = column.ratio(angle) * record.drive + column.inertia * wheel.acceleration(record.time)

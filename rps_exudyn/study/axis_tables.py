@@ -10,7 +10,7 @@ from rps_exudyn.base.units import short, shown, to_si
 from rps_exudyn.parameters.declaration import Declared
 from rps_exudyn.parameters.distribution import KINDS
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
-from rps_exudyn.study.description import Axis, Value
+from rps_exudyn.study.definition import Axis, Value
 from rps_exudyn.study.toml_keys import Keys
 
 SHAPES = ("values", "linspace", "logspace")
@@ -177,6 +177,9 @@ def _listed(given: Any, shape: str, quantity: _Quantity) -> tuple[Value, ...]:
         return ()
     if not given:
         quantity.wrong("is empty; values needs at least one.")
+    if len(given) > MOST_ON_AN_AXIS:
+        quantity.wrong(f"has {len(given)} values (limit {MOST_ON_AN_AXIS}).")
+        return ()
     values = tuple(quantity.value(item) for item in given)
     if len(set(values)) < len(values):
         quantity.wrong("has a value twice.")

@@ -13,8 +13,7 @@ from rps_exudyn.parameters.declaration import Table
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import Setup, SteeringGear
 from rps_exudyn.results.provenance import MODEL_VERSION
-from rps_exudyn.study.definition import Study
-from rps_exudyn.study.description import GRID_DESIGN, Case, Description, settings_of
+from rps_exudyn.study.definition import GRID_DESIGN, Case, Description, Study, settings_of
 from rps_exudyn.study.designs import points, points_per_sample
 
 MOST_CASES = 1_000_000

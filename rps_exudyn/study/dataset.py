@@ -29,8 +29,8 @@ from rps_exudyn.base.hdf5 import opened
 from rps_exudyn.results.block import Keep
 from rps_exudyn.results.quantities import SIGNALS, Quantity
 from rps_exudyn.results.result import FILETYPE, VERSION
-from rps_exudyn.study.blocks import blocks_beside
-from rps_exudyn.study.description import Description
+from rps_exudyn.study.case_blocks import blocks_beside
+from rps_exudyn.study.definition import Description
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable, TableColumn, axis_quantity
 

@@ -1,14 +1,155 @@
-"""A study as its file defines it: a base of gear and fidelity, and axes that vary it."""
+"""A study: its axes and cases, its definition (a study file), and its description (study.json of its folder).
 
+study.json is plain JSON in SI units; it names every case by its hash, so that the folder can be read without
+the study file and without computing anything.
+"""
+
+import hashlib
+import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
+from pydantic import Field, TypeAdapter, ValidationError
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import content_of, read_json_tables
+from rps_exudyn.base.hdf5 import check_version
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.block import Keep
-from rps_exudyn.study.description import Axis
+
+FILETYPE = "rps_exudyn-study"
+VERSION = (1, 1)
+"""Major: old readers must refuse the folder. Minor: something was added that they may leave unread."""
+
+GRID_DESIGN = "grid"
+UNCERTAIN_DESIGN = "uncertain"
+SAMPLED_DESIGNS = ("latin-hypercube", "sobol", "random", "morris", "saltelli", UNCERTAIN_DESIGN)
+DESIGNS = (GRID_DESIGN, *SAMPLED_DESIGNS)
+
+Value = float | int | str
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Parameters that are varied together, under one name.
+
+    All `paths` take the axis' value; `along` are further paths with values of their own, one for each value
+    of a grid's axis. Values are SI (or a choice's word).
+    """
+
+    name: str
+    paths: tuple[str, ...]
+    unit: str  # in which a reader expects the values; "" for plain numbers and words
+    values: tuple[Value, ...] | None  # of a grid; None for a sampled design
+    kind: str  # "grid" or "sampled"
+    along: Mapping[str, tuple[Value, ...]] = field(default_factory=dict)
+    distribution: Mapping[str, Any] = field(
+        default_factory=dict
+    )  # of a sampled axis: "kind", "numbers" in SI
+
+    def settings(self, value: Value) -> dict[str, Value]:
+        """Path -> value of every parameter of the axis, where it takes this value."""
+        moved = {path: values[self.values.index(value)] for path, values in self.along.items() if self.values}
+        return dict.fromkeys(self.paths, value) | moved
+
+
+def settings_of(axes: tuple[Axis, ...], values: Mapping[str, Value]) -> dict[str, Value]:
+    """Path -> value of every parameter of the axes, whose `values` are given by name."""
+    return {path: value for axis in axes for path, value in axis.settings(values[axis.name]).items()}
+
+
+@dataclass(frozen=True)
+class Case:
+    """One point of the design. `hash` names its file; `values` are axis name -> SI value (or word)."""
+
+    hash: Annotated[str, Field(pattern="^[0-9a-f]{16}$")]  # no path, which could lead out of the folder
+    values: Mapping[str, Value]
+
+
+@dataclass(frozen=True)
+class Description:
+    """A study: what is simulated, what is varied, and every case; in SI units.
+
+    `base` holds the parameters that differ from the defaults in all cases, by their paths. `cases` are in the
+    order of the design (a grid's last axis changes fastest) and may name the same hash twice, where a
+    sampled design visits a point again.
+    """
+
+    name: str
+    scene: str
+    fidelity: Mapping[str, Any]
+    base: Mapping[str, Any]
+    axes: tuple[Axis, ...]
+    design: str
+    seed: int | None
+    cases: tuple[Case, ...]
+    signals: Keep
+    time_limit: float  # of one case [s]
+    provenance: Mapping[str, Any]
+    title: str = ""  # as in the study file
+
+    @property
+    def hashes(self) -> dict[str, Case]:
+        """Hash -> case, each once, in the order of the design."""
+        return {case.hash: case for case in self.cases}
+
+    def settings(self, case: Case) -> dict[str, Value]:
+        """Path -> value of every parameter in which the case differs from the study's base."""
+        return settings_of(self.axes, case.values)
+
+    def to_json(self) -> str:
+        """The text of study.json: the checksum of all other lines first, and one line per case."""
+        content = asdict(self) | {"filetype": FILETYPE, "version": list(VERSION)}
+        cases = ",\n".join(json.dumps(case) for case in content.pop("cases"))
+        head = json.dumps(content, indent=1)
+        text = f'{head[:-2]},\n "cases": [\n{cases}\n ]\n}}\n'
+        return "{\n" + _checksum_line(text) + text.removeprefix("{\n")
+
+    @classmethod
+    def read(cls, path: Path) -> "Description":
+        """The description in a study.json.
+
+        Raises:
+            InputError: no such file, not a study, damaged, or of another format version.
+        """
+        try:
+            text = content_of(path).decode("utf-8")
+            content = read_json_tables(text, "its text")
+        except InputError as error:
+            raise InputError(f"{path.parent} is no study's folder: {error}") from None
+        except ValueError as error:
+            raise InputError(f"{path} is damaged: {error}.") from None
+        if content.get("filetype") != FILETYPE:
+            raise InputError(f"{path} is not the description of a study of rps-exudyn.")
+        version = content.get("version")
+        if not _fits(text, content):
+            raise InputError(f"{path} is damaged, or was edited: its checksum does not fit.")
+        check_version(version if isinstance(version, list) else [], path, VERSION)
+        try:
+            return TypeAdapter(cls).validate_python(content)
+        except ValidationError as error:
+            problem = error.errors()[0]
+            place = ".".join(map(str, problem["loc"]))
+            raise InputError(f"{path} is damaged: {place}: {problem['msg']}.") from None
+
+
+def _checksum_line(text: str) -> str:
+    """The line of study.json that is made of all others."""
+    return f' "sha256": "{hashlib.sha256(text.encode()).hexdigest()}",\n'
+
+
+def _fits(text: str, content: Mapping[str, Any]) -> bool:
+    """Return whether a study.json fits its checksum; version 1.0 had none."""
+    if "sha256" not in content:
+        return content.get("version") != list(VERSION)
+    opening, line, rest = (*text.split("\n", 2), "", "")[:3]
+    return f"{line}\n" == _checksum_line(f"{opening}\n{rest}")
+
+
+# --- A study as its file defines it: a base of gear and fidelity, and axes that vary it
 
 FIDELITY = "fidelity."
 

@@ -6,15 +6,17 @@ that the same seed gives the same points everywhere.
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.inference.uncertainty.input_sets import carried, uncertain_inputs
 from rps_exudyn.parameters.distribution import Distribution
-from rps_exudyn.study.description import GRID_DESIGN, UNCERTAIN_DESIGN, Axis, Value
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.study.definition import GRID_DESIGN, UNCERTAIN_DESIGN, Axis, Value
 
 MORRIS_LEVELS = 4  # levels that an axis takes in a Morris design
 
@@ -95,3 +97,35 @@ def _unit_points(design: str, axes: int, samples: int, seed: int) -> np.ndarray:
     else:
         points = salib("sample.sobol").sample(problem, samples, calc_second_order=False, seed=seed)
     return np.asarray(points)
+
+
+# --- The axes of the design `uncertain`: one for each parameter that carries a distribution
+
+
+def uncertain_axes(
+    gear: Mapping[str, Any], settings: Mapping[str, Any], inputs: str, others: Sequence[Axis]
+) -> tuple[Axis, ...]:
+    """Return an axis for each distribution of the gear's file, of settings, and of a set of inputs.
+
+    Args:
+        gear: tables of the gear's file.
+        settings: path -> value of single parameters.
+        inputs: name of the set; "" for `own` where a parameter carries a distribution, else `series`.
+        others: axes of the study's own tables, whose parameters are left to them.
+
+    Raises:
+        InputError: a distribution that cannot be, or no such set.
+    """
+    own = carried(gear, settings)
+    given = {path for axis in others for path in (*axis.paths, *axis.along)}
+    nominal = SteeringGear.from_tables(gear, settings)
+    found = uncertain_inputs(nominal, inputs, own, bool(others))
+    declared = {item.path: item for item in SteeringGear.declared()}
+    axes = []
+    for path, each in found.items():
+        if path not in given:
+            unit = declared[path].unit
+            distribution = {"kind": each.kind, "numbers": [each.first, each.second]}
+            name, shown = path, unit.display if unit else ""
+            axes.append(Axis(name, (path,), shown, None, "sampled", distribution=distribution))
+    return tuple(axes)

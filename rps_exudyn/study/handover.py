@@ -18,8 +18,7 @@ from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.cases.case_group import CaseGroup
 from rps_exudyn.simulate.cases.run_cases import Answer, Executor, Task
 from rps_exudyn.simulate.together import UNSUPPORTED, can_exist, fewest, unsupported_reason
-from rps_exudyn.study.definition import FIDELITY, Study
-from rps_exudyn.study.description import Case, Description, settings_of
+from rps_exudyn.study.definition import FIDELITY, Case, Description, Study, settings_of
 
 FEWEST = 64  # missing cases, from which groups pay
 QUANTILES = 65  # of a parameter's values, which say how it varies

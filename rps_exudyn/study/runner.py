@@ -18,12 +18,10 @@ from rps_exudyn.base.files import content_of, replacing
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.provenance import provenance
 from rps_exudyn.simulate.cases.run_cases import Executor
+from rps_exudyn.study.case_progress import Group, bar, case_line, groups, log_lines
 from rps_exudyn.study.cases import describe
-from rps_exudyn.study.definition import Study
-from rps_exudyn.study.description import Case, Description
+from rps_exudyn.study.definition import Case, Description, Study
 from rps_exudyn.study.handover import Handover
-from rps_exudyn.study.messages import Group, groups
-from rps_exudyn.study.progress import bar, case_line, log_lines
 from rps_exudyn.study.store import CaseRow, Store
 
 

@@ -21,8 +21,8 @@ from rps_exudyn.base.files import check_writable, number_existing, replacing
 from rps_exudyn.results.block import CaseRecord, summaries
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result, read_result
-from rps_exudyn.study.blocks import Blocks
-from rps_exudyn.study.description import Case, Description
+from rps_exudyn.study.case_blocks import Blocks
+from rps_exudyn.study.definition import Case, Description
 
 BEGUN = {".lock", "cases", "blocks", "study.toml"}  # what a runner that was stopped at its start may leave
 

@@ -23,12 +23,14 @@ docs/studies.md explains every key.
 """
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.progress import reached
 from rps_exudyn.base.units import short, shown, to_si
 from rps_exudyn.parameters.declaration import read_toml
 from rps_exudyn.parameters.fidelity import PRESETS, preset_table
@@ -37,11 +39,9 @@ from rps_exudyn.results.block import Keep
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes import SCENE_NAMES
 from rps_exudyn.study.axis_tables import check_twice, read_axes
-from rps_exudyn.study.definition import FIDELITY, Study, choices
-from rps_exudyn.study.description import DESIGNS, GRID_DESIGN, UNCERTAIN_DESIGN, Axis
-from rps_exudyn.study.designs import ends
+from rps_exudyn.study.definition import DESIGNS, FIDELITY, GRID_DESIGN, UNCERTAIN_DESIGN, Axis, Study, choices
+from rps_exudyn.study.designs import ends, uncertain_axes
 from rps_exudyn.study.toml_keys import Keys
-from rps_exudyn.study.uncertain_axes import uncertain_axes
 
 MODEL_KEYS = ("scene", "gear", "fidelity", "accuracy", "set")
 DESIGN_KEYS = ("axis", "design", "samples", "seed", "inputs")
@@ -212,7 +212,9 @@ def _problems_of_axes(study: Study) -> list[str]:
     """Return what is wrong with each value of an axis, or each end of its distribution, alone in the base."""
     problems: dict[str, None] = {}
     for axis in study.axes:
-        for value in ends(axis) if axis.values is None else axis.values:
+        values = ends(axis) if axis.values is None else axis.values
+        for number, value in enumerate(values):
+            reached(number / len(values), partial("{} values checked".format, number))
             try:
                 study.setup(axis.settings(value))
             except InputError as error:

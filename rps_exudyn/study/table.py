@@ -19,7 +19,7 @@ from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SUMMARY, Quantity
 from rps_exudyn.scenes.remarks import met_limit
-from rps_exudyn.study.description import Axis, Case, Description, Value
+from rps_exudyn.study.definition import Axis, Case, Description, Value
 from rps_exudyn.study.store import CaseRow, Store
 
 PENDING = "pending"

@@ -19,7 +19,19 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.base.compiled import inline
-from rps_exudyn.forces.friction import PATCH, bristle, by_load, clear, coulomb, stored, stribeck
+from rps_exudyn.forces.friction import (
+    ACROSS,
+    ALONG,
+    add_point,
+    by_load,
+    clear_patch,
+    coulomb,
+    duration,
+    on_patch,
+    patch_columns,
+    slide_patch,
+    stribeck,
+)
 from rps_exudyn.forces.rigid_motion import Vector
 from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS
 from rps_exudyn.tooth_contact import wrench
@@ -35,6 +47,7 @@ class Side(NamedTuple):
     """
 
     sign: float  # s
+    rate: float  # of the pinion [rad/s]
     psi: float  # psi*
     sin: float  # e_r = (cos, sin), e_t = (-sin, cos) in the (e, Y) plane
     cos: float
@@ -59,7 +72,7 @@ class Line(NamedTuple):
     rack_tooth: float  # number of the rack's tooth that it lies on
 
 
-class Band(NamedTuple):
+class FlankZone(NamedTuple):
     """A part of the flank between two tangent lengths; above `relief_from` the tip relief is taken off."""
 
     low: float
@@ -74,7 +87,8 @@ DRAG_R, DRAG_R_T, DRAG_R_Z = 4, 5, 6  # friction on the pinion along e_r, and ti
 DRAG_B, DRAG_B_R, DRAG_B_N = 7, 8, 9  # along B = N x e_r, and times P_r, times P . N
 ENERGY, FRICTION_LOSS, DAMPING_LOSS, DEEPEST, LINES = 10, 11, 12, 13, 14
 PER_ROLL = 15  # largest load per length over tangent length
-SUMS = 16
+FRICTION_LOST, FRICTION_STORED = 16, 17  # of bristles, work lost so far and energy
+SUMS = 18
 LEAST_ROLL = 1e-6  # tangent length where pressures are taken at least [m]
 
 
@@ -132,6 +146,7 @@ def side_of(sign, angle, rate, position, rotation, velocity, spin, data):  # typ
     w_r, w_t = _to_line(w_e, spin[1], sin, cos)
     return Side(
         sign,
+        rate,
         np.arctan2(sin, cos),
         sin,
         cos,
@@ -198,8 +213,8 @@ def bands(data):  # type: ignore[no-untyped-def]
 def band_of(part, data):  # type: ignore[no-untyped-def]
     """The band of the flank below the tip relief, 0, or that with it, 1."""
     if part == 0:
-        return Band(data.q_form, min(data.q_tip, data.relief_start), 0.0, 0.0)
-    return Band(data.relief_start, data.q_tip, data.relief, data.relief_start)
+        return FlankZone(data.q_form, min(data.q_tip, data.relief_start), 0.0, 0.0)
+    return FlankZone(data.relief_start, data.q_tip, data.relief, data.relief_start)
 
 
 @inline
@@ -224,7 +239,7 @@ def band_on_flank(line, band, data):  # type: ignore[no-untyped-def]
     if high == data.q_tip:
         grown = surplus(high, _crossing_place(high, line, data), band, data)
         high -= grown / (1 + data.slope - 2 * band.relief * (high - band.relief_from))
-    return Band(low, high, band.relief, band.relief_from)
+    return FlankZone(low, high, band.relief, band.relief_from)
 
 
 @inline
@@ -256,15 +271,15 @@ def formed_point(xi, z, line, band, side, data):  # type: ignore[no-untyped-def]
 @inline
 def add_load(load, p_r, p_t, z, side, data, work):  # type: ignore[no-untyped-def]
     """Add a normal load at a point, with its friction."""
-    slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t
-    slip_b = affine(side.slip, p_r, p_t, z)
+    slip_r, slip_b = slip_at(p_r, p_t, z, side)
     slip = np.sqrt(slip_r * slip_r + slip_b * slip_b)
     if data.law.has_state:
         w_r, w_b = rolling_slip(p_r, p_t, side, data)
-        along, across = w_r * slip_r + w_b * slip_b, w_r * slip_b - w_b * slip_r
-        patch = patch_of(side, data)
-        f_1, f_2, lost = bristle(load, along, across, patch, data.friction, data.law, work.memory)
-        f_r, f_b = w_r * f_1 - w_b * f_2, w_b * f_1 + w_r * f_2
+        along, across = slip_in_step(p_r, p_t, z, side, data, work)
+        weight = add_point(load, along, across, data.law, work.rubbed)
+        _add_direction(ALONG, weight * w_r, weight * w_b, p_r, p_t, z, side, work)
+        _add_direction(ACROSS, -weight * w_b, weight * w_r, p_r, p_t, z, side, work)
+        f_r = f_b = lost = 0.0
     else:
         drag = coulomb(load, data.friction, slip, data.zone) * stribeck(slip, data.law)
         f_r, f_b, lost = drag * slip_r, drag * slip_b, drag * slip * slip
@@ -282,11 +297,39 @@ def add_load(load, p_r, p_t, z, side, data, work):  # type: ignore[no-untyped-de
 
 
 @inline
+def slip_at(p_r, p_t, z, side):  # type: ignore[no-untyped-def]
+    """Return the slip velocity at a point of the line frame, along e_r and B."""
+    return side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t, affine(side.slip, p_r, p_t, z)
+
+
+@inline
+def slip_in_step(p_r, p_t, z, side, data, work):  # type: ignore[no-untyped-def]
+    """Return the slip velocity along the rolling slip and across it where the point of contact, which moves
+    along the path of contact, was in the middle of the step."""
+    p_t -= data.base_radius * side.rate * duration(work.memory) / 2
+    slip_r, slip_b = slip_at(p_r, p_t, z, side)
+    w_r, w_b = rolling_slip(p_r, p_t, side, data)
+    return w_r * slip_r + w_b * slip_b, w_r * slip_b - w_b * slip_r
+
+
+@inline
+def _add_direction(first, f_r, f_b, p_r, p_t, z, side, work):  # type: ignore[no-untyped-def]
+    """Add friction at a point to the sums of a patch, in the order of the sums of drag."""
+    sums = work.rubbed
+    sums[first] += f_r
+    sums[first + 1] += f_r * p_t
+    sums[first + 2] += f_r * z
+    sums[first + 3] += f_b
+    sums[first + 4] += f_b * p_r
+    sums[first + 5] += f_b * (side.n_z * z - side.sign * side.n_p * p_t)
+
+
+@inline
 def rolling_slip(p_r, p_t, side, data):  # type: ignore[no-untyped-def]
     """Direction of the slip at a point while pinion and rack run steadily, components along e_r and B.
 
-    Bristles of one side share their deflection against it: it differs from point to point, and what they
-    share must not, or they would lose torque in short steps.
+    Bristles of one side share their forces along it and across: it differs from point to point, and what they
+    share must not, or they would lose torque.
     """
     v_e, v_z = data.cos_delta * data.gain, data.sin_delta * data.gain
     r = side.cos * v_e - p_t
@@ -297,8 +340,8 @@ def rolling_slip(p_r, p_t, side, data):  # type: ignore[no-untyped-def]
 
 @inline
 def patch_of(side, data):  # type: ignore[no-untyped-def]
-    """Place of one side's bristles in the memory."""
-    return data.law.place + (PATCH if side.sign > 0 else 0)
+    """Place of one side's bristles in the state."""
+    return data.law.place + (patch_columns(data.law.elements) if side.sign > 0 else 0)
 
 
 @inline
@@ -307,19 +350,26 @@ def begin_side(side, data, work):  # type: ignore[no-untyped-def]
     for i in range(SUMS):
         work.sums[i] = 0.0
     if data.law.has_state:
-        clear(patch_of(side, data), work.memory)
+        clear_patch(work.rubbed)
 
 
 @inline
 def _end_friction(side, data, work):  # type: ignore[no-untyped-def]
-    """Give the friction the size that belongs to the side's whole load, and add what its bristles store."""
-    law, factor = data.law, by_load(work.sums[LOAD], data.law)
+    """Give the friction the size that belongs to the side's whole load, or find that of its bristles."""
+    law = data.law
+    if law.has_state:
+        power, stored, lost = slide_patch(data.friction, patch_of(side, data), law, work.memory, work.rubbed)
+        for i in range(ACROSS - ALONG):
+            work.sums[DRAG_R + i] = on_patch(i, work.rubbed)
+        work.sums[FRICTION_LOSS] = power
+        work.sums[ENERGY] += stored
+        work.sums[FRICTION_LOST], work.sums[FRICTION_STORED] = lost, stored
+        return
+    factor = by_load(work.sums[LOAD], law)
     if factor != 1.0:
         for i in range(DRAG_R, DRAG_B_N + 1):
             work.sums[i] *= factor
         work.sums[FRICTION_LOSS] *= factor
-    if law.has_state:
-        work.sums[ENERGY] += stored(patch_of(side, data), factor * data.friction, law, work.memory)
 
 
 @inline
@@ -356,8 +406,93 @@ def add_side(work, angle, position, side, data, out):  # type: ignore[no-untyped
     out[wrench.ELASTIC_ENERGY] += work.sums[ENERGY]
     out[wrench.FRICTION_POWER] += work.sums[FRICTION_LOSS]
     out[wrench.DAMPING_POWER] += work.sums[DAMPING_LOSS]
+    out[wrench.FRICTION_LOST] += work.sums[FRICTION_LOST]
+    out[wrench.FRICTION_STORED] += work.sums[FRICTION_STORED]
     out[wrench.PENETRATION] = max(out[wrench.PENETRATION], work.sums[DEEPEST])
     out[wrench.TOUCHING] += work.sums[LINES]
     # Hertz: p^2 = f E* / (pi rho) with rho = q / cos(beta_b)
     pressure = np.sqrt(work.sums[PER_ROLL] * EFFECTIVE_MODULUS * data.cos_base_helix / np.pi)
     out[wrench.PRESSURE] = max(out[wrench.PRESSURE], pressure)
+
+
+# --- flanks without modifications ------------------------------------------------------------------
+# Without relief, crowning and slope the crest of the strip stands on xi = 0. There the depth, the distances
+# to the limits of the flank and to the rack's tips are linear in Z, and the bar's surface is a parabola: the
+# laws that take loads at the crest need no strip.
+
+
+@inline
+def clip(low, high, c_0, c_1, c_2):  # type: ignore[no-untyped-def]
+    """The part of an interval where c_0 + c_1 Z + c_2 Z^2 > 0, c_2 <= 0."""
+    square = c_1 * c_1 - 4 * c_2 * c_0
+    if not square > 0:
+        return (low, high) if c_1 == 0 and c_2 == 0 and c_0 > 0 else (1.0, -1.0)
+    q = -(c_1 + np.copysign(np.sqrt(square), c_1)) / 2
+    for root in (c_0 / q, q / c_2):
+        rise = c_1 + 2 * c_2 * root
+        if rise > 0:
+            low = max(low, root)
+        elif rise < 0:
+            high = min(high, root)
+    return low, high
+
+
+@inline
+def is_plain(data):  # type: ignore[no-untyped-def]
+    """Return whether the flanks are unmodified."""
+    return data.relief == 0 and data.crowning == 0 and data.slope == 0
+
+
+@inline
+def plain_point(z, line, side, data):  # type: ignore[no-untyped-def]
+    """P_r, P_t, the tangent length q and the depth at Z."""
+    q = line.q_0 + line.q_1 * z
+    return data.base_radius, side.sign * q, q, line.d_0 + line.d_1 * z
+
+
+@inline
+def on_plain_line(coefficients, line, side, data):  # type: ignore[no-untyped-def]
+    """An affine function of the point along the line: at Z = 0, and its slope."""
+    at_middle = affine(coefficients, data.base_radius, side.sign * line.q_0, 0.0)
+    return at_middle, coefficients[2] * side.sign * line.q_1 + coefficients[3]
+
+
+@inline
+def slowest_place(line, side, data):  # type: ignore[no-untyped-def]
+    """Z where the flanks slide slowest along a line: with parallel axes, where sliding turns about.
+
+    Both components of the slip, along e_r and along B, are linear in Z; nan where nothing slides.
+    """
+    r, r_z = side.velocity[0] - side.spin[2] * side.sign * line.q_0, side.spin[1]
+    r_z -= side.spin[2] * side.sign * line.q_1
+    b, b_z = on_plain_line(side.slip, line, side, data)
+    square = r_z * r_z + b_z * b_z
+    return -(r * r_z + b * b_z) / square if square > 0 else np.nan
+
+
+@inline
+def plain_ends(line, margin, side, data):  # type: ignore[no-untyped-def]
+    """Return between which Z the flanks are pressed, `margin` deeper than they are; low > high if nowhere."""
+    pressing, per_z = line.d_0 + margin, line.d_1
+    if data.damping > 0:
+        rate, rate_per_z = on_plain_line(side.part, line, side, data)
+        pressing, per_z = pressing + data.damping * rate, per_z + data.damping * rate_per_z
+    low, high = _above(-data.half_face, data.half_face, pressing, per_z)
+    low, high = _above(low, high, line.q_0 - data.q_form, line.q_1)
+    low, high = _above(low, high, data.q_tip - line.q_0, -line.q_1)
+    y, y_z = on_plain_line(side.y, line, side, data)
+    low, high = _above(low, high, y + data.tip_depth, y_z)
+    z, z_z = on_plain_line(side.z, line, side, data)
+    bar = data.bar_radius * data.bar_radius - y * y - z * z
+    return clip(low, high, bar, -2 * (y * y_z + z * z_z), -(y_z * y_z + z_z * z_z))
+
+
+@inline
+def _above(low, high, value, per_z):  # type: ignore[no-untyped-def]
+    """The part of an interval where a linear function is positive."""
+    zero = -value / per_z
+    if per_z > 0:
+        return max(low, zero), high
+    if per_z < 0:
+        return low, min(high, zero)
+    return (low, high) if value > 0 else (high, low)

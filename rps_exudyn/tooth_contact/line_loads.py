@@ -10,7 +10,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.elastic_teeth import compliance_matrix, solve_loads
 from rps_exudyn.tooth_contact.flank_data import pack
 from rps_exudyn.tooth_contact.flank_line import side_of
-from rps_exudyn.tooth_contact.mesh_record import MESH
+from rps_exudyn.tooth_contact.laws import MESH
 from rps_exudyn.tooth_contact.teeth_data import teeth_data
 from rps_exudyn.tooth_contact.teeth_stations import DEPTH, LENGTH, P_Z, ROLL, find_lines
 

@@ -13,14 +13,18 @@ from rps_exudyn.base.compiled import inline
 from rps_exudyn.gears.tooth_stiffness import FLATTENED
 from rps_exudyn.tooth_contact import flank_strip
 from rps_exudyn.tooth_contact.flank_line import (
-    Band,
+    FlankZone,
     affine,
     band_of,
     band_on_flank,
     bands,
     first_tooth,
     formed_point,
+    is_plain,
     line_of,
+    plain_ends,
+    plain_point,
+    slowest_place,
 )
 from rps_exudyn.tooth_contact.flank_strip import (
     PRESSING,
@@ -31,7 +35,6 @@ from rps_exudyn.tooth_contact.flank_strip import (
     touching,
     within_band,
 )
-from rps_exudyn.tooth_contact.plain_line import is_plain, plain_ends, plain_point, slowest_place
 from rps_exudyn.tooth_contact.strip_limits import ends_of
 from rps_exudyn.tooth_contact.teeth_data import BY_HALF, BY_OFFSET, OFFSET, PER_COS, PHI, THICK, ZETA
 from rps_exudyn.tooth_contact.tooth_compliance import (
@@ -97,7 +100,7 @@ def find_lines(angle, drive, coast, data):  # type: ignore[no-untyped-def]
 def _overlap(angle, drive, coast, flank):  # type: ignore[no-untyped-def]
     """How many lines there may be, none if no flanks overlap, and the deepest overlap."""
     deepest, most = 0.0, 0
-    whole = Band(flank.q_form, flank.q_tip, 0.0, 0.0)
+    whole = FlankZone(flank.q_form, flank.q_tip, 0.0, 0.0)
     for side in (drive, coast):
         first, last, turn = first_tooth(angle, side, flank)
         for tooth in range(first, last + 1):

@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import rps_exudyn as rps
 from rps_exudyn.analysis.hysteresis import describe_reversal
-from rps_exudyn.scenes.figures import figures_of_motion
 from rps_exudyn.scenes.maneuver import swing_maneuver
+from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 
 PULL = 200.0  # of the tie rod towards -X [N]

@@ -6,8 +6,8 @@ import pytest
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.scenes import SCENE_NAMES
+from rps_exudyn.simulate.accuracy_check import is_signal
 from rps_exudyn.simulate.by_accuracy import choose, denser, known_scenes, scene_tables
-from rps_exudyn.simulate.promised_quantity import is_signal
 
 GEAR = SteeringGear()
 STEADY = ("free-pinion-torque", "load-test", "rack-push", "yoke-setting")

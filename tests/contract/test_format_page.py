@@ -14,7 +14,7 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GROUPS, SIGNALS
 from rps_exudyn.results.result import FILETYPE, MEASURED_SIGNALS, VERSION, Result
 from rps_exudyn.study import collected
-from rps_exudyn.study import description as study
+from rps_exudyn.study import definition as study
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import OUTCOME, CaseTable
 

@@ -11,11 +11,10 @@ from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.block import CaseRecord, Keep
 from rps_exudyn.results.result import Result
+from rps_exudyn.study.case_progress import case_line
 from rps_exudyn.study.cases import case_hash, describe, setup_of
-from rps_exudyn.study.definition import Study
-from rps_exudyn.study.description import Axis, Case, Description
+from rps_exudyn.study.definition import Axis, Case, Description, Study
 from rps_exudyn.study.designs import points
-from rps_exudyn.study.progress import case_line
 from rps_exudyn.study.store import CaseRow
 from rps_exudyn.study.study_file import read_study
 

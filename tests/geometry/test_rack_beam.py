@@ -19,9 +19,8 @@ from rps_exudyn.gears.bar_section import (
     toothed_section,
 )
 from rps_exudyn.gears.rack_bar import RackBar
-from rps_exudyn.gears.rack_beam import RackBeam, RackModes
+from rps_exudyn.gears.rack_beam import RackBeam, RackModes, TimoshenkoBeam
 from rps_exudyn.gears.solids import rack_solid
-from rps_exudyn.gears.timoshenko import TimoshenkoBeam
 from rps_exudyn.parameters.gear import SteeringGear
 
 pytestmark = pytest.mark.quick

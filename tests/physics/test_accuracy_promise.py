@@ -8,9 +8,8 @@ import pytest
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.simulate.accuracy_kept import SLOW
+from rps_exudyn.simulate.accuracy_check import SLOW, error_between
 from rps_exudyn.simulate.by_accuracy import beyond_in_run, beyond_promise, choose
-from rps_exudyn.simulate.promised_quantity import error_between
 from verification.references import STRIPS
 from verification.runs import run_scene
 from verification.scene_truth import by_model, impact_in_parts, truth_of

@@ -10,11 +10,10 @@ import pytest
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.inference.uncertainty import band as band_module
 from rps_exudyn.inference.uncertainty.band import Band, band_of_runs
-from rps_exudyn.inference.uncertainty.input_sets import SETS, uncertain_inputs
+from rps_exudyn.inference.uncertainty.input_sets import SETS, carried, uncertain_inputs
 from rps_exudyn.inference.uncertainty.quick_band import quick_band
 from rps_exudyn.inference.uncertainty.samples import Samples
 from rps_exudyn.inference.uncertainty.statistics import LEVELS, contributions, quantiles
-from rps_exudyn.parameters.carried import carried
 from rps_exudyn.parameters.distribution import KINDS, Distribution
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear

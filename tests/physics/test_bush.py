@@ -6,7 +6,7 @@ import pytest
 from exudyn.itemInterface import Force, MarkerBodyRigid
 
 from rps_exudyn.forces.bush import Chain, Tube, resting_segments, stored_in_chain
-from rps_exudyn.multibody.bush_chain import add_chain
+from rps_exudyn.multibody.bodies import add_chain
 from rps_exudyn.parameters.gear import SteeringGear
 
 GEAR = SteeringGear()

@@ -9,7 +9,7 @@ import pytest
 from made_up_study import GRID, sampled
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.study.description import Axis, Case
+from rps_exudyn.study.definition import Axis, Case
 from rps_exudyn.study.effects import grid_effect, sampled_effect, surface
 from rps_exudyn.study.sensitivity import indices
 from rps_exudyn.study.store import CaseRow

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rps_exudyn.analysis.resolution import UNRESOLVED, missed, unresolved
+from rps_exudyn.analysis.curve import UNRESOLVED, missed, unresolved
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from verification.runs import run_scene

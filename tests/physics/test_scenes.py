@@ -211,6 +211,27 @@ def test_weight_of_the_rack_rests_on_teeth_and_bush() -> None:
     assert loaded["seat_force"].mean() == pytest.approx(free["seat_force"].mean(), abs=0.1)
 
 
+def test_gravity_turned_by_half_a_turn_is_gravity_the_other_way() -> None:
+    turned = ran(
+        "free-pinion-torque", {"installation.gravity": 9.81, "installation.gravity_angle": "180 deg"}
+    )
+    against = ran("free-pinion-torque", {"installation.gravity": -9.81})
+    assert turned.summary["torque_mean"] == pytest.approx(against.summary["torque_mean"], rel=1e-9)
+
+
+def test_gravity_along_the_bar_is_a_load_on_the_rack() -> None:
+    """Half the difference of both directions is m g s' sin(slope), with the teeth's friction; 5 %."""
+    settings = {
+        "installation.gravity": 9.81,
+        "installation.gravity_slope": "20 deg",
+        "test.path": "there-and-back",
+    }
+    found = ran("free-pinion-torque", settings).summary
+    weight = rack_masses(GEAR).mass * 9.81 * np.sin(np.radians(20))
+    drawn = weight * GearPair.of(GEAR).gain
+    assert -found["torque_direction_difference"] / 2 == pytest.approx(drawn, rel=0.05)
+
+
 # --- reversal --------------------------------------------------------------------------------------
 @pytest.mark.parametrize("fidelity", ["flank", "quasi-static"])
 def test_loop_encloses_what_friction_takes(fidelity: str) -> None:

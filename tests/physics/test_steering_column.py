@@ -8,7 +8,7 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.analysis.curve import difference
-from rps_exudyn.analysis.steering_feel import describe_feel
+from rps_exudyn.analysis.wheel_metrics import describe_feel
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.multibody.column import jointed_forces, jointed_tangent
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -16,7 +16,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.solvers.steering_column import SteeringColumn
+from rps_exudyn.solvers.steering_column import ColumnModel
 
 GEAR = SteeringGear()
 BENT = SteeringGear().replace({"column.joint_angle": "30 deg", "column.joint_phase": "20 deg"})
@@ -33,7 +33,7 @@ def feel(law: str = "coulomb", fidelity: str = "quasi-static", joint: bool = Fal
 
 def test_joint_turns_as_two_yokes_across_each_other() -> None:
     """The axes of both yokes are perpendicular at every angle: the cross between them holds them so."""
-    column = replace(SteeringColumn.of(GEAR), bend=0.6, phase=0.3)
+    column = replace(ColumnModel.of(GEAR), bend=0.6, phase=0.3)
     for angle in np.linspace(-4, 4, 23):
         wheel_side = angle + column.phase
         gear_side = float(column.output(angle)) + np.arctan2(
@@ -47,7 +47,7 @@ def test_joint_turns_as_two_yokes_across_each_other() -> None:
 
 def test_slopes_of_the_joint_are_its_derivatives() -> None:
     """Central differences, to 1e-8."""
-    column, angle, step = replace(SteeringColumn.of(GEAR), bend=0.6, phase=0.3), np.linspace(-4, 4, 99), 1e-5
+    column, angle, step = replace(ColumnModel.of(GEAR), bend=0.6, phase=0.3), np.linspace(-4, 4, 99), 1e-5
     ratio = (column.output(angle + step) - column.output(angle - step)) / (2 * step)
     slope = (column.ratio(angle + step) - column.ratio(angle - step)) / (2 * step)
     assert column.ratio(angle) == pytest.approx(ratio, abs=1e-8)
@@ -56,7 +56,7 @@ def test_slopes_of_the_joint_are_its_derivatives() -> None:
 
 def test_tangent_of_a_jointed_column() -> None:
     """Differences of the torques by places and rates, to 1e-6 of the stiffness."""
-    column = replace(SteeringColumn.of(GEAR), bend=0.6, phase=0.3)
+    column = replace(ColumnModel.of(GEAR), bend=0.6, phase=0.3)
     q, v, step = np.array([0.7, 0.69]), np.array([0.3, -0.2]), 1e-6
     for factors in ((1.0, 0.0), (0.0, 1.0), (0.3, 2.0)):
         found = jointed_tangent(q, v, column, *factors)
@@ -72,7 +72,7 @@ def test_tangent_of_a_jointed_column() -> None:
 
 def test_jointed_column_does_no_work_of_its_own() -> None:
     """Undamped, the power that wheel and pinion give is that of the spring, to rounding."""
-    column = replace(SteeringColumn.of(GEAR), bend=0.6, phase=0.3, damping=0.0)
+    column = replace(ColumnModel.of(GEAR), bend=0.6, phase=0.3, damping=0.0)
     q, v = np.array([0.7, 0.69]), np.array([0.3, -0.2])
     twist = float(column.output(-q[0]) + q[1])
     twisting = float(v[1] - column.ratio(-q[0]) * v[0])

@@ -19,11 +19,11 @@ from rps_exudyn.gears.polyhedron import Solid
 from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.gears.solids import gear_solids
 from rps_exudyn.pages.animation import film
+from rps_exudyn.pages.animation.animation_page import page
 from rps_exudyn.pages.animation.camera import Camera, in_front
 from rps_exudyn.pages.animation.drawn import FILL, SUN, paint
 from rps_exudyn.pages.animation.motion import MOST_FRAMES, Factors, Motion
 from rps_exudyn.pages.animation.overlays import ContactLines, contact_lines
-from rps_exudyn.pages.animation.page import page
 from rps_exudyn.pages.animation.page_data import decoded, page_data
 from rps_exudyn.pages.animation.parts import CHORD_ERROR, picture_parts
 from rps_exudyn.results.outcome import Status

@@ -7,8 +7,8 @@ import pytest
 from playwright import sync_api
 
 import rps_exudyn as rps
+from rps_exudyn.pages.animation.animation_page import write_page
 from rps_exudyn.pages.animation.motion import Factors, Motion
-from rps_exudyn.pages.animation.page import write_page
 from rps_exudyn.results.result import Result
 from watched_page import watched
 

@@ -38,7 +38,7 @@ def test_interrupt_while_the_picture_is_drawn_names_the_files_that_are_there(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
-        "rps_exudyn.pages.charts.band.band_figure", lambda *_: signal.raise_signal(signal.SIGINT)
+        "rps_exudyn.pages.charts.inference.band_figure", lambda *_: signal.raise_signal(signal.SIGINT)
     )
     answer = command(["run", *OPTIONS, "--band", "16", "--set", "yoke.preload=300 N +- 9 N"])
     assert answer.status == 130

@@ -15,7 +15,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.results.block import Block, CaseRecord, packed
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
-from rps_exudyn.study.blocks import Blocks
+from rps_exudyn.study.case_blocks import Blocks
 from rps_exudyn.study.collected import write_table
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import CaseTable
@@ -144,7 +144,7 @@ def test_a_block_that_fills_slowly_is_written_meanwhile(
     made_up_result: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In its own place, and readers that knew it before find what has come since."""
-    monkeypatch.setattr("rps_exudyn.study.blocks.SECONDS", -1.0)
+    monkeypatch.setattr("rps_exudyn.study.case_blocks.SECONDS", -1.0)
     (folder := tmp_path / "blocks").mkdir()
     blocks, reader = Blocks(folder, cases=3), Blocks(folder)
     hashes = [f"{at:016x}" for at in range(7)]

@@ -58,7 +58,7 @@ def test_interrupt_while_the_picture_is_drawn_names_the_file_that_is_there(
             raise SystemError("returned a result with an exception set") from interrupt
 
     for comes in (lambda: signal.raise_signal(signal.SIGINT), wrapped):
-        monkeypatch.setattr("rps_exudyn.pages.charts.scene.draw", lambda *_, comes=comes: comes())
+        monkeypatch.setattr("rps_exudyn.pages.charts.scene_figures.draw", lambda *_, comes=comes: comes())
         answer = command(["run", "--out", "a.h5"])
         assert answer.status == 130
         assert answer.err.endswith("rps-exudyn: interrupted; a.h5 is written, the rest is not.\n")

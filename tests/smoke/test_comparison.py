@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rps_exudyn.analysis.comparison import compare
+from rps_exudyn.analysis.result_comparison import compare
 from rps_exudyn.pages.charts.analyses import comparison_figure
 from rps_exudyn.results.result import Result
 

@@ -12,7 +12,7 @@ import pytest
 
 import rps_exudyn.base.compiling
 from rps_exudyn.base.compiled import NUMBER, kernel, kernel_of, ready
-from rps_exudyn.base.compiling import CompilingProgress, Step, called, listening, publish
+from rps_exudyn.base.compiling import CompileStep, CompilingProgress, called, listening, publish
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Progress, passed_on
 from rps_exudyn.base.screen import TextRow, open_screen, shown_progress
@@ -48,7 +48,7 @@ def test_what_a_kernel_calls_is_read_from_its_code() -> None:
 def test_count_rises_to_its_total(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rps_exudyn.base.compiling, "LOADING", 0.0)
     monkeypatch.setattr(rps_exudyn.base.compiling, "EVERY", 0.001)
-    steps: list[Step] = []
+    steps: list[CompileStep] = []
     with listening(steps.append):
         assert ready(outermost)(2.0) == 12.0
         ready(outermost)  # nothing more to compile
@@ -61,7 +61,7 @@ def test_count_rises_to_its_total(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_row_says_count_and_time() -> None:
     row = CompilingProgress()
-    row.take(Step(46, 146, 6.0, 18.0))
+    row.take(CompileStep(46, 146, 6.0, 18.0))
     assert (row.text, row.fraction) == ("Compiling force laws, once: 46 of 146, 18 s left", 0.25)
     assert not row.is_done
 
@@ -80,7 +80,7 @@ def test_terminal_shows_a_bar_that_goes_away(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", "100")
     progress = CompilingProgress()
-    progress.take(Step(1, 3, 2.0, 7.0))
+    progress.take(CompileStep(1, 3, 2.0, 7.0))
     with open_screen() as screen, screen.row(progress), screen.row(TextRow("sample 3 of 20", 0.15)):
         sleep(0.6)
     shown = terminal.getvalue()
@@ -121,7 +121,7 @@ def compiling(monkeypatch: pytest.MonkeyPatch) -> None:
     """A run that compiles two of its kernels, and then cannot go on."""
 
     def begin(*_: object, **__: object) -> None:
-        publish(Step(2, 50, 1.0, 20.0))
+        publish(CompileStep(2, 50, 1.0, 20.0))
         sleep(0.1)  # for the thread that writes
         raise InputError("this is enough.")
 
@@ -129,8 +129,8 @@ def compiling(monkeypatch: pytest.MonkeyPatch) -> None:
         "simulate.checked_run.scene_named",
         "multibody.model.build_model",
         "inference.fitting.prediction.Prediction.simulated",
-        "pages.animation.page.write_page",
-        "pages.report.report.write_report",
+        "pages.animation.animation_page.write_page",
+        "pages.report.write_report.write_report",
     ):
         monkeypatch.setattr(f"rps_exudyn.{place}", begin)
     monkeypatch.setattr("rps_exudyn.cli.view.has_display", lambda: True)
@@ -199,8 +199,8 @@ def test_first_use_is_never_silent_and_its_total_is_right(command: Command, tmp_
 
 
 def test_listener_ends_with_its_block() -> None:
-    heard, step = [], Step(1, 2, 3.0, 4.0)
+    heard, step = [], CompileStep(1, 2, 3.0, 4.0)
     with listening(heard.append):
         publish(step)
-    publish(Step(2, 2, 5.0, 0.0))
+    publish(CompileStep(2, 2, 5.0, 0.0))
     assert heard == [step]

@@ -7,8 +7,8 @@ import pytest
 from matplotlib.patches import Rectangle
 
 import rps_exudyn as rps
-from rps_exudyn.pages.charts.scene import torque_figure
-from rps_exudyn.pages.report.report import write_report
+from rps_exudyn.pages.charts.scene_figures import torque_figure
+from rps_exudyn.pages.report.write_report import write_report
 from rps_exudyn.parameters.fidelity import PRESETS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import MEASURED, law_error

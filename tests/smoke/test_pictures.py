@@ -17,15 +17,15 @@ from matplotlib.figure import Figure
 import rps_exudyn
 from made_up_study import FRICTION, PRELOAD, description, grid_points, make_study, sampled
 from picture_album import Album, figure_functions
-from rps_exudyn.assessment.validation.comparison import Comparison, Simulated
+from rps_exudyn.assessment.validation.compared_rows import Simulated, compared_row
 from rps_exudyn.assessment.validation.row import SHIPPED, read_rows
 from rps_exudyn.cli.main import main
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.charts.analyses import losses_figure, spectrum_figure, torques_figure
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes import SCENE_NAMES
-from rps_exudyn.study.blocks import load
-from rps_exudyn.study.description import Axis
+from rps_exudyn.study.case_blocks import load
+from rps_exudyn.study.definition import Axis
 
 ROOT = Path(__file__).parents[2]
 MADE_UP = ROOT / "studies" / "examples" / "measured"
@@ -40,7 +40,7 @@ OPTIONS: dict[str, tuple[str, ...]] = {
 CLOSE_UP = "a close-up of the impacts, under the whole record in the panel above"
 SECTION = "the section around the pitch point; pinion and rack are drawn whole in other pictures"
 ZOOMS = {
-    "rps_exudyn.pages.charts.scene.impact_figure": {1: CLOSE_UP, 2: CLOSE_UP},
+    "rps_exudyn.pages.charts.scene_figures.impact_figure": {1: CLOSE_UP, 2: CLOSE_UP},
     "rps_exudyn.pages.charts.geometry.geometry_figure": {2: SECTION},
 }
 LONG = "a_long_name_of_a_file_with_$signs$_2024-04-03_12-00-00_run_17"
@@ -166,12 +166,13 @@ def validations(album: Album) -> None:
     """The shipped rows as they were published, and parts of them."""
     published = json.loads((ROOT / "results" / "validation" / "validation.json").read_text())["rows"]
     found = {row["name"]: row for row in published}
-    compared = [Comparison(row, _simulated(found[row.name])) for row in read_rows(SHIPPED)]
+    compared = [compared_row(row, _simulated(found[row.name])) for row in read_rows(SHIPPED)]
     none = [each for each in compared if each.row.not_comparable]
     for rows in (compared, compared[:1], none[:1]):
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(
-                "rps_exudyn.assessment.validation.comparison.compare_rows", lambda *_, rows=rows, **__: rows
+                "rps_exudyn.assessment.validation.compared_rows.compare_rows",
+                lambda *_, rows=rows, **__: rows,
             )
             do(album, "validate", "--out", f"validation_{len(rows)}.html")
 

@@ -8,7 +8,7 @@ import pytest
 from playwright import sync_api
 
 from made_up_study import HOSTILE, make_study, sampled
-from rps_exudyn.pages.report.report import write_report
+from rps_exudyn.pages.report.write_report import write_report
 from rps_exudyn.results.result import Result
 from watched_page import watched
 

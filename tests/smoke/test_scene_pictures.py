@@ -15,10 +15,10 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.charts.analyses import losses_figure, spectrum_figure, torques_figure
 from rps_exudyn.pages.charts.curves import NOT_SIMULATED
-from rps_exudyn.pages.charts.scene import draw, load_test_figure, torque_figure
+from rps_exudyn.pages.charts.scene_figures import draw, load_test_figure, torque_figure
 from rps_exudyn.results.result import MeasuredTorque, Result, content_of
 from rps_exudyn.scenes import SCENE_NAMES
-from rps_exudyn.study.blocks import load
+from rps_exudyn.study.case_blocks import load
 from shell import Command
 
 

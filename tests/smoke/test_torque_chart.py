@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from rps_exudyn.pages.charts import style
-from rps_exudyn.pages.charts.scene import draw, torque_figure
+from rps_exudyn.pages.charts.scene_figures import draw, torque_figure
 from rps_exudyn.pages.charts.style import NOT_ZERO
 from rps_exudyn.results.result import Result
 from shell import Command

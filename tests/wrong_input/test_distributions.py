@@ -6,8 +6,7 @@ import pytest
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.inference.uncertainty.band import band_of_runs
-from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
-from rps_exudyn.parameters.carried import carried
+from rps_exudyn.inference.uncertainty.input_sets import carried, uncertain_inputs
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.study.study_file import read_study

@@ -10,7 +10,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.retired import CHOICES, PARAMETERS, STORED
 from rps_exudyn.results.result import Result
-from rps_exudyn.study.blocks import load
+from rps_exudyn.study.case_blocks import load
 from shell import Command
 from verification.law_area import by_law
 

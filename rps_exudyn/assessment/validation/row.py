@@ -77,7 +77,7 @@ class Procedure:
 
 
 @dataclass(frozen=True)
-class Row:
+class ValidationRow:
     """One row."""
 
     name: str
@@ -91,7 +91,7 @@ class Row:
     not_comparable: str
 
 
-def read_rows(folder: Path) -> list[Row]:
+def read_rows(folder: Path) -> list[ValidationRow]:
     """Return the rows of all folders that hold a row.toml, by their names.
 
     Raises:
@@ -111,7 +111,7 @@ def read_rows(folder: Path) -> list[Row]:
     return rows
 
 
-def read_row(file: Path) -> Row:
+def read_row(file: Path) -> ValidationRow:
     """Return the row in a file.
 
     Raises:
@@ -126,7 +126,7 @@ def read_row(file: Path) -> Row:
     runs = "procedure" in content or not tables["criterion"].get("not_comparable")
     procedure = reader.procedure(tables["procedure"]) if runs else Procedure()
     data = reader.data(tables["data"], procedure)
-    row = Row(
+    row = ValidationRow(
         name=file.parent.name,
         title=reader.text(content, "title"),
         kind=kind,

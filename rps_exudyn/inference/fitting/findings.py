@@ -24,7 +24,7 @@ def shown(path: str, value: float) -> str:
     unit = declared(path).unit
     if unit is None or not unit.display:
         return f"{value:.4g}"
-    return f"{value / units.factor(unit.display, unit.si):.4g} {units.pretty(unit.display)}"
+    return f"{units.displayed(value, unit.si, unit.display):.4g} {units.pretty(unit.display)}"
 
 
 def interval_shown(each: Estimate) -> str:

@@ -42,6 +42,7 @@ from rps_exudyn.inference.fitting.series import Series
 from rps_exudyn.inference.fitting.unknowns import CURVED, USUAL, settings_of, unknowns_of
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import largest_angle
+from rps_exudyn.simulate.cases.run_cases import CaseRunner
 from rps_exudyn.solvers.closed_form import closed_form
 
 LEAST_TURN = 0.8  # of a turn, that a curve must cover to tell of the runout
@@ -58,6 +59,8 @@ def fit(
     columns: Mapping[str, str] | None = None,
     other_law: bool = True,
     like: Fit | Series | None = None,
+    jobs: int = 1,
+    time_limit: float = float("inf"),
 ) -> Fit:
     """Estimate parameters of a gear from measured curves.
 
@@ -70,6 +73,8 @@ def fit(
         other_law: fit by another contact law as well, whose difference is added to the intervals.
         like: the fit of another gear of the series, or what it left: with the same tests and free
             parameters, its end and its slopes are where this fit begins.
+        jobs: number of processes that share the simulations, as soon as that is quicker.
+        time_limit: of each simulation [s]; one that takes longer counts as a gear without equilibrium.
 
     Raises:
         InputError: files that cannot be read, curves too short, values in a wrong unit, a prior that cannot
@@ -92,19 +97,20 @@ def fit(
     if before is not None and (why := before.misfit(problem, gear.mesh.law)):
         warnings.append(f"the fit of the series is not taken over: {why}")
         before = None
-    try:
-        begin = _in_two_parts if is_curved(problem) else _solved
-        solved, problem, found, repeats, others = begin(problem, gear, before)
-    except NoPredictionError as error:
-        raise InputError(
-            f"the fit finds no equilibrium where it begins: {error}; give a gear that runs, by --gear."
-        ) from None
-    by_law = np.zeros(len(problem.unknowns))
-    if before is not None:
-        by_law = before.by_law
-    elif other_law:
-        by_law, said = _by_other_law(problem, gear, solved)
-        warnings += said
+    with CaseRunner(jobs, time_limit) as problem.prediction.runner:
+        try:
+            begin = _in_two_parts if is_curved(problem) else _solved
+            solved, problem, found, repeats, others = begin(problem, gear, before)
+        except NoPredictionError as error:
+            raise InputError(
+                f"the fit finds no equilibrium where it begins: {error}; give a gear that runs, by --gear."
+            ) from None
+        by_law = np.zeros(len(problem.unknowns))
+        if before is not None:
+            by_law = before.by_law
+        elif other_law:
+            by_law, said = _by_other_law(problem, gear, solved)
+            warnings += said
     return outcome_of(
         problem,
         gear,

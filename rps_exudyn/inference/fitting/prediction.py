@@ -8,7 +8,8 @@ friction.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from rps_exudyn.parameters.fidelity import FOR_MEANS, MEAN_STEP, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import largest_angle, steady_maneuver
 from rps_exudyn.scenes.run_maneuver import run_maneuver
+from rps_exudyn.simulate.cases.run_cases import CaseRunner, Task
 from rps_exudyn.solvers.closed_form import mean_state, pushing_force
 from rps_exudyn.solvers.drive import DrivenBody
 
@@ -72,6 +74,7 @@ class Prediction:
     blocks: Sequence[CurveBlock]
     fidelity: Fidelity = FOR_MEANS
     simulations: int = 0  # of all tests together
+    runner: CaseRunner = field(default_factory=CaseRunner)
 
     @classmethod
     def of(cls, tests: Sequence[BenchTest], whole: tuple[float, float] | None = None) -> "Prediction":
@@ -90,8 +93,14 @@ class Prediction:
             NoPredictionError: there is no equilibrium, or no such gear.
         """
         self.simulations += 1
+        tasks = [
+            Task(partial(pass_values, block, gear, self.fidelity, sense))
+            for block in self.blocks
+            for sense in (1, -1)
+        ]
+        answers = dict(self.runner.run(tasks))
         try:
-            return np.concatenate([self._simulated(block, gear) for block in self.blocks])
+            return np.concatenate([answers[task].returned() for task in tasks])
         except InputError as error:
             raise NoPredictionError(" ".join(error.problems)) from None
 
@@ -107,37 +116,34 @@ class Prediction:
             [np.repeat(formula_means(gear, block.test), block.grid.size) for block in self.blocks]
         )
 
-    def _simulated(self, block: CurveBlock, gear: SteeringGear) -> np.ndarray:
-        test = block.test
-        if test.kind in ("yoke-out", "bearing"):
-            return np.array(formula_means(gear, test))
-        if test.of_kind.by_angle:
-            ends = float(block.grid[0]), float(block.grid[-1])
-            return np.concatenate([self._turned(gear, ends, sense, block.grid) for sense in (1, -1)])
-        true = gear.replace({"pinion.pitch_error": 0.0, "rack.bow": 0.0})
-        half, step = TURN / 2, 2 * MEAN_STEP
-        if gear.pinion.runout < SEEN:
-            true, half, step = true.replace({"pinion.runout": 0.0}), half / gear.pinion.teeth, MEAN_STEP
-        body: DrivenBody = "rack" if test.pushed else "pinion"
-        means = []
-        for first, last in ((-half, half), (half, -half)):
-            maneuver = steady_maneuver(true, body, first, last, step)
-            run = run_maneuver(true, self.fidelity, maneuver.under(test.load))
-            if not run.ok:
-                raise NoPredictionError(f"{test.title}: {run.outcome.message}")
-            signal = "rack_force" if body == "rack" else "pinion_torque"
-            means.append(mean(run.signals["pinion_angle"], run.signals[signal]))
-        return np.array(means)
 
-    def _turned(
-        self, gear: SteeringGear, ends: tuple[float, float], sense: int, grid: np.ndarray
-    ) -> np.ndarray:
-        first, last = ends[::sense]
-        run = run_maneuver(gear, self.fidelity, steady_maneuver(gear, "pinion", first, last, MEAN_STEP))
+def pass_values(block: CurveBlock, gear: SteeringGear, fidelity: Fidelity, sense: int) -> np.ndarray:
+    """Return the values of one direction of a block: along its grid, or their mean, shape (n,).
+
+    Raises:
+        InputError: no such gear, or a test that it does not allow.
+        NoPredictionError: there is no equilibrium.
+    """
+    test = block.test
+    if test.kind in ("yoke-out", "bearing"):
+        return np.array([formula_means(gear, test)[0 if sense > 0 else 1]])
+    if test.of_kind.by_angle:
+        first, last = (float(angle) for angle in block.grid[[0, -1]][::sense])
+        run = run_maneuver(gear, fidelity, steady_maneuver(gear, "pinion", first, last, MEAN_STEP))
         if not run.ok:
             raise NoPredictionError(run.outcome.message)
         angle, torque = run.signals["pinion_angle"], run.signals["pinion_torque"]
-        return np.interp(grid, angle[::sense], torque[::sense])
+        return np.interp(block.grid, angle[::sense], torque[::sense])
+    true = gear.replace({"pinion.pitch_error": 0.0, "rack.bow": 0.0})
+    half, step = sense * TURN / 2, 2 * MEAN_STEP
+    if gear.pinion.runout < SEEN:
+        true, half, step = true.replace({"pinion.runout": 0.0}), half / gear.pinion.teeth, MEAN_STEP
+    body: DrivenBody = "rack" if test.pushed else "pinion"
+    run = run_maneuver(true, fidelity, steady_maneuver(true, body, -half, half, step).under(test.load))
+    if not run.ok:
+        raise NoPredictionError(f"{test.title}: {run.outcome.message}")
+    signal = "rack_force" if body == "rack" else "pinion_torque"
+    return np.array([mean(run.signals["pinion_angle"], run.signals[signal])])
 
 
 def formula_means(gear: SteeringGear, test: BenchTest) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from rps_exudyn.pages.animation.camera import Camera, in_front
 from rps_exudyn.pages.animation.motion import Motion, Pose, exploded
 from rps_exudyn.pages.animation.overlays import Arrow, ContactLines, arrows
 from rps_exudyn.pages.animation.page_data import SECTIONED
-from rps_exudyn.pages.animation.parts import COLOURS, Part
+from rps_exudyn.pages.animation.parts import COLOURS, PicturePart
 
 LONGEST = 2.6  # arrow of the strongest force, over the pinion's tip radius
 NO_CUT = 1e3
@@ -26,7 +26,7 @@ class Drawing:
     """What is drawn of a motion; `explode` from 0 (in place) to 1 takes the parts apart."""
 
     motion: Motion
-    parts: Sequence[Part]
+    parts: Sequence[PicturePart]
     lines: ContactLines | None
     explode: float = 0.0
 
@@ -51,7 +51,7 @@ class Drawing:
         """The largest force of the record [N]."""
         return max(float(np.abs(self.motion.signals[each.signal]).max()) for each in self.arrows)
 
-    def _body(self, part: Part, pose: Pose, away: np.ndarray) -> tuple[np.ndarray, ...]:
+    def _body(self, part: PicturePart, pose: Pose, away: np.ndarray) -> tuple[np.ndarray, ...]:
         turn, origin = pose
         world = part.vertices @ turn.T + origin + away
         normals = part.normals @ turn.T

@@ -16,7 +16,7 @@ from rps_exudyn.pages.animation.camera import view as camera_of
 from rps_exudyn.pages.animation.drawn import Drawing
 from rps_exudyn.pages.animation.motion import Motion
 from rps_exudyn.pages.animation.overlays import ContactLines, contact_lines
-from rps_exudyn.pages.animation.parts import Part, picture_parts
+from rps_exudyn.pages.animation.parts import PicturePart, picture_parts
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.results.result import Result
 
@@ -63,7 +63,7 @@ def write_film(result: Result, path: Path, view: str, *, explode: float = 0.0) -
 
 def still(
     motion: Motion,
-    parts: Sequence[Part],
+    parts: Sequence[PicturePart],
     lines: ContactLines | None,
     size: Size,
     view: str = "gear",

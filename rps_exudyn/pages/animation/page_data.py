@@ -11,7 +11,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.animation.camera import VIEWS, Camera, view
 from rps_exudyn.pages.animation.motion import DISPLACEMENTS, TILTS, Factors, Motion, exploded
 from rps_exudyn.pages.animation.overlays import ContactLines, arrows
-from rps_exudyn.pages.animation.parts import COLOURS, Part
+from rps_exudyn.pages.animation.parts import COLOURS, PicturePart
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.tooth_contact.line_loads import STATIONS
 
@@ -32,7 +32,7 @@ MOVING = ("pinion_angle", "rack_displacement", *DISPLACEMENTS, *TILTS)
 SECTIONED = ("rack", "plunger", "yokenut", "bush")  # the spring and the pinion stay whole
 
 
-def page_data(motion: Motion, parts: list[Part], lines: ContactLines | None) -> dict[str, Any]:
+def page_data(motion: Motion, parts: list[PicturePart], lines: ContactLines | None) -> dict[str, Any]:
     """Everything that the page's script reads."""
     pair, signals = GearPair.of(motion.gear), motion.signals
     most = motion.largest_factors
@@ -83,7 +83,7 @@ def _view(camera: Camera) -> dict[str, Any]:
     }
 
 
-def _part(part: Part, motion: Motion) -> dict[str, Any]:
+def _part(part: PicturePart, motion: Motion) -> dict[str, Any]:
     wide = "uint16" if len(part.vertices) < 2**16 else "uint32"
     return {
         "name": part.name,

@@ -24,14 +24,14 @@ COLOURS = {
     "yokenut": (0.45, 0.48, 0.53),
     "bush": (0.87, 0.85, 0.80),
 }
-"""Part -> red, green, blue in 0..1."""
+"""PicturePart -> red, green, blue in 0..1."""
 BORE = 0.52  # of the plunger, over its diameter
 BORE_DEPTH = 0.62  # over the plunger's length
 COILS, ALONG_COIL, AROUND_WIRE = 5, 20, 8
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class PicturePart:
     """One body of a picture, in its own frame (see `gears.solids`)."""
 
     name: str
@@ -40,7 +40,7 @@ class Part:
     faces: np.ndarray  # counter-clockwise from outside, shape (m, 3)
 
 
-def picture_parts(gear: SteeringGear) -> list[Part]:
+def picture_parts(gear: SteeringGear) -> list[PicturePart]:
     """All bodies; the spring stands in the plunger's frame, the bush in one piece around its own centre.
 
     Raises:
@@ -56,7 +56,7 @@ def picture_parts(gear: SteeringGear) -> list[Part]:
         "yokenut": (solids["yokenut"].vertices, solids["yokenut"].faces),
         "bush": (bush.vertices, bush.faces),
     }
-    return [Part(name, *with_normals(*mesh)) for name, mesh in bodies.items()]
+    return [PicturePart(name, *with_normals(*mesh)) for name, mesh in bodies.items()]
 
 
 def bored(plunger: Solid, gear: SteeringGear) -> tuple[np.ndarray, np.ndarray]:

@@ -8,11 +8,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.comparison import Comparison
 from rps_exudyn.analysis.contact_pattern import contact_pattern, one_pitch
 from rps_exudyn.analysis.harmonics import order_spectrum
 from rps_exudyn.analysis.load_distribution import LoadDistribution, load_distribution, mesh_stiffness
 from rps_exudyn.analysis.passes import Signals, passes
+from rps_exudyn.analysis.result_comparison import ResultComparison
 from rps_exudyn.analysis.work_balance import describe_losses, loss_torques
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
@@ -56,7 +56,7 @@ def torques_figure(
 # --- Picture of two results: both torques over the pinion angle, below them their difference
 
 
-def draw_comparison(comparison: Comparison, names: tuple[str, str], path: str | Path) -> None:
+def draw_comparison(comparison: ResultComparison, names: tuple[str, str], path: str | Path) -> None:
     """Save the picture of two results with these names.
 
     Raises:
@@ -67,7 +67,7 @@ def draw_comparison(comparison: Comparison, names: tuple[str, str], path: str | 
     style.save(comparison_figure(comparison, names), path)
 
 
-def comparison_figure(comparison: Comparison, names: tuple[str, str]) -> Figure:
+def comparison_figure(comparison: ResultComparison, names: tuple[str, str]) -> Figure:
     """The picture; the difference is second minus first, in % of the first's mean torque."""
     figure, (both, apart) = style.panels([3.2, 2.0])
     torque = comparison.signals["pinion_torque"]

@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.comparison import turns_one_way
+from rps_exudyn.analysis.result_comparison import turns_one_way
 from rps_exudyn.base.units import words
 from rps_exudyn.pages.charts import style
 from rps_exudyn.results.quantities import SIGNALS

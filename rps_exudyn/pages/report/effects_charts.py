@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from rps_exudyn.base.units import words
 from rps_exudyn.pages.charts import style
 from rps_exudyn.results.quantities import Quantity
-from rps_exudyn.study.description import Axis
+from rps_exudyn.study.definition import Axis
 from rps_exudyn.study.effects import MainEffect
 from rps_exudyn.study.table import axis_quantity
 

@@ -7,7 +7,7 @@ from rps_exudyn.base.errors import as_sentence
 from rps_exudyn.base.files import replacing
 from rps_exudyn.inference.fitting import findings
 from rps_exudyn.inference.fitting.fitted import Fit, shape_claims
-from rps_exudyn.pages.charts.fit import beliefs_figure, curves_figure
+from rps_exudyn.pages.charts.inference import beliefs_figure, curves_figure
 from rps_exudyn.pages.report.html import (
     Article,
     Fold,

@@ -35,7 +35,7 @@ class Warning(Text):
     """A paragraph that must not be missed."""
 
 
-class Code(Text):
+class CodeText(Text):
     """Commands, or the text of a file."""
 
 

@@ -12,12 +12,12 @@ from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError, as_sentence
 from rps_exudyn.base.units import words
 from rps_exudyn.pages.charts import style
-from rps_exudyn.pages.charts.scene import scene_figure
+from rps_exudyn.pages.charts.scene_figures import scene_figure
 from rps_exudyn.pages.charts.signals import WIDTH, signals_figure
 from rps_exudyn.pages.report.html import (
     GEAR_FACTS,
     Article,
-    Code,
+    CodeText,
     Facts,
     Fold,
     Grid,
@@ -55,7 +55,7 @@ def result_article(result: Result, path: Path, more: Sequence[Section] = ()) -> 
             *_measured_section(result),
             *more,
             Section("Parameters", list(_parameters(result))),
-            Section("Provenance", [provenance_facts(result.provenance), Code(_commands(path))]),
+            Section("Provenance", [provenance_facts(result.provenance), CodeText(_commands(path))]),
         ],
     )
 

@@ -8,6 +8,7 @@ from contextlib import suppress
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import content_of
 from rps_exudyn.base.units import words
 from rps_exudyn.pages.charts.signals import overlaid_figure
 from rps_exudyn.pages.report.effects_charts import (
@@ -20,7 +21,7 @@ from rps_exudyn.pages.report.html import (
     GEAR_FACTS,
     Article,
     Cell,
-    Code,
+    CodeText,
     Facts,
     Fold,
     Grid,
@@ -53,7 +54,7 @@ from rps_exudyn.pages.report.study_sections import (
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.study import sensitivity
-from rps_exudyn.study.description import GRID_DESIGN, Axis
+from rps_exudyn.study.definition import GRID_DESIGN, Axis
 from rps_exudyn.study.effects import MainEffect, grid_effect, sampled_effect, surface
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import PENDING, CaseTable, axis_quantity, show_value
@@ -369,12 +370,12 @@ def _provenance(table: CaseTable) -> Iterable[PageBlock]:
     command = str(origin.pop("command", "")) or f"rps-exudyn study {table.path / 'study.toml'}"
     yield provenance_facts(origin)
     example = next((case.hash for case, ok in zip(table.cases, table.ok, strict=True) if ok), "HASH")
-    yield Code(
+    yield CodeText(
         f"{command}     # the study; what is finished is kept\n"
         f"rps-exudyn rerun {table.path / 'cases' / example}.h5     # one case\n"
         f"rps-exudyn collect {table.path}     # all numbers in one table\n"
         f"rps-exudyn report {table.path}     # this page"
     )
-    with suppress(OSError):
-        study_file = (table.path / "study.toml").read_text(encoding="utf-8", errors="replace")
-        yield Fold("Study file", [Code(study_file)])
+    with suppress(InputError):
+        study_file = content_of(table.path / "study.toml").decode(errors="replace")
+        yield Fold("Study file", [CodeText(study_file)])

@@ -30,8 +30,8 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import is_scene, scene_named
-from rps_exudyn.study.description import UNCERTAIN_DESIGN, Case
-from rps_exudyn.study.messages import Group, groups
+from rps_exudyn.study.case_progress import Group, groups
+from rps_exudyn.study.definition import UNCERTAIN_DESIGN, Case
 from rps_exudyn.study.store import Store
 from rps_exudyn.study.table import PENDING, CaseTable, show_value
 

@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from rps_exudyn.analysis.curve import every_second, lag
 from rps_exudyn.analysis.passes import first_angle
-from rps_exudyn.analysis.resolution import every_second, lag
 from rps_exudyn.analysis.work_balance import largest_work, missing_work
 from rps_exudyn.forces.force_element import ENERGY_TERMS, Part
 from rps_exudyn.gears.bar_section import mass_and_moments

@@ -8,7 +8,7 @@ at its nut, the force follows from how far teeth and nut yield, and teeth that b
 
 import numpy as np
 
-from rps_exudyn.analysis.resolution import every_second, missed, unresolved
+from rps_exudyn.analysis.curve import every_second, missed, unresolved
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear

@@ -23,7 +23,7 @@ from pathlib import Path
 from time import monotonic
 from typing import IO
 
-from rps_exudyn.base.compiling import Step, publish
+from rps_exudyn.base.compiling import CompileStep, publish
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Progress, passed_on
 from rps_exudyn.simulate.cases.run_cases import Answer, Task
@@ -210,7 +210,7 @@ class Processes:
         match pickle.loads(frame):
             case Answer() as answer:
                 yield self._answered(worker, answer)
-            case Step() as step:
+            case CompileStep() as step:
                 worker.place = COMPILING if step.done < step.total else RUNNING
                 publish(step)
             case Progress() as progress:

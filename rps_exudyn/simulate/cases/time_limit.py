@@ -15,8 +15,7 @@ from traceback import walk_tb
 from types import TracebackType
 
 from rps_exudyn.base import units
-from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.interrupts import unwrapped_interrupts
+from rps_exudyn.base.errors import InputError, unwrapped_interrupts
 
 LATER = 0.01  # [s] after which an alarm rings again that was not heard
 GRACE = 1.0  # [s] for a run to end by itself, before its process is ended

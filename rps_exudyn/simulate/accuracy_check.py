@@ -1,9 +1,12 @@
-"""Whether a run keeps a wanted accuracy on the gear at hand: the same in half the steps and finer strips.
+"""Check of a run's accuracy on the gear at hand: the same in half the steps and finer strips.
 
 The table of `by_accuracy` holds the error of a setting on many gears. A gear unlike them, or a test that
 stops the yoke at its nut, may need more; so each run is compared with one in half the steps, and gives way to
 it until the two agree. Steps of impacts are parts of the plunger's swing. Equilibria of a fast test are
 compared with dynamics as well, in which each tooth that enters sets the rack vibrating.
+
+A signal's error is the RMS over the motion in % of its mean, the larger of joining its instants by straight
+lines and smoothly; that of a number of the summary is in % of the number.
 """
 
 from collections.abc import Callable
@@ -12,6 +15,7 @@ from functools import partial
 
 import numpy as np
 
+from rps_exudyn.analysis.curve import difference
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -20,7 +24,37 @@ from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.refine import refine
-from rps_exudyn.simulate.promised_quantity import error_between, is_signal
+from rps_exudyn.scenes.scene_run import SceneRun
+
+Recorded = SceneRun | Result
+"""A run of a scene, with its signals and summary."""
+
+
+def is_signal(scene: str, quantity: str) -> bool:
+    """Return whether a quantity is the scene's signal; the others are numbers of its summary."""
+    return quantity == scene_named(scene).signal
+
+
+def error_between(
+    quantity: str,
+    scene: str,
+    gear: SteeringGear,
+    run: tuple[Recorded, Fidelity],
+    truer: tuple[Recorded, Fidelity],
+) -> float:
+    """Return how far a quantity of a run lies from that of a truer one [%]; nan where only one has it."""
+    if is_signal(scene, quantity):
+        own, true = (
+            scene_named(scene).curve(each.signals, gear, fidelity) for each, fidelity in (run, truer)
+        )
+        return difference(own, true)
+    own_value, value = (each.summary.get(quantity) for each, _ in (run, truer))
+    if own_value == value:  # or neither has one: where nothing is hit, there is no peak
+        return 0.0
+    if own_value is None or value is None:
+        return float("nan")
+    return 100 * abs(own_value - value) / abs(value) if value else float("nan")
+
 
 AGREED = 0.5  # of the wanted error: what is left is at most as much again, where a curve has jumps
 MOST_FINER = {"equilibrium": 5, "generalized-alpha": 4}

@@ -47,6 +47,11 @@ def scene_figure(
     return figure
 
 
+def clearance_of(result: Result) -> float:
+    """The yoke's clearance in operation [m]."""
+    return result.summary.get("operating_clearance", result.gear.yoke.clearance)
+
+
 def draw(
     result: Result,
     path: str | Path | None = None,
@@ -272,7 +277,7 @@ def lift_figure(result: Result, measured: MeasuredTorque | None = None) -> Figur
         if torque.size and place is not None:
             moved = place - place[0]
             style.line(axes, torque, moved, SIGNALS["rack_y"], "displacement from rest", colour, label)
-    clearance = SIGNALS["rack_y"].displayed(result.gear.yoke.clearance)
+    clearance = SIGNALS["rack_y"].displayed(clearance_of(result))
     axes.axhline(clearance, **style.REFERENCE_LINE, label="yoke clearance")
     style.legend_above(axes)
     style.abscissa(axes, SIGNALS["pinion_torque"].axis_label("torque on the pinion"))
@@ -372,7 +377,7 @@ def _draw_plunger(axes: Axes, time: np.ndarray, result: Result) -> None:
     style.line(axes, time, result["plunger_displacement"], quantity, "plunger", "lift", "plunger")
     if "rack_y" in result.signals:
         style.line(axes, time, result["rack_y"], SIGNALS["rack_y"], "displacement", "roll", "rack lift")
-    axes.axhline(quantity.displayed(result.gear.yoke.clearance), **style.REFERENCE_LINE, label="yokenut")
+    axes.axhline(quantity.displayed(clearance_of(result)), **style.REFERENCE_LINE, label="yokenut")
     style.legend_above(axes)
 
 
@@ -412,7 +417,7 @@ def rattle_figure(result: Result, measured: MeasuredTorque | None = None) -> Fig
     for name, (label, colour) in _RATTLE_CURVES.items():
         if name in signals:
             style.line(axes[2], time, signals[name], SIGNALS["rack_y"], "displacement", colour, label)
-    clearance = SIGNALS["plunger_displacement"].displayed(result.gear.yoke.clearance)
+    clearance = SIGNALS["plunger_displacement"].displayed(clearance_of(result))
     axes[2].axhline(clearance, **style.REFERENCE_LINE, label="yokenut")
     style.legend_above(axes[2])
     style.abscissa(axes[-1], "time [ms]")

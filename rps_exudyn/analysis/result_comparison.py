@@ -1,6 +1,6 @@
 """Two results compared: settings that differ, and how far their curves lie apart.
 
-    from rps_exudyn.analysis.comparison import compare
+    from rps_exudyn.analysis.result_comparison import compare
 
     comparison = compare(rps.load("full.h5"), rps.load("flank.h5"))
     comparison.signals["pinion_torque"].rms  # [N m]
@@ -51,7 +51,7 @@ class SignalPair:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class ResultComparison:
     """Settings, summaries and signals of two results side by side."""
 
     settings: dict[str, Pair]  # those that differ: path such as yoke.preload, fidelity.mesh, solver.steps
@@ -62,12 +62,12 @@ class Comparison:
     signals: dict[str, SignalPair]  # those that both have, without the angle
 
 
-def compare(first: Result, second: Result) -> Comparison:
+def compare(first: Result, second: Result) -> ResultComparison:
     """Compare two results of any scenes and fidelities."""
     parts = _comparable_parts(first, second)
     angle = common_angles(*(part.get("pinion_angle", np.zeros(0)) for part in parts))
     common = [name for name in parts[0] if name in parts[1] and name != "pinion_angle"]
-    return Comparison(
+    return ResultComparison(
         settings=_differing(_settings(first), _settings(second)),
         scene=(first.scene, second.scene),
         status=(first.status, second.status),

@@ -12,8 +12,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.simulate.accuracy_kept import SLOW, Wanted, finer_than, kept_by, taken_step
-from rps_exudyn.simulate.promised_quantity import error_between
+from rps_exudyn.simulate.accuracy_check import SLOW, Wanted, error_between, finer_than, kept_by, taken_step
 from rps_exudyn.simulate.run import simulate
 from verification.law_area import by_law
 

@@ -8,7 +8,7 @@ from rps_exudyn.base.files import replacing
 from rps_exudyn.pages.report.html import Article, page
 from rps_exudyn.pages.report.result_page import contact_section, result_article, side_by_side
 from rps_exudyn.pages.report.study_page import study_article
-from rps_exudyn.study.blocks import beside, load
+from rps_exudyn.study.case_blocks import beside, load
 from rps_exudyn.study.store import Store
 
 SUFFIXES = (".html", ".htm")

@@ -1,0 +1,55 @@
+"""State in which the gear is tested: temperature and wear, and what the materials make of them.
+
+The gear's other parameters hold for a new gear at 20 degC; `solvers.operating_gear` gives those in operation.
+"""
+
+from typing import Literal
+
+from rps_exudyn.parameters.declaration import (
+    DEG,
+    Angle,
+    Expansion,
+    Length,
+    Number,
+    Table,
+    Temperature,
+    parameter,
+)
+
+REFERENCE_TEMPERATURE = 293.15  # at which all other parameters hold [K]
+COLDEST, HOTTEST = 233.15, 373.15  # range of the laws over temperature [K]
+
+
+class Conditions(Table):
+    """Temperature of the whole gear, and the life behind it."""
+
+    temperature: Temperature = parameter(
+        "20 degC", "temperature of the whole gear", "estimate", ge=COLDEST, le=HOTTEST
+    )
+    steering_cycles: Number = parameter(
+        0.0, "steering cycles that the gear has made, each to both sides and back; 0: new", "estimate",
+        ge=0, le=1e8,
+    )  # fmt: skip
+    cycle_angle: Angle = parameter(
+        "90 deg", "amplitude of these cycles at the pinion", "estimate", gt=0, le=1080 * DEG
+    )
+
+
+class Housing(Table):
+    """The housing of the gear."""
+
+    expansion: Expansion = parameter(
+        "23e-6 1/K", "linear thermal expansion (aluminium)", "estimate", ge=0, le=3e-4
+    )
+
+
+class Grease(Table):
+    """Lubricant of bush and plunger seat, as far as its viscosity drags."""
+
+    base_oil: Literal["none", "PAO 32", "VG 68", "VG 100", "VG 150"] = parameter(
+        "none", "base oil; none: no viscous drag", "estimate"
+    )
+    film: Length = parameter("0.05 mm", "thickness of the sheared film", "estimate", gt=0, le=1e-3)
+    thickening: Number = parameter(
+        3.0, "viscous drag of the grease over that of its base oil", "estimate", ge=1, le=10
+    )

@@ -1,0 +1,153 @@
+"""Temperature and wear: their laws against closed forms and marching; a new gear at 20 degC is unchanged."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rps_exudyn as rps
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.forces.yoke import seat_wedge_factor
+from rps_exudyn.solvers.closed_form import closed_form, mean_state
+from rps_exudyn.solvers.operating_gear import (
+    clearance_per_kelvin,
+    operating_gear,
+    viscosity,
+    wear_per_cycle,
+)
+
+GEAR = rps.SteeringGear()
+DRY = {"-40 degC": 0.718, "-30 degC": 0.695, "0 degC": 0.642, "80 degC": 0.564}  # [N m], computed elsewhere
+
+
+def at(temperature: str, **others: object) -> rps.SteeringGear:
+    return GEAR.replace({"conditions.temperature": temperature, **others})
+
+
+def test_a_new_gear_at_20_degrees_is_the_gear_itself() -> None:
+    assert operating_gear(GEAR) is None
+    assert operating_gear(at("20 degC")) is None
+    assert operating_gear(at("293.15 K")) is None
+
+
+@pytest.mark.parametrize("temperature", DRY)
+@pytest.mark.parametrize("fidelity", ["closed-form", "quasi-static"])
+def test_dry_torque_over_temperature(temperature: str, fidelity: str) -> None:
+    result = rps.run("free-pinion-torque", at(temperature), fidelity=fidelity)
+    assert result.status.value == "ok"
+    assert result.summary["torque_mean"] == pytest.approx(DRY[temperature], rel=0.02)
+
+
+def test_clearance_follows_the_materials() -> None:
+    """Of a housing and a plunger of aluminium, and of a plunger of POM."""
+    assert clearance_per_kelvin(GEAR) == pytest.approx(0.32e-6, rel=0.03)
+    polymer = GEAR.replace({"yoke.plunger_expansion": "115e-6 1/K"})
+    assert clearance_per_kelvin(polymer) == pytest.approx(-1.70e-6, rel=0.03)
+    hot = operating_gear(polymer.replace({"conditions.temperature": "40 degC"}))
+    assert hot is not None
+    assert hot.gear.yoke.clearance == pytest.approx(16e-6, abs=1e-6)
+
+
+def test_viscosities_of_data_sheets() -> None:
+    """ISO 3448 grades by definition at 40 degC; PAO 32 as its data sheet has it."""
+    for oil, at_40 in {"PAO 32": 31.5, "VG 68": 68, "VG 100": 100, "VG 150": 150}.items():
+        assert 1e6 * viscosity(oil, 313.15) == pytest.approx(at_40, rel=2e-3)
+    assert 1e6 * viscosity("VG 100", 373.15) == pytest.approx(11.1, rel=2e-3)
+    with pytest.raises(InputError, match="pour point"):
+        viscosity("VG 100", 233.15)
+
+
+def test_grease_drag_is_the_same_by_formula_and_equilibria_and_closes_the_work() -> None:
+    gear = at("-30 degC", **{"grease.base_oil": "VG 100"})
+    formula, balance = (
+        rps.run("free-pinion-torque", gear, fidelity=name) for name in ("closed-form", "quasi-static")
+    )
+    assert balance.summary["torque_mean"] == pytest.approx(formula.summary["torque_mean"], rel=0.02)
+    assert abs(balance.summary["energy_residual"]) < 1e-3
+    dry = rps.run("free-pinion-torque", at("-30 degC"), fidelity="quasi-static")
+    assert balance.summary["torque_mean"] > 1.5 * dry.summary["torque_mean"]
+
+
+def test_viscous_drag_follows_the_speed() -> None:
+    """Twice the speed adds once more what the viscous drag has added to the torque."""
+    slow, fast = (
+        rps.run(
+            "free-pinion-torque",
+            GEAR.replace({"bush.viscous_drag": "1000 N*s/m"}),
+            fidelity="quasi-static",
+            speed=speed,
+        ).summary["torque_mean"]
+        for speed in ("15 rpm", "30 rpm")
+    )
+    without = rps.run("free-pinion-torque", GEAR, fidelity="quasi-static").summary["torque_mean"]
+    assert fast - without == pytest.approx(2 * (slow - without), rel=2e-3)
+
+
+def test_wear_against_marching_with_the_work_that_runs_book() -> None:
+    """A life in ten steps, from the friction work of equilibria: normal force times way is work over mu."""
+    life, steps, turned = 1e6, 10, 4 * GEAR.conditions.cycle_angle
+    mean, (_, by_teeth) = mean_state(GEAR, 1, 0.0), wear_per_cycle(GEAR)
+    wedge = seat_wedge_factor(GEAR.yoke.seat_angle)  # normal force on the seat's arc over the preload
+    seat = GEAR.rack.bar_diameter * math.sin(GEAR.yoke.seat_angle) * GEAR.yoke.seat_length
+    closing = 0.0
+    for _ in range(steps):
+        tested = GEAR.replace(
+            {
+                "yoke.preload": GEAR.yoke.preload - GEAR.yoke.spring_rate * closing,
+                "yoke.clearance": GEAR.yoke.clearance + closing,
+            }
+        )
+        run = rps.run("free-pinion-torque", tested, fidelity="quasi-static", turns=1)
+        way = run["work_seat_friction"][-1] / GEAR.yoke.friction / wedge * turned / (2 * math.pi)
+        mesh = run["work_mesh_friction"][-1] / (2 * math.pi * mean.mesh_loss)  # over that of the new gear
+        closing += life / steps * (GEAR.yoke.liner_wear * way / seat + by_teeth * GEAR.yoke.preload * mesh)
+    worn = operating_gear(GEAR.replace({"conditions.steering_cycles": life}))
+    assert worn is not None
+    assert worn.wear.closing == pytest.approx(closing, rel=0.05)
+
+
+def test_wear_ends_where_the_spring_is_at_rest() -> None:
+    """However long the life, the plunger cannot follow further than the spring presses."""
+    worn = operating_gear(GEAR.replace({"conditions.steering_cycles": 1e8, "yoke.liner_wear": 1e-13}))
+    assert worn is not None
+    assert worn.wear.closing == pytest.approx(GEAR.yoke.preload / GEAR.yoke.spring_rate, rel=1e-6)
+    assert worn.gear.yoke.preload == pytest.approx(0.0, abs=1e-3)
+
+
+def test_wear_over_cycles_is_in_proportion_at_first() -> None:
+    closings = [
+        operating_gear(GEAR.replace({"conditions.steering_cycles": n})).wear.closing  # type: ignore[union-attr]
+        for n in (1e3, 2e3)
+    ]
+    assert closings[1] / closings[0] == pytest.approx(2.0, rel=1e-4)
+
+
+def test_formulas_refuse_a_viscous_drag_at_changing_speed() -> None:
+    gear = GEAR.replace({"bush.viscous_drag": 500.0})
+    assert closed_form(gear).free_torque > closed_form(GEAR).free_torque
+    result = rps.run("reversal", gear, fidelity="closed-form")
+    assert result.status.value == "invalid"
+    assert "constant speed" in result.message
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"conditions.temperature": "-60 degC"}, "at least -40 degC and at most 100 degC"),
+        ({"conditions.temperature": 20.0}, "at least -40 degC"),
+        ({"conditions.steering_cycles": -1}, "at least 0"),
+        ({"grease.base_oil": "honey"}, "PAO 32"),
+        ({"yoke.liner": "oak"}, "ptfe"),
+    ],
+)
+def test_conditions_outside_their_laws(settings: dict[str, object], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        GEAR.replace(settings)
+
+
+def test_a_distribution_of_temperatures_has_its_width_in_kelvin() -> None:
+    from rps_exudyn.parameters.distribution import Distribution
+
+    drawn = Distribution.read("20 degC +- 10 degC", "K")
+    assert (drawn.first, drawn.second) == pytest.approx((293.15, 10.0))
+    np.testing.assert_allclose(Distribution.read("uniform(0 degC, 40 degC)", "K").ends, (273.15, 313.15))
