@@ -414,9 +414,8 @@ LABELS = {
     "torque_peak_to_peak": "ripple, peak to peak",
     "push_force_peak_to_peak": "ripple, peak to peak",
     "torque_first_order": "amplitude once per revolution",
-    "torque_on_centre": "mean torque on centre",
-    "torque_on_centre_max": "largest torque on centre",
     "rack_gain": "rack travel per revolution",
+    "torque_on_centre": "mean torque on centre",
 }
 """Numbers that a sheet shows, in the order of their weight -> their names there."""
 

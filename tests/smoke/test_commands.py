@@ -12,8 +12,8 @@ from typing import get_args
 import pytest
 
 from rps_exudyn import load
-from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
 from rps_exudyn.pages.report.sheet import rounded
+from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import GEOMETRY, SUMMARY
@@ -172,7 +172,7 @@ def test_second_run_keeps_the_files_of_the_first(command: Command, simulated: Re
 
 
 def test_show_prints_what_run_printed(command: Command, simulated: Result) -> None:
-    printed_by_run = command(["run", "--out", "a.h5"]).out
+    printed_by_run = command(["run", "--all", "--out", "a.h5"]).out
     shown = command(["show", "a.h5"])
     assert shown.status == 0
     assert printed_by_run.startswith(shown.out)

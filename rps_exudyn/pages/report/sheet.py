@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 MOST_METRICS = 3  # of a scene
 MOST_ROWS = 6  # with title and files a sheet has 8 lines
+REMARK = "remark"
 LONGEST = 110  # letters of a remark
 LEAST_SHARE = 0.005  # of the work lost, below which a part is not named
 NEGLIGIBLE = 1e-5  # of the unit that is shown: rounding errors of the solver
@@ -72,6 +73,7 @@ def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
     """The scene's own number with the error of the contact law, and others that have a label."""
     summary, first = result.summary, scene_named(result.scene).figure if is_scene(result.scene) else ""
     names = [name for name in dict.fromkeys((first, *LABELS)) if name in summary]
+    names = names[:1] + [name for name in names[1:] if rounded(SUMMARY[name], summary[name])[:2] != "0 "]
     law = law_error(result.gear, result.fidelity) if result.status is Status.OK else None
     for name in names[:MOST_METRICS]:
         quantity, value = SUMMARY[name], summary[name]
@@ -119,7 +121,7 @@ def _band(band: "Band | None") -> Iterable[Row]:
 
 def _remark(result: Result) -> Iterable[Row]:
     if result.message:
-        yield Row("remark", short(result.message, LONGEST))
+        yield Row(REMARK, short(result.message, LONGEST))
 
 
 def _unit_of(text: str) -> str:
