@@ -17,6 +17,7 @@ import numpy as np
 
 from rps_exudyn.base.files import printable, read_json_tables, with_checksum
 from rps_exudyn.base.hdf5 import file_image, named_damage, opened
+from rps_exudyn.parameters.friction_law import of_this_version
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.retired import STORED
 from rps_exudyn.results import provenance as origin
@@ -96,15 +97,16 @@ class CaseRecord:
         Raises:
             InputError: its parameters are wrong.
         """
-        about = self.attributes
+        about, fidelity = self.attributes, self._tables("fidelity")
+        gear, message = of_this_version(self._tables("parameters"), fidelity, about["message"])
         return Result(
             scene=about["scene"],
-            gear=SteeringGear.from_tables(self._tables("parameters"), where=where, context=STORED),
-            fidelity=self._tables("fidelity"),
+            gear=SteeringGear.from_tables(gear, where=where, context=STORED),
+            fidelity=fidelity,
             solver=self._tables("solver"),
             findings=self._tables("findings"),
             status=Status(about["status"]),
-            message=about["message"],
+            message=message,
             codes=self.codes,
             signals=self.signals,
             summary=self.tables["summary"],

@@ -10,13 +10,13 @@ import numpy as np
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
+from rps_exudyn.scenes.confirmation import run_and_confirm
 from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_PINION_TORQUE
 from rps_exudyn.scenes.maneuver import largest_angle, maneuvers_of_test
 from rps_exudyn.scenes.metrics import figures_of_turning
 from rps_exudyn.scenes.remarks import remarks
-from rps_exudyn.scenes.run_maneuver import run_maneuvers
 from rps_exudyn.scenes.scene import RunOptions, Scene
-from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.yoke_stop import yoke_setting
 
 
@@ -30,7 +30,6 @@ def yoke_set(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
     path = "lock-to-lock" if gear.test.path == "one-way" else gear.test.path
     as_set = setting.of(gear).replace({"test.path": path})
     maneuvers = maneuvers_of_test(as_set, "pinion", fidelity.step_angle, options.least_steps)
-    run = run_maneuvers(as_set, fidelity, maneuvers, options)
     pressing = Remark(
         Code.CAP_PRESSES,
         "the cap still presses the plunger: it is turned back by less than its compression",
@@ -40,8 +39,12 @@ def yoke_set(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
         "clearance_set": setting.clearance,
         "preload_set": setting.preload,
     }
-    noted = run.noting(pressing if setting.clearance < 0 else None, *remarks(as_set, run.signals))
-    return noted.described(lambda signals: {**figures_of_turning(signals, as_set), **figures})
+
+    def metrics(signals: Signals) -> dict[str, float]:
+        return {**figures_of_turning(signals, as_set), **figures}
+
+    run = run_and_confirm(as_set, fidelity, maneuvers, options, metrics, SCENE.figure)
+    return run.noting(pressing if setting.clearance < 0 else None, *remarks(as_set, run.signals))
 
 
 def _revolutions(gear: SteeringGear) -> float:
