@@ -59,7 +59,7 @@ def result_article(result: Result, path: Path, more: Sequence[Section] = ()) -> 
             Section("Curves", list(_curves(result))),
             *_measured_section(result, compared),
             *more,
-            Section("Numbers", list(_numbers(result))),
+            Section("Quantities", list(_numbers(result))),
             Section("Parameters", list(_parameters(result))),
             Section("Provenance", [provenance_facts(result.provenance), CodeText(_commands(path))]),
         ],
