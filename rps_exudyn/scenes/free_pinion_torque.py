@@ -8,7 +8,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.metrics import figures_of_turning, without
 from rps_exudyn.scenes.remarks import remarks, unresolved_peaks
-from rps_exudyn.scenes.run_maneuver import run_maneuvers
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state
@@ -21,7 +21,7 @@ def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptio
         InputError: the test leaves the rack's teeth.
     """
     maneuvers, _ = TEST.maneuvers(gear, fidelity.step_angle, options.least_steps)
-    run = run_maneuvers(gear, fidelity, maneuvers, options)
+    run = run_maneuver(gear, fidelity, *maneuvers, options=options)
     formula = _by_formula(gear)
     unseen = unresolved_peaks(fidelity, run, "pinion_torque", "pinion_angle")
     left_out = ("torque_peak_to_peak",) if unseen else ()

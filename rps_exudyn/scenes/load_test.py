@@ -18,7 +18,7 @@ from rps_exudyn.results.outcome import Interrupted, Remark
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, maneuvers_of_test
 from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.remarks import remarks
-from rps_exudyn.scenes.run_maneuver import run_maneuver, run_maneuvers
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import GRAVITY, unloading_force
@@ -35,11 +35,11 @@ def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         raise InputError("test.load_mass is 0 kg; the load test needs a weight, greater than 0.")
     weighted, free = TEST.maneuvers(gear, fidelity.step_angle, options.least_steps)
     assert free is not None
-    loaded = run_maneuvers(gear, fidelity, weighted, options)
+    loaded = run_maneuver(gear, fidelity, *weighted, options=options)
     if not loaded.ok:
         return _blamed(loaded, weight, gear)
     try:
-        unloaded = run_maneuver(gear, fidelity, free, options)
+        unloaded = run_maneuver(gear, fidelity, free, options=options)
     except Interrupted as interrupt:
         raise Interrupted(replace(loaded, outcome=interrupt.recorded.outcome)) from None
     if not unloaded.ok:

@@ -13,7 +13,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.metrics import figures_of_motion, without
 from rps_exudyn.scenes.remarks import remarks, unresolved_peaks
-from rps_exudyn.scenes.run_maneuver import run_maneuvers
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 
@@ -25,7 +25,7 @@ def rack_push(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         InputError: the test leaves the rack's teeth.
     """
     maneuvers, _ = TEST.maneuvers(gear, fidelity.step_angle, options.least_steps)
-    run = run_maneuvers(gear, fidelity, maneuvers, options)
+    run = run_maneuver(gear, fidelity, *maneuvers, options=options)
     unseen = unresolved_peaks(fidelity, run, "rack_force", "rack_displacement")
     left_out = ("push_force_peak_to_peak",) if unseen else ()
     gain = float(GearPair.of(gear).gain)

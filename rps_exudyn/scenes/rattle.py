@@ -20,7 +20,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.maneuver import Maneuver, check_travel
 from rps_exudyn.scenes.metrics import balance
-from rps_exudyn.scenes.run_maneuver import run_maneuvers
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.drive import Steady
@@ -82,7 +82,7 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
     chosen, test = fidelity.with_bending(), gear.test
     chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE)})
     maneuvers = list(shaken_by_road(gear, chosen.swing_steps or STEPS_PER_SWING))
-    run = run_maneuvers(gear, chosen, maneuvers, options)
+    run = run_maneuver(gear, chosen, *maneuvers, options=options)
     growing = test.road_shape == GROWING
     band = FrequencyBand(test.band_low, test.band_high)
 

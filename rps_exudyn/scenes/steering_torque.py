@@ -39,7 +39,7 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
     """
     maneuver = torque_maneuver(gear)
     speed = _largest_speed(gear)
-    run = run_maneuver(gear.replace({"test.speed": speed}), fidelity, maneuver, options)
+    run = run_maneuver(gear.replace({"test.speed": speed}), fidelity, maneuver, options=options)
     figure = "breakaway_torque" if gear.test.steer_shape == "ramp" else "angle_dead_band"
     remark = wide_zone(fidelity, f"{figure} depends", WIDEST_ZONE)
     return run.noting(*remarks(gear, run.signals), _held(gear), remark).described(

@@ -66,8 +66,8 @@ def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     """Make the motion, near the sticking speed in steps that decide nothing; it is invalid if none are."""
     maneuver = set_off(gear)
     refined = refine(
-        run_maneuver(gear, fidelity, maneuver, options),
-        lambda _, times: run_maneuver(gear, fidelity, maneuver.halved(times), options),
+        run_maneuver(gear, fidelity, maneuver, options=options),
+        lambda _, times: run_maneuver(gear, fidelity, maneuver.halved(times), options=options),
         min(MOST_HALVED, options.least_steps.halvings) if _near_sticking(gear) else 0,
         usable=lambda run: run.ok,
         change=lambda coarse, fine: _change(_seen(coarse.signals, gear), _seen(fine.signals, gear)),

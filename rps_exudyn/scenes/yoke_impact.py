@@ -45,7 +45,7 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     chosen = fidelity.with_bending()
     chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE)})
     own = STEPS_PER_SWING_OF_A_BENDING_RACK if chosen.rack == "flexible" else STEPS_PER_SWING
-    run = run_maneuver(gear, chosen, shaken(gear, chosen.swing_steps or own), options)
+    run = run_maneuver(gear, chosen, shaken(gear, chosen.swing_steps or own), options=options)
     zone = wide_zone(fidelity, "the impacts depend", WIDEST_ZONE)
     return run.noting(_rigid(chosen), _closed(gear, run.signals), zone).described(
         lambda signals: {

@@ -14,7 +14,7 @@ from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_PINION_TORQUE
 from rps_exudyn.scenes.maneuver import largest_angle, maneuvers_of_test
 from rps_exudyn.scenes.metrics import figures_of_turning
 from rps_exudyn.scenes.remarks import remarks
-from rps_exudyn.scenes.run_maneuver import run_maneuvers
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.solvers.yoke_stop import yoke_setting
@@ -30,7 +30,7 @@ def yoke_set(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
     path = "lock-to-lock" if gear.test.path == "one-way" else gear.test.path
     as_set = setting.of(gear).replace({"test.path": path})
     maneuvers = maneuvers_of_test(as_set, "pinion", fidelity.step_angle, options.least_steps)
-    run = run_maneuvers(as_set, fidelity, maneuvers, options)
+    run = run_maneuver(as_set, fidelity, *maneuvers, options=options)
     pressing = Remark(
         Code.CAP_PRESSES,
         "the cap still presses the plunger: it is turned back by less than its compression",

@@ -11,6 +11,7 @@ Behind a steering column the pinion is free too; the wheel's coordinate follows,
 
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -197,8 +198,11 @@ def equilibrium_path(
     following = _Following.of(balance, pair, drive, np.asarray(time, dtype=float), led, column)
     interrupted = False
     try:
-        while not following.whole and (following.advance() or following.whole or following.rescued()):
-            pass
+        while not following.whole:
+            end, arguments, ended, counts = following.piece()
+            ready(follow)(*arguments, ended, counts)
+            if not following.took(end, ended, counts) and not following.rescued():
+                break
     except KeyboardInterrupt:
         interrupted, following.found = True, max(following.found, following.rows.filled)
         if following.found < 2:
@@ -278,15 +282,14 @@ class _Following:
         """Return whether all instants are found."""
         return self.found == len(self.rows.time)
 
-    def advance(self) -> bool:
-        """Follow one piece of the path; tell whether all of it was found."""
-        rows, balance = self.rows, self.balance
-        time = rows.time
+    def piece(self) -> tuple[int, tuple[Any, ...], np.ndarray, np.ndarray]:
+        """Return the end of the next piece of the path, the arguments of `follow` for it, and the arrays that
+        it fills: the instants found (1,) and its counts (1, 5)."""
+        rows, balance, time = self.rows, self.balance, self.rows.time
         end = min(self.found + PIECE, len(time))
         known, known_rates = (each[None] for each in rigid_motion(self.pair, self.drive, time[:end]))
-        ended, counts = np.zeros(1, dtype=np.int64), np.zeros((1, 5))
         state = rows.coordinates, rows.rates, rows.forces, rows.outputs, rows.kept
-        ready(follow)(
+        arguments = (
             ready(balance.law),
             self.found,
             time[:end],
@@ -303,9 +306,12 @@ class _Following:
             balance.gears,
             balance.pool,
             balance.works,
-            ended,
-            counts,
         )
+        return end, arguments, np.zeros(1, dtype=np.int64), np.zeros((1, 5))
+
+    def took(self, end: int, ended: np.ndarray, counts: np.ndarray) -> bool:
+        """Note how far `follow` came; return whether it found the whole piece."""
+        time = self.rows.time
         self.found, self.residual = int(ended[0]), float(counts[0, 4])
         self.counts += counts[0, :3].astype(int)
         if self.found and time[-1] > 0:

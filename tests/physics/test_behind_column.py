@@ -13,7 +13,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.scene import RunOptions
-from rps_exudyn.simulate.checked_run import run_unchecked
+from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.steering_column import ColumnModel
 from verification.behind_column import Behind, Wheel, figures
