@@ -80,6 +80,7 @@ LONG = (  # files, folders or single tests that the everyday set leaves out
     "physics/test_plan_reference.py",
     "smoke/test_animation_in_browser.py",
     "smoke/test_cluster.py",
+    "smoke/test_explore.py::test_crowd_is_answered_beside_a_slow_state",
     "smoke/test_compiling.py::test_first_use_is_never_silent_and_its_total_is_right",
     "smoke/test_first_steps.py",
     "smoke/test_one_entry.py",

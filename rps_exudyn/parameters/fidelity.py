@@ -24,6 +24,7 @@ from rps_exudyn.parameters.declaration import (
     Table,
     parameter,
 )
+from rps_exudyn.parameters.friction_law import MOST_ELEMENTS
 from rps_exudyn.parameters.wrong_values import WrongValue
 
 LEAST_SWING_STEPS = 5  # fewer do not see an impact
@@ -96,6 +97,14 @@ class Fidelity(Table):
     )
     zone_ratio: Number = parameter(
         0.001, "friction zone over the smallest sliding speed of the teeth", "choice", gt=0, le=1
+    )
+
+    friction_elements: int = parameter(
+        1,
+        "bristle: elasto-plastic elements of each part; more follow the first loading's shape more closely",
+        "choice",
+        ge=1,
+        le=MOST_ELEMENTS,
     )
 
     @computed_field  # type: ignore[prop-decorator]

@@ -262,7 +262,7 @@ SUMMARY = {
     "sticking_speed": Quantity(
         "rad/s",
         "rad/s",
-        "largest wheel speed at which the gear, reduced to one inertia, sticks; on bristles, is unstable",
+        "largest wheel speed at which the gear, reduced to one inertia, sticks",
     ),
     "sliding_damping": Quantity(
         "N*m*s/rad",

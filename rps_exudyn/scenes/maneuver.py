@@ -13,6 +13,7 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.drive import Drive, DrivenBody, SetOff, Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.settled_start import Approach, SteadyApproach, SwingApproach
+from rps_exudyn.solvers.sliding_stability import bristle_reversal_angle
 
 LEAST_PER_CYCLE = 200  # steps of a swing
 YIELDING = 3e-3  # pinion angle after a turn over which friction turns about, in most gears less [rad]
@@ -192,7 +193,7 @@ def swing_maneuver(
     """Return sinusoidal steering about the test's start angle.
 
     Steps are of `step_angle` [rad] where it is fastest; after each turn, where friction turns about over an
-    angle `yielding` [rad] that hardly depends on the steering, they are divided.
+    angle `yielding` [rad] that hardly depends on the steering, and the travel of bristles, they are divided.
 
     Raises:
         InputError: it leaves the rack's teeth.
@@ -204,7 +205,7 @@ def swing_maneuver(
     per_cycle = 4 * int(np.ceil(max(drive.period * test.speed / step_angle, LEAST_PER_CYCLE) / 4))
     time_step = drive.period / per_cycle
     lead, steps = int(np.ceil(RUN_IN / test.speed / time_step)), per_cycle * test.cycles
-    divided = _divided_after_turns(drive, per_cycle, lead + steps, yielding)
+    divided = _divided_after_turns(drive, per_cycle, lead + steps, yielding + bristle_reversal_angle(gear))
     swept = 2 * test.amplitude * gear.pinion.teeth / (2 * np.pi)  # tooth pitches in half a cycle
     before = int(np.ceil(max(LEAST_BEFORE, PER_PITCH_BEFORE * swept)))
     approach = SwingApproach(drive.period / 2, before)

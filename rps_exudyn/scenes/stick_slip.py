@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rps_exudyn.analysis.friction_oscillator import describe_stick_slip, sticking_speed, unstable_speed
+from rps_exudyn.analysis.friction_oscillator import describe_stick_slip, sticking_speed
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -94,7 +94,7 @@ def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
 
 def _near_sticking(gear: SteeringGear) -> bool:
     """Return whether the wheel turns about as fast as the reduced gear just sticks."""
-    limit = predicted_sticking(gear)
+    limit = sticking_speed(reduced_gear(gear))
     return limit / NEAR < gear.test.speed < limit * NEAR
 
 
@@ -140,21 +140,14 @@ def _seen(signals: Signals, gear: SteeringGear) -> dict[str, float]:
 def predictions(gear: SteeringGear, fidelity: Fidelity) -> dict[str, float]:
     """Return what is predicted: where the reduced gear sticks, and where the gear's steady sliding is stable;
     of that nothing where no equilibrium is found about which it could be said."""
-    model, presliding = reduced_gear(gear), presliding_angle(gear)
-    predicted = {"sticking_speed": predicted_sticking(gear)}
+    model = reduced_gear(gear)
+    predicted = {"sticking_speed": sticking_speed(model)}
     damping = sliding_damping(gear, fidelity) if model.surplus > 0 else 0.0
     if np.isfinite(damping):
         predicted["sliding_damping"] = damping
-    if presliding:
-        predicted["bristle_margin"] = model.bristle_margin(gear.test.speed, presliding)
+    if presliding_angle(gear):
+        predicted["bristle_margin"] = model.sliding_margin(gear.test.speed)
     return predicted
-
-
-def predicted_sticking(gear: SteeringGear) -> float:
-    """Return the largest speed of the wheel at which the reduced gear sticks, or with bristles vibrates
-    [rad/s]; 0 where it never does."""
-    model, presliding = reduced_gear(gear), presliding_angle(gear)
-    return unstable_speed(model, presliding) if presliding else sticking_speed(model)
 
 
 SCENE = Scene(

@@ -18,7 +18,7 @@ import numpy as np
 from rps_exudyn.base.compiled import ready
 from rps_exudyn.base.progress import reached
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
-from rps_exudyn.forces.memory import TIME, reset
+from rps_exudyn.forces.friction import TIME, reset
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.drive import Drive, Steady, travel_per_radian

@@ -33,7 +33,7 @@ from rps_exudyn.base.compiled import (
     inline,
     kernel_of,
 )
-from rps_exudyn.forces.memory import begin_step
+from rps_exudyn.forces.friction import begin_step
 from rps_exudyn.solvers.gear_model import GEAR_TYPE, LAW_POINTER, OUTPUTS, SEAT_LOADS, WORK_TYPE
 from rps_exudyn.solvers.settling import TOLERANCE
 

@@ -175,6 +175,16 @@ def driven_rate(record: "Record") -> np.ndarray:
     return -record.of_rates("pinion")[..., 0]
 
 
+def driven_place(record: "Record") -> np.ndarray:
+    """Return the place of the driven body in the sense of travel along +X, shape (n,) [rad or m]."""
+    if record.driven == "rack":
+        return record.of("rack")[..., 0]
+    if record.driven == "wheel":
+        assert record.wheel is not None
+        return record.wheel[:, 0]
+    return -record.of("pinion")[..., 0]
+
+
 def of_column(record: "Record") -> dict[str, np.ndarray]:
     """Return the signals of wheel and column at each instant, the power lost by the name of its work; {}
     where the rig does not turn the wheel."""

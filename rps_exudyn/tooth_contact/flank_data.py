@@ -7,8 +7,7 @@ from math import gamma
 import numpy as np
 
 from rps_exudyn.base.compiled import record, record_type
-from rps_exudyn.forces.friction import LAW, law_of
-from rps_exudyn.forces.memory import Patches
+from rps_exudyn.forces.friction import LAW, Patches, law_of
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
@@ -135,7 +134,9 @@ def pack(
         friction=mesh.friction,
         zone=sliding_zone(gear) if zone is None else zone,
         # half the preload on each side of the teeth
-        law=law_of(mesh, patches or Patches(), count=2, usual_load=gear.yoke.preload / abs(2 * normal[1])),
+        law=law_of(
+            mesh, patches or Patches(), mesh.friction, gear.yoke.preload / abs(2 * normal[1]), count=2
+        ),
         breaks_sliding=pair.slowest_sliding < TURNS_ABOUT,
         line_stiffness=line_stiffness(gear) if mesh.law == "line" else 0.0,
         stations=along,
