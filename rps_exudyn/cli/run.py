@@ -65,7 +65,7 @@ def run(
             turns where the run covers one. What was assumed of the file is said on standard error.
         band: the band that uncertain inputs make of the result, from this number of runs; without a number a
             quick one from 64 runs. NAME.band.json keeps every sample.
-        robust: where the run fails or its plan is refused, take the next safer settings, and say which.
+        robust: where the run fails or its plan is refused, take the next safer settings, and name them.
         time_limit: for instance "20 s": the run is ended after it, whatever it does then (starting, compiling
             and settling count); what it has recorded is kept. Of a band: for each sample.
         progress: print on standard error how far a long run is, as a terminal shows anyway.
@@ -162,7 +162,7 @@ def _draw(result: "Result", plot: Path) -> None:
 
 
 def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Path], bool]:
-    """Write a result whose own place cannot be written, and say where; never fails."""
+    """Write a result whose own place cannot be written, and print where; never fails."""
     from tempfile import mkdtemp
 
     folder = None

@@ -150,7 +150,7 @@ def sample_count(band: list[int] | None, beside: list[str]) -> int | None:
         InputError: several numbers, none of --band itself, or options that a band does not go with.
     """
     if band is None:
-        raise InputError("--inputs says what a band is made of; add --band.")
+        raise InputError("--inputs chooses what a band is made of; add --band.")
     if beside:
         raise InputError(f"--band makes many runs of its own; leave out --{', --'.join(beside)}.")
     if len(band) > 1:

@@ -1,7 +1,7 @@
 """Load test (IS 13476): the pinion raises a weight at the rack's end, and lowers it.
 
 The weight pulls against `test.direction`. The same turns without it give the free torque, which the net
-efficiencies tare. Forward means raising: the paper also says the opposite, but its equation (1) only makes
+efficiencies tare. Forward means raising: the paper also states the opposite, but its equation (1) only makes
 sense so.
 """
 
@@ -47,8 +47,8 @@ def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         return replace(loaded, outcome=replace(unloaded.outcome, message=message))
     gain = float(GearPair.of(gear).gain)
     turned = Turned(gear, loaded.signals, unloaded.signals, gain, weight, fidelity.step_angle)
-    (told,) = _remarks(turned)
-    return loaded.noting(*remarks(gear, loaded.signals), *told).described(lambda signals: _metrics(turned))
+    (further,) = _remarks(turned)
+    return loaded.noting(*remarks(gear, loaded.signals), *further).described(lambda signals: _metrics(turned))
 
 
 def _maneuvers(

@@ -237,7 +237,7 @@ def whole_periods(gear: SteeringGear, angle: float) -> int | None:
 
 
 def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> None:
-    """Check that the pinion stays on the rack's teeth at these angles [rad]; `test` says what leads there.
+    """Check that the pinion stays on the rack's teeth at these angles [rad]; `test` names what leads there.
 
     Raises:
         InputError: it would not.

@@ -154,7 +154,7 @@ def shaken_by_road(gear: SteeringGear, steps_per_swing: int = STEPS_PER_SWING) -
 
 
 def _thinned(signals: Signals, maneuvers: list[Maneuver]) -> Signals:
-    """Keep some of the instants of each maneuver, and say how large the force was; {} of an empty record."""
+    """Keep some of the instants of each maneuver, and what the force was there; {} of an empty record."""
     if not signals:
         return {}
     kept: list[Signals] = []

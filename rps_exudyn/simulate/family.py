@@ -83,7 +83,7 @@ class Family:
     ) -> "Family | None":
         """Follow the reference gear, and those from which the others' motion is learned.
 
-        What only the ranges say is learned once for all parts of a table.
+        What follows from the ranges alone is found once for all parts of a table.
 
         Args:
             maneuver: of the reference gear, over as many periods as its pitches are alike.

@@ -51,7 +51,7 @@ def run(
         gear: without it the default gear, the paper's.
         fidelity: name of a preset, or a `Fidelity`; `flank` by default.
         accuracy: error allowed, for instance "1%": takes the cheapest model that keeps it, of all or of the
-            preset named by `fidelity`; `result.findings["accuracy"]` says which and why.
+            preset named by `fidelity`; `result.findings["accuracy"]` states which and why.
         robust: takes the next safer settings where the run fails; `result.findings["tries"]` lists them.
         time_limit: ends the run after this time [s], or for instance "20 s", whatever it does then; its
             status is `timeout`, and what it has recorded is kept.

@@ -339,7 +339,7 @@ class _Following:
         )
 
     def rescued(self) -> bool:
-        """Look further for the next instant; tell whether there is something to go on from."""
+        """Look further for the next instant; return whether there is something to go on from."""
         rows, k = self.rows, self.found
         most = max(MAX_RESCUES, int(rows.asked.sum())) * (4 if self.column[0] else 1)
         if self.rescues == most or (k == 0 and self.rescues > 0):
@@ -366,7 +366,7 @@ class _Following:
         return bool(fastest[k] > SNAP * fastest[:k].max())
 
     def searched(self, k: int) -> bool:
-        """Let the gear creep to the equilibrium at instant k; tell whether it was found."""
+        """Let the gear creep to the equilibrium at instant k; return whether it was found."""
         rows, time, free = self.rows, self.rows.time, self.free
         balance, places = self.balance, rows.coordinates
         step, base, per_time = time[k] - time[k - 1], places[k - 1].copy(), 1 / (time[k] - time[k - 1])

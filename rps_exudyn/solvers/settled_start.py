@@ -105,7 +105,7 @@ def settled_path(
 ) -> EquilibriumPath:
     """Follow the equilibria at times [s], the first of which is 0 or just before, from a settled start.
 
-    `start` of the path says what is left of its beginning, and whether the rack has teeth enough before the
+    `start` of the path states what is left of its beginning, and whether the rack has teeth enough before the
     start to settle. If no equilibria lead to the start, the gear starts where it rests without them, which
     may be far from where it will slide. Without an approach the start itself is such a place of rest.
     """

@@ -161,7 +161,7 @@ def check_memory(steps: int, spheres: int = 0) -> None:
 
 
 def free_memory() -> float:
-    """Return the memory that a process may still take [bytes]; infinite where the system does not tell."""
+    """Return the memory that a process may still take [bytes]; infinite where the system reports none."""
     return min(_of_machine(), _of_group(), _of_process())
 
 
