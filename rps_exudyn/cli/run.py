@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Sequence
-from contextlib import redirect_stdout, suppress
+from contextlib import redirect_stdout
 from dataclasses import replace
 from math import inf
 from pathlib import Path
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import PICTURES, RESULT_FILES, check_writable, number_existing
+from rps_exudyn.base.files import PICTURES, RESULT_FILES, check_writable
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import (
     PAPER_SETUP,
@@ -24,11 +24,11 @@ from rps_exudyn.cli.options import (
     SetupOptions,
     chosen_columns,
 )
-from rps_exudyn.cli.output import DONE, FAILED, named_if_interrupted, naming, say
+from rps_exudyn.cli.output import DONE, FAILED, keep, naming, say
 from rps_exudyn.scenes import SCENE_NAMES
 
 if TYPE_CHECKING:
-    from rps_exudyn.results.result import MeasuredTorque, Result
+    from rps_exudyn.results.result import MeasuredTorque
 
 Scene = Annotated[str, Parameter(help=f"what the test rig does: {', '.join(SCENE_NAMES)}.")]
 
@@ -122,58 +122,3 @@ def read_measured(path: Path, columns: Sequence[str]) -> "MeasuredTorque":
     measured = read_measured_torque(path, chosen_columns(columns))
     say(f"{path}: {'; '.join(measured.assumed)}.")
     return measured
-
-
-def keep(result: "Result", out: Path, plot: Path) -> tuple[list[Path], bool]:
-    """Write both files; return the paths of those written, and whether there were problems.
-
-    A failed run is written beside existing files as NAME.failed, any other one keeps them as NAME.1, NAME.2,
-    ... A result that cannot be written there goes to the folder of temporary files.
-
-    Raises:
-        KeyboardInterrupt: while the picture is drawn; it names the file that is written.
-    """
-    from rps_exudyn.results.outcome import Status
-
-    try:
-        if result.status is not Status.OK and (out.exists() or plot.exists()):
-            out, plot = (path.with_suffix(f".failed{path.suffix}") for path in (out, plot))
-        elif older := [str(kept) for path in (out, plot) if (kept := number_existing(path))]:
-            say(f"older files are kept: {', '.join(older)}.")
-        result.save(out)
-    except (InputError, OSError) as error:
-        return _kept_elsewhere(result, out, str(error))
-    if not result.signals:
-        return [out], False
-    try:
-        with named_if_interrupted([out]):
-            _draw(result, plot)
-    except (OSError, ValueError) as error:  # also what matplotlib makes of a strange environment
-        say(f"the picture is missing: {error}")
-        return [out], True
-    return [out, plot], False
-
-
-def _draw(result: "Result", plot: Path) -> None:
-    """Draw the picture; the result is safe by then."""
-    from rps_exudyn.pages.charts.scene_figures import draw
-
-    draw(result, plot)
-
-
-def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Path], bool]:
-    """Write a result whose own place cannot be written, and print where; never fails."""
-    from tempfile import mkdtemp
-
-    folder = None
-    try:
-        folder = Path(mkdtemp(prefix="rps-exudyn-"))
-        result.save(other := folder / out.name)
-    except (InputError, OSError) as error:
-        if folder:
-            with suppress(OSError):
-                folder.rmdir()
-        say(f"{problem} Nor could the result be kept elsewhere: {error}")
-        return [], True
-    say(f"{problem} The result is kept in {other} instead.")
-    return [other], True

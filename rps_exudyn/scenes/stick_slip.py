@@ -20,7 +20,8 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
-from rps_exudyn.scenes.maneuver import Maneuver, check_travel
+from rps_exudyn.scenes.checks.before_run import check_travel
+from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import remarks, wide_zone

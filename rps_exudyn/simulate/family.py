@@ -26,8 +26,9 @@ from rps_exudyn.scenes.checks.after_run import (
     edge_bound,
     hidden_share,
 )
+from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.scenes.checks.needs_finer import MEAN, PEAK, ROLLING
-from rps_exudyn.scenes.maneuver import Maneuver, largest_angle
+from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_maneuver import CLOSED
 from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.solvers.drive import Steady, travel_per_radian

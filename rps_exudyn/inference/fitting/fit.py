@@ -41,7 +41,7 @@ from rps_exudyn.inference.fitting.problem import ZERO, Problem, State, white_noi
 from rps_exudyn.inference.fitting.series import Series
 from rps_exudyn.inference.fitting.unknowns import CURVED, USUAL, settings_of, unknowns_of
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.maneuver import largest_angle
+from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.simulate.cases.run_cases import CaseRunner
 from rps_exudyn.solvers.closed_form import closed_form
 
