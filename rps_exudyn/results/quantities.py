@@ -5,8 +5,10 @@ A result with another name is refused when it is made, so that files, charts and
 housing frame in `gears.gear_pair`: X the rack's travel, Y from the pinion to the rack, Z = X x Y.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
 
 from rps_exudyn.base import units
 
@@ -26,13 +28,48 @@ LEAST_SHOWN = {
 Equilibria are found to 1e-3 N, a hundred thousandth of their torque, and positions to rounding, 1e-17 m."""
 
 
+LEAST_CHANGED = {"um": 2e-8, "mrad": 1e-6, "deg": 1e-5, "%": 1e-3, "J": 1e-6}
+"""Display unit -> size in SI below which a metric changes as if it had that size."""
+LEAST_TORQUE = 0.01  # the same of a torque, of the mean torque of its run
+
+
+@dataclass(frozen=True)
+class Confirmation:
+    """How a metric is confirmed: what must not change it by more than a share."""
+
+    by: str
+    tolerance: float
+
+
+HALF_STEPS = "half the steps"
+ANOTHER_CYCLE = "half the steps and another cycle before"
+OTHER_PHASES = "another phase, or half of the cycles"
+MEAN, OTHER = 0.02, 0.05  # tolerances of means of torque and force, and of all others
+
+
 @dataclass(frozen=True)
 class Quantity:
-    """One number or signal: kept in the SI `unit`, shown in the unit `display`; "" is dimensionless."""
+    """One number or signal: kept in the SI `unit`, shown in the unit `display`; "" is dimensionless.
+
+    A metric that a simulation shows has its confirmation; formulas, settings and checks have none.
+    """
 
     unit: str
     display: str
     long_name: str
+    confirmed: Confirmation | None = None
+
+    def change(self, value: Any, right: Any, torque: Any = 0.0) -> Any:
+        """Return how far a metric is from the right value, over its tolerance; 0 without a confirmation.
+
+        Of many gears these are arrays (n,). `torque` is the mean torque [N m], beside which a small one is
+        judged.
+        """
+        if self.confirmed is None:
+            return 0.0 * np.abs(right)
+        least = LEAST_TORQUE * torque if self.unit == "N*m" else LEAST_CHANGED.get(self.display, 0.0)
+        size = np.maximum(np.maximum(np.abs(right), least), np.finfo(float).tiny)
+        return np.abs(value - right) / size / self.confirmed.tolerance
 
     def show(self, value: float) -> str:
         """Return the value for a reader, for instance "0.593 N m"; counts are whole numbers.
@@ -160,7 +197,7 @@ SIGNALS = {
     ),
 }
 
-SUMMARY = {
+_SUMMARY = {
     "torque_mean": _torque("mean of pinion_torque over the pinion angle recorded"),
     "torque_peak_to_peak": _torque("largest minus smallest pinion_torque"),
     "torque_tooth_order": _torque("amplitude of pinion_torque's harmonic once per tooth"),
@@ -338,6 +375,32 @@ SUMMARY = {
         "(work_drive + work_load - work lost - change of stored_energy) / the wider range of both"
     ),
 }
+
+_MEANS = {
+    "torque_mean", "torque_mean_forward", "torque_mean_backward", "torque_on_centre", "torque_off_centre",
+    "torque_forward", "torque_reverse", "free_torque", "push_force_mean", "feel_running_torque",
+}  # fmt: skip
+_OF_CYCLES = {
+    "hysteresis_area", "lost_motion", "torque_jump", "reversal_angle", "feel_area", "feel_running_torque",
+    "feel_angle_hysteresis", "on_centre_stiffness", "angle_dead_band", "torque_dead_band",
+    "steering_gradient", "breakaway_torque", "breakaway_ratio",
+}  # fmt: skip
+_NOT_FROM_STEPS = {
+    "torque_closed_form", "rack_lift_closed_form", "cap_force", "clearance_set", "preload_set",
+    "sticking_speed", "sliding_damping", "bristle_margin", "energy_residual",
+    "rattle_threshold_force", "rattle_threshold_scatter", "rattle_impacts_scatter", "rattle_fastest_scatter",
+}  # fmt: skip
+
+
+def _confirmation(name: str) -> Confirmation | None:
+    """Return how a metric is confirmed; None of a formula, a setting, a check, or a scatter."""
+    if name in _NOT_FROM_STEPS:
+        return None
+    by = OTHER_PHASES if name.startswith("rattle_") else ANOTHER_CYCLE if name in _OF_CYCLES else HALF_STEPS
+    return Confirmation(by, MEAN if name in _MEANS else OTHER)
+
+
+SUMMARY = {name: replace(each, confirmed=_confirmation(name)) for name, each in _SUMMARY.items()}
 
 COUNTERS = {
     "steps": _number("time steps, or positions of equilibrium"),

@@ -15,6 +15,7 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Remark
+from rps_exudyn.scenes.confirmation import run_and_confirm
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, maneuvers_of_test
 from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.remarks import remarks
@@ -48,7 +49,12 @@ def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     gain = float(GearPair.of(gear).gain)
     turned = Turned(gear, loaded.signals, unloaded.signals, gain, weight, fidelity.step_angle)
     (further,) = _remarks(turned)
-    return loaded.noting(*remarks(gear, loaded.signals), *further).described(lambda signals: _metrics(turned))
+
+    def metrics(signals: Signals) -> dict[str, float]:
+        return _metrics(replace(turned, signals=signals))
+
+    run = run_and_confirm(gear, fidelity, weighted, options, metrics, SCENE.figure, loaded)
+    return run.noting(*remarks(gear, run.signals), *further)
 
 
 def _maneuvers(

@@ -13,6 +13,7 @@ from rps_exudyn.scenes.checks.before_run import check_travel, degrees_shown, lar
 from rps_exudyn.solvers.drive import Drive, DrivenBody, SetOff, Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.settled_start import Approach, SteadyApproach, SwingApproach
 from rps_exudyn.solvers.sliding_stability import bristle_reversal_angle
+from rps_exudyn.solvers.steering_column import WheelTorque
 
 LEAST_PER_CYCLE = 200  # steps of a swing
 YIELDING = 3e-3  # pinion angle after a turn over which friction turns about, in most gears less [rad]
@@ -106,7 +107,7 @@ class Maneuver:
 
     def begun_earlier(self, cycles: int) -> "Maneuver":
         """Return the same swing with so many more cycles before its record."""
-        assert isinstance(self.drive, Swing)
+        assert isinstance(self.drive, Swing | WheelTorque)
         steps = round(self.drive.period / self.time_step)
         divided = self.divided + cycles * self.divided[-steps:]
         return replace(self, lead=self.lead + cycles * steps, divided=divided)

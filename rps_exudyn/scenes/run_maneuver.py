@@ -38,7 +38,7 @@ from rps_exudyn.solvers.drive import Drive, SetOff, Steady, Swing
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import following_inertia, gear_forces
 from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
-from rps_exudyn.solvers.settled_start import settled_behind, settled_path
+from rps_exudyn.solvers.settled_start import joined_instants, settled_behind, settled_start
 from rps_exudyn.solvers.settling import TOLERANCE
 from rps_exudyn.solvers.steering_column import (
     BehindColumn,
@@ -217,6 +217,8 @@ def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver, tolerance:
     or to show the drive's torque to a tolerance."""
     if run.outcome.status not in (Status.OK, Status.INVALID) or not run.signals:
         return False
+    if maneuver.drive.body == "wheel" and Code.WORK_MISSING in run.outcome.codes:
+        return True  # the gear is let go behind its column, faster than the steps
     if isinstance(maneuver.drive, Swing):
         cured = run.ok or NOT_CURED_BY_STEPS.isdisjoint(run.outcome.codes)
         return cured and rolls_over_late(run.signals, gear)
@@ -244,7 +246,9 @@ def _along_equilibria(
         start, interrupted = process_time(), False
         try:
             if column is None:
-                path = settled_path(balance, pair, drive, approach, time)
+                led = settled_start(balance, pair, drive, approach, time[:1])
+                path = equilibrium_path(balance, pair, drive, joined_instants(led, time), led)
+                path = path if led is None else replace(path, start=led.start)
             else:
                 path = settled_behind(balance, pair, drive, column, approach)
                 if path.converged:
@@ -264,7 +268,7 @@ def _along_equilibria(
                 outcome = replace(outcome, message=outcome.message + jumps.format(column.stiffness))
         record = record_of_path(forces, path, turned)
         if column is not None and path.wheel.size:  # else the gear was lost on its way to the start
-            record = _seen_from_wheel(record, column, drive, -path.wheel[:, 0])
+            record = _seen_from_wheel(record, column, drive, -path.wheel)
         run = _finished(gear, maneuver, outcome, record, path, forces.friction_zone, options)
         if interrupted:
             raise Interrupted(run)
@@ -281,11 +285,11 @@ def _drift(signals: Signals, driven: str) -> float:
     return max(moved / travel, abs(float(force[-1] - force[0])) / (float(np.abs(force).max()) or 1.0))
 
 
-def _seen_from_wheel(record: Record, column: ColumnModel, drive: Drive, angle: np.ndarray) -> Record:
-    """The record of a pinion as that of the wheel before its column, at its angles (n,) [rad]."""
+def _seen_from_wheel(record: Record, column: ColumnModel, drive: Drive, wheel: np.ndarray) -> Record:
+    """The record of a pinion as that of the wheel before its column, with its angles and rates (n, 2)."""
     if not isinstance(drive, WheelTorque):
         return behind_column(record, column, drive)
-    return under_torque(record, column, drive, angle)
+    return under_torque(record, column, drive, wheel)
 
 
 # --- common ----------------------------------------------------------------------------------------
@@ -327,53 +331,3 @@ SOLVERS: dict[str, Callable[[SteeringGear, Fidelity, Maneuver, RunOptions], Scen
     "equilibrium": by_equilibrium,
     "closed-form": by_formula,
 }
-
-
-# --- swings to and fro, recorded over cycles that are all alike ------------------------------------
-# The equilibria that lead to the start of a swing are far apart and few, so that the rack may still roll into
-# its cycle during the record: then the first cycle does not end where it began. Such a swing is made again
-# from more and more cycles before the record; one that never settles is invalid.
-
-CYCLES_BEFORE = {"equilibrium": (1, 4, 16, 48), "generalized-alpha": (1, 4)}
-"""Solver -> cycles before the record from which a swing is begun, one after the other."""
-CLOSED = 0.01  # of the largest torque, by which a cycle may end elsewhere than it began ...
-IN_PLACE = 0.002  # ... and of the rack's travel: a drift this slow goes on for ten cycles and more
-
-
-def run_swing(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:
-    """Make a swing, from earlier where its first cycle does not close; invalid if it never does."""
-    before = CYCLES_BEFORE.get(fidelity.solver, ())
-    refined = refine(
-        run_maneuver(gear, fidelity, maneuver, options=options),
-        lambda _, times: run_maneuver(
-            gear, fidelity, maneuver.begun_earlier(before[times - 1]), options=options
-        ),
-        len(before),
-        asks=lambda run: run.ok and unclosed(run.signals, maneuver) > 1,
-    )
-    run = refined.finest
-    if before and run.ok and (beyond := unclosed(run.signals, maneuver)) > 1:
-        return run.invalid(
-            Code.SWING_NOT_SETTLED,
-            f"the swing does not settle: after {before[-1]} cycles the next one still ends {beyond:.2g} "
-            f"times as far from where it began as is allowed, {CLOSED:.0%} of the torque and "
-            f"{IN_PLACE:.1%} of the rack's travel",
-        )
-    return run
-
-
-def unclosed(signals: Signals, maneuver: Maneuver) -> float:
-    """Return how far the first recorded cycle of a swing ends from where it began, over what is allowed."""
-    assert isinstance(maneuver.drive, Swing)
-    time, lengths = signals["time"], CHARACTERISTIC_LENGTHS[2:]
-    end = time[0] + maneuver.drive.period
-
-    def moved(name: str) -> float:
-        after = np.interp(end, time, signals[name])
-        return abs(float(after - signals[name][0]))
-
-    travel, torque = float(np.ptp(signals["rack_displacement"])), signals[maneuver.drive.signal]
-    moves = [(name, length) for name, length in zip(COORDINATES, lengths, strict=True) if name in signals]
-    shifted = max((moved(name) * length for name, length in moves), default=0.0)
-    turned = moved(maneuver.drive.signal) / (CLOSED * float(np.abs(torque).max()) or np.inf)
-    return max(turned, shifted / (IN_PLACE * travel or np.inf))

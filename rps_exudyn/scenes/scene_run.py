@@ -1,6 +1,6 @@
 """The run of a scene before it becomes a result, and how several maneuvers of the rig become one."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -39,6 +39,11 @@ class SceneRun:
         """Return the run with what was recorded, as one that cannot be relied on."""
         changed = replace(self.outcome, status=Status.INVALID, codes=(code,), message=message)
         return replace(self, outcome=changed)
+
+    def without(self, left_out: Collection[str]) -> "SceneRun":
+        """Return the run without some of its metrics."""
+        kept = {name: value for name, value in self.summary.items() if name not in left_out}
+        return replace(self, summary=kept)
 
     def described(self, figures: Callable[[Signals], dict[str, float]]) -> "SceneRun":
         """Return the run with the summary that `figures` reads from its signals, if there are any."""
@@ -84,7 +89,7 @@ def _continued(name: str, before: np.ndarray, after: np.ndarray) -> np.ndarray:
 
 def _worst_findings(outcomes: Sequence[Outcome]) -> dict[str, float]:
     """What the outcomes found about vibration and about their starts, of each the worst."""
-    worst = {"vibration_grows": max, "vibration_dies": min, "start_unsettled": max}
+    worst = {"vibration_grows": max, "vibration_dies": min, "start_unsettled": max, "halvings": max}
     known = {name: [each.findings[name] for each in outcomes if name in each.findings] for name in worst}
     return {name: worst[name](values) for name, values in known.items() if values}
 

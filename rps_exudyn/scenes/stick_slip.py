@@ -21,6 +21,7 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import check_travel
+from rps_exudyn.scenes.confirmation import run_and_confirm
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.refine import refine
@@ -58,9 +59,14 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
     run = _resolved(gear, fidelity, options)
     nothing = None if model.surplus > 0 else NOTHING_FALLS
     zone = wide_zone(fidelity, "sticking depends", WIDEST_ZONE) if model.surplus > 0 else None
-    return run.noting(*remarks(gear, run.signals), nothing, zone).described(
-        lambda signals: {**_seen(signals, gear), **predictions(gear, fidelity), **balance(signals)}
-    )
+    predicted = predictions(gear, fidelity)
+
+    def metrics(signals: Signals) -> dict[str, float]:
+        return {**_seen(signals, gear), **predicted, **balance(signals)}
+
+    maneuvers, certain = [set_off(gear)], "halvings" in run.outcome.findings or model.surplus <= 0
+    run = run_and_confirm(gear, fidelity, maneuvers, options, metrics, SCENE.figure, run, always=not certain)
+    return run.noting(*remarks(gear, run.signals), nothing, zone)
 
 
 def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:

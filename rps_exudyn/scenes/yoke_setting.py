@@ -19,13 +19,13 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import largest_angle
+from rps_exudyn.scenes.confirmation import run_and_confirm
 from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_PINION_TORQUE
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.metrics import figures_of_turning
 from rps_exudyn.scenes.remarks import remarks
-from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
-from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.yoke_stop import stop_stiffness
 
 PITCH_DIAMETER = 0.6495  # outer minus pitch diameter of a metric thread, in pitches (ISO 724)
@@ -94,7 +94,6 @@ def yoke_set(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
     path = "lock-to-lock" if gear.test.path == "one-way" else gear.test.path
     as_set = setting.of(gear).replace({"test.path": path})
     maneuvers = maneuvers_of_test(as_set, "pinion", fidelity.step_angle, options.least_steps)
-    run = run_maneuver(as_set, fidelity, *maneuvers, options=options)
     pressing = Remark(
         Code.CAP_PRESSES,
         "the cap still presses the plunger: it is turned back by less than its compression",
@@ -104,8 +103,12 @@ def yoke_set(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
         "clearance_set": setting.clearance,
         "preload_set": setting.preload,
     }
-    noted = run.noting(pressing if setting.clearance < 0 else None, *remarks(as_set, run.signals))
-    return noted.described(lambda signals: {**figures_of_turning(signals, as_set), **figures})
+
+    def metrics(signals: Signals) -> dict[str, float]:
+        return {**figures_of_turning(signals, as_set), **figures}
+
+    run = run_and_confirm(as_set, fidelity, maneuvers, options, metrics, SCENE.figure)
+    return run.noting(pressing if setting.clearance < 0 else None, *remarks(as_set, run.signals))
 
 
 def _revolutions(gear: SteeringGear) -> float:

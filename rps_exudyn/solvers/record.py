@@ -153,10 +153,11 @@ class Record:
 def record_of_path(forces: GearForces, path: EquilibriumPath, drive: Drive) -> Record:
     """Return the record of equilibria along a drive's motion.
 
-    Their kinetic energy is the work that was done against the inertia of what follows the drive.
+    Their kinetic energy is the work that was done against the inertia of what follows the drive; behind a
+    column that of what is accelerated there, whose loss by long steps the balance shows.
     """
     overcome = -drive.sign * path.forces[:, drive.coordinate]
-    energy = _work(-np.einsum("ti,ti->t", path.applied, path.rates), path.time)
+    energy = _work(-np.einsum("ti,ti->t", path.applied, path.rates), path.time) + path.kinetic
     if forces.bar is not None:
         energy = energy + forces.bar.elastic_energy(path.coordinates)
     return Record(

@@ -110,13 +110,14 @@ def settled_path(
     may be far from where it will slide. Without an approach the start itself is such a place of rest.
     """
     led = settled_start(balance, pair, drive, approach, time[:1])
-    path = equilibrium_path(balance, pair, drive, time if led is None else joined_instants(led, time), led)
+    path = equilibrium_path(balance, pair, drive, joined_instants(led, time), led)
     return path if led is None else replace(path, start=led.start)
 
 
-def joined_instants(led: EquilibriumPath, time: np.ndarray) -> np.ndarray:
-    """Return the instants of a path and of what follows it [s], whose first instant is its last."""
-    return np.concatenate([led.time, time[1:]])
+def joined_instants(led: EquilibriumPath | None, time: np.ndarray) -> np.ndarray:
+    """Return the instants of a path, if there is one, and of what follows it [s]: its last one is their
+    first."""
+    return time if led is None else np.concatenate([led.time, time[1:]])
 
 
 def start_of_motion(

@@ -207,23 +207,17 @@ def of_column(record: "Record") -> dict[str, np.ndarray]:
     }
 
 
-def under_torque(record: "Record", column: ColumnModel, drive: WheelTorque, angle: np.ndarray) -> "Record":
-    """Return the record of a pinion as that of the wheel at angles (n,) [rad] that a torque turns."""
-    twist = column.output(angle) + record.of("pinion")[:, 0]
-    twisting = _backward(twist, record.time) - record.of_rates("pinion")[:, 0]
+def under_torque(record: "Record", column: ColumnModel, drive: WheelTorque, wheel: np.ndarray) -> "Record":
+    """Return the record of a pinion as that of the wheel that a torque turns, with its angles and
+    rates (n, 2) [rad, rad/s]."""
     return replace(
         record,
         drive=drive.torque(record.time),
         driven="wheel",
-        wheel=np.column_stack([angle, twisting / column.ratio(angle)]),
+        wheel=wheel,
         column=column,
         tyre=drive.tyre,
     )
-
-
-def _backward(values: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """Rate of values (n,) over time [s]."""
-    return np.gradient(values, time) if time.size > 1 else np.zeros_like(values)
 
 
 def behind_column(record: "Record", column: ColumnModel, wheel: Drive) -> "Record":
