@@ -10,7 +10,8 @@ import os
 import sys
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, redirect_stdout, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +37,29 @@ _CODES = {"bold": "1", "dim": "2"}
 def say(sentence: str) -> None:
     """Print a sentence that is no result on standard error."""
     print(f"rps-exudyn: {sentence}", file=sys.stderr)
+
+
+def note(sentence: str) -> None:
+    """Print on standard error what is no error, unless only errors are wanted."""
+    if not _quiet:
+        say(sentence)
+
+
+@contextmanager
+def printing(quiet: bool) -> Iterator[None]:
+    """Print nothing but errors in a block, if so wanted."""
+    if not quiet:
+        yield
+        return
+    _quiet.append(True)
+    try:
+        with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stdout(nowhere):
+            yield
+    finally:
+        _quiet.pop()
+
+
+_quiet: list[bool] = []
 
 
 def put(text: str = "", style: str = "") -> None:
@@ -163,26 +187,50 @@ def naming(files: Sequence[Path]) -> Iterator[None]:
 # --- The files of a simulation, kept whatever the disk does
 
 
-def keep(result: "Result", out: Path, plot: Path) -> tuple[list[Path], bool]:
+@dataclass(frozen=True)
+class Files:
+    """Where a result and its picture go."""
+
+    out: Path
+    plot: Path | None  # None: no picture
+    overwrite: bool  # or existing files are renamed to NAME.1, NAME.2, ...
+
+    def make_room(self, *others: Path) -> None:
+        """Rename existing files of these names, with a note, unless they are to be replaced."""
+        if not self.overwrite:
+            paths = (path for path in (self.out, self.plot, *others) if path is not None)
+            if older := [str(kept) for path in paths if (kept := number_existing(path))]:
+                note(f"older files are kept: {', '.join(older)}.")
+
+    @property
+    def of_failed(self) -> "Files":
+        """The same as NAME.failed, where one of them exists."""
+        if not any(path is not None and path.exists() for path in (self.out, self.plot)):
+            return self
+        out, plot = (path and path.with_suffix(f".failed{path.suffix}") for path in (self.out, self.plot))
+        return Files(out or self.out, plot, overwrite=True)
+
+
+def keep(result: "Result", files: Files) -> tuple[list[Path], bool]:
     """Write both files; return the paths of those written, and whether there were problems.
 
-    A failed run is written beside existing files as NAME.failed, any other one keeps them as NAME.1, NAME.2,
-    ... A result that cannot be written there goes to the folder of temporary files.
+    A failed run is written beside existing files as NAME.failed. A result that cannot be written there goes
+    to the folder of temporary files.
 
     Raises:
         KeyboardInterrupt: while the picture is drawn; it names the file that is written.
     """
     from rps_exudyn.results.outcome import Status
 
+    if result.status is not Status.OK:
+        files = files.of_failed
+    out, plot = files.out, files.plot
     try:
-        if result.status is not Status.OK and (out.exists() or plot.exists()):
-            out, plot = (path.with_suffix(f".failed{path.suffix}") for path in (out, plot))
-        elif older := [str(kept) for path in (out, plot) if (kept := number_existing(path))]:
-            say(f"older files are kept: {', '.join(older)}.")
+        files.make_room()
         result.save(out)
     except (InputError, OSError) as error:
         return _kept_elsewhere(result, out, str(error))
-    if not result.signals:
+    if not result.signals or plot is None:
         return [out], False
     try:
         with named_if_interrupted([out]):
