@@ -7,7 +7,8 @@ It is what stays when all numerical errors are gone. The reference is an elastic
 helical pinion teeth on their core and a round rack bar with seven teeth of quadratic hexahedra, flattening of
 each line by Hertz, loads of all lines found together under unilateral contact. Compared were ten gears, with
 plain flanks and with tip relief and crowning, and the default gear at 150 to 1500 N of preload, at friction
-0.05 to 0.2 and at 5, 10 and 30 N m of load. docs/accuracy.md names the gears.
+0.05 to 0.2 and at 5, 10 and 30 N m of load. docs/contact-law.md names seven of
+the gears.
 
 The error of law "line" on plain flanks follows the truncation t of the pinion's tips,
 
