@@ -27,7 +27,7 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.yoke_impact import shaken
-from rps_exudyn.simulate.checked_run import run_unchecked
+from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.balance import eigenvalues
 from rps_exudyn.solvers.closed_form import GRAVITY
 from rps_exudyn.solvers.drive import Drive, Steady, Swing

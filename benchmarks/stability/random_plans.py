@@ -34,16 +34,11 @@ from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
-<<<<<<< HEAD
-from rps_exudyn.simulate.checked_run import run_unchecked
+from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.operating_gear import operating_gear
 from verification.behind_column import settled_figures
 from verification.plan_reference import expected, finer_metrics
 from verification.refined_steps import NotFoundError
-=======
-from rps_exudyn.simulate.run_plan import run_unchecked
-from verification.plan_reference import Expected, expected
->>>>>>> main
 from verification.sampler import random_plan, usual_plan
 from verification.stability import ScenePlan
 

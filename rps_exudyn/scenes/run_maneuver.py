@@ -75,29 +75,8 @@ def run_maneuver(
     Raises:
         InputError: the fidelity's solver cannot make one, or no memory holds its record.
     """
-<<<<<<< HEAD
-    maneuver = maneuver.halved(options.halvings)
-    if fidelity.solver != "closed-form":
-        spheres = fidelity.profile_samples * fidelity.axial_samples * 2 * gear.pinion.teeth
-        check_memory(maneuver.lead + maneuver.steps, spheres if fidelity.mesh == "general-contact" else 0)
-    try:
-        return SOLVERS[fidelity.solver](gear, fidelity, maneuver, options)
-    except np.linalg.LinAlgError as error:
-        message = f"the gear yields without resistance at its start: {error}"
-        return SceneRun(Outcome(Status.NO_CONVERGENCE, message, (Code.NO_RESISTANCE,)))
-
-
-def run_maneuvers(
-    gear: SteeringGear,
-    fidelity: Fidelity,
-    maneuvers: Sequence[Maneuver],
-    options: RunOptions = DEFAULT_OPTIONS,
-) -> SceneRun:
-    """Make one after the other until one fails, and join them to one record."""
-=======
->>>>>>> main
     runs: list[SceneRun] = []
-    for number, maneuver in enumerate(maneuvers):
+    for number, maneuver in enumerate(each.halved(options.halvings) for each in maneuvers):
         begin_part(number, len(maneuvers))
         if fidelity.solver != "closed-form":
             spheres = fidelity.profile_samples * fidelity.axial_samples * 2 * gear.pinion.teeth
