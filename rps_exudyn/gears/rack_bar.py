@@ -25,8 +25,6 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.polyhedron import cylinder, prism
 from rps_exudyn.parameters.gear import SteeringGear
 
-PAST_THE_BUSH = 20e-3  # how far the bar reaches out of the bush at full travel [m]
-
 
 @dataclass(frozen=True, eq=False)
 class RackFlank:
@@ -57,9 +55,9 @@ class RackBar:
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "RackBar":
-        """The bar ends `PAST_THE_BUSH` outside the bush; teeth for the travel and the pinion's reach."""
+        """The bar ends `bush.end_overhang` outside the bush at full travel; teeth for the travel and the pinion's reach."""
         pair, bush, rack = GearPair.of(gear), gear.bush, gear.rack
-        x_max = bush.distance + bush.length + rack.travel / 2 + PAST_THE_BUSH
+        x_max = bush.distance + bush.length + rack.travel / 2 + bush.end_overhang
         needed = rack.travel / 2 + pinion_reach(pair)
         return cls(pair, x_max - rack.length, x_max, int(np.ceil(needed / pair.rack_pitch)))
 
