@@ -2,7 +2,7 @@
 
     twin = in_units(gear, length=2.0, force=4.0, time=1.5)    # every parameter by its own dimension
     summary_in_units(result.summary, 2.0, 4.0, 1.5)           # what its result must be
-    twin = mirrored(gear)                                     # in the plane through rack and pinion centre, Z -> -Z
+    twin = mirrored(gear)                                     # the other hand, Z -> -Z
 
 They need no reference: a length, force or time that stands in the code and is no parameter shows as a
 difference. Steel's modulus stands there by intention (`gears.tooth_stiffness`), so that force must go with
@@ -11,7 +11,6 @@ length^2; where a weight pulls or gravity acts, time^2 with length.
 
 import re
 from collections.abc import Mapping
-from typing import Any
 
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SUMMARY
@@ -97,5 +96,3 @@ def differences(result: Result, twin: Result, **units: float) -> dict[str, float
 
 
 LEFT_OUT = {"energy_residual"}  # whose size is that of rounding
-
-

@@ -55,7 +55,8 @@ class RackBar:
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "RackBar":
-        """The bar ends `bush.end_overhang` outside the bush at full travel; teeth for the travel and the pinion's reach."""
+        """At full travel the bar ends `bush.end_overhang` outside the bush; teeth for the travel and the
+        pinion's reach."""
         pair, bush, rack = GearPair.of(gear), gear.bush, gear.rack
         x_max = bush.distance + bush.length + rack.travel / 2 + bush.end_overhang
         needed = rack.travel / 2 + pinion_reach(pair)
