@@ -58,6 +58,7 @@ CHANGES = {
     "friction zone half as wide": Change({"zone_ratio": Fidelity().zone_ratio / 2}),
     "step half as long": Change({"step_angle": Fidelity().step_angle / 2}),
     "friction: bristles of 5 um": Change(gear=BRISTLES),
+    "friction: bristles of 5 um, four elements": Change({"friction_elements": 4}, gear=BRISTLES),
     "column: half as stiff": Change(gear={"column.stiffness": SteeringGear().column.stiffness / 2}),
     "column: half as damped": Change(gear={"column.damping": SteeringGear().column.damping / 2}),
     "column: universal joint bent by 20 deg": Change(gear={"column.joint_angle": "20 deg"}),

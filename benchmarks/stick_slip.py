@@ -32,7 +32,7 @@ from verification.stick_slip import event_based, on_bristles, regularised
 DATA = "stick_slip.json"
 STIFFNESS = 100.0  # of the column [N m/rad]
 RATIOS = (1.1, 1.2, 1.5)  # static over kinetic friction of teeth and plunger
-TRAVELS = (0.0, 2e-6, 10e-6)  # of the bristles [m]; 0: friction that knows the speed alone
+TRAVELS = (0.0, 2e-6, 10e-6)  # of the bristles [m]; 0: friction that depends on the speed alone
 SHEETS = tuple((ratio, travel) for ratio in RATIOS for travel in TRAVELS)
 CELLS = (36, 28)  # speeds and dampings of a sheet
 SPEEDS, DAMPINGS = (0.2, 15.0), (0.01, 0.6)  # [rad/s], and damping ratios
@@ -91,7 +91,7 @@ def _damped(model: Oscillator, ratio: float) -> Oscillator:
 def sheet(
     ratio: float, travel: float, speeds: np.ndarray, ratios: np.ndarray, periods: int
 ) -> dict[str, Any]:
-    """One sheet: least speed over the wheel's in each cell, and both limits over the speed, as ratios."""
+    """One sheet: least speed over the wheel's in each cell, and the limit over the speed, as ratios."""
     gear = gear_with(ratio, travel)
     model = reduced_gear(gear)
     unit = damping_of(model, 1.0)
@@ -101,13 +101,11 @@ def sheet(
     else:
         least = np.stack([1.0 - sticks(_damped(model, each), speeds) for each in ratios])
     falling = [model.linear_limit(float(speed)) / unit for speed in speeds]
-    bristles = [one_inertia_damping(gear.replace({"test.speed": float(speed)})) / unit for speed in speeds]
     return {
         "ratio": ratio,
         "travel": travel,
         "least": np.round(least, 4).tolist(),
         "falling": falling,
-        "bristles": [None if np.isnan(each) else each for each in bristles],
     }
 
 
@@ -136,9 +134,6 @@ def map_picture(data: dict[str, Any]) -> Figure:
         shown = axes.get_ylim()
         falling = _within(each["falling"], shown)
         axes.plot(data["speeds"], falling, color="black", linestyle="--", label="limit, falling friction")
-        if each["travel"]:
-            limit = _within(each["bristles"], shown)
-            axes.plot(data["speeds"], limit, color=style.COLOURS["torque"], label="limit, bristles")
         for cell in data["tried"]:
             if each["ratio"] == 1.2 and cell["travel"] == each["travel"] and "share" in cell:
                 fill = "black" if cell["share"] > 0 else "white"

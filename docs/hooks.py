@@ -77,9 +77,12 @@ def _quantities() -> Iterator[str]:
     from rps_exudyn.results.quantities import GROUPS
 
     for group, quantities in GROUPS.items():
-        yield from ("", f"## {group}", "", "| name | unit | definition |", "|---|---|---|")
+        how = (" confirmed by | to |", "---|---|") if group == "summary" else ("", "")
+        yield from ("", f"## {group}", "", f"| name | unit | definition |{how[0]}", f"|---|---|---|{how[1]}")
         for name, quantity in quantities.items():
-            yield f"| `{name}` | {quantity.unit or '1'} | {quantity.long_name.replace('|', '/')} |"
+            by = quantity.confirmed
+            shown = f" {by.by} | {by.tolerance:.0%} |" if by else " | |" if group == "summary" else ""
+            yield f"| `{name}` | {quantity.unit or '1'} | {quantity.long_name.replace('|', '/')} |{shown}"
 
 
 def _own_model() -> Iterator[str]:

@@ -40,6 +40,7 @@ QUICK = (
 COMPILING = "smoke/test_real_runs.py"  # every preset
 SLOW = (  # files, or single tests, in the folders above that are not quick
     COMPILING,
+    "contract/test_contributing.py::test_few_frames_stand_between_a_run_and_its_kernel",
     "contract/test_docstring_examples.py",
     "contract/test_law_call.py",
     "contract/test_limit_of_cpu_time.py",
@@ -80,6 +81,7 @@ LONG = (  # files, folders or single tests that the everyday set leaves out
     "physics/test_plan_reference.py",
     "smoke/test_animation_in_browser.py",
     "smoke/test_cluster.py",
+    "smoke/test_explore.py::test_crowd_is_answered_beside_a_slow_state",
     "smoke/test_compiling.py::test_first_use_is_never_silent_and_its_total_is_right",
     "smoke/test_first_steps.py",
     "smoke/test_one_entry.py",

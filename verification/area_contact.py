@@ -58,7 +58,7 @@ REACH = 0.35  # contact is sought within this angle of a line's crest [rad]
 @kernel
 def area_contact(angle, rate, position, rotation, velocity, spin, data, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """Fill the wrench of law "area" and its stiffness, as `line_contact` of `flank_contact` does."""
-    begin_contact(work)
+    begin_contact(data.law, work)
     for sign in (-1.0, 1.0):
         side = side_of(sign, angle, rate, position, rotation, velocity, spin, data)
         first, last, turn = first_tooth(angle, side, data)

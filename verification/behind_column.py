@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rps_exudyn.forces.memory import PLACES, TIME
+from rps_exudyn.forces.friction import PLACES, TIME
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.scenes.stick_slip import set_off
 from rps_exudyn.solvers.balance import Balance

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from rps_exudyn.forces.memory import reset
+from rps_exudyn.forces.friction import reset
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.elastic_teeth import teeth_contact
 from rps_exudyn.tooth_contact.flank_contact import line_contact

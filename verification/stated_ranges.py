@@ -145,6 +145,7 @@ FIDELITY: Mapping[str, Range] = {
     "profile_samples": Whole(12, 60),
     "axial_samples": Whole(8, 40),
     "zone_ratio": Logarithmic(0.001, 1),
+    "friction_elements": Whole(1, 4),
 }
 
 

@@ -89,8 +89,8 @@ def on_bristles(
     """Return how the gear moves on bristles, from just before it breaks away on: the least speed over the
     last third, over the wheel's, of the shape of the speeds [rad/s] and dampings [N m s/rad].
 
-    Near 1 it slides, near 0 it sticks. The bristle's equation is solved exactly over each step of even slip,
-    the motion by leaps between.
+    Near 1 it slides, near 0 it sticks. One bristle follows each step of even slip up to the limit of its
+    speed, the motion goes by leaps between.
     """
     step = 2 * np.pi / model.frequency / BRISTLE_STEPS
     kinetic, static = sum(part.torque for part in model.parts), float(model.friction(0.0))
@@ -98,8 +98,7 @@ def on_bristles(
     twist, omega, least = kinetic * bent / model.stiffness, np.zeros(speed.shape), np.ones(speed.shape)
     for i in range(periods * BRISTLE_STEPS):
         curve = model.friction(np.abs(omega)) / kinetic
-        rest = np.exp(-np.abs(omega) * step / (presliding * curve))
-        bent = np.sign(omega) * curve + (bent - np.sign(omega) * curve) * np.where(omega == 0, 1.0, rest)
+        bent = np.clip(bent + omega * step / (FIRST_LOADING * presliding), -curve, curve)
         pull = model.stiffness * twist + damping * (speed - omega) - kinetic * bent
         omega = omega + step * pull / model.inertia
         twist = twist + step * (speed - omega)
@@ -109,6 +108,7 @@ def on_bristles(
 
 
 BRISTLE_STEPS = 200  # in a natural period
+FIRST_LOADING = 2.0  # slip of a first loading of one bristle, over its travel
 BEFORE_BREAKAWAY = 0.95  # of static friction
 
 

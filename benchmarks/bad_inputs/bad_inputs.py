@@ -1,28 +1,46 @@
-"""500 bad inputs: of command line, files, disk, signals, cache and environment, and what becomes of each.
+"""Bad inputs: of command line, files, disk, signals, cache, environment, explorer; what becomes of each.
 
-Right is: no traceback, the sound result in the same folder unharmed (or kept under a number), and no process
-alive more than two seconds beyond a time limit.
+Right is: no traceback, the sound result in the same folder unharmed (or kept under a number), nothing of a
+file that was not named in what is printed, written or sent, and no process alive more than two seconds beyond
+a time limit.
 """
 
+import atexit
 import csv
 import os
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
+import traceback
 from collections import Counter, defaultdict
-from contextlib import chdir, redirect_stderr, redirect_stdout
+from contextlib import chdir, redirect_stderr, redirect_stdout, suppress
 from functools import cache
 from io import StringIO
 from pathlib import Path
+from threading import Thread
 from time import monotonic, sleep
 
-from benchmarks.bad_inputs.inputs import BadInput, corpus, stands_in
+from benchmarks.bad_inputs.inputs import SECRET, BadInput, corpus, stands_in
 from benchmarks.topic import Topic, markdown
+from rps_exudyn.base.files import printable
 from rps_exudyn.cli.main import main
+from rps_exudyn.pages.explore.server import Explorer
+from rps_exudyn.parameters.gear import SteeringGear
 
 DATA = "bad_inputs.csv"
-COLUMNS = ("topic", "arguments", "status", "traceback", "lost", "beyond_limit_s", "left_alive", "said")
+COLUMNS = (
+    "topic",
+    "arguments",
+    "status",
+    "traceback",
+    "lost",
+    "beyond_limit_s",
+    "left_alive",
+    "outside",
+    "said",
+)
 LATE = 2.0  # [s] that nothing may be alive beyond its limit
 LIMITED = """
 import resource, signal, sys
@@ -56,20 +74,26 @@ def tried(bad: BadInput, precious: bytes) -> tuple[object, ...]:
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         stands_in(folder, bad, precious)
-        status, said, beyond, left = (_in_process if bad.is_alone else _here)(bad, folder)
-        files = [path.read_bytes() for path in folder.glob("precious*.h5")]
-        lost = precious not in files
-    arguments = " ".join(bad.arguments)[:200]
+        way = _in_process if bad.is_alone else _served if bad.request is not None else _here
+        status, said, beyond, left = way(bad, folder)
+        lost = precious not in [path.read_bytes() for path in folder.glob("precious*.h5")]
+        given = {"secret.txt", *bad.files, *bad.special}
+        written = [path for path in folder.glob("*") if path.is_file() and path.name not in given]
+        shown = (said.encode("utf-8", "replace"), *map(Path.read_bytes, written))
+        outside = any(SECRET in text for text in shown)
+    first = repr((bad.request or b"").split(b"\r\n")[0]) if bad.request is not None else ""
+    special = "".join(f" ({name} -> {place})" for name, place in bad.special.items())
+    arguments = " ".join((*bad.arguments, first))[:200] + special
     about = " ".join(f"{name}={value}" for name, value in bad.environment.items())
-    last = said.strip().splitlines()[-1][:200] if said.strip() else ""
+    last = printable(said.strip().splitlines()[-1][:200]).replace("\0", r"\0") if said.strip() else ""
     shown = f"{about} {arguments} {bad.signal}".strip().encode("ascii", "backslashreplace").decode()
-    return bad.topic, shown, status, "Traceback" in said, lost, f"{beyond:.2f}", left, last
+    return bad.topic, shown, status, "Traceback" in said, lost, f"{beyond:.2f}", left, outside, last
 
 
 def _here(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
     """Exit status and what was said, by a call in this process."""
     said = StringIO()
-    with chdir(folder), redirect_stdout(StringIO()), redirect_stderr(said):
+    with chdir(folder), redirect_stdout(said), redirect_stderr(said):
         try:
             status = main(list(bad.arguments))
         except SystemExit as end:
@@ -77,6 +101,40 @@ def _here(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
         except BaseException as error:
             return -1, f"Traceback: {type(error).__name__}: {error}", 0.0, 0
     return status, said.getvalue(), 0.0, 0
+
+
+def _served(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
+    """Send a request to an explorer; 2 if it is refused, -1 if a sound one has no answer afterwards."""
+    server, errors = _explorer()
+    errors.seek(0)
+    errors.truncate()
+    with chdir(folder), socket.create_connection(server.server_address[:2], timeout=60) as link:
+        with suppress(OSError):  # refused before it was read to its end
+            link.sendall(bad.request or b"")
+            link.shutdown(socket.SHUT_WR)
+        reply = b""
+        with suppress(ConnectionResetError):
+            while part := link.recv(65536):
+                reply += part
+    answers = "torque" in server.computed({}, bad.topic, 0)
+    refused = not reply.startswith(b"HTTP/1.0 200") or b'"problems"' in reply
+    said = errors.getvalue() + reply.decode("utf-8", "replace").rpartition("\r\n")[2]
+    return (2 * refused if answers else -1), said, 0.0, 0
+
+
+@cache
+def _explorer() -> tuple[Explorer, StringIO]:
+    """A server in a thread, and what it prints."""
+    server, errors = Explorer(SteeringGear()), StringIO()
+    server.warm_up()
+
+    def handle_error(*_: object) -> None:
+        errors.write(traceback.format_exc())
+
+    server.handle_error = handle_error  # type: ignore[method-assign]
+    Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
+    atexit.register(server.server_close)
+    return server, errors
 
 
 def _in_process(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
@@ -130,11 +188,20 @@ def inputs_table(folder: Path) -> str:
             counts[name]["refused"] += row["status"] == "2"
             counts[name]["tracebacks"] += row["traceback"] == "True"
             counts[name]["lost"] += row["lost"] == "True"
+            counts[name]["outside"] += row["outside"] == "True"
             counts[name]["alive"] += float(row["beyond_limit_s"]) > LATE or int(row["left_alive"]) > 0
     total = counts.pop("**all**")
-    columns = ("inputs", "refused", "tracebacks", "lost", "alive")
+    columns = ("inputs", "refused", "tracebacks", "lost", "outside", "alive")
     return markdown(
-        ("bad", "inputs", "refused in sentences", "tracebacks", "lost", "alive 2 s beyond limit"),
+        (
+            "bad",
+            "inputs",
+            "refused in sentences",
+            "tracebacks",
+            "lost",
+            "read outside",
+            "alive 2 s beyond limit",
+        ),
         [
             (name, *(count[column] for column in columns))
             for name, count in [*counts.items(), ("**all**", total)]

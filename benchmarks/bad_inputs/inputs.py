@@ -1,14 +1,20 @@
 """The corpus of bad inputs: commands, and what stands in their folder or environment."""
 
+import os
 import random
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import cache
+from json import dumps
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 from benchmarks.bad_inputs.damaged_files import DAMAGES
 from benchmarks.topic import ROOT
+from rps_exudyn.base.files import with_checksum, without_checksum
+from rps_exudyn.base.hdf5 import file_image
 from rps_exudyn.parameters.gear import Setup
 
 CHEAP = ("run", "--fidelity", "closed-form", "--out", "precious.h5")
@@ -81,6 +87,42 @@ CACHES = (
     {"NUMBA_CACHE_DIR": "/dev/null"}, {"NUMBA_CACHE_DIR": "/proc"}, {"NUMBA_CACHE_DIR": "precious.h5"},
     {"XDG_CACHE_HOME": "/dev/null"}, {"NUMBA_CACHE_DIR": "", "XDG_CACHE_HOME": "", "HOME": "/dev/null"},
 )  # fmt: skip
+SECRET = b"password 7f3a91"
+"""Content of secret.txt beside hostile files; nothing of it may be printed, written or sent."""
+FILE_LINES = (
+    "show {h5}", "rerun {h5}", "diff precious.h5 {h5}", "report {h5}", "animate {h5}", "fit {csv}",
+    "run --fidelity closed-form --gear {toml} --out precious.h5",
+    "run --fidelity closed-form --measured {csv} --out precious.h5", "study {toml} --dry-run",
+    "fit free.csv --like {toml}", "collect {h5}", "geometry --gear {toml}", "validate {toml}",
+    "check --gear {toml}",
+)  # fmt: skip
+ENDLESS = ("pipe", "/dev/zero", "/dev/random", "/proc/kmsg", "/dev/full", "/dev/tty", ".", "secret.txt")
+REQUESTS = (
+    "", "\0" * 100, "GET", "GET /\r\n\r\n", "GET / HTTP/9.9\r\n\r\n", "GET / HTTP/1.1\r\n\r\n",
+    "\x16\x03\x01\x02\0\x01\0", "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n", "TRACE / HTTP/1.0\r\n\r\n",
+    "GET / HTTP/1.0\r\n" + "X: y\r\n" * 200 + "\r\n", "GET /" + "a" * 70000 + " HTTP/1.0\r\n\r\n",
+    "GET / HTTP/1.0\r\nHost: rebound.example\r\n\r\n", "GET / HTTP/1.0\r\nHost: [::1\r\n\r\n",
+    "GET / HTTP/1.0\r\nHost:" + "x" * 60000 + "\r\n\r\n", "OPTIONS * HTTP/1.0\r\n\r\n",
+    "CONNECT example.com:443 HTTP/1.0\r\n\r\n", "GET http://example.com/ HTTP/1.0\r\n\r\n",
+)  # fmt: skip
+PATHS = (
+    "/../secret.txt", "/..%2f..%2fetc/passwd", "/%2e%2e/etc/passwd", "//etc/passwd", "/etc/passwd",
+    "/./sliders/..", "/server.py", "/answer.py", "/page.html", "/explore.css/../server.py", "/explore.js%00",
+    "/sliders?x=1", "/\\..\\x", "/file:///etc/passwd", "/~root", "/.git/config", "/%", "/" + "a" * 3000,
+)  # fmt: skip
+STATES: tuple[object, ...] = (
+    None, 0, "x", [], [[]], {"yoke": 3}, {"yoke.preload": None}, {"yoke.preload": []}, {"yoke.preload": {}},
+    {"yoke.preload": True}, {"yoke.preload": "300 N"}, {"yoke.preload": float("nan")},
+    {"yoke.preload": float("inf")}, {"yoke.preload": 1e308}, {"yoke.preload": -1e-300},
+    {"yoke.preload": 10**400}, {"pinion.teeth": 6.5}, {"pinion.teeth": 1e9}, {"pinion.teeth": -6},
+    {"__class__": 1}, {"yoke.preload\0": 1}, {"": 1}, {"x" * 5000: 1}, {"test.turns": 1},
+    {"pinion.profile_shift": 1.3, "pinion.teeth": 5}, {"pinion.helix_angle": 35, "rack.tooth_angle": 20},
+    {"pinion.normal_module": 2.6, "pinion.teeth": 12}, {"installation.axis_offset": 1e9},
+)  # fmt: skip
+HEADS = (
+    "Content-Length: -1", "Content-Length: 99999999999", "Content-Length: x", "Content-Length: 1e3",
+    "Transfer-Encoding: chunked", "Content-Length: 0", "Content-Length: 20001", "Content-Length: 2", "X: y",
+)  # fmt: skip
 SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGPIPE", "SIGINT", "SIGUSR1")
 
 
@@ -92,6 +134,8 @@ class BadInput:
         topic: what is bad.
         arguments: of the command; `precious.h5` in its folder must survive it.
         files: name -> content of files that stand in its folder.
+        special: name -> "pipe", or what a link of that name leads to.
+        request: bytes sent to the explorer, instead of a command.
         environment: variables that are set for it; it then runs in a process of its own.
         largest_file: bytes beyond which no file can grow, as on a full disk [bytes].
         signal: what it is sent, `after` seconds.
@@ -101,6 +145,8 @@ class BadInput:
     topic: str
     arguments: tuple[str, ...]
     files: dict[str, bytes] = field(default_factory=dict)
+    special: dict[str, str] = field(default_factory=dict)
+    request: bytes | None = None
     environment: dict[str, str] = field(default_factory=dict)
     largest_file: int | None = None
     signal: str = ""
@@ -128,6 +174,9 @@ def corpus(precious: bytes) -> list[BadInput]:
         *_signals(),
         *_distributions(),
         *_limits(),
+        *_endless_files(),
+        *_hostile_files(precious),
+        *_requests(),
     ]
 
 
@@ -233,8 +282,137 @@ def _limits() -> Iterator[BadInput]:
         yield BadInput("time limits", (*LONG, *plan, "--time-limit", f"{limit} s"), limit=limit)
 
 
+def _endless_files() -> Iterator[BadInput]:
+    """Pipes, devices, folders and files of others where a command reads one."""
+    for number, line in enumerate(FILE_LINES):
+        for place in (ENDLESS[0], ENDLESS[1], ENDLESS[2 + number % (len(ENDLESS) - 2)]):
+            names = {kind: f"x.{kind}" for kind in ("h5", "csv", "toml")}
+            special = {name: place for kind, name in names.items() if f"{{{kind}}}" in line}
+            yield BadInput("endless files", tuple(line.format(**names).split()), special=special)
+
+
+def _hostile_files(precious: bytes) -> Iterator[BadInput]:
+    """Results that lead out of themselves or declare more than they hold; JSON nested deep."""
+    for change in CHANGES:
+        files = {"x.h5": changed(precious, change)}
+        for line in ("show x.h5", "rerun x.h5", "report x.h5", "diff x.h5 precious.h5"):
+            yield BadInput("hostile files", tuple(line.split()), files)
+    deep = (
+        "[" * 10**5,
+        '{"a":' * 10**5,
+        "[" + "[]," * 10**5 + "[]]",
+        '{"filetype": "rps_exudyn-study"}',
+        "\0",
+    )
+    for text in deep:
+        for line in ("collect s", "report s", "fit free.csv --like s/study.json", "study s/study.json"):
+            yield BadInput("hostile files", tuple(line.split()), {"s/study.json": text.encode()})
+
+
+def changed(content: bytes, change: Callable[[h5py.File], object]) -> bytes:
+    """The file of a result after a change, with a checksum that fits."""
+
+    def fill(file: h5py.File) -> None:
+        with h5py.File(h5py.h5f.open_file_image(without_checksum(content))) as sound:
+            for name in sound:
+                sound.copy(name, file)
+            for name, value in sound.attrs.items():
+                file.attrs[name] = value
+        change(file)
+
+    return with_checksum(file_image(fill))
+
+
+def _virtual(file: h5py.File, name: str) -> None:
+    layout = h5py.VirtualLayout((3,), "u1")
+    layout[:] = h5py.VirtualSource("secret.txt", "x", (3,))
+    file.create_virtual_dataset(name, layout)
+
+
+def _link(file: h5py.File, name: str) -> None:
+    file[name] = h5py.ExternalLink("precious.h5", "/")
+
+
+def _outside(file: h5py.File, name: str) -> None:
+    file.create_dataset(name, (len(SECRET),), "u1", external=[("secret.txt", 0, len(SECRET))])
+
+
+def _vast(file: h5py.File, name: str) -> None:
+    file.create_dataset(name, (10**12,), "f8", chunks=(1000,))
+
+
+def _soft(file: h5py.File, name: str) -> None:
+    file[name] = h5py.SoftLink("/nowhere")
+
+
+def _replaced(make: Callable[[h5py.File, str], object], name: str) -> Callable[[h5py.File], object]:
+    def change(file: h5py.File) -> None:
+        del file[name]
+        make(file, name)
+
+    return change
+
+
+def _attribute(name: str, value: object) -> Callable[[h5py.File], object]:
+    return lambda file: file.attrs.__setitem__(name, value)
+
+
+CHANGES = (
+    *(
+        _replaced(make, name)
+        for make in (_virtual, _link, _outside, _vast, _soft)
+        for name in ("signals/pinion_torque", "summary/torque_mean", "signals")
+    ),
+    _attribute("parameters", '{"a":' * 10**4),
+    _attribute("findings", "[]"),
+    _attribute("solver", "null"),
+    _attribute("scene", "../x"),
+    _attribute("status", "<script>alert(1)</script>"),
+    _attribute("version", [10**9, 0]),
+    _attribute("version", "x"),
+    _attribute("fidelity", '{"name": {}}'),
+    _attribute("message", "\x1b]0;title\x07"),
+)
+
+
+def _requests() -> Iterator[BadInput]:
+    """What no page of the explorer sends."""
+    host, kind = "Host: 127.0.0.1\r\n", "Content-Type: application/json\r\n"
+    plain = (f"{verb} {path} HTTP/1.0\r\n{host}\r\n" for path in PATHS for verb in ("GET", "POST"))
+    texts = [*REQUESTS, *plain]
+    for path in ("/curve", "/gear"):
+        bodies = [dumps({"state": state, "tab": "x", "number": 1}) for state in STATES]
+        bodies += [
+            "",
+            "{",
+            "[" * 10**4,
+            "null",
+            '{"state": {}, "number": "x"}',
+            '{"state": {}, "number": []}',
+        ]
+        ends = [*(f"Content-Length: {len(body)}\r\n\r\n{body}" for body in bodies)]
+        ends += [f"{head}\r\n\r\n{{}}" for head in HEADS]
+        texts += [f"POST {path} HTTP/1.0\r\n{host}{kind}{end}" for end in ends]
+    for text in texts:
+        yield BadInput("explorer", ("explore",), request=text.encode("latin-1"))
+
+
 def stands_in(folder: Path, bad: BadInput, precious: bytes) -> None:
     """Write the files that a bad input finds in its folder."""
     (folder / "precious.h5").write_bytes(precious)
+    (folder / "secret.txt").write_bytes(SECRET)
+    (folder / "free.csv").write_text(_free_curve())
     for name, content in bad.files.items():
+        (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_bytes(content)
+    for name, place in bad.special.items():
+        if place == "pipe":
+            os.mkfifo(folder / name)
+        else:
+            (folder / name).symlink_to(place)
+
+
+@cache
+def _free_curve() -> str:
+    rows = (f"{angle},{0.6 + 0.02 * np.cos(np.radians(6 * angle)):.4f}" for angle in range(361))
+    return "\n".join(("pinion_angle [deg],pinion_torque [N m]", *rows)) + "\n"

@@ -6,9 +6,8 @@ Reduced to one inertia J [kg m^2]: the wheel turns at a constant speed Omega; th
     x' = Omega - omega,        J omega' = k x + c (Omega - omega) - sum T_i g_i(omega).
 
 Each time the gear has stuck it starts in the same state, at rest under static friction; so one slip decides:
-if it comes to rest again, it sticks for ever, else it goes on sliding. `Oscillator.linear_limit` and
-`bristle_margin` say where steady sliding loses its stability, with friction that depends on the speed alone
-and with bristles.
+if it comes to rest again, it sticks for ever, else it goes on sliding. `Oscillator.linear_limit` is the
+damping below which steady sliding is unstable.
 """
 
 from collections.abc import Mapping
@@ -78,25 +77,14 @@ class Oscillator:
         [N m s/rad]."""
         return max(0.0, -sum(part.slope(speed) for part in self.parts))
 
-    def bristle_margin(self, speed: float, presliding: float) -> float:
-        """Return what is above zero where sliding at a speed is stable with bristles (one presliding angle).
-
-        About steady sliding a bristle's friction follows T g by the lag tau = delta g / omega, so that
-        J tau s^3 + (J + c tau) s^2 + (c + k tau + T g') s + k must be Hurwitz:
-        (J + c tau)(c + k tau + T g') > J tau k, divided here by J k / omega0.
-        """
-        kinetic = sum(part.torque for part in self.parts)
-        tau = presliding * float(self.friction(speed)) / kinetic / speed
-        falling = self.linear_limit(speed)
-        second, first = self.inertia + self.damping * tau, self.damping + self.stiffness * tau - falling
-        if first <= 0:
-            return first * self.frequency / self.stiffness
-        lag = self.inertia * tau * self.stiffness
-        return (second * first - lag) * self.frequency / (self.inertia * self.stiffness)
+    def sliding_margin(self, speed: float) -> float:
+        """Return what is above zero where steady sliding at a speed is stable: damping less `linear_limit`,
+        over that of k / omega0. Bristles change nothing there: all slide at their limit."""
+        return (self.damping - self.linear_limit(speed)) * self.frequency / self.stiffness
 
 
 def sticks(model: Oscillator, drive: np.ndarray) -> np.ndarray:
-    """Tell at which speeds of the wheel (n,) [rad/s] a gear that has stuck comes to rest again.
+    """Return at which speeds of the wheel (n,) [rad/s] a gear that has stuck comes to rest again.
 
     In the plane of twist and speed paths do not cross: minima of the speed fall from one to the next until it
     is at rest, or rise for ever, which two of them show.
@@ -151,14 +139,6 @@ def sticking_speed(model: Oscillator, fastest: float = 100.0) -> float:
         low, high = speeds[last[-1]], speeds[last[-1] + 1]
         speeds = np.linspace(low, high, SPEEDS)
     return float((low + high) / 2)
-
-
-def unstable_speed(model: Oscillator, presliding: float, fastest: float = 100.0) -> float:
-    """Return the largest speed of the wheel at which steady sliding with bristles is unstable [rad/s]; 0
-    where it never is."""
-    speeds = np.geomspace(1e-4 * fastest, fastest, 20 * SPEEDS)
-    unstable = np.array([model.bristle_margin(float(speed), presliding) < 0 for speed in speeds])
-    return float(speeds[np.flatnonzero(unstable)[-1]]) if unstable.any() else 0.0
 
 
 def describe_stick_slip(signals: Signals, speed: float) -> dict[str, float]:

@@ -15,6 +15,8 @@ import numpy as np
 Signals = Mapping[str, np.ndarray]
 
 LEAST_TURN = 5e-3  # of the whole range of angles: a smaller turn back begins no pass
+SHORT_PASS, WHOLE_WAY = 3, 0.8  # rows of a pass, and part of the range that it covers, below which ...
+MOST_ASTRAY, FEW_ROWS = 0.25, 12  # ... at most this part of a record lies, which has so many rows at least
 LEAST_JUMP = 0.3  # of the range, that one step back goes where another pass in the same direction begins
 
 
@@ -89,6 +91,17 @@ def turning_points(angle: np.ndarray) -> list[int]:
         elif direction < 0:
             high = i
     return [*points, high if direction > 0 else low]
+
+
+def is_in_random_order(angle: np.ndarray) -> bool:
+    """Return whether angles (n,) turn back after every few rows on the way, as those of a motion do not.
+
+    Shuffled angles do after 1.5 rows on average; those of a motion turn back at its ends.
+    """
+    ends = turning_points(angle)
+    rows, part = np.diff(ends), np.abs(np.diff(angle[ends])) / max(float(np.ptp(angle)), 1e-300)
+    astray = rows[(rows <= SHORT_PASS) & (part < WHOLE_WAY)].sum()
+    return bool(astray > MOST_ASTRAY * max(angle.size - 1, FEW_ROWS))
 
 
 def _maneuvers(signals: Signals) -> list[Signals]:

@@ -19,19 +19,32 @@ PICTURES = (".png", ".svg", ".pdf")
 """Suffixes of the files that a chart can be saved as, without loading the library that draws."""
 
 
+LARGEST_FILE = 2**32
+"""Bytes of the largest file that is read whole; a study of a million cases needs a tenth of it."""
+
+
 def content_of(path: str | Path) -> bytes:
-    """Return the bytes of a file that a user names: a regular one, for others may never end.
+    """Return the bytes of a file that a user names: a regular one of bounded size, for others may never end.
 
     Raises:
         InputError: it cannot be read.
     """
     try:
-        mode = Path(path).stat().st_mode
-        if stat.S_ISREG(mode):
-            return Path(path).read_bytes()
-        reason = "it is a folder" if stat.S_ISDIR(mode) else "it is a device, a pipe or a socket"
+        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+        with os.fdopen(descriptor, "rb", closefd=True) as file:
+            found = os.fstat(descriptor)
+            if not stat.S_ISREG(found.st_mode):
+                reason = "it is a device, a pipe or a socket"
+            elif found.st_size > LARGEST_FILE:
+                reason = f"it has {found.st_size:.2g} bytes (limit {LARGEST_FILE:.2g})"
+            elif (content := file.read(found.st_size + 1)) is not None and len(content) <= found.st_size:
+                return content
+            else:
+                reason = "it has no fixed size"
     except FileNotFoundError:
         reason = "there is no such file"
+    except IsADirectoryError:
+        reason = "it is a folder"
     except PermissionError:
         reason = "permission denied"
     except MemoryError:
@@ -155,6 +168,11 @@ def _flush_to_disk(path: Path) -> None:
 
 DEEPEST = 50
 """Levels of lists and tables within each other; our own files have six. Python refuses some hundreds."""
+
+
+def printable(text: str) -> str:
+    """Return a text of others with control characters, which a terminal would obey, as their escapes."""
+    return "".join(sign if sign.isprintable() or sign in "\n\t\0" else ascii(sign)[1:-1] for sign in text)
 
 
 def read_json_tables(text: str, what: str) -> dict[str, Any]:

@@ -42,13 +42,23 @@ def opened(path: str | Path, filetype: str, what: str, version: tuple[int, int])
     """
     content = content_of(path)
     _check_intact(content, path)
+    with named_damage(path), _image(content, path) as file:
+        if file.attrs.get("filetype") != filetype:
+            raise InputError(f"{path} is an HDF5 file, but not a {what} of rps-exudyn.")
+        check_version(np.ravel(file.attrs.get("version", ())), path, version)
+        _check_self_contained(file, len(content), path)
+        yield file
+
+
+@contextmanager
+def named_damage(path: str | Path) -> Iterator[None]:
+    """Report whatever goes wrong in a block as the damage of a file.
+
+    Raises:
+        InputError: something goes wrong.
+    """
     try:
-        with _image(content, path) as file:
-            if file.attrs.get("filetype") != filetype:
-                raise InputError(f"{path} is an HDF5 file, but not a {what} of rps-exudyn.")
-            check_version(np.ravel(file.attrs.get("version", ())), path, version)
-            _check_self_contained(file, len(content), path)
-            yield file
+        yield
     except InputError:
         raise
     except MemoryError:

@@ -13,7 +13,7 @@ from rps_exudyn.cli.options import PAPER_GEAR, GearOptions, Inputs, Jobs, Json
 from rps_exudyn.cli.output import DONE, FAILED, print_json, put, put_table
 
 if TYPE_CHECKING:
-    from rps_exudyn.assessment.requirements.sheet import Judged
+    from rps_exudyn.assessment.requirements.sheet import RequirementRow
 
 COLUMNS = ("requirement", "limit", "nominal", "5 to 95 %", "gears that keep it", "verdict")
 
@@ -64,7 +64,7 @@ def check(
         print_json(_as_dict(sheet))
     else:
         _print(sheet, torque, out)
-    return DONE if all(each.kept for each in sheet) else FAILED
+    return DONE if all(each.verdict == "pass" for each in sheet) else FAILED
 
 
 def _known(value: float) -> float | None:
@@ -72,13 +72,13 @@ def _known(value: float) -> float | None:
     return None if isnan(value) else value
 
 
-def _as_dict(sheet: "Sequence[Judged]") -> dict[str, object]:
+def _as_dict(sheet: "Sequence[RequirementRow]") -> dict[str, object]:
     from rps_exudyn.assessment.requirements.limits import REQUIRED
 
     rows = {
         each.name: {
             "verdict": each.verdict,
-            "nominal": _known(each.nominal),
+            "nominal": _known(each.value),
             "band": [_known(each.low), _known(each.high)],
             "unit": REQUIRED[each.name].unit,
             "limit": each.limit.show(REQUIRED[each.name]),
@@ -88,19 +88,18 @@ def _as_dict(sheet: "Sequence[Judged]") -> dict[str, object]:
         }
         for each in sheet
     }
-    return {"all_kept": all(each.kept for each in sheet), "requirements": rows}
+    return {"all_kept": all(each.verdict == "pass" for each in sheet), "requirements": rows}
 
 
-def _print(sheet: "Sequence[Judged]", torque: float, out: Path | None) -> None:
+def _print(sheet: "Sequence[RequirementRow]", torque: float, out: Path | None) -> None:
     from rps_exudyn.assessment.requirements.limits import REQUIRED
     from rps_exudyn.assessment.requirements.sheet import ASSURED
 
     rows = []
     for each in sheet:
-        show, evaluated = REQUIRED[each.name].show, not isnan(each.nominal)
-        band = f"{show(each.low)} to {show(each.high)}" if evaluated and each.low != each.high else ""
+        show = REQUIRED[each.name].show
+        nominal, band = show(each.value) if each.is_known else "", each.band_shown(show)
         share = f"{each.share:.0%}" if band else ""
-        nominal = show(each.nominal) if evaluated else ""
         rows.append((each.name, each.limit.show(REQUIRED[each.name]), nominal, band, share, each.verdict))
     put_table(COLUMNS, rows)
     for each in sheet:

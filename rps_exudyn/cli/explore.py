@@ -20,7 +20,6 @@ def explore(
         browser: open the page in the browser.
     """
     from rps_exudyn.pages.explore.server import Explorer
-    from rps_exudyn.pages.explore.sliders import answer
 
     chosen = gear.load()
     if not host.strip():
@@ -31,7 +30,7 @@ def explore(
         if not server.local:
             say(f"anyone who reaches {host} can compute on this machine now; there is no password.")
         with shown_progress():
-            answer(chosen, {})
+            server.warm_up()
         print(f"serving: {server.address} (Ctrl-C ends it)", flush=True)
         if browser:
             with suppress(webbrowser.Error):

@@ -11,7 +11,7 @@ from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import PICTURES, check_writable, number_existing, replacing
 from rps_exudyn.base.screen import shown_progress
-from rps_exudyn.cli.options import PAPER_GEAR, Columns, Flag, GearOptions, Json, chosen_columns
+from rps_exudyn.cli.options import PAPER_GEAR, Columns, Flag, GearOptions, Jobs, Json, chosen_columns
 from rps_exudyn.cli.output import (
     DONE,
     FAILED,
@@ -64,6 +64,8 @@ def fit(
     report: Path | None = None,
     series: Path | None = None,
     like: Path | None = None,
+    jobs: Jobs = None,
+    time_limit: str | None = None,
     json: Json = False,
 ) -> int:
     """Estimate preload, friction, drag and runout from measured curves, and name what they cannot separate.
@@ -77,11 +79,14 @@ def fit(
         report: page (.html) with pictures, intervals, correlations and what was assumed.
         series: file (.json) with what this fit leaves for the next gear of the series.
         like: such a file of another gear, with the same tests: this fit begins there.
+        time_limit: of each simulation, for instance "20 s": one that takes longer is left out.
     """
     from rps_exudyn.inference.fitting import findings
     from rps_exudyn.inference.fitting.fit import fit as fitted
     from rps_exudyn.inference.fitting.series import read_series
     from rps_exudyn.inference.fitting.unknowns import USUAL
+    from rps_exudyn.simulate.cases.run_cases import checked_jobs
+    from rps_exudyn.simulate.cases.time_limit import TimeLimit
 
     if not files:
         raise InputError("fit needs at least one measured file, for instance rps-exudyn fit measured.csv.")
@@ -98,6 +103,8 @@ def fit(
             columns=chosen_columns(column),
             other_law=not single_law,
             like=read_series(like) if like else None,
+            jobs=checked_jobs(jobs),
+            time_limit=TimeLimit.of(time_limit).seconds if time_limit is not None else float("inf"),
         )
     written: list[Path] = []
     with named_if_interrupted(written):
@@ -167,6 +174,7 @@ def print_fit(fit: "Fit", files: Iterable[Path]) -> None:
             put(sentence)
     columns = ("parameter", "value", "95 % interval", "expected before", "verdict")
     put_table(columns, findings.rows(fit))
+    put_table(findings.BUDGET, findings.budget_rows(fit))
     if sentence := findings.offset_sentence(fit):
         put(sentence)
     for sentence in (*fit.left_out, *fit.warnings):

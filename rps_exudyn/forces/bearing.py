@@ -3,18 +3,18 @@
 import numpy as np
 
 from rps_exudyn.base.compiled import inline, record, record_type
-from rps_exudyn.forces.force_element import Part
+from rps_exudyn.forces.force_element import FRICTION_STATE, Part
 from rps_exudyn.forces.friction import (
     LAW,
-    bristle,
-    clear,
+    Patches,
     constant_drag,
     law_of,
     rubbing,
-    stored,
+    slide,
+    slide_slopes,
     stribeck,
+    stribeck_slope,
 )
-from rps_exudyn.forces.memory import Patches
 from rps_exudyn.parameters.gear import SteeringGear
 
 BEARING = record_type(
@@ -27,30 +27,35 @@ BEARING = record_type(
 )
 """Record of the bearings' friction."""
 
-PART = Part("bearing", ("pinion",), ("bearing_torque",))
+PART = Part("bearing", ("pinion",), ("bearing_torque", *FRICTION_STATE))
 
 
 @inline
 def bearing_force(rate, data, memory, out):  # type: ignore[no-untyped-def]
-    """Friction torque against the pinion's rate, linear below the zone; fills out (5,)."""
+    """Friction torque against the pinion's rate, linear below the zone; fills out (7,)."""
     law = data.law
     if law.has_state:
-        load = data.torque / data.radius
-        clear(law.place, memory)
-        drag, _, lost = bristle(1.0, data.radius * rate, 0.0, law.place, load, law, memory)
+        slip = data.radius * rate
+        limit = data.torque / data.radius * stribeck(abs(slip), law)
+        drag, _, out[1], out[5] = slide(limit, slip, 0.0, law.place, law, memory)
         torque = drag * data.radius
-        out[1], out[2] = stored(law.place, load, law, memory), lost
+        out[6] = out[1]
     else:
         torque = constant_drag(data.torque, rate, data.zone) * stribeck(data.radius * abs(rate), law)
-        out[1], out[2] = 0.0, torque * rate
-    out[0], out[3], out[4] = -torque, 0.0, torque
+        out[1] = out[5] = out[6] = 0.0
+    out[0], out[2], out[3], out[4] = -torque, torque * rate, 0.0, torque
 
 
 @inline
 def bearing_slope(rate, data, memory):  # type: ignore[no-untyped-def]
     """Derivative of the torque on the pinion by its rate [N m s]."""
     load, zone, law = data.torque / data.radius, data.radius * data.zone, data.law
-    _, _, ahead, _, _, _ = rubbing(data.radius * rate, 0.0, law.place, load, zone, law, memory)
+    slip = data.radius * rate
+    if law.has_state:
+        g, fall = stribeck(abs(slip), law), load * stribeck_slope(abs(slip), law)
+        ahead, _, _, _, _, _, _, _ = slide_slopes(load * g, slip, 0.0, fall, law.place, law, memory)
+    else:
+        _, _, ahead, _, _, _ = rubbing(slip, 0.0, load, zone, law)
     return -ahead * data.radius * data.radius
 
 
@@ -61,5 +66,5 @@ def bearing_record(gear: SteeringGear, *, friction_zone: float, patches: Patches
         torque=gear.bearing.friction_torque,
         zone=friction_zone,
         radius=gear.pinion.shaft_diameter / 2,
-        law=law_of(gear.bearing, patches),
+        law=law_of(gear.bearing, patches, 2 * gear.bearing.friction_torque / gear.pinion.shaft_diameter),
     )

@@ -12,6 +12,9 @@ import numpy as np
 # The energy terms, behind the generalised forces in every part's output [J, W, W]
 ELASTIC_ENERGY, FRICTION_POWER, DAMPING_POWER = 0, 1, 2
 ENERGY_TERMS = 3
+# What parts that rub return behind all others [J]: what friction with a state has lost so far, and what it
+# stores, which is part of the elastic energy
+FRICTION_STATE = "friction_lost", "friction_stored"
 
 COORDINATES = {"pinion": 1, "rack": 6, "plunger": 1, "segment": 6}
 

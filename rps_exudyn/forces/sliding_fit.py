@@ -10,18 +10,20 @@ import numpy as np
 
 from rps_exudyn.base.compiled import inline, record, record_type
 from rps_exudyn.forces.bush import RIGID_END, Chain, housing_station, lateral_stiffness
-from rps_exudyn.forces.force_element import Part
+from rps_exudyn.forces.force_element import FRICTION_STATE, Part
 from rps_exudyn.forces.friction import (
     LAW,
-    bristle,
-    clear,
+    LOST,
+    Patches,
     coulomb,
+    duration,
     law_of,
     rubbing,
-    stored,
+    slide,
+    slide_slopes,
     stribeck,
+    stribeck_slope,
 )
-from rps_exudyn.forces.memory import Patches
 from rps_exudyn.forces.rigid_motion import (
     Vector,
     cross,
@@ -50,7 +52,7 @@ FIT = record_type(
 )
 """Record of the sliding fit between the rack and what carries it."""
 
-PART = Part("bush", ("rack",), ("bush_lateral_force", "bush_drag"))
+PART = Part("bush", ("rack",), ("bush_lateral_force", "bush_drag", *FRICTION_STATE))
 STILL = (0.0, 0.0, 0.0)
 
 
@@ -71,9 +73,11 @@ class FitLoads(NamedTuple):
     lever_carrier: Vector  # from each body's reference point to that place
     lever_rack: Vector
     stored: float
-    lost: float
+    power: float  # that friction takes
     lateral: float
     drag: float
+    friction_lost: float
+    friction_stored: float
 
 
 @inline
@@ -91,18 +95,21 @@ def fit_loads(carrier, rack, data, memory):  # type: ignore[no-untyped-def]
 
     of_rack = plus(rack.velocity, cross(rack.spin, lever_rack))
     of_carrier = plus(carrier.velocity, cross(carrier.spin, lever_carrier))
-    slide = dot(minus(of_rack, of_carrier), rack.axis)
+    along = dot(minus(of_rack, of_carrier), rack.axis)
     roll = data.radius * dot(minus(rack.spin, carrier.spin), rack.axis)
-    speed = np.sqrt(slide**2 + roll**2)
-    law, held = data.law, 0.0
+    speed = np.sqrt(along**2 + roll**2)
+    law, held, lost = data.law, 0.0, 0.0
     if law.has_state:
-        clear(law.place, memory)
-        drag, turning, lost = bristle(1.0, slide, roll, law.place, data.drag, law, memory)
-        held = stored(law.place, data.drag, law, memory)
+        limit = data.drag * stribeck(speed, law)
+        drag, turning, held, lost = slide(limit, along, roll, law.place, law, memory)
+        power = drag * along + turning * roll
     else:
         rub = coulomb(1.0, data.drag, speed, data.zone) * stribeck(speed, law)
-        drag, turning, lost = rub * slide, rub * roll, rub * speed**2
-    drag, lost = drag + data.viscous * slide, lost + data.viscous * slide**2
+        drag, turning, power = rub * along, rub * roll, rub * speed**2
+    if law.has_state:  # the work is summed up with that of the bristles
+        lost += data.viscous * along**2 * duration(memory)
+        memory[1, law.place + LOST] = lost
+    drag, power = drag + data.viscous * along, power + data.viscous * along**2
 
     k = data.stiffness
     y, z, b, c = offset[1], offset[2], tilt[1], tilt[2]
@@ -118,9 +125,11 @@ def fit_loads(carrier, rack, data, memory):  # type: ignore[no-untyped-def]
         plus(lever_carrier, offset),
         lever_rack,
         0.5 * (y * p_y + z * p_z + b * m_y + c * m_z) + held,
-        lost,
+        power,
         np.sqrt(p_y**2 + p_z**2),
         drag,
+        lost,
+        held,
     )
 
 
@@ -136,20 +145,21 @@ def _fill(out, loads, turn):  # type: ignore[no-untyped-def]
     moment = plus(loads.moment, cross(loads.lever_rack, loads.force))
     out[0], out[1], out[2] = loads.force
     out[3], out[4], out[5] = on_angles(turn, moment)
-    out[6], out[7], out[8] = loads.stored, loads.lost, 0.0
+    out[6], out[7], out[8] = loads.stored, loads.power, 0.0
     out[9], out[10] = loads.lateral, loads.drag
+    out[11], out[12] = loads.friction_lost, loads.friction_stored
 
 
 @inline
 def held_fit_force(q, v, data, memory, out):  # type: ignore[no-untyped-def]
-    """The fit in a carrier that is part of the housing; q = rack (6), fills out (11,)."""
+    """The fit in a carrier that is part of the housing; q = rack (6), fills out (13,)."""
     rack, turn = _held(q, v)
     _fill(out, fit_loads(Held(STILL, STILL, (1.0, 0.0, 0.0), STILL), rack, data, memory), turn)
 
 
 @inline
 def carried_fit_force(q, v, carrier_q, carrier_v, data, memory, out, on_carrier):  # type: ignore[no-untyped-def]
-    """The fit in a moving carrier, a segment (6); fills out (11,) and the forces on the carrier (6,)."""
+    """The fit in a moving carrier, a segment (6); fills out (13,) and the forces on the carrier (6,)."""
     (carrier, turn_carrier), (rack, turn_rack) = _held(carrier_q, carrier_v), _held(q, v)
     loads = fit_loads(carrier, rack, data, memory)
     moment = plus(loads.moment, cross(loads.lever_carrier, loads.force))
@@ -175,14 +185,25 @@ def add_fit_tangent(q, v, data, memory, factor_q, factor_v, tangent):  # type: i
                 tangent[tilt, second] += value * by_tilt
                 tangent[tilt, turned] += value * by_tilt * other
     # with the bar, whose tilts are small: it slides along X and rolls about it
-    slide, roll, law = v[0], data.radius * v[3], data.law
-    _, _, ahead, aside, d_a, d_b = rubbing(slide, roll, law.place, data.drag, data.zone, law, memory)
-    in_line = factor_v * (ahead * d_a * d_a + aside * d_b * d_b + data.viscous)
-    mixed = factor_v * (ahead - aside) * d_a * d_b
-    across = factor_v * (ahead * d_b * d_b + aside * d_a * d_a)
+    along, roll, law = v[0], data.radius * v[3], data.law
+    if law.has_state:
+        speed = np.sqrt(along**2 + roll**2)
+        limit, fall = data.drag * stribeck(speed, law), data.drag * stribeck_slope(speed, law)
+        slopes = slide_slopes(limit, along, roll, fall, law.place, law, memory)
+        in_line, mixed, turned, across = (
+            factor_v * (slopes[0] + data.viscous),
+            factor_v * slopes[1],
+            factor_v * slopes[2],
+            factor_v * slopes[3],
+        )
+    else:
+        _, _, ahead, aside, d_a, d_b = rubbing(along, roll, data.drag, data.zone, law)
+        in_line = factor_v * (ahead * d_a * d_a + aside * d_b * d_b + data.viscous)
+        mixed = turned = factor_v * (ahead - aside) * d_a * d_b
+        across = factor_v * (ahead * d_b * d_b + aside * d_a * d_a)
     tangent[0, 0] -= in_line
     tangent[0, 3] -= mixed * data.radius
-    tangent[3, 0] -= mixed * data.radius
+    tangent[3, 0] -= turned * data.radius
     tangent[3, 3] -= across * data.radius * data.radius
 
 
@@ -199,28 +220,33 @@ def _moved(i, lever):  # type: ignore[no-untyped-def]
 LATERAL = [1, 2, 4, 5]  # of x y z, about x y z
 
 
-def chain_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float, patches: Patches) -> np.record:
+def bush_law(gear: SteeringGear, patches: Patches) -> np.record:
+    """Return the law of the bush's friction, one for all fits of a gear."""
+    return law_of(gear.bush, patches, gear.bush.drag)
+
+
+def chain_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float, law: np.record) -> np.record:
     """The rack in the last segment of a chain: the last half piece is the fit's elasticity."""
     stiffness, lever = np.diag(chain.end[LATERAL]), -(chain.end_station - chain.centres[-1])
-    return _fit(gear, stiffness, chain.end_station, friction_zone, patches, lever)
+    return _fit(gear, stiffness, chain.end_station, friction_zone, law, lever)
 
 
-def condensed_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float, patches: Patches) -> np.record:
+def condensed_fit(gear: SteeringGear, chain: Chain, *, friction_zone: float, law: np.record) -> np.record:
     """The rack in the chain's exact static stiffness, seen at the place of the fit.
 
     Axial stretch and twist of the bush are left out: only the drag loads them.
     """
-    return _fit(gear, lateral_stiffness(chain), chain.end_station, friction_zone, patches)
+    return _fit(gear, lateral_stiffness(chain), chain.end_station, friction_zone, law)
 
 
-def rigid_fit(gear: SteeringGear, *, friction_zone: float, patches: Patches) -> np.record:
+def rigid_fit(gear: SteeringGear, *, friction_zone: float, law: np.record) -> np.record:
     """The rack in a bush that does not yield: stiff in place of rigid, at the bush's free end."""
-    return _fit(gear, np.diag(RIGID_END[LATERAL]), gear.bush.length, friction_zone, patches)
+    return _fit(gear, np.diag(RIGID_END[LATERAL]), gear.bush.length, friction_zone, law)
 
 
-def loose_fit(gear: SteeringGear, *, friction_zone: float, patches: Patches) -> np.record:
+def loose_fit(gear: SteeringGear, *, friction_zone: float, law: np.record) -> np.record:
     """A fit that drags but does not hold, for a rack that is guided otherwise."""
-    return _fit(gear, np.zeros((4, 4)), gear.bush.length, friction_zone, patches)
+    return _fit(gear, np.zeros((4, 4)), gear.bush.length, friction_zone, law)
 
 
 def _fit(
@@ -228,7 +254,7 @@ def _fit(
     stiffness: np.ndarray,
     station: float,
     friction_zone: float,
-    patches: Patches,
+    law: np.record,
     lever: float = 0.0,
 ) -> np.record:
     """The fit at a station of the chain [m]."""
@@ -241,5 +267,5 @@ def _fit(
         radius=gear.rack.bar_diameter / 2,
         station=housing_station(gear, station),
         lever=lever,
-        law=law_of(gear.bush, patches),
+        law=law,
     )

@@ -15,19 +15,28 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 
 from rps_exudyn.base.compiled import inline, kernel, record, record_type
-from rps_exudyn.forces.force_element import Part
+from rps_exudyn.forces.force_element import FRICTION_STATE, Part
 from rps_exudyn.forces.friction import (
+    ACROSS,
+    ALONG,
+    FRICTION_ACROSS,
+    FRICTION_ALONG,
     LAW,
-    bristle,
+    WEIGHT,
+    WHOLE_LOAD,
+    Patches,
+    add_direction,
+    add_point,
     by_load,
-    clear,
+    clear_patch,
     coulomb,
     law_of,
+    on_patch,
+    patch_slopes,
     rubbing,
-    stored,
+    slide_patch,
     stribeck,
 )
-from rps_exudyn.forces.memory import Patches
 from rps_exudyn.forces.rigid_motion import (
     cross,
     dot,
@@ -70,7 +79,7 @@ SEAT = record_type(
 SPRING = record_type([("rate", "f8"), ("preload", "f8")])  # [N/m], [N]
 NUT = record_type([("stiffness", "f8"), ("clearance", "f8")])  # [N/m], [m]
 
-SEAT_PART = Part("seat", ("rack", "plunger"), ("seat_normal_force", "seat_force"))
+SEAT_PART = Part("seat", ("rack", "plunger"), ("seat_normal_force", "seat_force", *FRICTION_STATE))
 SPRING_PART = Part("yoke_spring", ("plunger",), ("spring_force",))
 NUT_PART = Part("yokenut", ("plunger",), ("yokenut_force",))
 
@@ -180,21 +189,22 @@ def _whole_load(points, count, q, axis, tilt, data):  # type: ignore[no-untyped-
 
 
 @inline
-def seat_force(q, v, data, memory, points, out):  # type: ignore[no-untyped-def]
-    """Penalty contact of the seat with the back of the bar; q = rack (6), plunger (1), fills out (12,).
+def seat_force(q, v, data, memory, rubbed, points, out):  # type: ignore[no-untyped-def]
+    """Penalty contact of the seat with the back of the bar; q = rack (6), plunger (1), fills out (14,).
 
-    It is integrated over the part that touches, which a tilted or shifted bar leaves; `points` is work space.
+    It is integrated over the part that touches, which a tilted or shifted bar leaves; `points` is work space,
+    and `rubbed` takes the sums over the patch of bristles.
     """
-    for i in range(12):
+    for i in range(14):
         out[i] = 0.0
     turn, omega, slope_y, slope_z, tilt, count = seat_stance(q, v, q[6], data, points)
     axis_x, axis_y, axis_z = turn.axis
     moment_x = moment_y = moment_z = 0.0
     law, friction = data.law, data.friction
-    if law.load_exponent != 1.0:
-        friction *= by_load(_whole_load(points, count, q, turn.axis, tilt, data), law)
     if law.has_state:
-        clear(law.place, memory)
+        clear_patch(rubbed)
+    elif law.load_exponent != 1.0:
+        friction *= by_load(_whole_load(points, count, q, turn.axis, tilt, data), law)
     for i in range(count):
         ny, nz = points[i, 0], points[i, 1]
         # the point of the bar's axis that stands at this station of the housing
@@ -218,12 +228,11 @@ def seat_force(q, v, data, memory, points, out):  # type: ignore[no-untyped-def]
             # along the bar's surface and around it
             size = np.sqrt(1 + nx * nx)
             along_bar, around = (vx - nx * (vy * ny + vz * nz)) / size, vz * ny - vy * nz
-            drag, turning, lost = bristle(load, along_bar, around, law.place, friction, law, memory)
-            fx, fy, fz = (
-                -drag / size,
-                drag * nx * ny / size + turning * nz,
-                drag * nx * nz / size - turning * ny,
-            )
+            weight = add_point(load, along_bar, around, law, rubbed)
+            on, beside = (1 / size, -nx * ny / size, -nx * nz / size), (0.0, -nz, ny)
+            add_direction(ALONG, weight, on, cross((lx, ly, lz), on), rubbed)
+            add_direction(ACROSS, weight, beside, cross((lx, ly, lz), beside), rubbed)
+            fx = fy = fz = lost = 0.0
         else:
             drag = coulomb(load, friction, speed, data.zone) * stribeck(speed, law)
             fx, fy, fz = -drag * vx, -drag * vy, -drag * vz
@@ -241,7 +250,13 @@ def seat_force(q, v, data, memory, points, out):  # type: ignore[no-untyped-def]
         out[10] += load
         out[11] += load * ny
     if law.has_state:
-        out[7] += stored(law.place, friction, law, memory)
+        out[8], out[13], out[12] = slide_patch(friction, law.place, law, memory, rubbed)
+        out[7] += out[13]
+        for i in range(3):
+            out[i] -= on_patch(i, rubbed)
+        moment_x -= on_patch(3, rubbed)
+        moment_y -= on_patch(4, rubbed)
+        moment_z -= on_patch(5, rubbed)
     out[3], out[4], out[5] = on_angles(turn, (moment_x, moment_y, moment_z))
     out[6] = -out[1]
 
@@ -257,7 +272,7 @@ def add_seat_outer(tangent, factor, force, moment, plunger, by_force, by_moment,
 
 
 @inline
-def add_seat_tangent(q, v, data, memory, points, factor_q, factor_v, tangent, of_loads):  # type: ignore[no-untyped-def]
+def add_seat_tangent(q, v, data, memory, rubbed, points, factor_q, factor_v, tangent, of_loads):  # type: ignore[no-untyped-def]
     """Add factor_q dF/dq + factor_v dF/dv of the seat on rack and plunger to a tangent (7, 7); fill
     `of_loads` (2, 7) with factor_q times the derivatives of its own outputs.
 
@@ -266,7 +281,7 @@ def add_seat_tangent(q, v, data, memory, points, factor_q, factor_v, tangent, of
     """
     turn, omega, slope_y, slope_z, tilt, count = seat_stance(q, v, q[6], data, points)
     law, axis, friction = data.law, turn.axis, data.friction
-    if law.load_exponent != 1.0:
+    if law.load_exponent != 1.0 and not law.has_state:
         friction *= by_load(_whole_load(points, count, q, axis, tilt, data), law)
     for i in range(7):
         of_loads[0, i] = of_loads[1, i] = 0.0
@@ -282,7 +297,12 @@ def add_seat_tangent(q, v, data, memory, points, factor_q, factor_v, tangent, of
         # along the bar and around it
         ahead_of, around = (1.0, -normal[0] * ny, -normal[0] * nz), (0.0, -nz, ny)
         along, across = dot(slip, ahead_of), dot(slip, around)
-        f_a, f_b, ahead, aside, d_a, d_b = rubbing(along, across, law.place, friction, data.zone, law, memory)
+        if law.has_state:
+            g, weight = stribeck(np.sqrt(along * along + across * across), law), rubbed[WEIGHT]
+            f_a, f_b = g * rubbed[FRICTION_ALONG] / weight, g * rubbed[FRICTION_ACROSS] / weight
+            ahead, aside, d_a, d_b = 0.0, 0.0, 1.0, 0.0
+        else:
+            f_a, f_b, ahead, aside, d_a, d_b = rubbing(along, across, friction, data.zone, law)
         rub = plus(scaled(f_a, ahead_of), scaled(f_b, around))
         moment = cross(arm, normal)
         deeper = (normal[0], normal[1], normal[2], moment[0], moment[1], moment[2], -ny)
@@ -300,7 +320,7 @@ def add_seat_tangent(q, v, data, memory, points, factor_q, factor_v, tangent, of
             -ny,
         )
         drag = -factor_v * stiffness * depth
-        if drag != 0:
+        if drag != 0 and not law.has_state:
             on, beside = scaled(d_a, ahead_of), scaled(d_a, around)
             on, beside = plus(on, scaled(d_b, around)), plus(beside, scaled(-d_b, ahead_of))
             if ahead != 0:
@@ -308,6 +328,18 @@ def add_seat_tangent(q, v, data, memory, points, factor_q, factor_v, tangent, of
                 add_seat_outer(tangent, drag * ahead, on, moment, -on[1], on, moment, -on[1])
             moment = cross(surface, beside)
             add_seat_outer(tangent, drag * aside, beside, moment, -beside[1], beside, moment, -beside[1])
+    if law.has_state:
+        k_aa, k_ab, k_ba, k_bb, p_a, p_b = patch_slopes(friction, law.place, law, memory, rubbed)
+        g = rubbed[WEIGHT] / rubbed[WHOLE_LOAD] if rubbed[WEIGHT] > 0 else 0.0
+        for i in range(7):
+            on_a = rubbed[ALONG + i] if i < 6 else -rubbed[ALONG + 1]
+            on_b = rubbed[ACROSS + i] if i < 6 else -rubbed[ACROSS + 1]
+            for j in range(7):
+                by_a = rubbed[ALONG + j] if j < 6 else -rubbed[ALONG + 1]
+                by_b = rubbed[ACROSS + j] if j < 6 else -rubbed[ACROSS + 1]
+                slip_a, slip_b = k_aa * by_a + k_ab * by_b, k_ba * by_a + k_bb * by_b
+                tangent[i, j] -= factor_v * (on_a * slip_a + on_b * slip_b)
+                tangent[i, j] -= (on_a * p_a + on_b * p_b) * g * of_loads[0, j]
 
 
 def seat_record(
@@ -336,7 +368,9 @@ def seat_record(
         half_length=yoke.seat_length / 2,
         density=yoke.seat_stiffness / np.sum(arc_weight * np.cos(arc) ** 2) / yoke.seat_length,
         points=np.column_stack([*normals, np.tile(yoke.seat_length / 2 * s, arc.size), stiffness]),
-        law=law_of(yoke, patches or Patches(), usual_load=yoke.preload * seat_wedge_factor(yoke.seat_angle)),
+        law=law_of(
+            yoke, patches or Patches(), yoke.friction, yoke.preload * seat_wedge_factor(yoke.seat_angle)
+        ),
         tilt=yoke.bore_clearance / yoke.plunger_length,
     )
 

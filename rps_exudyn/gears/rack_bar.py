@@ -20,10 +20,14 @@ from functools import cached_property
 import numpy as np
 from manifold3d import Manifold
 
+from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.basic_rack import arc_segments, rack_tooth, straight_depth
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.polyhedron import cylinder, prism
 from rps_exudyn.parameters.gear import SteeringGear
+
+MOST_TEETH = 2000
+"""Of a rack's body; it takes 1.5 s to make."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +125,16 @@ class RackBar:
         return np.concatenate([first, teeth, close])
 
     def solid(self, chord_error: float) -> Manifold:
-        """The bar with its teeth, rack frame, chords within `chord_error` [m]."""
+        """The bar with its teeth, rack frame, chords within `chord_error` [m].
+
+        Raises:
+            InputError: more teeth than can be modelled in seconds.
+        """
+        if len(self.teeth) > MOST_TEETH:
+            raise InputError(
+                f"rack.travel needs {len(self.teeth)} teeth on the rack; bodies are made of up to "
+                f"{MOST_TEETH}, for a travel of about {MOST_TEETH * self.pair.rack_pitch:.2g} m."
+            )
         pair = self.pair
         u, y, w = pair.cross_trace, np.array([0, -1.0, 0]), pair.trace
         middle = np.column_stack([np.zeros(3), u, y])

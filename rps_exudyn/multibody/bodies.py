@@ -7,7 +7,7 @@ import numpy as np
 
 from rps_exudyn.forces.bush import Chain, housing_station
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
-from rps_exudyn.forces.memory import TIME
+from rps_exudyn.forces.friction import TIME
 from rps_exudyn.gears import masses, solids
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.multibody.steering_model import SteeringModel

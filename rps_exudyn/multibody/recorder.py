@@ -10,7 +10,7 @@ from rps_exudyn.base.progress import reached
 from rps_exudyn.forces.bush import stored_in_chain
 from rps_exudyn.forces.external_load import axis_velocity
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
-from rps_exudyn.forces.memory import TIME
+from rps_exudyn.forces.friction import TIME
 from rps_exudyn.multibody.solve import StepsUsedUpError
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.solvers.balance import SIZE, Balance

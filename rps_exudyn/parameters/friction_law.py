@@ -6,13 +6,14 @@ its formula in `forces.friction`: other files ask for the facts.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.declaration import Length, Number, SlidingSpeed, Table, Time, parameter
 
 LawName = Literal["coulomb", "stribeck", "bristle"]
 RUBBING_PARTS = "mesh", "yoke", "bush", "bearing"  # of a gear, each with its law
+MOST_ELEMENTS = 4  # elasto-plastic elements of a part with bristles
 PLAIN_LAW: LawName = "coulomb"  # the size alone: of general contact, and of what rests after tapping
 
 
@@ -22,7 +23,7 @@ class LawFacts:
 
     Attributes:
         falls: whether it may be larger at rest than in motion, by the static ratio.
-        has_state: whether it depends on the motion before, by a state along the motion (`forces.memory`).
+        has_state: whether it depends on the motion before, by a state along the motion (`forces.friction`).
         at_speed: the law that it becomes in steady sliding.
     """
 
@@ -41,8 +42,8 @@ LAWS: dict[LawName, LawFacts] = {
 class FrictionLaw(Table):
     """Friction of one part beyond its size; `friction_law` chooses what counts of the rest.
 
-    `coulomb` has one size. `stribeck` is larger at rest than in motion. `bristle` (LuGre) yields
-    elastically before it slides and holds at rest; its static ratio of 1 leaves Stribeck's part out.
+    `coulomb` has one size. `stribeck` is larger at rest than in motion. `bristle` (elasto-plastic elements)
+    yields elastically before it slides and holds at rest; its static ratio of 1 leaves Stribeck's part out.
     """
 
     friction_law: LawName = parameter(
@@ -58,7 +59,7 @@ class FrictionLaw(Table):
         2.0, "exponent of the speed in Stribeck's curve", "estimate", ge=0.5, le=4
     )
     bristle_travel: Length = parameter(
-        "5 um", "bristle: sliding over which friction turns about, its load over its stiffness", "estimate",
+        "5 um", "bristle: sliding of a first loading that reaches 63 % of the friction", "estimate",
         gt=0, le=1e-3,
     )  # fmt: skip
     bristle_damping: Time = parameter(0.0, "bristle: damping over stiffness", "estimate", ge=0, le=1e-2)
@@ -104,3 +105,34 @@ class LoadedFrictionLaw(FrictionLaw):
         ge=0.5,
         le=1.5,
     )
+
+
+# --- files of earlier versions
+
+SAME_REVERSAL = 0.687
+"""Travel of one bristle's first loading over that of the law of earlier versions (LuGre) which turns about
+over the same slip: ln 9 / 3.2, from -80 to 80 % of the friction; of four elements 0.514."""
+TRAVEL_REMARK = (
+    f"the file is of an earlier version: bristle_travel is {SAME_REVERSAL} times its value there, which "
+    "keeps the angle of a reversal"
+)
+
+
+WITH_STATE = [name for name, facts in LAWS.items() if facts.has_state]
+
+
+def of_this_version(
+    gear: dict[str, Any], fidelity: Mapping[str, Any], message: str
+) -> tuple[dict[str, Any], str]:
+    """Return the tables of a gear that a file holds beside those of its model, and the file's message, with
+    what replaces a travel of bristles whose meaning has changed since."""
+    if "friction_elements" in fidelity:
+        return gear, message
+    changed = {
+        part: {**table, "bristle_travel": SAME_REVERSAL * table["bristle_travel"]}
+        for part, table in gear.items()
+        if isinstance(table, dict)
+        and table.get("friction_law") in WITH_STATE
+        and isinstance(table.get("bristle_travel"), float)
+    }
+    return gear | changed, "; ".join(filter(None, (message, TRAVEL_REMARK if changed else "")))

@@ -7,7 +7,6 @@
 docs/hdf5-format.md describes the file. A case in it is the same result as in a file of its own.
 """
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,8 +15,9 @@ from typing import Any, NamedTuple
 import h5py
 import numpy as np
 
-from rps_exudyn.base.files import with_checksum
-from rps_exudyn.base.hdf5 import file_image, opened
+from rps_exudyn.base.files import printable, read_json_tables, with_checksum
+from rps_exudyn.base.hdf5 import file_image, named_damage, opened
+from rps_exudyn.parameters.friction_law import of_this_version
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.retired import STORED
 from rps_exudyn.results import provenance as origin
@@ -89,7 +89,7 @@ class CaseRecord:
     @property
     def found_together(self) -> bool:
         """Whether the gear was followed together with others."""
-        return "together" in json.loads(self.attributes["findings"])
+        return "together" in self._tables("findings")
 
     def result(self, where: str = "") -> Result:
         """The whole result; `where` stands for it in messages.
@@ -97,15 +97,16 @@ class CaseRecord:
         Raises:
             InputError: its parameters are wrong.
         """
-        about = self.attributes
+        about, fidelity = self.attributes, self._tables("fidelity")
+        gear, message = of_this_version(self._tables("parameters"), fidelity, about["message"])
         return Result(
             scene=about["scene"],
-            gear=SteeringGear.from_tables(json.loads(about["parameters"]), where=where, context=STORED),
-            fidelity=json.loads(about["fidelity"]),
-            solver=json.loads(about["solver"]),
-            findings=json.loads(about["findings"]),
+            gear=SteeringGear.from_tables(gear, where=where, context=STORED),
+            fidelity=fidelity,
+            solver=self._tables("solver"),
+            findings=self._tables("findings"),
             status=Status(about["status"]),
-            message=about["message"],
+            message=message,
             codes=self.codes,
             signals=self.signals,
             summary=self.tables["summary"],
@@ -115,6 +116,9 @@ class CaseRecord:
             wall_s=about["wall_s"],
             provenance={name: about[name] for name in origin.FIELDS},
         )
+
+    def _tables(self, name: str) -> dict[str, Any]:
+        return read_json_tables(self.attributes[name], name)
 
 
 def packed(records: Sequence[CaseRecord]) -> bytes:
@@ -152,7 +156,7 @@ def _put_table(group: h5py.Group, rows: Sequence[Mapping[str, float]]) -> None:
 
 
 def _put_signals(group: h5py.Group, cases: Sequence[Mapping[str, np.ndarray]]) -> None:
-    """One row for each case, padded with nan; `length` says how many of them count."""
+    """One row for each case, padded with nan; `length` is how many of them count."""
     lengths = {name: [len(case.get(name, ())) for case in cases] for case in cases for name in case}
     for name, counts in lengths.items():
         rows = np.full((len(cases), max(counts)), np.nan)
@@ -188,7 +192,7 @@ class Block:
 
     def text(self, name: str, row: int) -> str:
         """A text of a case."""
-        return str(self.columns["attributes"][name][row][:-1].decode())
+        return printable(self.columns["attributes"][name][row][:-1].decode())
 
     def number(self, name: str, row: int) -> float:
         """CPU or elapsed time of a case [s]."""
@@ -210,13 +214,19 @@ class Block:
         return {name: columns[name][row, :length].copy() for name, length in lengths.items() if length}
 
     def result(self, case_hash: str) -> Result:
-        """The whole result of a case."""
+        """The whole result of a case.
+
+        Raises:
+            InputError: the block is damaged there.
+        """
         row = self.places[case_hash]
-        known = self.columns["attributes"]
-        texts = {name: self.text(name, row) for name in TEXTS if name in known}
-        times = {name: self.number(name, row) for name in TIMES}
-        tables = {group: self.table(group, row) for group in TABLES}
-        return CaseRecord(case_hash, texts | times, tables, self.signals(case_hash)).result(str(self.path))
+        with named_damage(self.path):
+            known = self.columns["attributes"]
+            texts = {name: self.text(name, row) for name in TEXTS if name in known}
+            times = {name: self.number(name, row) for name in TIMES}
+            tables = {group: self.table(group, row) for group in TABLES}
+            record = CaseRecord(case_hash, texts | times, tables, self.signals(case_hash))
+            return record.result(str(self.path))
 
 
 class _Always:
@@ -251,12 +261,12 @@ def summaries(path: Path) -> list[Summary]:
         about = {name: _column(attributes, name) for name in ("status", "message", *TIMES)}
         columns = {name: _column(summary, name) for name in summary}
         known_codes = _column(attributes, "codes") if "codes" in attributes else [None] * len(hashes)
-    known_as = {text: Status(text[:-1].decode()) for text in set(about["status"])}
-    said = {text: " ".join(text[:-1].decode().split()) for text in set(about["message"])}
+        known_as = {text: Status(text[:-1].decode()) for text in set(about["status"])}
+        said = {text: " ".join(text[:-1].decode().split()) for text in set(about["message"])}
+        pairs = [(said[text], known) for text, known in zip(about["message"], known_codes, strict=True)]
+        of_pair = {pair: codes_of(pair[0], pair[1] and pair[1][:-1].decode()) for pair in set(pairs)}
     statuses = [known_as[text] for text in about["status"]]
-    messages = [said[text] for text in about["message"]]
-    pairs = list(zip(messages, known_codes, strict=True))
-    of_pair = {pair: codes_of(pair[0], pair[1] and pair[1][:-1].decode()) for pair in set(pairs)}
+    messages = [message for message, _ in pairs]
     codes = [of_pair[pair] for pair in pairs]
     names = [name for name in GROUPS["summary"] if name in columns]
     values = zip(*(columns[name] for name in names), strict=True) if names else [()] * len(hashes)

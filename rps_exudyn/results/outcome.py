@@ -73,6 +73,7 @@ class Code(StrEnum):
     CLEARANCE_CLOSED = "clearance-closed"
     TEETH_OVERLOADED = "teeth-overloaded"
     PEAKS_UNRESOLVED = "peaks-unresolved"
+    METRIC_NOT_CONFIRMED = "metric-not-confirmed"
     RACK_RIGID = "rack-rigid"
     NO_EFFICIENCY = "no-efficiency"
     OTHER_LAW = "other-law"

@@ -5,8 +5,10 @@ A result with another name is refused when it is made, so that files, charts and
 housing frame in `gears.gear_pair`: X the rack's travel, Y from the pinion to the rack, Z = X x Y.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
 
 from rps_exudyn.base import units
 
@@ -26,13 +28,48 @@ LEAST_SHOWN = {
 Equilibria are found to 1e-3 N, a hundred thousandth of their torque, and positions to rounding, 1e-17 m."""
 
 
+LEAST_CHANGED = {"um": 2e-8, "mrad": 1e-6, "deg": 1e-5, "%": 1e-3, "J": 1e-6}
+"""Display unit -> size in SI below which a metric changes as if it had that size."""
+LEAST_TORQUE = 0.01  # the same of a torque, of the mean torque of its run
+
+
+@dataclass(frozen=True)
+class Confirmation:
+    """How a metric is confirmed: what must not change it by more than a share."""
+
+    by: str
+    tolerance: float
+
+
+HALF_STEPS = "half the steps"
+ANOTHER_CYCLE = "half the steps and another cycle before"
+OTHER_PHASES = "another phase, or half of the cycles"
+MEAN, OTHER = 0.02, 0.05  # tolerances of means of torque and force, and of all others
+
+
 @dataclass(frozen=True)
 class Quantity:
-    """One number or signal: kept in the SI `unit`, shown in the unit `display`; "" is dimensionless."""
+    """One number or signal: kept in the SI `unit`, shown in the unit `display`; "" is dimensionless.
+
+    A metric that a simulation shows has its confirmation; formulas, settings and checks have none.
+    """
 
     unit: str
     display: str
     long_name: str
+    confirmed: Confirmation | None = None
+
+    def change(self, value: Any, right: Any, torque: Any = 0.0) -> Any:
+        """Return how far a metric is from the right value, over its tolerance; 0 without a confirmation.
+
+        Of many gears these are arrays (n,). `torque` is the mean torque [N m], beside which a small one is
+        judged.
+        """
+        if self.confirmed is None:
+            return 0.0 * np.abs(right)
+        least = LEAST_TORQUE * torque if self.unit == "N*m" else LEAST_CHANGED.get(self.display, 0.0)
+        size = np.maximum(np.maximum(np.abs(right), least), np.finfo(float).tiny)
+        return np.abs(value - right) / size / self.confirmed.tolerance
 
     def show(self, value: float) -> str:
         """Return the value for a reader, for instance "0.593 N m"; counts are whole numbers.
@@ -160,7 +197,7 @@ SIGNALS = {
     ),
 }
 
-SUMMARY = {
+_SUMMARY = {
     "torque_mean": _torque("mean of pinion_torque over the pinion angle recorded"),
     "torque_peak_to_peak": _torque("largest minus smallest pinion_torque"),
     "torque_tooth_order": _torque("amplitude of pinion_torque's harmonic once per tooth"),
@@ -262,7 +299,7 @@ SUMMARY = {
     "sticking_speed": Quantity(
         "rad/s",
         "rad/s",
-        "largest wheel speed at which the gear, reduced to one inertia, sticks; on bristles, is unstable",
+        "largest wheel speed at which the gear, reduced to one inertia, sticks",
     ),
     "sliding_damping": Quantity(
         "N*m*s/rad",
@@ -348,6 +385,32 @@ SUMMARY = {
     ),
 }
 
+_MEANS = {
+    "torque_mean", "torque_mean_forward", "torque_mean_backward", "torque_on_centre", "torque_off_centre",
+    "torque_forward", "torque_reverse", "free_torque", "push_force_mean", "feel_running_torque",
+}  # fmt: skip
+_OF_CYCLES = {
+    "hysteresis_area", "lost_motion", "torque_jump", "reversal_angle", "feel_area", "feel_running_torque",
+    "feel_angle_hysteresis", "on_centre_stiffness", "angle_dead_band", "torque_dead_band",
+    "steering_gradient", "breakaway_torque", "breakaway_ratio",
+}  # fmt: skip
+_NOT_FROM_STEPS = {
+    "torque_closed_form", "rack_lift_closed_form", "cap_force", "clearance_set", "preload_set",
+    "sticking_speed", "sliding_damping", "bristle_margin", "energy_residual",
+    "rattle_threshold_force", "rattle_threshold_scatter", "rattle_impacts_scatter", "rattle_fastest_scatter",
+}  # fmt: skip
+
+
+def _confirmation(name: str) -> Confirmation | None:
+    """Return how a metric is confirmed; None of a formula, a setting, a check, or a scatter."""
+    if name in _NOT_FROM_STEPS:
+        return None
+    by = OTHER_PHASES if name.startswith("rattle_") else ANOTHER_CYCLE if name in _OF_CYCLES else HALF_STEPS
+    return Confirmation(by, MEAN if name in _MEANS else OTHER)
+
+
+SUMMARY = {name: replace(each, confirmed=_confirmation(name)) for name, each in _SUMMARY.items()}
+
 COUNTERS = {
     "steps": _number("time steps, or positions of equilibrium"),
     "newton_iterations": _number("Newton iterations"),
@@ -392,3 +455,48 @@ GROUPS = {"signals": SIGNALS, "summary": SUMMARY, "counters": COUNTERS, "geometr
 def is_work(name: str) -> bool:
     """Return whether a signal counts energy from the start of recording."""
     return name.startswith("work_") or name == "stored_energy"
+
+
+LABELS = {
+    "torque_mean": "mean torque",
+    "torque_mean_forward": "mean torque towards +X",
+    "torque_mean_backward": "mean torque towards -X",
+    "torque_forward": "mean torque that moves the load",
+    "push_force_mean": "mean force on the rack",
+    "hysteresis_area": "work of a whole cycle",
+    "torque_jump": "jump of the torque across a reversal",
+    "reversal_angle": "angle until it runs on after a reversal",
+    "feel_area": "work of a whole cycle at the wheel",
+    "feel_running_torque": "running torque at the wheel",
+    "breakaway_torque": "breakaway torque",
+    "on_centre_stiffness": "stiffness on centre",
+    "stick_slip_torque": "amplitude of the torque",
+    "stick_share": "share of the time in which it sticks",
+    "efficiency_forward": "efficiency, pinion drives",
+    "efficiency_reverse": "efficiency, rack drives",
+    "impact_peak_force": "largest force of an impact",
+    "impacts": "impacts",
+    "impact_speed": "largest speed of an impact",
+    "rattle_force_rms": "force on the yokenut, root mean square",
+    "rattle_impacts_per_cycle": "impacts in a cycle",
+    "rack_lift": "lift of the rack",
+    "rack_lift_end": "rise of the rack's end",
+    "radial_play_y": "radial play along Y",
+    "radial_play_z": "radial play along Z",
+    "torque_peak_to_peak": "ripple, peak to peak",
+    "push_force_peak_to_peak": "ripple, peak to peak",
+    "torque_first_order": "amplitude once per revolution",
+    "rack_gain": "rack travel per revolution",
+    "torque_on_centre": "mean torque on centre",
+}
+"""Numbers that a sheet shows, in the order of their weight -> their names there."""
+
+PARTS = {
+    "mesh": "teeth",
+    "seat": "yoke",
+    "bush": "bush",
+    "bearing": "bearings",
+    "column": "column",
+    "rack": "bending rack",
+}
+"""Where work is lost, as `loss_share_PART` has it -> the part's name for readers."""

@@ -18,9 +18,10 @@ import h5py
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import read_json_tables, replacing, with_checksum
+from rps_exudyn.base.files import printable, read_json_tables, replacing, with_checksum
 from rps_exudyn.base.hdf5 import file_image, opened
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.friction_law import of_this_version
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.parameters.retired import STORED
 from rps_exudyn.results import provenance as origin
@@ -50,7 +51,7 @@ class MeasuredTorque:
     signals: dict[str, np.ndarray]  # pinion_angle [rad], pinion_torque [N m], shape (n,); or of a rack push
     assumed: tuple[str, ...] = ()  # what the reading of the file took for granted
     beside: dict[str, np.ndarray] = field(default_factory=dict)  # clock [s], speed [rad/s], line; (n,)
-    left_out: tuple[str, ...] = ()  # those of `assumed` that say which rows of the file are no part of it
+    left_out: tuple[str, ...] = ()  # those of `assumed` about rows of the file that are no part of it
 
     def write(self, file: h5py.File) -> None:
         """Write name, angle and torque as a group of a result's file."""
@@ -95,7 +96,7 @@ class Result:
     Attributes:
         scene: what the test rig did.
         gear: every parameter of the gear and its test.
-        fidelity: what was modelled how, choice by choice; "name" says it in words.
+        fidelity: what was modelled how, choice by choice; "name" is their description in words.
         solver: every setting of the solver.
         findings: what solver and choice of the model report beside the numbers, see docs/hdf5-format.md.
         status: how it ended.
@@ -321,14 +322,15 @@ def _read(file: h5py.File, path: str | Path) -> Result:
     solver = _tables(file, "solver")
     findings = _tables(file, "findings") if "findings" in file.attrs else {}
     findings |= {name: value for name, value in solver.items() if name in _FINDINGS}
+    gear, message = of_this_version(_tables(file, "parameters"), fidelity, _text(file, "message"))
     return Result(
         scene=_text(file, "scene"),
-        gear=SteeringGear.from_tables(_tables(file, "parameters"), where=str(path), context=STORED),
+        gear=SteeringGear.from_tables(gear, where=str(path), context=STORED),
         fidelity=fidelity,
         solver={name: value for name, value in solver.items() if name not in _FINDINGS},
         findings=findings,
         status=Status(_text(file, "status")),
-        message=_text(file, "message"),
+        message=message,
         codes=codes_of(_text(file, "message"), _text(file, "codes") if "codes" in file.attrs else None),
         signals={name: _numbers(dataset, 1) for name, dataset in _known(file, "signals")},
         summary={name: _numbers(dataset, 0).item() for name, dataset in _known(file, "summary")},
@@ -345,7 +347,7 @@ def _text(file: h5py.File, name: str) -> str:
     text = file.attrs[name]
     if not isinstance(text, str):
         raise ValueError(f"{name} is no text")
-    return text
+    return printable(text)
 
 
 def _tables(file: h5py.File, name: str) -> dict[str, Any]:

@@ -5,12 +5,12 @@ One way over `test.turns`, there and back, or lock to lock and back (`test.path`
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.confirmation import run_and_confirm
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
-from rps_exudyn.scenes.metrics import figures_of_turning, without
+from rps_exudyn.scenes.metrics import figures_of_turning
 from rps_exudyn.scenes.remarks import remarks, unresolved_peaks
-from rps_exudyn.scenes.run_maneuver import run_maneuvers
 from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest
-from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state
 
 
@@ -21,13 +21,15 @@ def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptio
         InputError: the test leaves the rack's teeth.
     """
     maneuvers, _ = TEST.maneuvers(gear, fidelity.step_angle, options.least_steps)
-    run = run_maneuvers(gear, fidelity, maneuvers, options)
     formula = _by_formula(gear)
+
+    def metrics(signals: Signals) -> dict[str, float]:
+        return {**figures_of_turning(signals, gear), **formula}
+
+    run = run_and_confirm(gear, fidelity, maneuvers, options, metrics, SCENE.figure)
     unseen = unresolved_peaks(fidelity, run, "pinion_torque", "pinion_angle")
     left_out = ("torque_peak_to_peak",) if unseen else ()
-    return run.noting(*remarks(gear, run.signals), unseen).described(
-        lambda signals: without({**figures_of_turning(signals, gear), **formula}, left_out)
-    )
+    return run.noting(*remarks(gear, run.signals), unseen).without(left_out)
 
 
 def _by_formula(gear: SteeringGear) -> dict[str, float]:

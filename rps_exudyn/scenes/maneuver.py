@@ -1,18 +1,19 @@
 """A maneuver: one motion of the rig under one load. What every scene is made of."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby
 
 import numpy as np
 
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.checks.before_run import check_travel, degrees_shown, largest_angle
 from rps_exudyn.solvers.drive import Drive, DrivenBody, SetOff, Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.settled_start import Approach, SteadyApproach, SwingApproach
+from rps_exudyn.solvers.sliding_stability import bristle_reversal_angle
+from rps_exudyn.solvers.steering_column import WheelTorque
 
 LEAST_PER_CYCLE = 200  # steps of a swing
 YIELDING = 3e-3  # pinion angle after a turn over which friction turns about, in most gears less [rad]
@@ -106,7 +107,7 @@ class Maneuver:
 
     def begun_earlier(self, cycles: int) -> "Maneuver":
         """Return the same swing with so many more cycles before its record."""
-        assert isinstance(self.drive, Swing)
+        assert isinstance(self.drive, Swing | WheelTorque)
         steps = round(self.drive.period / self.time_step)
         divided = self.divided + cycles * self.divided[-steps:]
         return replace(self, lead=self.lead + cycles * steps, divided=divided)
@@ -148,7 +149,7 @@ def steady_maneuver(
     Raises:
         InputError: it leaves the rack's teeth.
     """
-    check_travel(gear, (first, last), f"a test from {_deg(first)} to {_deg(last)}")
+    check_travel(gear, (first, last), f"a test from {degrees_shown(first)} to {degrees_shown(last)}")
     whole = whole_periods(gear, abs(last - first))
     periods, at_least = (whole, least.per_period) if whole else (1, least.of_part)
     piece = abs(last - first) / periods
@@ -197,19 +198,23 @@ def swing_maneuver(
     """Return sinusoidal steering about the test's start angle.
 
     Steps are of `step_angle` [rad] where it is fastest; after each turn, where friction turns about over an
-    angle `yielding` [rad] that hardly depends on the steering, they are divided.
+    angle `yielding` [rad] that hardly depends on the steering, and the travel of bristles, they are divided.
 
     Raises:
         InputError: it leaves the rack's teeth.
     """
     test = gear.test
     ends = test.start_angle - test.amplitude, test.start_angle + test.amplitude
-    check_travel(gear, ends, f"test.amplitude = {_deg(test.amplitude)} about {_deg(test.start_angle)}")
+    check_travel(
+        gear,
+        ends,
+        f"test.amplitude = {degrees_shown(test.amplitude)} about {degrees_shown(test.start_angle)}",
+    )
     drive = Swing(body, test.start_angle, test.amplitude, test.direction * test.speed)
     per_cycle = 4 * int(np.ceil(max(drive.period * test.speed / step_angle, LEAST_PER_CYCLE) / 4))
     time_step = drive.period / per_cycle
     lead, steps = int(np.ceil(RUN_IN / test.speed / time_step)), per_cycle * test.cycles
-    divided = _divided_after_turns(drive, per_cycle, lead + steps, yielding)
+    divided = _divided_after_turns(drive, per_cycle, lead + steps, yielding + bristle_reversal_angle(gear))
     swept = 2 * test.amplitude * gear.pinion.teeth / (2 * np.pi)  # tooth pitches in half a cycle
     before = int(np.ceil(max(LEAST_BEFORE, PER_PITCH_BEFORE * swept)))
     approach = SwingApproach(drive.period / 2, before)
@@ -238,29 +243,3 @@ def whole_periods(gear: SteeringGear, angle: float) -> int | None:
     alike = gear.pinion.runout == 0 and gear.pinion.pitch_error == 0
     periods = angle / (2 * np.pi) * (gear.pinion.teeth if alike else 1)
     return round(periods) if periods > 0.5 and abs(periods - round(periods)) < 1e-9 * periods else None
-
-
-def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> None:
-    """Check that the pinion stays on the rack's teeth at these angles [rad]; `test` says what leads there.
-
-    Raises:
-        InputError: it would not.
-    """
-    allowed = largest_angle(gear)
-    farthest = max(abs(angle) for angle in angles)
-    if farthest > allowed:
-        raise InputError(
-            f"{test} leads to a pinion angle of {_deg(farthest)}; the teeth for "
-            f"rack.travel = {gear.rack.travel * 1e3:g} mm allow {_deg(allowed)} either way "
-            f"({allowed / (2 * np.pi):.4g} turns from the centre)."
-        )
-
-
-def largest_angle(gear: SteeringGear) -> float:
-    """Return how far the pinion may turn either way from the rack's middle [rad]."""
-    bar = RackBar.of(gear)
-    return float(bar.largest_displacement / bar.pair.gain)
-
-
-def _deg(angle: float) -> str:
-    return f"{np.degrees(angle):.6g} deg"

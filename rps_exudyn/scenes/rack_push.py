@@ -10,10 +10,10 @@ from rps_exudyn.analysis.passes import largest, number_of, passes, spread
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.confirmation import run_and_confirm
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
 from rps_exudyn.scenes.metrics import figures_of_motion, without
 from rps_exudyn.scenes.remarks import remarks, unresolved_peaks
-from rps_exudyn.scenes.run_maneuver import run_maneuvers
 from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 
@@ -25,13 +25,15 @@ def rack_push(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         InputError: the test leaves the rack's teeth.
     """
     maneuvers, _ = TEST.maneuvers(gear, fidelity.step_angle, options.least_steps)
-    run = run_maneuvers(gear, fidelity, maneuvers, options)
+    gain = float(GearPair.of(gear).gain)
+
+    def metrics(signals: Signals) -> dict[str, float]:
+        return _metrics(Turned(gear, signals, {}, gain, 0.0, fidelity.step_angle))
+
+    run = run_and_confirm(gear, fidelity, maneuvers, options, metrics, SCENE.figure)
     unseen = unresolved_peaks(fidelity, run, "rack_force", "rack_displacement")
     left_out = ("push_force_peak_to_peak",) if unseen else ()
-    gain = float(GearPair.of(gear).gain)
-    return run.noting(*remarks(gear, run.signals), unseen).described(
-        lambda signals: without(_metrics(Turned(gear, signals, {}, gain, 0.0, fidelity.step_angle)), left_out)
-    )
+    return run.noting(*remarks(gear, run.signals), unseen).without(left_out)
 
 
 def _metrics(turned: Turned) -> dict[str, float]:

@@ -6,12 +6,12 @@ Steering is fastest, at the test's speed, where it passes the middle; it stands 
 from rps_exudyn.analysis.hysteresis import describe_reversal
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.confirmation import run_swing
 from rps_exudyn.scenes.maneuver import swing_maneuver
 from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.remarks import remarks, wide_zone
-from rps_exudyn.scenes.run_maneuver import run_swing
 from rps_exudyn.scenes.scene import RunOptions, Scene, swept_revolutions
-from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
 
 WIDEST_ZONE = 0.002  # reversal_angle within 3 % of the limit of no zone
 
@@ -22,11 +22,14 @@ def reversal(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sce
     Raises:
         InputError: the steering leaves the rack's teeth.
     """
-    run = run_swing(gear, fidelity, swing_maneuver(gear, fidelity.step_angle), options)
+    maneuver = swing_maneuver(gear, fidelity.step_angle)
+
+    def metrics(signals: Signals) -> dict[str, float]:
+        return {**describe_reversal(signals), **figures_of_motion(signals, gear)}
+
+    run = run_swing(gear, fidelity, maneuver, options, metrics, SCENE.figure)
     remark = wide_zone(fidelity, "reversal_angle depends", WIDEST_ZONE)
-    return run.noting(*remarks(gear, run.signals), remark).described(
-        lambda signals: {**describe_reversal(signals), **figures_of_motion(signals, gear)}
-    )
+    return run.noting(*remarks(gear, run.signals), remark)
 
 
 SCENE = Scene(

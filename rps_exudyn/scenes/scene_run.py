@@ -1,7 +1,6 @@
 """The run of a scene before it becomes a result, and how several maneuvers of the rig become one."""
 
-from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -41,6 +40,11 @@ class SceneRun:
         changed = replace(self.outcome, status=Status.INVALID, codes=(code,), message=message)
         return replace(self, outcome=changed)
 
+    def without(self, left_out: Collection[str]) -> "SceneRun":
+        """Return the run without some of its metrics."""
+        kept = {name: value for name, value in self.summary.items() if name not in left_out}
+        return replace(self, summary=kept)
+
     def described(self, figures: Callable[[Signals], dict[str, float]]) -> "SceneRun":
         """Return the run with the summary that `figures` reads from its signals, if there are any."""
         return replace(self, summary=figures(self.signals)) if self.signals else self
@@ -54,11 +58,12 @@ def joined(runs: Sequence[SceneRun]) -> SceneRun:
     """
     outcomes = [run.outcome for run in runs]
     outcome = next((each for each in outcomes if each.status is not Status.OK), outcomes[0])
+    counted = dict.fromkeys(name for each in outcomes for name in each.counters)
     outcome = replace(
         outcome,
         time_reached=sum(each.time_reached for each in outcomes),
         cpu_s=sum(each.cpu_s for each in outcomes),
-        counters=dict(sum((Counter(each.counters) for each in outcomes), Counter())),
+        counters={name: sum(each.counters.get(name, 0) for each in outcomes) for name in counted},
         findings={**outcome.findings, **_worst_findings(outcomes)},
     )
     recorded = [run.signals for run in runs if run.signals]
@@ -84,7 +89,7 @@ def _continued(name: str, before: np.ndarray, after: np.ndarray) -> np.ndarray:
 
 def _worst_findings(outcomes: Sequence[Outcome]) -> dict[str, float]:
     """What the outcomes found about vibration and about their starts, of each the worst."""
-    worst = {"vibration_grows": max, "vibration_dies": min, "start_unsettled": max}
+    worst = {"vibration_grows": max, "vibration_dies": min, "start_unsettled": max, "halvings": max}
     known = {name: [each.findings[name] for each in outcomes if name in each.findings] for name in worst}
     return {name: worst[name](values) for name, values in known.items() if values}
 

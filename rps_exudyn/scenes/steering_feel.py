@@ -9,13 +9,13 @@ vibration of the gear behind it as well.
 from rps_exudyn.analysis.wheel_metrics import describe_feel
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.confirmation import run_swing
 from rps_exudyn.scenes.maneuver import YIELDING, swing_maneuver
 from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.remarks import remarks, wide_zone
 from rps_exudyn.scenes.reversal import WIDEST_ZONE
-from rps_exudyn.scenes.run_maneuver import run_swing
 from rps_exudyn.scenes.scene import RunOptions, Scene, swept_revolutions
-from rps_exudyn.scenes.scene_run import SceneRun
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import closed_form
 
 
@@ -27,11 +27,13 @@ def steering_feel(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -
     """
     twisted = 2 * abs(closed_form(gear).free_torque) / gear.column.stiffness
     maneuver = swing_maneuver(gear, fidelity.step_angle, "wheel", YIELDING + twisted)
-    run = run_swing(gear, fidelity, maneuver, options)
+
+    def metrics(signals: Signals) -> dict[str, float]:
+        return {**describe_feel(signals), **figures_of_motion(signals, gear)}
+
+    run = run_swing(gear, fidelity, maneuver, options, metrics, SCENE.figure)
     remark = wide_zone(fidelity, "on_centre_stiffness depends", WIDEST_ZONE)
-    return run.noting(*remarks(gear, run.signals), remark).described(
-        lambda signals: {**describe_feel(signals), **figures_of_motion(signals, gear)}
-    )
+    return run.noting(*remarks(gear, run.signals), remark)
 
 
 SCENE = Scene(

@@ -2,7 +2,8 @@
 
 The torque has its peak `test.steer_torque` and the frequency `test.steer_frequency`; the wheel turns as the
 column, the gear's friction and a linear spring at the rack, `test.tyre_stiffness`, let it. That spring
-carries nothing where the test starts. One cycle and a quarter go before the record, which starts at a peak.
+carries nothing where the test starts. One cycle and a quarter go before the record, which starts at a peak,
+and as many more as it takes until another one changes no metric.
 With `test.steer_shape` ramp the torque grows from none at a constant rate, until it is at that peak after a
 quarter of a cycle: the wheel moves off where it overcomes the friction.
 """
@@ -15,10 +16,11 @@ from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
-from rps_exudyn.scenes.maneuver import Maneuver, check_travel
+from rps_exudyn.scenes.checks.before_run import check_travel
+from rps_exudyn.scenes.confirmation import run_and_confirm, run_swing
+from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.remarks import remarks, wide_zone
-from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import closed_form
@@ -39,12 +41,18 @@ def steering_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptions)
     """
     maneuver = torque_maneuver(gear)
     speed = _largest_speed(gear)
-    run = run_maneuver(gear.replace({"test.speed": speed}), fidelity, maneuver, options)
+    turned = gear.replace({"test.speed": speed})
+
+    def metrics(signals: Signals) -> dict[str, float]:
+        return {**_figures(signals, gear), **figures_of_motion(signals, gear)}
+
+    if gear.test.steer_shape == "ramp":
+        run = run_and_confirm(turned, fidelity, [maneuver], options, metrics, "breakaway_torque", always=True)
+    else:
+        run = run_swing(turned, fidelity, maneuver, options, metrics, SCENE.figure)
     figure = "breakaway_torque" if gear.test.steer_shape == "ramp" else "angle_dead_band"
     remark = wide_zone(fidelity, f"{figure} depends", WIDEST_ZONE)
-    return run.noting(*remarks(gear, run.signals), _held(gear), remark).described(
-        lambda signals: {**_figures(signals, gear), **figures_of_motion(signals, gear)}
-    )
+    return run.noting(*remarks(gear, run.signals), _held(gear), remark)
 
 
 def _figures(signals: Signals, gear: SteeringGear) -> dict[str, float]:

@@ -15,12 +15,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from rps_exudyn.analysis.friction_oscillator import describe_stick_slip, sticking_speed, unstable_speed
+from rps_exudyn.analysis.friction_oscillator import describe_stick_slip, sticking_speed
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
-from rps_exudyn.scenes.maneuver import Maneuver, check_travel
+from rps_exudyn.scenes.checks.before_run import check_travel
+from rps_exudyn.scenes.confirmation import run_and_confirm
+from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import remarks, wide_zone
@@ -57,17 +59,22 @@ def stick_slip(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> S
     run = _resolved(gear, fidelity, options)
     nothing = None if model.surplus > 0 else NOTHING_FALLS
     zone = wide_zone(fidelity, "sticking depends", WIDEST_ZONE) if model.surplus > 0 else None
-    return run.noting(*remarks(gear, run.signals), nothing, zone).described(
-        lambda signals: {**_seen(signals, gear), **predictions(gear, fidelity), **balance(signals)}
-    )
+    predicted = predictions(gear, fidelity)
+
+    def metrics(signals: Signals) -> dict[str, float]:
+        return {**_seen(signals, gear), **predicted, **balance(signals)}
+
+    maneuvers, certain = [set_off(gear)], "halvings" in run.outcome.findings or model.surplus <= 0
+    run = run_and_confirm(gear, fidelity, maneuvers, options, metrics, SCENE.figure, run, always=not certain)
+    return run.noting(*remarks(gear, run.signals), nothing, zone)
 
 
 def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> SceneRun:
     """Make the motion, near the sticking speed in steps that decide nothing; it is invalid if none are."""
     maneuver = set_off(gear)
     refined = refine(
-        run_maneuver(gear, fidelity, maneuver, options),
-        lambda _, times: run_maneuver(gear, fidelity, maneuver.halved(times), options),
+        run_maneuver(gear, fidelity, maneuver, options=options),
+        lambda _, times: run_maneuver(gear, fidelity, maneuver.halved(times), options=options),
         min(MOST_HALVED, options.least_steps.halvings) if _near_sticking(gear) else 0,
         usable=lambda run: run.ok,
         change=lambda coarse, fine: _change(_seen(coarse.signals, gear), _seen(fine.signals, gear)),
@@ -94,7 +101,7 @@ def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
 
 def _near_sticking(gear: SteeringGear) -> bool:
     """Return whether the wheel turns about as fast as the reduced gear just sticks."""
-    limit = predicted_sticking(gear)
+    limit = sticking_speed(reduced_gear(gear))
     return limit / NEAR < gear.test.speed < limit * NEAR
 
 
@@ -140,21 +147,14 @@ def _seen(signals: Signals, gear: SteeringGear) -> dict[str, float]:
 def predictions(gear: SteeringGear, fidelity: Fidelity) -> dict[str, float]:
     """Return what is predicted: where the reduced gear sticks, and where the gear's steady sliding is stable;
     of that nothing where no equilibrium is found about which it could be said."""
-    model, presliding = reduced_gear(gear), presliding_angle(gear)
-    predicted = {"sticking_speed": predicted_sticking(gear)}
+    model = reduced_gear(gear)
+    predicted = {"sticking_speed": sticking_speed(model)}
     damping = sliding_damping(gear, fidelity) if model.surplus > 0 else 0.0
     if np.isfinite(damping):
         predicted["sliding_damping"] = damping
-    if presliding:
-        predicted["bristle_margin"] = model.bristle_margin(gear.test.speed, presliding)
+    if presliding_angle(gear):
+        predicted["bristle_margin"] = model.sliding_margin(gear.test.speed)
     return predicted
-
-
-def predicted_sticking(gear: SteeringGear) -> float:
-    """Return the largest speed of the wheel at which the reduced gear sticks, or with bristles vibrates
-    [rad/s]; 0 where it never does."""
-    model, presliding = reduced_gear(gear), presliding_angle(gear)
-    return unstable_speed(model, presliding) if presliding else sticking_speed(model)
 
 
 SCENE = Scene(

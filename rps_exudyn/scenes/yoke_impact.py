@@ -18,10 +18,11 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
-from rps_exudyn.scenes.maneuver import Maneuver, check_travel
+from rps_exudyn.scenes.checks.before_run import check_travel
+from rps_exudyn.scenes.confirmation import run_and_confirm
+from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.remarks import wide_zone
-from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.drive import Steady
@@ -45,16 +46,19 @@ def yoke_impact(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> 
     chosen = fidelity.with_bending()
     chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE)})
     own = STEPS_PER_SWING_OF_A_BENDING_RACK if chosen.rack == "flexible" else STEPS_PER_SWING
-    run = run_maneuver(gear, chosen, shaken(gear, chosen.swing_steps or own), options)
-    zone = wide_zone(fidelity, "the impacts depend", WIDEST_ZONE)
-    return run.noting(_rigid(chosen), _closed(gear, run.signals), zone).described(
-        lambda signals: {
+
+    def metrics(signals: Signals) -> dict[str, float]:
+        return {
             **describe_impacts(signals),
             **describe_rack(signals, float(GearPair.of(gear).gain)),
             **end_deflection(signals),
             **balance(signals),
         }
-    )
+
+    maneuver = shaken(gear, chosen.swing_steps or own)
+    run = run_and_confirm(gear, chosen, [maneuver], options, metrics, SCENE.figure, always=True)
+    zone = wide_zone(fidelity, "the impacts depend", WIDEST_ZONE)
+    return run.noting(_rigid(chosen), _closed(gear, run.signals), zone)
 
 
 def _rigid(fidelity: Fidelity) -> Remark | None:

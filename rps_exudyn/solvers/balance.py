@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from rps_exudyn.base.compiled import ready
-from rps_exudyn.forces.memory import MEMORY_SIZE, TIME, reset
+from rps_exudyn.forces.friction import STATE_SIZE, TIME, reset
 from rps_exudyn.solvers.gear_model import WORK
 
 SIZE = 8  # coordinates of pinion, rack and plunger; modes of a flexible rack follow
@@ -73,13 +73,13 @@ class Balance:
 
     @property
     def memory(self) -> np.ndarray:
-        """Return the state of the bristle friction over the present step, shape (2, MEMORY_SIZE)."""
+        """Return the state of the bristle friction over the present step, shape (2, STATE_SIZE)."""
         return np.asarray(self.works[0]["contact"]["memory"])
 
     @property
     def kept(self) -> int:
         """Return the number of columns of that state that a path keeps: none without bristles."""
-        return MEMORY_SIZE if self.has_bristles else 0
+        return STATE_SIZE if self.has_bristles else 0
 
     def force(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return the generalised forces (n,) at coordinates and rates (n,)."""

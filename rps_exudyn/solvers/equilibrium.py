@@ -7,17 +7,20 @@ by backward differences, so that this is the limit of slow dynamics and not a mo
 instant they are those of steady motion: rack and pinion move at the gear's gain, nothing else moves.
 
 Behind a steering column the pinion is free too; the wheel's coordinate follows, given or turned by a torque.
+No drive prescribes how these are accelerated: the inertia of pinion, rack and free wheel is that of the path,
+by backward differences of its rates.
 """
 
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from rps_exudyn.base.compiled import ready
 from rps_exudyn.base.progress import reached
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, PINION, PLUNGER, RACK
-from rps_exudyn.forces.memory import TIME, reset
+from rps_exudyn.forces.friction import TIME, reset
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import SIZE, Balance
 from rps_exudyn.solvers.drive import Drive, Steady, travel_per_radian
@@ -68,7 +71,8 @@ class EquilibriumPath:
     # (n, 2, .) state of the bristles at start and end of each step
     kept: np.ndarray = field(default_factory=lambda: np.zeros((0, 2, 0)))
     outputs: np.ndarray = field(default_factory=lambda: np.zeros((0, OUTPUTS)))  # of all parts
-    wheel: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))  # (n, 1) its coordinate, if any
+    wheel: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))  # (n, 2) its coordinate, rate, if any
+    kinetic: np.ndarray | float = 0.0  # (n,) energy of what is accelerated behind a column [J]
 
     @property
     def converged(self) -> bool:
@@ -92,7 +96,7 @@ class EquilibriumPath:
             name: getattr(self, name)[-1:]
             for name in ("time", "coordinates", "rates", "forces", "applied", "kept", "outputs", "wheel")
         }
-        return replace(self, **rows)
+        return replace(self, **rows, kinetic=0.0)
 
 
 class PathInterrupted(KeyboardInterrupt):
@@ -164,6 +168,19 @@ def rigid_motion(pair: GearPair, drive: Drive, time: np.ndarray) -> tuple[np.nda
     return places, rates
 
 
+def backward_difference(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return base and factor of the difference factor (y - base) at the last of the instants (k + 1,), from
+    rows (k, n) at those before it; the factor is 0 without any."""
+    if len(values) == 0:
+        return np.zeros(values.shape[1]), 0.0
+    h = float(time[-1] - time[-2])
+    if len(values) == 1:
+        return values[-1].copy(), 1 / h
+    g = float(time[-2] - time[-3])
+    factor = (2 * h + g) / (h * (h + g))
+    return ((h + g) / (h * g) * values[-1] - h / (g * (h + g)) * values[-2]) / factor, factor
+
+
 def instants_per_pitch(pair: GearPair, drive: Drive, time: np.ndarray) -> int:
     """Return the number of even instants of steady motion in a tooth pitch; 0 if they are uneven or no whole
     number."""
@@ -197,8 +214,11 @@ def equilibrium_path(
     following = _Following.of(balance, pair, drive, np.asarray(time, dtype=float), led, column)
     interrupted = False
     try:
-        while not following.whole and (following.advance() or following.whole or following.rescued()):
-            pass
+        while not following.whole:
+            end, arguments, ended, counts = following.piece()
+            ready(follow)(*arguments, ended, counts)
+            if not following.took(end, ended, counts) and not following.rescued():
+                break
     except KeyboardInterrupt:
         interrupted, following.found = True, max(following.found, following.rows.filled)
         if following.found < 2:
@@ -220,6 +240,7 @@ class _Following:
     free: np.ndarray  # coordinates that are unknown
     lengths: np.ndarray  # of all coordinates
     column: np.ndarray  # of `follower.Column`
+    masses: np.ndarray  # of what is accelerated as the path is, one for each coordinate
     led: EquilibriumPath | None  # path along the first instants
     found: int = 0  # instants
     counts: np.ndarray = field(
@@ -242,7 +263,9 @@ class _Following:
         """Begin with the guess for the first instant, or behind a path that leads along the first ones."""
         rows = _Rows.along(balance, pair, drive, time, column)
         free, lengths, numbers = balance.free(drive.coordinate), balance.lengths, NO_COLUMN
+        masses = np.zeros(rows.coordinates.shape[1])
         if column is not None:
+            masses[[PINION, RACK, -1]] = *balance.inertia, column.inertia
             wheel = drive.wheel if isinstance(drive, BehindColumn) else drive
             tyre = wheel.tyre if isinstance(wheel, WheelTorque) else None
             free = np.union1d(free, [PINION])
@@ -251,7 +274,7 @@ class _Following:
             springs = (tyre.stiffness, tyre.relaxed) if tyre is not None else (0.0, 0.0)
             given = column.stiffness, column.damping, column.bend, column.phase
             numbers = np.array([1.0, *given, *springs])
-        following = cls(balance, pair, drive, rows, free, lengths, numbers, led)
+        following = cls(balance, pair, drive, rows, free, lengths, numbers, masses, led)
         reset(balance.memory)
         balance.memory[1, TIME] = time[0]
         if led is not None and (len(led.time) > 1 or column is not None):
@@ -278,15 +301,14 @@ class _Following:
         """Return whether all instants are found."""
         return self.found == len(self.rows.time)
 
-    def advance(self) -> bool:
-        """Follow one piece of the path; tell whether all of it was found."""
-        rows, balance = self.rows, self.balance
-        time = rows.time
+    def piece(self) -> tuple[int, tuple[Any, ...], np.ndarray, np.ndarray]:
+        """Return the end of the next piece of the path, the arguments of `follow` for it, and the arrays that
+        it fills: the instants found (1,) and its counts (1, 5)."""
+        rows, balance, time = self.rows, self.balance, self.rows.time
         end = min(self.found + PIECE, len(time))
         known, known_rates = (each[None] for each in rigid_motion(self.pair, self.drive, time[:end]))
-        ended, counts = np.zeros(1, dtype=np.int64), np.zeros((1, 5))
         state = rows.coordinates, rows.rates, rows.forces, rows.outputs, rows.kept
-        ready(follow)(
+        arguments = (
             ready(balance.law),
             self.found,
             time[:end],
@@ -298,14 +320,18 @@ class _Following:
             rows.applied[:end],
             self.column,
             rows.hand[:end],
+            self.masses,
             TOLERANCE,
             *(each[None, :end] for each in state),
             balance.gears,
             balance.pool,
             balance.works,
-            ended,
-            counts,
         )
+        return end, arguments, np.zeros(1, dtype=np.int64), np.zeros((1, 5))
+
+    def took(self, end: int, ended: np.ndarray, counts: np.ndarray) -> bool:
+        """Note how far `follow` came; return whether it found the whole piece."""
+        time = self.rows.time
         self.found, self.residual = int(ended[0]), float(counts[0, 4])
         self.counts += counts[0, :3].astype(int)
         if self.found and time[-1] > 0:
@@ -317,6 +343,7 @@ class _Following:
     def settling(self, k: int, base: np.ndarray, per_time: float) -> Settling:
         """The search for a balance at instant k, its rates (place - base) per_time."""
         balance, rows, size = self.balance, self.rows, self.balance.size
+        before, rate_factor = backward_difference(rows.time[: k + 1], rows.rates[:k])
 
         def evaluate(q: np.ndarray, v: np.ndarray, factor_v: float) -> tuple[np.ndarray, np.ndarray]:
             forces, slopes = balance.force_and_tangent(q[:size], v[:size], 1.0, factor_v)
@@ -325,7 +352,8 @@ class _Following:
                 return forces, slopes
             total, tangent = np.append(forces, 0.0), np.zeros((size + 1, size + 1))
             tangent[:size, :size] = slopes
-            ready(add_column_to)(q, v, self.column, rows.hand[k], factor_v, total, tangent)
+            acting = self.column, rows.hand[k], self.masses, before, rate_factor
+            ready(add_column_to)(q, v, *acting, factor_v, total, tangent)
             return total, tangent
 
         return Settling(
@@ -333,7 +361,7 @@ class _Following:
         )
 
     def rescued(self) -> bool:
-        """Look further for the next instant; tell whether there is something to go on from."""
+        """Look further for the next instant; return whether there is something to go on from."""
         rows, k = self.rows, self.found
         most = max(MAX_RESCUES, int(rows.asked.sum())) * (4 if self.column[0] else 1)
         if self.rescues == most or (k == 0 and self.rescues > 0):
@@ -360,18 +388,13 @@ class _Following:
         return bool(fastest[k] > SNAP * fastest[:k].max())
 
     def searched(self, k: int) -> bool:
-        """Let the gear creep to the equilibrium at instant k; tell whether it was found."""
+        """Let the gear creep to the equilibrium at instant k; return whether it was found."""
         rows, time, free = self.rows, self.rows.time, self.free
         balance, places = self.balance, rows.coordinates
-        step, base, per_time = time[k] - time[k - 1], places[k - 1].copy(), 1 / (time[k] - time[k - 1])
+        step, (base, per_time) = time[k] - time[k - 1], backward_difference(time[: k + 1], places[:k])
         ahead = places[k - 1] + step * rows.rates[k - 1]
         if k > 1:
-            before = time[k - 1] - time[k - 2]
-            per_time = (2 * step + before) / (step * (step + before))
-            base = (step + before) / (step * before) * places[k - 1]
-            base -= step / (before * (step + before)) * places[k - 2]
-            base /= per_time
-            ahead = places[k - 1] + step / before * (places[k - 1] - places[k - 2])
+            ahead = places[k - 1] + step / (time[k - 1] - time[k - 2]) * (places[k - 1] - places[k - 2])
         if balance.has_bristles:
             balance.memory[0], balance.memory[1, TIME] = rows.kept[k - 1, 1], time[k]
         settling = self.settling(k, base, per_time)
@@ -380,6 +403,9 @@ class _Following:
         size = balance.size
         forces = balance.force(rows.coordinates[k, :size], rows.rates[k, :size])
         rows.forces[k, :size] = forces + rows.applied[k, :size]
+        if self.column[0]:
+            before, factor = backward_difference(time[: k + 1], rows.rates[:k])
+            rows.forces[k, :size] -= (self.masses * (rows.rates[k] - before) * factor)[:size]
         rows.outputs[k] = balance.works[0]["out"]
         if balance.has_bristles:
             rows.kept[k] = balance.memory
@@ -388,7 +414,10 @@ class _Following:
     def path(self) -> EquilibriumPath:
         """Return what was found."""
         left = self.unbalanced if self.whole else self.residual
-        return self.rows.path(self.found, self.counts, self.rescues, left, self.balance.size, self.column)
+        path = self.rows.path(self.found, self.counts, self.rescues, left, self.balance.size, self.column)
+        given = np.append(path.rates, path.wheel[:, 1:], axis=1)
+        free = np.isin(np.arange(given.shape[1]), self.free)
+        return replace(path, kinetic=0.5 * (given**2 * self.masses) @ free)
 
 
 @dataclass
@@ -417,11 +446,11 @@ class _Rows:
         if column is None or wheel is None:
             coordinates[:, drive.coordinate] = drive.sign * drive.place(time)
             rates[:, drive.coordinate] = drive.sign * drive.rate(time)
-        elif isinstance(wheel, WheelTorque):
-            hand = np.asarray(wheel.torque(time))
         else:
             coordinates[:, -1], rates[:, -1] = -wheel.place(time), -wheel.rate(time)
-        applied[:, : balance.size] = inertia_forces(balance, pair, drive, time)
+            hand = np.asarray(wheel.torque(time)) if isinstance(wheel, WheelTorque) else hand
+        if column is None:
+            applied[:, : balance.size] = inertia_forces(balance, pair, drive, time)
         if balance.outside is not None:
             applied[:, : balance.size] += balance.outside(time)
         kept, outputs = np.zeros((t, 2, balance.kept)), np.zeros((t, OUTPUTS))
@@ -472,7 +501,7 @@ class _Rows:
             float(self.time[0]),
             kept=self.kept[asked],
             outputs=self.outputs[asked],
-            wheel=self.coordinates[asked, size:],
+            wheel=np.append(self.coordinates[asked, size:], self.rates[asked, size:], axis=1),
         )
 
     def halve(self, k: int, shortest: float, balance: Balance, pair: GearPair, drive: Drive) -> bool:

@@ -15,7 +15,8 @@ some instants, where lines of contact begin or end. Single runs evaluate all ste
 
 Behind the coordinates of the gear stands the wheel's, where there is a steering column: with the wheel at
 theta, the joint's output at u(theta) and the pinion at phi, the column's torque k (u - phi) + c (u' - phi')
-turns the pinion, and times u' the wheel.
+turns the pinion, and times u' the wheel. What is accelerated there is not prescribed: masses act against the
+backward difference of the path's rates, so that the path is that of the second-order formula of BDF.
 """
 
 from typing import NamedTuple
@@ -33,7 +34,7 @@ from rps_exudyn.base.compiled import (
     inline,
     kernel_of,
 )
-from rps_exudyn.forces.memory import begin_step
+from rps_exudyn.forces.friction import begin_step
 from rps_exudyn.solvers.gear_model import GEAR_TYPE, LAW_POINTER, OUTPUTS, SEAT_LOADS, WORK_TYPE
 from rps_exudyn.solvers.settling import TOLERANCE
 
@@ -230,10 +231,23 @@ def add_column(q, v, column, hand, per_time, wanted, total, tangent):  # type: i
         tangent[X, X] -= column[5]
 
 
-@kernel_of(VECTOR, VECTOR, VECTOR, NUMBER, NUMBER, VECTOR, MATRIX)
-def add_column_to(q, v, column, hand, per_time, total, tangent):  # type: ignore[no-untyped-def]
-    """Add the same to forces (n,) and their tangent (n, n); for Python."""
-    add_column(q, v, column, hand, per_time, True, total, tangent)
+@inline
+def add_inertia(v, masses, before, per_time, wanted, total, tangent):  # type: ignore[no-untyped-def]
+    """Add the forces of masses that are accelerated from the rates (v - before) per_time."""
+    for i in range(v.size):
+        if masses[i] != 0:
+            total[i] -= masses[i] * (v[i] - before[i]) * per_time
+            if wanted:
+                tangent[i, i] -= masses[i] * per_time * per_time
+
+
+@kernel_of(VECTOR, VECTOR, VECTOR, NUMBER, VECTOR, VECTOR, NUMBER, NUMBER, VECTOR, MATRIX)
+def add_column_to(  # type: ignore[no-untyped-def]
+    q, v, column, hand, masses, before, per_time, factor_v, total, tangent
+):
+    """Add both to forces (n,) and their tangent (n, n), with the rates' derivative; for Python."""
+    add_column(q, v, column, hand, factor_v, True, total, tangent)
+    add_inertia(v, masses, before, per_time, factor_v != 0, total, tangent)
 
 
 # --- the follower ----------------------------------------------------------------------------------
@@ -285,6 +299,8 @@ def evaluate(  # type: ignore[no-untyped-def]
     applied,
     column,
     hand,
+    masses,
+    before,
     own_total,
     own_tangent,
     total,
@@ -302,6 +318,7 @@ def evaluate(  # type: ignore[no-untyped-def]
         total[i] = (own_total[i] if i < own else 0.0) + applied[i]
     if n > own:
         add_column(q, v, column, hand, per_time, wanted, total, tangent)
+        add_inertia(v, masses, before, per_time, wanted, total, tangent)
 
 
 @kernel_of(
@@ -314,6 +331,7 @@ def evaluate(  # type: ignore[no-untyped-def]
     NUMBERS,
     VECTOR,
     MATRIX,
+    VECTOR,
     VECTOR,
     VECTOR,
     NUMBER,
@@ -340,6 +358,7 @@ def follow(  # type: ignore[no-untyped-def]
     applied,
     column,
     hand,
+    masses,
     accept,
     coordinates,
     rates,
@@ -367,10 +386,11 @@ def follow(  # type: ignore[no-untyped-def]
         applied: what acts besides and counts among the forces, (t, n).
         column: fields of `Column`; all 0 without one.
         hand: torque on the wheel (t,) [N m].
+        masses: behind a column, of what is accelerated as the path is: diagonal (n,) [kg or kg m^2]; else 0.
         accept: residual [N] from which a step by the tangent is not evaluated.
         coordinates: (g, t, n), to be filled.
         rates: the same.
-        forces: generalised forces (g, t, n), without those of column and tyres, to be filled.
+        forces: generalised forces (g, t, n) with inertia, without those of column and tyres, to be filled.
         outputs: of all parts (g, t, OUTPUTS), to be filled.
         kept: state of the bristles at start and end of each step (g, t, 2, .), to be filled.
         gears: records of the gears (g,).
@@ -388,7 +408,7 @@ def follow(  # type: ignore[no-untyped-def]
     own_total, own_tangent = np.zeros(own), np.zeros((own, own))
     total, tangent = np.zeros(n), np.zeros((n, n))
     d, base, u, w = np.zeros(n), np.zeros(n), np.empty(n), np.empty(n)
-    q, v, here = np.empty(n), np.empty(n), np.empty(n)
+    q, v, here, before = np.empty(n), np.empty(n), np.empty(n), np.zeros(n)
     for g in range(gears.shape[0]):
         for k in range(first):
             at_mesh(coordinates[g, k], found[k])
@@ -400,6 +420,8 @@ def follow(  # type: ignore[no-untyped-def]
             put(coordinates[g, k], q)
             put(rates[g, k], v)
             per_time = differenced(k, time, found, base)
+            if has_column:
+                differenced(k, time, rates[g], before)
             if k > 0:
                 extrapolated(k, per_pitch, time, found, d)
                 place_at(d, known[g, k], free, u, q)
@@ -422,6 +444,8 @@ def follow(  # type: ignore[no-untyped-def]
                     applied[k],
                     column,
                     hand[k],
+                    masses,
+                    before,
                     own_total,
                     own_tangent,
                     total,
@@ -496,6 +520,8 @@ def follow(  # type: ignore[no-untyped-def]
                         applied[k],
                         column,
                         hand[k],
+                        masses,
+                        before,
                         own_total,
                         own_tangent,
                         total,
@@ -543,6 +569,8 @@ def follow(  # type: ignore[no-untyped-def]
             put(v, rates[g, k])
             for i in range(own):
                 forces[g, k, i] = own_total[i] + applied[k, i]
+                if masses[i] != 0:
+                    forces[g, k, i] -= masses[i] * (v[i] - before[i]) * per_time
             for i in range(OUTPUTS):
                 outputs[g, k, i] = work.out[i]
         counts[g, 0], counts[g, 1], counts[g, 2] = evaluations, iterations, tangents

@@ -14,8 +14,7 @@ from rps_exudyn.forces import external_load, sliding_fit, yoke
 from rps_exudyn.forces.bearing import bearing_record
 from rps_exudyn.forces.bush import Chain, bush_chain
 from rps_exudyn.forces.force_element import RACK, Part
-from rps_exudyn.forces.friction import PLAIN
-from rps_exudyn.forces.memory import Patches
+from rps_exudyn.forces.friction import PLAIN, Patches
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import pinion_inertia, rack_masses
 from rps_exudyn.gears.rack_bar import RackBar
@@ -81,6 +80,13 @@ class GearForces:
     def parts(self) -> list[Part]:
         """Return the parts that exert forces, in the order of their outputs."""
         return parts_of(self.gear)
+
+    @property
+    def with_bristles(self) -> set[str]:
+        """Return the names of the parts whose friction has a state."""
+        gear = self.gear
+        of_parts = {"mesh": gear.mesh.flank, "seat": gear.seat, "bush": gear.fit, "bearing": gear.bearing}
+        return {name for name, part in of_parts.items() if part.law.has_state}
 
     @property
     def has_chain(self) -> bool:
@@ -164,19 +170,20 @@ def gear_forces(gear: SteeringGear, fidelity: Fidelity, rack_load: float = 0.0) 
 
     The yoke is adjusted so that the preload acts at rest on a gear without runout.
     """
-    pair, patches = GearPair.of(gear), Patches()
+    pair, patches = GearPair.of(gear), Patches(fidelity.friction_elements)
     zone = fidelity.zone_ratio * pair.least_sliding * gear.test.speed
     check_friction_laws({part: getattr(gear, part) for part in RUBBING_PARTS}, fidelity.mesh)
     mesh = mesh_of(gear, fidelity, zone, patches)
     chain = bush_chain(gear)
-    condensed = sliding_fit.condensed_fit(gear, chain, friction_zone=zone, patches=patches)
+    of_bush = sliding_fit.bush_law(gear, patches)
+    condensed = sliding_fit.condensed_fit(gear, chain, friction_zone=zone, law=of_bush)
     fit, carried = condensed, False
     if fidelity.rack == "guided":
-        fit = condensed = sliding_fit.loose_fit(gear, friction_zone=zone, patches=patches)
+        fit = condensed = sliding_fit.loose_fit(gear, friction_zone=zone, law=of_bush)
     elif fidelity.bush == "rigid":
-        fit = condensed = sliding_fit.rigid_fit(gear, friction_zone=zone, patches=patches)
+        fit = condensed = sliding_fit.rigid_fit(gear, friction_zone=zone, law=of_bush)
     elif fidelity.bush == "chain":
-        fit, carried = sliding_fit.chain_fit(gear, chain, friction_zone=zone, patches=patches), True
+        fit, carried = sliding_fit.chain_fit(gear, chain, friction_zone=zone, law=of_bush), True
     load = load_at_end(gear, rack_load) if rack_load or gear.rack.side_force else None
     places = {"mesh": (0.0, ALONG_BAR), "seat": (0.0, ALONG_BAR), "bush": (float(fit.station), ALONG_BAR)}
     if load is not None:
@@ -269,7 +276,7 @@ def mesh_of(
     made = np.zeros(1, GEAR["mesh"])
     limits = {"mesh_penetration": DEEPEST * gear.pinion.normal_module}
     if fidelity.mesh == "flank":
-        along, across = fidelity.strip_stations, fidelity.strip_points
+        along, across = fidelity.strip_stations + (gear.mesh.law == "teeth"), fidelity.strip_points
         made["flank"] = pack(gear, zone=zone, along=along, across=across, patches=patches)
         if gear.mesh.law == "teeth":
             made["teeth"] = teeth_data(gear, made["flank"][0])

@@ -12,8 +12,8 @@ fills the generalised forces `total` (n,) on the coordinates q with rates v, and
 factor_v dF/dv, to a few per cent of its largest entry or better: what turns with the bar's small angles is
 left out.
 
-Friction with a state takes the slip from what the coordinates moved over a step (`forces.memory`): a step of
-a coordinate is then one of its rate too.
+Friction with a state takes the slip from what the coordinates moved over a step (`forces.friction`): a step
+of a coordinate is then one of its rate too.
 """
 
 from typing import Any
@@ -36,7 +36,14 @@ from rps_exudyn.forces import bearing, external_load, sliding_fit, yoke
 from rps_exudyn.forces.bearing import BEARING, bearing_force, bearing_slope
 from rps_exudyn.forces.external_load import DEAD_FORCE, add_dead_tangent, dead_force
 from rps_exudyn.forces.force_element import Part
-from rps_exudyn.forces.memory import MOST_COORDINATES, PLACES, TIME, begin_step, duration
+from rps_exudyn.forces.friction import (
+    MOST_COORDINATES,
+    PATCH_SUMS,
+    PLACES,
+    TIME,
+    begin_step,
+    duration,
+)
 from rps_exudyn.forces.sliding_fit import FIT, add_fit_tangent, carried_fit_force, held_fit_force
 from rps_exudyn.forces.yoke import (
     MOST_POINTS,
@@ -113,6 +120,7 @@ WORK = record_type(
         ("of_mesh", "f8", (2, 2)),  # part of it: of the mesh's forces along X and Y, by the same
         ("of_loads", "f8", (2, 7)),  # tangent of the seat's own outputs, by rack and plunger
         ("points", "f8", (MOST_POINTS, 4)),  # of the seat
+        ("rubbed", "f8", (PATCH_SUMS,)),  # its sums of bristles
         ("slip", "f8", (MOST_COORDINATES,)),  # rates with which contacts slip
         ("on_carrier", "f8", (6,)),
     ]
@@ -162,10 +170,10 @@ def _add_others(gear, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     for i in range(2):
         for j in range(2):
             work.of_mesh[i, j] = near[1 + i, 1 + j]
-    seat_force(place[1:8], rate[1:8], gear.seat, memory, work.points, out[_SEAT : _SEAT + 12])
+    seat_force(place[1:8], rate[1:8], gear.seat, memory, work.rubbed, work.points, out[_SEAT : _SEAT + 14])
     spring_force(place[7], gear.spring, out[_SPRING : _SPRING + 5])
     nut_force(place[7], gear.nut, out[_NUT : _NUT + 5])
-    bearing_force(rate[0], gear.bearing, memory, out[_BEARING : _BEARING + 5])
+    bearing_force(rate[0], gear.bearing, memory, out[_BEARING : _BEARING + 7])
     if wanted:
         _add_yoke_and_bearing(gear, work, factor_q, factor_v)
 
@@ -175,7 +183,8 @@ def _add_yoke_and_bearing(gear, work, factor_q, factor_v):  # type: ignore[no-un
     """Add the tangents of seat, spring, nut and bearing."""
     place, rate, near, memory = work.place, work.rate, work.near, work.contact.memory
     q, v, on_rack = place[1:8], rate[1:8], near[1:8, 1:8]
-    add_seat_tangent(q, v, gear.seat, memory, work.points, factor_q, factor_v, on_rack, work.of_loads)
+    at = gear.seat, memory, work.rubbed, work.points
+    add_seat_tangent(q, v, *at, factor_q, factor_v, on_rack, work.of_loads)
     near[7, 7] -= factor_q * gear.spring.rate
     if place[7] > gear.nut.clearance:
         near[7, 7] -= factor_q * gear.nut.stiffness
@@ -211,7 +220,7 @@ def finish(q, gear, work, factor_q, factor_v, total, tangent):  # type: ignore[n
     """Add the forces of all other parts to those of the teeth; of a rack that is straight and rigid."""
     _add_others(gear, work, factor_q, factor_v)
     rack, rate, out, memory = q[1:7], work.rate[1:7], work.out, work.contact.memory
-    bush = out[_BUSH : _BUSH + 11]
+    bush = out[_BUSH : _BUSH + 13]
     for i in range(8):
         total[i] = _near_force(i, work)
     if gear.is_carried:
@@ -299,7 +308,7 @@ def finish_on_bent_rack(q, gear, pool, work, factor_q, factor_v, total, tangent)
 
     bar_sections(gear.fit.station - q[1], bar, pool, sections)
     fill_pose(q, work.slip, sections, -1.0, bar, pose)
-    held_fit_force(pose[POSE], pose[RATE], gear.fit, memory, out[_BUSH : _BUSH + 11])
+    held_fit_force(pose[POSE], pose[RATE], gear.fit, memory, out[_BUSH : _BUSH + 13])
     for i in range(6):
         forces[i] = out[_BUSH + i]
     add_to_bar(total, forces, pose, sections, -1.0, bar)

@@ -315,6 +315,7 @@ class GearSeries:
             np.zeros((k, RIGID)),
             NO_COLUMN,
             np.zeros(k),
+            np.zeros(RIGID),
             ACCEPT,
             coordinates,
             speeds,

@@ -17,16 +17,23 @@ from rps_exudyn.forces.force_element import (
     ELASTIC_ENERGY,
     ENERGY_TERMS,
     FRICTION_POWER,
+    FRICTION_STATE,
     Part,
     stacked,
 )
-from rps_exudyn.forces.memory import PLACES, TIME
+from rps_exudyn.forces.friction import PLACES, TIME
 from rps_exudyn.solvers.bent_rack import ALONG_BAR, ON_BAR, BentBar
 from rps_exudyn.solvers.drive import OVERCOME, Drive, DrivenBody
 from rps_exudyn.solvers.equilibrium import SETTLED, EquilibriumPath, Start
 from rps_exudyn.solvers.gear_forces import GearForces
 from rps_exudyn.solvers.gear_model import COLUMNS
-from rps_exudyn.solvers.steering_column import ColumnModel, TyreSpring, driven_rate, of_column
+from rps_exudyn.solvers.steering_column import (
+    ColumnModel,
+    TyreSpring,
+    driven_place,
+    driven_rate,
+    of_column,
+)
 
 WORK = {
     "work_mesh_friction",
@@ -35,7 +42,9 @@ WORK = {
     "work_bush_friction",
     "work_bearing_friction",
 }
-MESH_ENERGY, LOAD_ENERGY = "mesh_energy", "load_energy"  # of `instant_signals`: no signals of a result
+# Of `instant_signals`, no signals of a result; the last before the name of a work summed up over steps
+MESH_ENERGY, LOAD_ENERGY, SO_FAR = "mesh_energy", "load_energy", "so_far_"
+MESH_TAKEN = f"{SO_FAR}mesh"  # what the teeth took from the bodies
 AT_MESH = (0.0, ALONG_BAR)  # where mesh and yoke stand
 # Signals of what is not prescribed, in the order of the coordinates
 COORDINATES = ("rack_y", "rack_z", "rack_roll", "rack_yaw", "rack_pitch", "plunger_displacement")
@@ -144,10 +153,11 @@ class Record:
 def record_of_path(forces: GearForces, path: EquilibriumPath, drive: Drive) -> Record:
     """Return the record of equilibria along a drive's motion.
 
-    Their kinetic energy is the work that was done against the inertia of what follows the drive.
+    Their kinetic energy is the work that was done against the inertia of what follows the drive; behind a
+    column that of what is accelerated there, whose loss by long steps the balance shows.
     """
     overcome = -drive.sign * path.forces[:, drive.coordinate]
-    energy = _work(-np.einsum("ti,ti->t", path.applied, path.rates), path.time)
+    energy = _work(-np.einsum("ti,ti->t", path.applied, path.rates), path.time) + path.kinetic
     if forces.bar is not None:
         energy = energy + forces.bar.elastic_energy(path.coordinates)
     return Record(
@@ -214,7 +224,30 @@ def instant_signals(record: Record) -> dict[str, np.ndarray]:
         del signals["mesh_pressure"]
     if "mesh_normal_force_drive" in signals:
         signals["mesh_normal_force"] = signals["mesh_normal_force_drive"] + signals["mesh_normal_force_coast"]
-    return signals | {"stored_energy": energy}
+    return signals | {"stored_energy": energy} | ({} if record.begun is None else _over_steps(record))
+
+
+def _over_steps(record: Record) -> dict[str, np.ndarray]:
+    """Works [J] that are summed up over the steps of a record with bristles, in which friction turns about
+    within a step and slip is a mean over it: of drive, teeth and bristles."""
+    works = {f"{SO_FAR}work_drive": _along(record.drive[:, None], driven_place(record)[:, None])}
+    for part in record.forces.parts:
+        out, columns = record.outputs(part), stacked(part.bodies)
+        if part.name == "mesh" and record.bar is None:
+            works[MESH_TAKEN] = -_along(out[:, : part.size], record.coordinates[:, columns])
+        elif part.name == "mesh":
+            places = integral_from_start(record.seen_by(part)[1].T, record.time).T
+            works[MESH_TAKEN] = -_along(out[:, : part.size], places)
+        if part.name in record.forces.with_bristles:
+            lost = part.size + ENERGY_TERMS + part.outputs.index(FRICTION_STATE[0])
+            works[f"{SO_FAR}work_{part.name}_friction"] = out[:, lost]
+    return works
+
+
+def _along(forces: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Work of forces (n, m) along places (n, m) from the start (n,), by the trapezoidal rule."""
+    steps = np.einsum("ti,ti->t", forces[1:] + forces[:-1], np.diff(places, axis=0)) / 2
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def integrated(signals: dict[str, np.ndarray], time: np.ndarray) -> dict[str, np.ndarray]:
@@ -224,12 +257,17 @@ def integrated(signals: dict[str, np.ndarray], time: np.ndarray) -> dict[str, np
     for name, values in signals.items():
         if name in (MESH_ENERGY, LOAD_ENERGY):
             continue
-        if name == "stored_energy":
+        if name.startswith(SO_FAR):
+            whole[name.removeprefix(SO_FAR)] = values - values[..., :1]
+        elif name == "stored_energy":
             whole[name] = values - values[..., :1]
         else:
             whole[name] = _work(values, time) if name.startswith("work_") else values
     if MESH_ENERGY in signals:
         stored = signals[MESH_ENERGY]
+        if MESH_TAKEN in signals:
+            given = whole["work_mesh_friction"] + whole["work_mesh_damping"]
+            whole["work_mesh_edges"] = whole.pop("mesh") - given
         whole["work_mesh_edges"] = whole["work_mesh_edges"] - (stored - stored[..., :1])
     if LOAD_ENERGY in signals:
         raised = signals[LOAD_ENERGY] - signals[LOAD_ENERGY][..., :1]

@@ -3,17 +3,18 @@
 The limits of `analysis.friction_oscillator` are those of one inertia. A rack yields sideways and rolls as it
 vibrates, and friction across the sliding damps that; the pinion vibrates against the teeth too, and friction
 that falls feeds that. The limit of the whole gear follows from the eigenvalues of its forces, linearised
-about steady sliding over a tooth pitch; nothing is integrated. Bristles count as Stribeck's law in the
-difference of both, but for vibrations that are faster than their lag, and by their own margin in the limit.
+about steady sliding over a tooth pitch; nothing is integrated. Bristles count as Stribeck's law, which they
+follow in steady sliding.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
 from rps_exudyn.analysis.friction_oscillator import Oscillator, Rubbing
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
+from rps_exudyn.forces.friction import ELEMENT_TRAVELS
 from rps_exudyn.forces.rigid_motion import rotation_matrix, spin_map
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import rack_masses
@@ -32,45 +33,34 @@ INSTANTS = 64  # of a tooth pitch at which the gear is linearised
 PITCHES = 4  # that lead there
 RANGE = 3.0  # times the damping that one inertia needs, over which that of the gear is sought ...
 TRIED = 13  # ... at so many dampings, and at as many between two of them
-FASTEST = 3.0  # times the natural frequency: slower vibrations count whatever the bristles' lag
+QUICK = 6.0  # times in the natural period over 2 pi that bristles turn about across the sliding
 CURED = 0.5  # of the growth that damping takes from one inertia: it takes so much from what it cures
 
 
 def one_inertia_damping(gear: SteeringGear) -> float:
     """Return the damping of the column at which the reduced gear's vibration about steady sliding neither
     grows nor decays [N m s/rad]; nan where it is stable without any."""
-    model, presliding, speed = reduced_gear(gear), presliding_angle(gear), gear.test.speed
-    if not presliding:
-        return model.linear_limit(speed) or np.nan
-    damping = np.linspace(0, 1.2 * max(model.linear_limit(speed), 1e-9), 121)
-    margins = np.array([replace(model, damping=each).bristle_margin(speed, presliding) for each in damping])
-    unstable = np.flatnonzero(margins < 0)
-    if not unstable.size or unstable[-1] + 1 == damping.size:
-        return float("nan")
-    last = slice(unstable[-1], unstable[-1] + 2)
-    return float(np.interp(0.0, margins[last], damping[last]))
+    return reduced_gear(gear).linear_limit(gear.test.speed) or np.nan
 
 
 def sliding_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
     """Return the same of the whole gear; 0 where one inertia is stable without any, nan where there is no
-    equilibrium about which the gear could be linearised."""
-    falling, alone = reduced_gear(gear).linear_limit(gear.test.speed), one_inertia_damping(gear)
-    return 0.0 if np.isnan(alone) else max(0.0, alone + linearised_damping(gear, fidelity) - falling)
+    equilibrium about which the gear could be linearised, and on bristles that turn about too slowly across
+    the sliding to damp the guides as Stribeck's law does."""
+    if np.isnan(one_inertia_damping(gear)):
+        return 0.0
+    over_travel = ELEMENT_TRAVELS[0][0] * presliding_angle(gear) / gear.test.speed  # [s]
+    slow = over_travel * reduced_gear(gear).frequency * QUICK > 1
+    return float("nan") if slow else linearised_damping(gear, fidelity)
 
 
 def linearised_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
     """Return the same with friction that depends on speed alone: the largest damping at which a vibration
-    grows that more damping cures; 0 where the gear is stable without any, nan without an equilibrium.
-
-    Vibrations that are faster than the lag of the gear's bristles are left out.
-    """
-    lag = presliding_angle(gear) / gear.test.speed
+    grows that more damping cures; 0 where the gear is stable without any, nan without an equilibrium."""
     laws = {f"{part}.friction_law": getattr(gear, part).facts.at_speed for part in RUBBING_PARTS}
     gear = gear.replace(laws)
     model = reduced_gear(gear)
-    most, fastest = RANGE * model.linear_limit(gear.test.speed), np.inf
-    if lag:
-        fastest = max(1 / lag, FASTEST * model.frequency)
+    most = RANGE * model.linear_limit(gear.test.speed)
     vibration = SlidingVibration.of(gear, fidelity) if most else None
     if vibration is None:
         return float("nan") if most else 0.0
@@ -78,7 +68,7 @@ def linearised_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
     while high - low > most / TRIED**2:
         tried = np.linspace(low, high, TRIED)
         least = CURED / (2 * model.inertia)
-        roots = np.array([vibration.cured_at(damping, least, fastest) for damping in tried])
+        roots = np.array([vibration.cured_at(damping, least) for damping in tried])
         unstable = np.flatnonzero(roots > tried)
         if not unstable.size:
             break
@@ -133,14 +123,14 @@ class SlidingVibration:
         averaged = PERIODS * 2 * np.pi / model.frequency / max(time[1], 1e-300)
         return cls(mass[at], by_place, by_rate, int(np.clip(np.ceil(averaged), 1, INSTANTS)))
 
-    def cured_at(self, damping: float, least: float, fastest: float = np.inf) -> float:
+    def cured_at(self, damping: float, least: float) -> float:
         """Return the damping of the column [N m s/rad] at which what grows with one near it no longer does;
         the same where nothing does.
 
         What counts is the growth of each vibration, fast ones and those without an imaginary part too: the
         mean over `PERIODS` natural periods from each instant on. Eigenvalues of one instant and the next are
         the same vibration's if as many others are smaller. One that damping of the column slows by less than
-        `least` [1/s per N m s/rad] is the rack's own, and is left out, as is one beyond `fastest` [rad/s].
+        `least` [1/s per N m s/rad] is the rack's own, and is left out.
         """
         damped = self.by_rate.copy()
         damped[:, 0, 0] -= damping
@@ -150,11 +140,10 @@ class SlidingVibration:
         push[n:] = np.linalg.inv(self.mass)[:, 0]
         slowed = (np.linalg.inv(right) @ push) * right[:, n]
         order = np.argsort(np.abs(values), axis=1)
-        growth, slowing, size = (
-            self._averaged(np.take_along_axis(each, order, 1))
-            for each in (values.real, slowed.real, np.abs(values))
+        growth, slowing = (
+            self._averaged(np.take_along_axis(each, order, 1)) for each in (values.real, slowed.real)
         )
-        counts = (growth > 0) & (slowing > least) & (size <= fastest)
+        counts = (growth > 0) & (slowing > least)
         return damping + float(np.max(growth[counts] / slowing[counts], initial=0.0))
 
     def _averaged(self, values: np.ndarray) -> np.ndarray:
@@ -201,9 +190,17 @@ def reduced_gear(gear: SteeringGear) -> Oscillator:
     return Oscillator(pinion + rack * gain**2, column.stiffness, column.damping, parts)
 
 
+def bristle_reversal_angle(gear: SteeringGear) -> float:
+    """Return the pinion angle after a turn over which one bristle would turn about [rad], twice that of its
+    first loading; 0 without bristles."""
+    return 2 * ELEMENT_TRAVELS[0][0] * presliding_angle(gear)
+
+
 def presliding_angle(gear: SteeringGear) -> float:
-    """Return the pinion angle over which bristles turn about [rad], the mean over the parts weighed with
-    their friction; 0 without bristles."""
+    """Return the pinion angle of the bristles' travel [rad], the mean over the parts weighed with their
+    friction; 0 without bristles."""
+    if not any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS):
+        return 0.0
     parts = [(law, torque, lever) for law, torque, lever in _parts(gear) if torque > 0 and lever > 0]
     yielding = [torque * law.bristle_travel / lever for law, torque, lever in parts if law.facts.has_state]
     whole = sum(torque for _, torque, _ in parts)

@@ -175,6 +175,16 @@ def driven_rate(record: "Record") -> np.ndarray:
     return -record.of_rates("pinion")[..., 0]
 
 
+def driven_place(record: "Record") -> np.ndarray:
+    """Return the place of the driven body in the sense of travel along +X, shape (n,) [rad or m]."""
+    if record.driven == "rack":
+        return record.of("rack")[..., 0]
+    if record.driven == "wheel":
+        assert record.wheel is not None
+        return record.wheel[:, 0]
+    return -record.of("pinion")[..., 0]
+
+
 def of_column(record: "Record") -> dict[str, np.ndarray]:
     """Return the signals of wheel and column at each instant, the power lost by the name of its work; {}
     where the rig does not turn the wheel."""
@@ -197,23 +207,17 @@ def of_column(record: "Record") -> dict[str, np.ndarray]:
     }
 
 
-def under_torque(record: "Record", column: ColumnModel, drive: WheelTorque, angle: np.ndarray) -> "Record":
-    """Return the record of a pinion as that of the wheel at angles (n,) [rad] that a torque turns."""
-    twist = column.output(angle) + record.of("pinion")[:, 0]
-    twisting = _backward(twist, record.time) - record.of_rates("pinion")[:, 0]
+def under_torque(record: "Record", column: ColumnModel, drive: WheelTorque, wheel: np.ndarray) -> "Record":
+    """Return the record of a pinion as that of the wheel that a torque turns, with its angles and
+    rates (n, 2) [rad, rad/s]."""
     return replace(
         record,
         drive=drive.torque(record.time),
         driven="wheel",
-        wheel=np.column_stack([angle, twisting / column.ratio(angle)]),
+        wheel=wheel,
         column=column,
         tyre=drive.tyre,
     )
-
-
-def _backward(values: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """Rate of values (n,) over time [s]."""
-    return np.gradient(values, time) if time.size > 1 else np.zeros_like(values)
 
 
 def behind_column(record: "Record", column: ColumnModel, wheel: Drive) -> "Record":

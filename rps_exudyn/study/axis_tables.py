@@ -177,6 +177,9 @@ def _listed(given: Any, shape: str, quantity: _Quantity) -> tuple[Value, ...]:
         return ()
     if not given:
         quantity.wrong("is empty; values needs at least one.")
+    if len(given) > MOST_ON_AN_AXIS:
+        quantity.wrong(f"has {len(given)} values (limit {MOST_ON_AN_AXIS}).")
+        return ()
     values = tuple(quantity.value(item) for item in given)
     if len(set(values)) < len(values):
         quantity.wrong("has a value twice.")

@@ -15,7 +15,7 @@ from typing import Annotated, Any
 from pydantic import Field, TypeAdapter, ValidationError
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import content_of
+from rps_exudyn.base.files import content_of, read_json_tables
 from rps_exudyn.base.hdf5 import check_version
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.block import Keep
@@ -117,12 +117,12 @@ class Description:
         """
         try:
             text = content_of(path).decode("utf-8")
-            content = json.loads(text)
+            content = read_json_tables(text, "its text")
         except InputError as error:
             raise InputError(f"{path.parent} is no study's folder: {error}") from None
-        except (ValueError, RecursionError) as error:
+        except ValueError as error:
             raise InputError(f"{path} is damaged: {error}.") from None
-        if not isinstance(content, dict) or content.get("filetype") != FILETYPE:
+        if content.get("filetype") != FILETYPE:
             raise InputError(f"{path} is not the description of a study of rps-exudyn.")
         version = content.get("version")
         if not _fits(text, content):

@@ -23,12 +23,14 @@ docs/studies.md explains every key.
 """
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.progress import reached
 from rps_exudyn.base.units import short, shown, to_si
 from rps_exudyn.parameters.declaration import read_toml
 from rps_exudyn.parameters.fidelity import PRESETS, preset_table
@@ -165,7 +167,7 @@ class _StudyKeys(Keys):
     def samples(self, content: Mapping[str, Any], design: str) -> int:
         if design == GRID_DESIGN:
             if "samples" in content:
-                self.wrong("samples", "has no meaning for a grid; its axes say how many cases there are.")
+                self.wrong("samples", "has no meaning for a grid; its axes give the number of cases.")
             return 0
         if "samples" not in content:
             self.wrong("samples", f"is missing: how many points the {design} design draws.")
@@ -210,7 +212,9 @@ def _problems_of_axes(study: Study) -> list[str]:
     """Return what is wrong with each value of an axis, or each end of its distribution, alone in the base."""
     problems: dict[str, None] = {}
     for axis in study.axes:
-        for value in ends(axis) if axis.values is None else axis.values:
+        values = ends(axis) if axis.values is None else axis.values
+        for number, value in enumerate(values):
+            reached(number / len(values), partial("{} values checked".format, number))
             try:
                 study.setup(axis.settings(value))
             except InputError as error:

@@ -20,7 +20,16 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.base.compiled import inline
-from rps_exudyn.forces.friction import rubbing
+from rps_exudyn.forces.friction import (
+    ACROSS,
+    ALONG,
+    FRICTION_ACROSS,
+    FRICTION_ALONG,
+    WEIGHT,
+    patch_slopes,
+    rubbing,
+    stribeck,
+)
 from rps_exudyn.forces.rigid_motion import Vector, cross, dot, minus, on_angles, plus, scaled, vector
 from rps_exudyn.tooth_contact import wrench
 from rps_exudyn.tooth_contact.flank_line import (
@@ -37,6 +46,7 @@ from rps_exudyn.tooth_contact.flank_line import (
     gear_centre,
     patch_of,
     rolling_slip,
+    slip_at,
 )
 
 
@@ -106,24 +116,13 @@ class Rub(NamedTuple):
 
 
 @inline
-def friction_at(p_r, p_t, z, side, data, work, slopes):  # type: ignore[no-untyped-def]
-    """Return the friction at a point of the line frame."""
-    stance, law = slopes.stance, data.law
-    slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t
-    slip_b = affine(side.slip, p_r, p_t, z)
-    if law.has_state:
-        w_r, w_b = rolling_slip(p_r, p_t, side, data)
-        along, across = w_r * slip_r + w_b * slip_b, w_r * slip_b - w_b * slip_r
-        patch = patch_of(side, data)
-        f_1, f_2, ahead, aside, d_1, d_2 = rubbing(
-            along, across, patch, data.friction, data.zone, law, work.memory
-        )
-        f_r, f_b = w_r * f_1 - w_b * f_2, w_b * f_1 + w_r * f_2
-        d_r, d_b = w_r * d_1 - w_b * d_2, w_b * d_1 + w_r * d_2
+def friction_at(slip_r, slip_b, data, slopes):  # type: ignore[no-untyped-def]
+    """Return the friction at a point by its slip; none of bristles, which is found from all points."""
+    stance = slopes.stance
+    if data.law.has_state:
+        f_r = f_b = ahead = aside = d_r = d_b = 0.0
     else:
-        f_r, f_b, ahead, aside, d_r, d_b = rubbing(
-            slip_r, slip_b, 0, data.friction, data.zone, law, work.memory
-        )
+        f_r, f_b, ahead, aside, d_r, d_b = rubbing(slip_r, slip_b, data.friction, data.zone, data.law)
     return Rub(
         plus(scaled(f_r, stance.radial), scaled(f_b, stance.across)),
         ahead,
@@ -138,12 +137,33 @@ def add_station(stiffness, load, p_r, p_t, z, side, data, work, slopes):  # type
     """Add what a load at a point changes by: its own stiffness [N/m], and its friction's."""
     stance = slopes.stance
     arm = arm_of(p_r, p_t, z, stance)
-    rub = friction_at(p_r, p_t, z, side, data, work, slopes)
+    slip_r, slip_b = slip_at(p_r, p_t, z, side)
+    rub = friction_at(slip_r, slip_b, data, slopes)
     whole = plus(stance.normal, rub.force)
     factor = -stiffness * (slopes.factor_q + data.damping * slopes.factor_v)
     moment = cross(arm, stance.normal)
     add_outer(slopes.stiffness, factor, whole, cross(arm, whole), stance.normal, moment)
-    add_viscous(load, arm, rub, slopes)
+    if data.law.has_state:
+        change = scaled(factor, stance.normal)
+        add_to_patch(change, scaled(factor, moment), arm, slip_r, slip_b, p_r, p_t, side, data, work, slopes)
+    else:
+        add_viscous(load, arm, rub, slopes)
+
+
+@inline
+def add_to_patch(force, moment, arm, slip_r, slip_b, p_r, p_t, side, data, work, slopes):  # type: ignore[no-untyped-def]
+    """Add a load's change over the rack's motion (force, moment), its sign turned, to what bristles change
+    by with it."""
+    stance, number = slopes.stance, 1 if side.sign > 0 else 0
+    g = stribeck(np.sqrt(slip_r * slip_r + slip_b * slip_b), data.law)
+    w_r, w_b = rolling_slip(p_r, p_t, side, data)
+    on = plus(scaled(g * w_r, stance.radial), scaled(g * w_b, stance.across))
+    beside = plus(scaled(-g * w_b, stance.radial), scaled(g * w_r, stance.across))
+    add_outer(work.by_direction[number, 0], 1.0, on, cross(arm, on), force, moment)
+    add_outer(work.by_direction[number, 1], 1.0, beside, cross(arm, beside), force, moment)
+    for i in range(3):
+        work.by_weight[number, i] += g * force[i]
+        work.by_weight[number, 3 + i] += g * moment[i]
 
 
 @inline
@@ -157,6 +177,57 @@ def add_viscous(load, arm, rub, slopes):  # type: ignore[no-untyped-def]
         add_outer(slopes.stiffness, drag * rub.ahead, rub.on, moment, rub.on, moment)
     moment = cross(arm, rub.beside)
     add_outer(slopes.stiffness, drag * rub.aside, rub.beside, moment, rub.beside, moment)
+
+
+@inline
+def clear_patches(work):  # type: ignore[no-untyped-def]
+    """Begin to add up what bristles of both sides change by with the loads."""
+    for number in range(2):
+        for i in range(6):
+            work.by_weight[number, i] = 0.0
+            for j in range(6):
+                work.by_direction[number, 0, i, j] = work.by_direction[number, 1, i, j] = 0.0
+
+
+@inline
+def _of_direction(first, side, stance, work):  # type: ignore[no-untyped-def]
+    """Force and moment about the rack's reference point on the pinion by friction of size 1 of a side."""
+    sums, n_t, n_z = work.rubbed, -side.sign * side.n_p, side.n_z
+    force = plus(scaled(sums[first], stance.radial), scaled(sums[first + 3], stance.across))
+    moment = plus(
+        scaled(-sums[first + 5], stance.radial),
+        plus(
+            scaled(n_t * sums[first + 4] + sums[first + 2], stance.tangential),
+            scaled(n_z * sums[first + 4] - sums[first + 1], stance.axis),
+        ),
+    )
+    return force, plus(moment, cross(stance.centre, force))
+
+
+@inline
+def add_patch_tangent(side, data, work, slopes):  # type: ignore[no-untyped-def]
+    """Add the tangent of a side's bristles, after their friction was found: by the slip and by the loads."""
+    law, sums, number = data.law, work.rubbed, 1 if side.sign > 0 else 0
+    if not sums[WEIGHT] > 0:
+        return
+    place = patch_of(side, data)
+    k_aa, k_ab, k_ba, k_bb, p_a, p_b = patch_slopes(data.friction, place, law, work.memory, sums)
+    on, on_moment = _of_direction(ALONG, side, slopes.stance, work)
+    beside, beside_moment = _of_direction(ACROSS, side, slopes.stance, work)
+    stiffness, rate = slopes.stiffness, -slopes.factor_v
+    add_outer(stiffness, rate * k_aa, on, on_moment, on, on_moment)
+    add_outer(stiffness, rate * k_ab, on, on_moment, beside, beside_moment)
+    add_outer(stiffness, rate * k_ba, beside, beside_moment, on, on_moment)
+    add_outer(stiffness, rate * k_bb, beside, beside_moment, beside, beside_moment)
+    change = work.by_weight[number]
+    force, moment = (change[0], change[1], change[2]), (change[3], change[4], change[5])
+    add_outer(stiffness, p_a, on, on_moment, force, moment)
+    add_outer(stiffness, p_b, beside, beside_moment, force, moment)
+    of_a, of_b = sums[FRICTION_ALONG] / sums[WEIGHT], sums[FRICTION_ACROSS] / sums[WEIGHT]
+    for i in range(6):
+        for j in range(6):
+            stiffness[i, j] += of_a * work.by_direction[number, 0, i, j]
+            stiffness[i, j] += of_b * work.by_direction[number, 1, i, j]
 
 
 @inline
@@ -252,7 +323,7 @@ def add_on_coordinates(out, q, turn, axis, to_axis, stiffness, factor_q, tangent
 def press(depth, stiffness, eased, p_r, p_t, z, side, data, work, slopes):  # type: ignore[no-untyped-def]
     """Add the load stiffness * (depth + d * its rate) at a point, with its friction.
 
-    `eased` is the stiffness's weight over the load's in the rule that the point belongs to; `slopes` says
+    `eased` is the stiffness's weight over the load's in the rule that the point belongs to; `slopes` states
     where to add the tangent.
     """
     pressing = depth

@@ -9,9 +9,15 @@ bending cancels, which laws without it miss.
 import numpy as np
 
 from rps_exudyn.base.compiled import inline, kernel
-from rps_exudyn.forces.rigid_motion import cross, plus
+from rps_exudyn.forces.rigid_motion import cross, plus, scaled, vector
 from rps_exudyn.gears.tooth_stiffness import HERTZ
-from rps_exudyn.tooth_contact.contact_tangent import add_viscous, arm_of, friction_at, slopes_of
+from rps_exudyn.tooth_contact.contact_tangent import (
+    add_to_patch,
+    add_viscous,
+    arm_of,
+    friction_at,
+    slopes_of,
+)
 from rps_exudyn.tooth_contact.flank_contact import begin_contact, end_side
 from rps_exudyn.tooth_contact.flank_line import (
     DAMPING_LOSS,
@@ -22,6 +28,7 @@ from rps_exudyn.tooth_contact.flank_line import (
     begin_side,
     note_line_load,
     side_of,
+    slip_at,
 )
 from rps_exudyn.tooth_contact.teeth_stations import DEPTH, LENGTH, P_R, P_T, P_Z, RATE, ROLL, TOP, find_lines
 from rps_exudyn.tooth_contact.tooth_compliance import add_block, add_line
@@ -41,8 +48,8 @@ GUESS = 20e9  # load per length and depth with which the solution begins [N/m^2]
 def teeth_contact(angle, rate, position, rotation, velocity, spin, data, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """Fill the wrench of law "teeth", see `wrench`, and its stiffness unless both factors are 0, see
     `contact_tangent.Slopes`; `data` is a record `MESH`, `work` a `SCRATCH`."""
-    begin_contact(work)
     flank = data.flank
+    begin_contact(flank.law, work)
     drive = side_of(-1.0, angle, rate, position, rotation, velocity, spin, flank)
     coast = side_of(1.0, angle, rate, position, rotation, velocity, spin, flank)
     lines, n = find_lines(angle, drive, coast, data)
@@ -77,8 +84,16 @@ def _add_loads(lines, line, force, elastic, side, flank, work):  # type: ignore[
             work.sums[DAMPING_LOSS] += (force[i] - elastic[i]) * stations[RATE, i]
             note_line_load(force[i] / stations[LENGTH, i], stations[ROLL, i], work)
     if pressed:
-        work.sums[LINES] += 1
+        work.sums[LINES] += 0 if _goes_on(lines, line, force, count) else 1
         work.sums[DEEPEST] = max(work.sums[DEEPEST], lines.deepest[line])
+
+
+@inline
+def _goes_on(lines, line, force, count):  # type: ignore[no-untyped-def]
+    """Return whether the piece before is of the same tooth's line and pressed."""
+    if line == 0 or lines.tooth[line - 1] != lines.tooth[line] or lines.side[line - 1] != lines.side[line]:
+        return False
+    return force[(line - 1) * count : line * count].max() > 0
 
 
 # --- loads -----------------------------------------------------------------------------------------
@@ -100,11 +115,9 @@ def compliance_matrix(lines, n, data):  # type: ignore[no-untyped-def]
                 add_line(matrix, lines.on_rack, a * count, nodes, weights, data.teeth.rack)
                 continue
             if lines.tooth[a] == lines.tooth[b]:
-                sigma = 1.0 if same_side else -data.teeth.pinion.coupling
-                add_block(matrix, lines.on_pinion, a * count, b * count, count, sigma, data.teeth.pinion)
+                add_block(matrix, lines.on_pinion, a * count, b * count, count, same_side, data.teeth.pinion)
             if lines.rack_tooth[a] == lines.rack_tooth[b]:
-                sigma = 1.0 if same_side else -data.teeth.rack.coupling
-                add_block(matrix, lines.on_rack, a * count, b * count, count, sigma, data.teeth.rack)
+                add_block(matrix, lines.on_rack, a * count, b * count, count, same_side, data.teeth.rack)
     return matrix
 
 
@@ -177,6 +190,9 @@ def add_teeth(matrix, lines, force, drive, coast, of_drive, of_coast, data, work
             value = factor * loads[row, i]
             for j in range(6):
                 stiffness[i, j] -= value * yields[row, j]
+        if flank.law.has_state:
+            side, slopes = (drive, of_drive) if lines.side[chosen[row] // count] < 0 else (coast, of_coast)
+            _add_to_patch(lines.stations, chosen[row], -factor, yields[row], side, flank, work, slopes)
 
 
 @inline
@@ -184,10 +200,22 @@ def _fill_wrenches(stations, i, row, load, yields, loads, side, data, work, slop
     """Fill a station's wrenches per load, without and with friction; add what its friction alone changes."""
     p_r, p_t, z, stance = stations[P_R, i], stations[P_T, i], stations[P_Z, i], slopes.stance
     arm = arm_of(p_r, p_t, z, stance)
-    rub = friction_at(p_r, p_t, z, side, data, work, slopes)
+    slip_r, slip_b = slip_at(p_r, p_t, z, side)
+    rub = friction_at(slip_r, slip_b, data, slopes)
     whole = plus(stance.normal, rub.force)
     yields[row, 0], yields[row, 1], yields[row, 2] = stance.normal
     yields[row, 3], yields[row, 4], yields[row, 5] = cross(arm, stance.normal)
     loads[row, 0], loads[row, 1], loads[row, 2] = whole
     loads[row, 3], loads[row, 4], loads[row, 5] = cross(arm, whole)
-    add_viscous(load, arm, rub, slopes)
+    if not data.law.has_state:
+        add_viscous(load, arm, rub, slopes)
+
+
+@inline
+def _add_to_patch(stations, i, factor, yields, side, data, work, slopes):  # type: ignore[no-untyped-def]
+    """Add a station's change of load over the rack's motion to what bristles change by with it."""
+    p_r, p_t, z = stations[P_R, i], stations[P_T, i], stations[P_Z, i]
+    slip_r, slip_b = slip_at(p_r, p_t, z, side)
+    force, moment = scaled(factor, vector(yields[:3])), scaled(factor, vector(yields[3:]))
+    arm = arm_of(p_r, p_t, z, slopes.stance)
+    add_to_patch(force, moment, arm, slip_r, slip_b, p_r, p_t, side, data, work, slopes)

@@ -17,7 +17,13 @@ GeneralContact). Loads act normal to the rack's plane, at points of the pinion's
 """
 
 from rps_exudyn.base.compiled import inline, kernel
-from rps_exudyn.tooth_contact.contact_tangent import add_turn_of_loads, press, slopes_of
+from rps_exudyn.tooth_contact.contact_tangent import (
+    add_patch_tangent,
+    add_turn_of_loads,
+    clear_patches,
+    press,
+    slopes_of,
+)
 from rps_exudyn.tooth_contact.flank_line import (
     DEEPEST,
     LINES,
@@ -49,8 +55,10 @@ from rps_exudyn.tooth_contact.wrench import WRENCH_SIZE
 
 
 @inline
-def begin_contact(work):  # type: ignore[no-untyped-def]
-    """Empty the sums of an evaluation."""
+def begin_contact(law, work):  # type: ignore[no-untyped-def]
+    """Empty the sums of an evaluation with a law of friction."""
+    if law.has_state:
+        clear_patches(work)
     for i in range(WRENCH_SIZE):
         work.wrench[i] = 0.0
     for i in range(6):
@@ -62,7 +70,7 @@ def begin_contact(work):  # type: ignore[no-untyped-def]
 def line_contact(angle, rate, position, rotation, velocity, spin, data, work, factor_q, factor_v):  # type: ignore[no-untyped-def]
     """Fill the wrench of law "line", see `wrench`, and its stiffness unless both factors are 0, see
     `contact_tangent.Slopes`; `data` is a record `FLANK`, `work` a `SCRATCH`."""
-    begin_contact(work)
+    begin_contact(data.law, work)
     plain = is_plain(data)
     for sign in (-1.0, 1.0):
         side = side_of(sign, angle, rate, position, rotation, velocity, spin, data)
@@ -95,6 +103,8 @@ def end_side(angle, position, side, data, work, slopes):  # type: ignore[no-unty
     add_side(work, angle, position, side, data, work.wrench)
     if slopes.wanted:
         add_turn_of_loads(work, side, slopes)
+        if data.law.has_state:
+            add_patch_tangent(side, data, work, slopes)
 
 
 @inline

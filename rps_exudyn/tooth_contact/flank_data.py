@@ -7,8 +7,7 @@ from math import gamma
 import numpy as np
 
 from rps_exudyn.base.compiled import record, record_type
-from rps_exudyn.forces.friction import LAW, law_of
-from rps_exudyn.forces.memory import Patches
+from rps_exudyn.forces.friction import LAW, Patches, law_of
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.helicoid import Flank
@@ -16,8 +15,9 @@ from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.gear import SteeringGear
 
 ALONG, ACROSS = 4, 2  # Gauss points: stations in each segment of a line, nodes across the strip
+TOWARDS_ENDS = -0.13  # power that suits the loads of teeth that bend: on eleven gears 5 stations leave 0.05 %
 TURNS_ABOUT = 0.25  # smallest over mean sliding below which the friction turns within the stations' distance
-MOST_POINTS = 12  # of a rule, as `fidelity.strip_stations` and `strip_points` allow
+MOST_POINTS = 13  # of a rule, as `fidelity.strip_stations` and `strip_points` allow
 
 FLANK = record_type(
     [
@@ -135,12 +135,14 @@ def pack(
         friction=mesh.friction,
         zone=sliding_zone(gear) if zone is None else zone,
         # half the preload on each side of the teeth
-        law=law_of(mesh, patches or Patches(), count=2, usual_load=gear.yoke.preload / abs(2 * normal[1])),
+        law=law_of(
+            mesh, patches or Patches(), mesh.friction, gear.yoke.preload / abs(2 * normal[1]), count=2
+        ),
         breaks_sliding=pair.slowest_sliding < TURNS_ABOUT,
         line_stiffness=line_stiffness(gear) if mesh.law == "line" else 0.0,
         stations=along,
         points=across,
-        along=_padded(jacobi_rules(along, 1.5)),
+        along=_padded(rules_of_teeth(along) if mesh.law == "teeth" else jacobi_rules(along, 1.5)),
         across=_padded(jacobi_rules(across, 1.0)),
         ease_along=eased(along, 1.5, 0.5),
         ease_across=eased(across, 1.0, 0.0),
@@ -168,6 +170,16 @@ def sliding_zone(gear: SteeringGear, fraction: float = 0.01) -> float:
     pair = GearPair.of(gear)
     lever = np.mean(pair.friction_lever(np.linspace(*pair.active_path, 33)))
     return float(fraction * gear.test.speed * lever)
+
+
+def rules_of_teeth(n: int) -> np.ndarray:
+    """Rules as `jacobi_rules`, the first for loads that rise towards both ends of a line with the power
+    `TOWARDS_ENDS` of the distance: beyond the ends nothing yields along."""
+    rules = jacobi_rules(n, 1.5).copy()
+    x, w = gauss_jacobi(n, TOWARDS_ENDS, TOWARDS_ENDS)
+    w /= (1 - x * x) ** TOWARDS_ENDS
+    rules[0] = (1 + x) / 2, w / w.sum()
+    return rules
 
 
 @lru_cache(maxsize=64)

@@ -19,7 +19,19 @@ from typing import NamedTuple
 import numpy as np
 
 from rps_exudyn.base.compiled import inline
-from rps_exudyn.forces.friction import PATCH, bristle, by_load, clear, coulomb, stored, stribeck
+from rps_exudyn.forces.friction import (
+    ACROSS,
+    ALONG,
+    add_point,
+    by_load,
+    clear_patch,
+    coulomb,
+    duration,
+    on_patch,
+    patch_columns,
+    slide_patch,
+    stribeck,
+)
 from rps_exudyn.forces.rigid_motion import Vector
 from rps_exudyn.gears.tooth_stiffness import EFFECTIVE_MODULUS
 from rps_exudyn.tooth_contact import wrench
@@ -35,6 +47,7 @@ class Side(NamedTuple):
     """
 
     sign: float  # s
+    rate: float  # of the pinion [rad/s]
     psi: float  # psi*
     sin: float  # e_r = (cos, sin), e_t = (-sin, cos) in the (e, Y) plane
     cos: float
@@ -74,7 +87,8 @@ DRAG_R, DRAG_R_T, DRAG_R_Z = 4, 5, 6  # friction on the pinion along e_r, and ti
 DRAG_B, DRAG_B_R, DRAG_B_N = 7, 8, 9  # along B = N x e_r, and times P_r, times P . N
 ENERGY, FRICTION_LOSS, DAMPING_LOSS, DEEPEST, LINES = 10, 11, 12, 13, 14
 PER_ROLL = 15  # largest load per length over tangent length
-SUMS = 16
+FRICTION_LOST, FRICTION_STORED = 16, 17  # of bristles, work lost so far and energy
+SUMS = 18
 LEAST_ROLL = 1e-6  # tangent length where pressures are taken at least [m]
 
 
@@ -132,6 +146,7 @@ def side_of(sign, angle, rate, position, rotation, velocity, spin, data):  # typ
     w_r, w_t = _to_line(w_e, spin[1], sin, cos)
     return Side(
         sign,
+        rate,
         np.arctan2(sin, cos),
         sin,
         cos,
@@ -256,15 +271,15 @@ def formed_point(xi, z, line, band, side, data):  # type: ignore[no-untyped-def]
 @inline
 def add_load(load, p_r, p_t, z, side, data, work):  # type: ignore[no-untyped-def]
     """Add a normal load at a point, with its friction."""
-    slip_r = side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t
-    slip_b = affine(side.slip, p_r, p_t, z)
+    slip_r, slip_b = slip_at(p_r, p_t, z, side)
     slip = np.sqrt(slip_r * slip_r + slip_b * slip_b)
     if data.law.has_state:
         w_r, w_b = rolling_slip(p_r, p_t, side, data)
-        along, across = w_r * slip_r + w_b * slip_b, w_r * slip_b - w_b * slip_r
-        patch = patch_of(side, data)
-        f_1, f_2, lost = bristle(load, along, across, patch, data.friction, data.law, work.memory)
-        f_r, f_b = w_r * f_1 - w_b * f_2, w_b * f_1 + w_r * f_2
+        along, across = slip_in_step(p_r, p_t, z, side, data, work)
+        weight = add_point(load, along, across, data.law, work.rubbed)
+        _add_direction(ALONG, weight * w_r, weight * w_b, p_r, p_t, z, side, work)
+        _add_direction(ACROSS, -weight * w_b, weight * w_r, p_r, p_t, z, side, work)
+        f_r = f_b = lost = 0.0
     else:
         drag = coulomb(load, data.friction, slip, data.zone) * stribeck(slip, data.law)
         f_r, f_b, lost = drag * slip_r, drag * slip_b, drag * slip * slip
@@ -282,11 +297,39 @@ def add_load(load, p_r, p_t, z, side, data, work):  # type: ignore[no-untyped-de
 
 
 @inline
+def slip_at(p_r, p_t, z, side):  # type: ignore[no-untyped-def]
+    """Return the slip velocity at a point of the line frame, along e_r and B."""
+    return side.velocity[0] + side.spin[1] * z - side.spin[2] * p_t, affine(side.slip, p_r, p_t, z)
+
+
+@inline
+def slip_in_step(p_r, p_t, z, side, data, work):  # type: ignore[no-untyped-def]
+    """Return the slip velocity along the rolling slip and across it where the point of contact, which moves
+    along the path of contact, was in the middle of the step."""
+    p_t -= data.base_radius * side.rate * duration(work.memory) / 2
+    slip_r, slip_b = slip_at(p_r, p_t, z, side)
+    w_r, w_b = rolling_slip(p_r, p_t, side, data)
+    return w_r * slip_r + w_b * slip_b, w_r * slip_b - w_b * slip_r
+
+
+@inline
+def _add_direction(first, f_r, f_b, p_r, p_t, z, side, work):  # type: ignore[no-untyped-def]
+    """Add friction at a point to the sums of a patch, in the order of the sums of drag."""
+    sums = work.rubbed
+    sums[first] += f_r
+    sums[first + 1] += f_r * p_t
+    sums[first + 2] += f_r * z
+    sums[first + 3] += f_b
+    sums[first + 4] += f_b * p_r
+    sums[first + 5] += f_b * (side.n_z * z - side.sign * side.n_p * p_t)
+
+
+@inline
 def rolling_slip(p_r, p_t, side, data):  # type: ignore[no-untyped-def]
     """Direction of the slip at a point while pinion and rack run steadily, components along e_r and B.
 
-    Bristles of one side share their deflection against it: it differs from point to point, and what they
-    share must not, or they would lose torque in short steps.
+    Bristles of one side share their forces along it and across: it differs from point to point, and what they
+    share must not, or they would lose torque.
     """
     v_e, v_z = data.cos_delta * data.gain, data.sin_delta * data.gain
     r = side.cos * v_e - p_t
@@ -297,8 +340,8 @@ def rolling_slip(p_r, p_t, side, data):  # type: ignore[no-untyped-def]
 
 @inline
 def patch_of(side, data):  # type: ignore[no-untyped-def]
-    """Place of one side's bristles in the memory."""
-    return data.law.place + (PATCH if side.sign > 0 else 0)
+    """Place of one side's bristles in the state."""
+    return data.law.place + (patch_columns(data.law.elements) if side.sign > 0 else 0)
 
 
 @inline
@@ -307,19 +350,26 @@ def begin_side(side, data, work):  # type: ignore[no-untyped-def]
     for i in range(SUMS):
         work.sums[i] = 0.0
     if data.law.has_state:
-        clear(patch_of(side, data), work.memory)
+        clear_patch(work.rubbed)
 
 
 @inline
 def _end_friction(side, data, work):  # type: ignore[no-untyped-def]
-    """Give the friction the size that belongs to the side's whole load, and add what its bristles store."""
-    law, factor = data.law, by_load(work.sums[LOAD], data.law)
+    """Give the friction the size that belongs to the side's whole load, or find that of its bristles."""
+    law = data.law
+    if law.has_state:
+        power, stored, lost = slide_patch(data.friction, patch_of(side, data), law, work.memory, work.rubbed)
+        for i in range(ACROSS - ALONG):
+            work.sums[DRAG_R + i] = on_patch(i, work.rubbed)
+        work.sums[FRICTION_LOSS] = power
+        work.sums[ENERGY] += stored
+        work.sums[FRICTION_LOST], work.sums[FRICTION_STORED] = lost, stored
+        return
+    factor = by_load(work.sums[LOAD], law)
     if factor != 1.0:
         for i in range(DRAG_R, DRAG_B_N + 1):
             work.sums[i] *= factor
         work.sums[FRICTION_LOSS] *= factor
-    if law.has_state:
-        work.sums[ENERGY] += stored(patch_of(side, data), factor * data.friction, law, work.memory)
 
 
 @inline
@@ -356,6 +406,8 @@ def add_side(work, angle, position, side, data, out):  # type: ignore[no-untyped
     out[wrench.ELASTIC_ENERGY] += work.sums[ENERGY]
     out[wrench.FRICTION_POWER] += work.sums[FRICTION_LOSS]
     out[wrench.DAMPING_POWER] += work.sums[DAMPING_LOSS]
+    out[wrench.FRICTION_LOST] += work.sums[FRICTION_LOST]
+    out[wrench.FRICTION_STORED] += work.sums[FRICTION_STORED]
     out[wrench.PENETRATION] = max(out[wrench.PENETRATION], work.sums[DEEPEST])
     out[wrench.TOUCHING] += work.sums[LINES]
     # Hertz: p^2 = f E* / (pi rho) with rho = q / cos(beta_b)

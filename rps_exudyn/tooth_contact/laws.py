@@ -10,7 +10,7 @@ fill `out` (15,), forces, energy terms and `wrench.MESH_OUTPUTS`, and add factor
 """
 
 from rps_exudyn.base.compiled import inline, record_type
-from rps_exudyn.forces.memory import MEMORY_SIZE
+from rps_exudyn.forces.friction import PATCH_SUMS, STATE_SIZE
 from rps_exudyn.forces.rigid_motion import fill_rotation, minus, spin_of, turn_of, vector
 from rps_exudyn.tooth_contact.contact_tangent import add_on_coordinates, pinion_axis
 from rps_exudyn.tooth_contact.elastic_teeth import teeth_contact
@@ -31,7 +31,11 @@ MESH = record_type([("flank", FLANK), ("teeth", TEETH), ("spheres", SPHERES)])
 
 SCRATCH = record_type(
     [
-        ("memory", "f8", (2, MEMORY_SIZE)),  # state of the bristle friction, see `forces.memory`
+        ("memory", "f8", (2, STATE_SIZE)),  # state of the bristle friction, see `forces.friction`
+        ("rubbed", "f8", (PATCH_SUMS,)),  # sums over a patch of it
+        # of each side: changes of its directions with the loads, and of its weight, over the rack's motion
+        ("by_direction", "f8", (2, 2, 6, 6)),
+        ("by_weight", "f8", (2, 6)),
         ("sums", "f8", (SUMS,)),
         ("strip", "f8", STRIP_SHAPE),
         ("cuts", "f8", (LIMITS, 5)),

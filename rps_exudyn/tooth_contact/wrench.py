@@ -8,7 +8,7 @@ displacement 0. Forces on the pinion are the exact opposite, so that momentum an
 """
 
 from rps_exudyn.base.compiled import inline
-from rps_exudyn.forces.force_element import Part
+from rps_exudyn.forces.force_element import FRICTION_STATE, Part
 from rps_exudyn.forces.rigid_motion import on_angles
 
 TORQUE = 0  # moment of the contact on the pinion about k, at its axis of rotation [N m]
@@ -22,7 +22,9 @@ DAMPING_POWER = 11  # dissipated by contact damping, >= 0 [W]
 PENETRATION = 12  # deepest [m]
 TOUCHING = 13  # number of samples or lines in contact
 PRESSURE = 14  # largest Hertzian pressure on a line [Pa]; 0 where the contact has no lines
-WRENCH_SIZE = 15
+FRICTION_LOST = 15  # work that friction with a state has lost so far [J] ...
+FRICTION_STORED = 16  # ... and what it stores, a part of the elastic energy [J]
+WRENCH_SIZE = 17
 
 # What a law returns behind the energy terms
 MESH_OUTPUTS = (
@@ -31,6 +33,7 @@ MESH_OUTPUTS = (
     "mesh_penetration",
     "mesh_touching",
     "mesh_pressure",
+    *FRICTION_STATE,
 )
 
 
@@ -39,7 +42,7 @@ PART = Part("mesh", ("pinion", "rack"), MESH_OUTPUTS)
 
 @inline
 def on_coordinates(wrench, turn, out):  # type: ignore[no-untyped-def]
-    """Fill a law's output (15,) from a wrench: forces on pinion (1), rack (6), energy terms, `MESH_OUTPUTS`.
+    """Fill a law's output (17,) from a wrench: forces on pinion (1), rack (6), energy terms, `MESH_OUTPUTS`.
 
     `turn` is the rack's, see `turn_of`.
     """
@@ -49,4 +52,5 @@ def on_coordinates(wrench, turn, out):  # type: ignore[no-untyped-def]
     for i in range(3):
         out[7 + i] = wrench[9 + i]
     out[10], out[11] = wrench[7], wrench[8]
-    out[12], out[13], out[14] = wrench[12], wrench[13], wrench[14]
+    for i in range(12, WRENCH_SIZE):
+        out[i] = wrench[i]

@@ -9,7 +9,7 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.assessment.requirements.limits import REQUIRED, read_limits
-from rps_exudyn.assessment.requirements.sheet import Judged, judge, weight_for_ratio
+from rps_exudyn.assessment.requirements.sheet import RequirementRow, judge, requirement_row, weight_for_ratio
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.tooth_strength import pinion_form
 from rps_exudyn.inference.uncertainty.band import Band
@@ -24,16 +24,18 @@ INPUTS = carried({}, {"yoke.preload": "uniform(200 N, 400 N)"})
 
 
 @pytest.fixture(scope="module")
-def sheet() -> dict[str, Judged]:
+def sheet() -> dict[str, RequirementRow]:
     return {each.name: each for each in judge(GEAR, INPUTS, read_limits(), samples=8)}
 
 
-def test_sheet_has_every_requirement_with_its_source(sheet: dict[str, Judged]) -> None:
+def test_sheet_has_every_requirement_with_its_source(sheet: dict[str, RequirementRow]) -> None:
     assert list(sheet) == list(REQUIRED)
     assert all(each.limit.source for each in sheet.values())
 
 
-def test_default_gear_keeps_its_torque_and_not_the_papers_efficiency(sheet: dict[str, Judged]) -> None:
+def test_default_gear_keeps_its_torque_and_not_the_papers_efficiency(
+    sheet: dict[str, RequirementRow],
+) -> None:
     """The paper's own contradiction: 0.9 with 10 kg takes less than 0.17 N m of free torque."""
     assert sheet["free_torque"].verdict == "pass"
     assert sheet["free_torque"].low < 0.62 < sheet["free_torque"].high
@@ -41,12 +43,12 @@ def test_default_gear_keeps_its_torque_and_not_the_papers_efficiency(sheet: dict
     assert "10 kg" in sheet["efficiency_ratio"].remark
 
 
-def test_numbers_are_those_of_the_scenes(sheet: dict[str, Judged]) -> None:
+def test_numbers_are_those_of_the_scenes(sheet: dict[str, RequirementRow]) -> None:
     medians = GEAR.replace({"test.lift_torque": 30.0})
     lift = rps.run("rack-lift", medians, fidelity=FOR_MEANS).summary["rack_lift"]
-    assert sheet["rated_lift"].nominal == pytest.approx(lift, rel=1e-9)
-    assert sheet["gain"].nominal == pytest.approx(35.027e-3, rel=1e-4)
-    assert sheet["travel"].nominal > 0.14
+    assert sheet["rated_lift"].value == pytest.approx(lift, rel=1e-9)
+    assert sheet["gain"].value == pytest.approx(35.027e-3, rel=1e-4)
+    assert sheet["travel"].value > 0.14
 
 
 def test_weight_named_reaches_the_ratio() -> None:
@@ -93,7 +95,7 @@ def test_what_cannot_be_computed_is_not_evaluated(monkeypatch: pytest.MonkeyPatc
 
 def test_command_prints_what_is_not_evaluated(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     limit, nan = read_limits()["free_torque"], float("nan")
-    made = [Judged("free_torque", limit, nan, nan, nan, 0.0, remark="Not evaluated: contact-lost")]
+    made = [requirement_row("free_torque", limit, (nan,) * 3, 0.0, remark="Not evaluated: contact-lost")]
     monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.judge", lambda *_, **__: iter(made))
     answer = command(["check", "--out", "sheet.json"])
     assert answer.status == 1
@@ -103,16 +105,16 @@ def test_command_prints_what_is_not_evaluated(command: Command, monkeypatch: pyt
     assert (kept["verdict"], kept["nominal"], kept["band"]) == ("not evaluated", None, [None, None])
 
 
-def test_a_gear_that_turns_the_other_way_is_judged_about_its_centre(sheet: dict[str, Judged]) -> None:
+def test_a_gear_that_turns_the_other_way_is_judged_about_its_centre(sheet: dict[str, RequirementRow]) -> None:
     """The turn of the sheet lies about the centre in either direction: the same torque, mirrored to 2 %."""
     found = next(judge(GEAR.replace({"test.direction": -1}), INPUTS, read_limits(), samples=8))
-    assert abs(found.nominal) == pytest.approx(sheet["free_torque"].nominal, rel=0.02)
+    assert abs(found.value) == pytest.approx(sheet["free_torque"].value, rel=0.02)
 
 
 def test_samples_that_failed_leave_a_requirement_open() -> None:
     limit = read_limits()["free_torque"]
-    assert Judged("free_torque", limit, 1.0, 0.9, 1.1, share=0.9, failed=0.1).verdict == "open"
-    assert Judged("free_torque", limit, 1.0, 0.9, 1.1, share=0.5, failed=0.1).verdict == "fail"
+    assert requirement_row("free_torque", limit, (1.0, 0.9, 1.1), share=0.9, failed=0.1).verdict == "open"
+    assert requirement_row("free_torque", limit, (1.0, 0.9, 1.1), share=0.5, failed=0.1).verdict == "fail"
     assert not limit.keeps(np.nan)
 
 
@@ -136,7 +138,10 @@ def test_limits_that_cannot_be(tmp_path: Path, text: str, said: str) -> None:
 
 def test_command_judges_and_says_so_by_its_status(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     limit = read_limits()["free_torque"]
-    made = [Judged("free_torque", limit, 0.6, 0.5, 0.7, 1.0), Judged("gain", limit, 0.035, 0.035, 0.035, 0.0)]
+    made = [
+        requirement_row("free_torque", limit, (0.6, 0.5, 0.7), 1.0),
+        requirement_row("gain", limit, (0.035,) * 3, 0.0),
+    ]
     monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.judge", lambda *_, **__: iter(made))
     answer = command(["check", "--out", "sheet.json"])
     assert answer.status == 1

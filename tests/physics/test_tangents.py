@@ -12,7 +12,7 @@ import pytest
 
 from part_law import alone
 from rps_exudyn.base.compiled import ready
-from rps_exudyn.forces.memory import TIME
+from rps_exudyn.forces.friction import TIME
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -106,15 +106,15 @@ def test_tangent_of_each_part_is_the_derivative_of_its_forces(mesh: str, law: st
 @pytest.mark.parametrize("part", ["mesh", "seat", "bush", "bearing"])
 @pytest.mark.parametrize("mesh", ["line", "teeth"])
 def test_tangent_of_bristles_is_their_derivative(mesh: str, part: str) -> None:
-    """Of bristles that slide: 1e-3. They turn about over a step of 3e-7 to 1.5e-5 m back, in which
-    they are bent across the motion too: by the last state what bends them across counts as along, 8 %."""
+    """Of bristles that slide: 1.3e-3, for they slip as in the middle of a step. They turn about over a step
+    of 3e-7 to 1.5e-5 m back: 8 %."""
     settings, fidelity = MESHES[mesh]
     damped = {f"{part}.bristle_damping": 1e-4 for part in PARTS}
     forces, path = followed({**settings, **rubbing("bristle"), **damped}, fidelity)
     balance, rng = alone(forces, part).statics, np.random.default_rng(4)
     for k in (4, 9):
         begin_at(balance, path.kept[k, 0], path.time[k])
-        assert error(balance, path.coordinates[k], path.rates[k], 1.0, 0.0) < 1.1e-3
+        assert error(balance, path.coordinates[k], path.rates[k], 1.0, 0.0) < 1.3e-3
         for share, bound in ((1e-3, 0.08), (1e-2, 0.02), (5e-2, 0.02)):
             begin_at(balance, path.kept[k, 1], path.time[k] + 0.01)
             q = path.coordinates[k] - share * (path.coordinates[k] - path.coordinates[k - 1])

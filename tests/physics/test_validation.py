@@ -7,9 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rps_exudyn.assessment.validation.compared_rows import ComparedRow, Simulated, compare_rows
+from rps_exudyn.assessment.validation.compared_rows import (
+    Simulated,
+    compare_rows,
+    compared_row,
+    verdict,
+    verdict_on_limit,
+)
 from rps_exudyn.assessment.validation.row import SHIPPED, read_rows
-from rps_exudyn.assessment.validation.verdict import Verdict, verdict, verdict_on_limit
+from rps_exudyn.results.judged_row import Verdict
 from shell import Command
 
 ROWS = {row.name: row for row in read_rows(SHIPPED)}
@@ -46,7 +52,7 @@ def test_uncertainty_is_the_root_of_the_sum_of_squares() -> None:
     """And a manual's range counts as even over its width: 0.4 / sqrt(12)."""
     row = ROWS["attrage-rotation"]
     assert row.data.uncertainty == pytest.approx(0.7 / 12**0.5)
-    made = ComparedRow(replace(row, data=replace(row.data, uncertainty=6.0)), _simulated(2.0, 3.0))
+    made = compared_row(replace(row, data=replace(row.data, uncertainty=6.0)), _simulated(2.0, 3.0))
     assert made.uncertainty == pytest.approx(7.0)
     assert made.error == pytest.approx(1.0 - 0.95)
 
@@ -104,11 +110,11 @@ def test_equal_procedures_run_once_and_rows_share_their_band(tmp_path: Path) -> 
         (tmp_path / name / "row.toml").write_text(text)
     first, second, third = compare_rows(read_rows(tmp_path), lambda *done: told.append(done))
     assert told == [(1, 2), (2, 2)]
-    assert first.simulated is second.simulated or first.simulated == second.simulated
-    assert first.simulated.u_input == pytest.approx(0.1 * 0.45, rel=0.2)  # of the share of the preload
+    assert (first.value, first.low, first.high) == (second.value, second.low, second.high)
+    assert first.u_input == pytest.approx(0.1 * 0.45, rel=0.2)  # of the share of the preload
     assert second.verdict is Verdict.WEAK
     assert third.verdict is Verdict.NOT_COMPARABLE
-    assert "yokenut" in third.message
+    assert "yokenut" in third.remark
     assert np.isnan(third.error)
 
 

@@ -3,8 +3,11 @@
 import http.client
 import json
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from threading import Thread
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -13,17 +16,29 @@ from playwright import sync_api
 
 import rps_exudyn as rps
 from rps_exudyn.pages.explore import sliders as answers
-from rps_exudyn.pages.explore.server import Explorer
+from rps_exudyn.pages.explore.server import LONGEST, TOO_LONG, Explorer
 from rps_exudyn.pages.explore.sliders import SLIDERS, Slider, answer, settings_of
+from rps_exudyn.simulate.cases.run_cases import Task
 from watched_page import watched
 
 GEAR = rps.SteeringGear()
 JSON = {"Content-Type": "application/json"}
+SLOW = {"yoke.preload": 999}
+CROWD = 200
+
+
+class Slow(Explorer):
+    """A server of which one state takes much longer than allowed."""
+
+    def task(self, state: Any) -> Task:
+        endless = partial(eval, "__import__('time').sleep(600)")
+        return Task(endless) if state == SLOW else super().task(state)
 
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Explorer]:
-    with Explorer(GEAR) as started:
+    with Slow(GEAR) as started:
+        started.warm_up()
         Thread(target=started.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
         yield started
         started.shutdown()
@@ -148,6 +163,24 @@ def test_only_the_last_state_of_a_tab_is_computed(server: Explorer) -> None:
     assert "torque" in server.computed({}, "a tab", 5)
     assert server.computed({}, "a tab", 4) == {"stale": True}
     assert "torque" in server.computed({}, "another", 1)
+
+
+@pytest.mark.cpu_limit(300)
+def test_crowd_is_answered_beside_a_slow_state(server: Explorer) -> None:
+    """200 requests at once, the first of a state that does not end: all have answers, that one a sentence."""
+
+    def one(number: int) -> tuple[float, Any]:
+        began = monotonic()
+        state = {"yoke.preload": 999 if number == 0 else 100 + number}
+        status, content = asked(server, "POST", "/curve", {"state": state, "tab": str(number), "number": 1})
+        assert status == 200
+        return monotonic() - began, json.loads(content)
+
+    with ThreadPoolExecutor(CROWD) as crowd:
+        (slow, sentence), *others = crowd.map(one, range(CROWD))
+    assert sentence["problems"] == [TOO_LONG]
+    assert slow >= LONGEST
+    assert all("torque" in found for _, found in others)
 
 
 def test_page_in_a_browser(browser: sync_api.Browser, server: Explorer) -> None:

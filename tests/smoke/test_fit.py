@@ -64,3 +64,19 @@ def test_fit_as_json(command: Command, files: list[str]) -> None:
     rest = "made_up_free: 1 row is left out, line 364, where the angle stands still or jerks back"
     assert answer.json["left_out"] == [rest]
     assert answer.json["files"] == ["fitted.toml"]
+
+
+def test_processes_share_the_simulations_of_a_fit(files: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """The passes of each simulation go to two processes; numbers are the same to the bit."""
+    alone = rps.fit(files, free=["yoke.preload"], other_law=False)
+    monkeypatch.setattr("rps_exudyn.simulate.cases.run_cases.STARTING", -1.0)
+    monkeypatch.setattr("rps_exudyn.simulate.cases.run_cases.answer_to", None)  # nothing is done here
+    shared = rps.fit(files, free=["yoke.preload"], other_law=False, jobs=2)
+    assert shared.simulations == alone.simulations
+    assert shared.estimate("yoke.preload") == alone.estimate("yoke.preload")
+
+
+def test_a_simulation_beyond_its_time_limit_is_named(command: Command, files: list[str]) -> None:
+    answer = command(["fit", files[0], "--single-law", "--jobs", "1", "--time-limit", "0.1 ms"])
+    assert answer.status == 2
+    assert "no equilibrium where it begins: a run did not end" in answer.err

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 import rps_exudyn
 from made_up_study import FRICTION, PRELOAD, description, grid_points, make_study, sampled
 from picture_album import Album, figure_functions
-from rps_exudyn.assessment.validation.compared_rows import ComparedRow, Simulated
+from rps_exudyn.assessment.validation.compared_rows import Simulated, compared_row
 from rps_exudyn.assessment.validation.row import SHIPPED, read_rows
 from rps_exudyn.cli.main import main
 from rps_exudyn.pages.charts import style
@@ -166,7 +166,7 @@ def validations(album: Album) -> None:
     """The shipped rows as they were published, and parts of them."""
     published = json.loads((ROOT / "results" / "validation" / "validation.json").read_text())["rows"]
     found = {row["name"]: row for row in published}
-    compared = [ComparedRow(row, _simulated(found[row.name])) for row in read_rows(SHIPPED)]
+    compared = [compared_row(row, _simulated(found[row.name])) for row in read_rows(SHIPPED)]
     none = [each for each in compared if each.row.not_comparable]
     for rows in (compared, compared[:1], none[:1]):
         with pytest.MonkeyPatch.context() as patch:

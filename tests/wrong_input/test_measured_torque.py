@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from measured_files import ANGLE, READABLE, REFUSED, TORQUE
 from measured_odd_files import ODD_READABLE, ODD_REFUSED
 from rps_exudyn.analysis.measured import compare_with_measured, onto_simulated
-from rps_exudyn.analysis.passes import passes
+from rps_exudyn.analysis.passes import is_in_random_order, passes
 from rps_exudyn.base import units
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.inference.measured.numbers import Format, as_number
@@ -249,7 +249,7 @@ def test_run_draws_and_compares(command: Command, tmp_path: Path) -> None:
     """A measured torque of 1.03 times the computed one differs from it by 3 % / 1.03."""
     measured = 1.03 * closed_form(SteeringGear()).free_torque
     text = HEADER + "".join(f"{a},{measured}\n" for a in np.linspace(-30, 400, 1000))
-    done = command(["run", "--fidelity", "closed-form", "--measured", str(written(tmp_path, text))])
+    done = command(["run", "--all", "--fidelity", "closed-form", "--measured", str(written(tmp_path, text))])
     assert done.status == 0
     assert "torque_mean" in done.out.split("Torque towards +X, pinion angles of -30 ° to 400 ° (")[1]
     assert "the simulated 0 ° to 360 ° stand for every turn" in done.out
@@ -318,3 +318,24 @@ def read_alone(form: Format, cell: str, allowed: tuple[str, ...] | None) -> floa
         return form.value(found) if found and (allowed is None or found.tail in allowed) else np.nan
     except ValueError:
         return np.nan
+
+
+def test_angles_in_random_order_are_refused(tmp_path: Path) -> None:
+    """A turn, a turn forth and back, and three turns of an encoder of one turn; recorded so, all are read."""
+    rng, path = np.random.default_rng(3), tmp_path / "m.csv"
+    turn = np.linspace(0, 360, 721)
+    for angle in (turn, np.concatenate([turn, turn[::-1]]), np.linspace(0, 1080, 2000) % 360):
+        rows = np.column_stack([angle, 0.6 + 0.02 * np.cos(np.radians(6 * angle))])
+        for shuffled in (False, True):
+            order = rng.permutation(len(rows)) if shuffled else slice(None)
+            np.savetxt(path, rows[order], header="angle [deg],torque [N m]", delimiter=",", comments="")
+            if shuffled:
+                with pytest.raises(InputError, match=r"m.csv holds its pinion angles in random order"):
+                    read_measured_torque(path)
+            else:
+                assert read_measured_torque(path).signals["pinion_angle"].size == angle.size
+
+
+@pytest.mark.parametrize("angle", [[0, 90, 180, 90, 0], [0, 1, 2, 3, 2, 1] * 4, [0, 1, 2, 1] * 10, [0, 1, 2]])
+def test_few_rows_of_a_motion_are_no_random_order(angle: list[float]) -> None:
+    assert not is_in_random_order(np.array(angle, dtype=float))

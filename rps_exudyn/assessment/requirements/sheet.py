@@ -22,6 +22,7 @@ from rps_exudyn.inference.uncertainty.quick_band import quick_band
 from rps_exudyn.parameters.distribution import Distribution
 from rps_exudyn.parameters.fidelity import FOR_MEANS
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.judged_row import JudgedRow, Verdict
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
 from rps_exudyn.scenes.rack_lift import SCENE as RACK_LIFT
 from rps_exudyn.solvers.closed_form import load_test
@@ -37,32 +38,42 @@ TURNING = {
 """Requirement -> figure of a run that turns the pinion freely."""
 
 
-@dataclass(frozen=True)
-class Judged:
-    """One requirement of a gear, SI; without numbers (nan) where it is not evaluated, the remark says why."""
+@dataclass(frozen=True, kw_only=True)
+class RequirementRow(JudgedRow):
+    """One requirement, by the number of the gear as given; the remark has the cause where there is none."""
 
-    name: str
     limit: Limit
-    nominal: float
-    low: float  # 5 % of the band; the nominal number without one
-    high: float  # 95 %
     share: float  # of the gears that keep the limit
-    failed: float = 0.0  # share of the samples that gave no number
-    remark: str = ""
 
-    @property
-    def kept(self) -> bool:
-        """Whether enough gears keep it."""
-        return self.share >= ASSURED
 
-    @property
-    def verdict(self) -> str:
-        """Return pass, fail, open where samples that failed decide, or not evaluated."""
-        if np.isnan(self.nominal):
-            return "not evaluated"
-        if self.kept:
-            return "pass"
-        return "open" if self.share + self.failed >= ASSURED else "fail"
+def requirement_row(
+    name: str,
+    limit: Limit,
+    numbers: tuple[float, float, float],
+    share: float,
+    failed: float = 0.0,
+    remark: str = "",
+) -> RequirementRow:
+    """Judge one requirement by the share of the gears that keep it.
+
+    Args:
+        name: of the requirement.
+        limit: to be kept.
+        numbers: nominal number, 5 % and 95 % of its band; nan where it is not evaluated.
+        share: of the gears that keep the limit.
+        failed: share of the samples that gave no number.
+        remark: cause or hint.
+    """
+    value, low, high = numbers
+    if np.isnan(value):
+        verdict = Verdict.NOT_EVALUATED
+    elif share >= ASSURED:
+        verdict = Verdict.PASS
+    else:
+        verdict = Verdict.UNDECIDED if share + failed >= ASSURED else Verdict.FAIL
+    return RequirementRow(
+        name=name, value=value, low=low, high=high, verdict=verdict, remark=remark, limit=limit, share=share
+    )
 
 
 def judge(
@@ -73,7 +84,7 @@ def judge(
     samples: int = 48,
     on_progress: Callable[[str], None] | None = None,
     jobs: int = 1,
-) -> Iterator[Judged]:
+) -> Iterator[RequirementRow]:
     """Yield every requirement of the gear, in the order of `limits.REQUIRED`.
 
     Args:
@@ -109,7 +120,7 @@ def judge(
     yield _exact("gain", 2 * np.pi * float(pair.gain), limits)
 
 
-def _row(name: str, limits: Mapping[str, Limit], computed: Callable[[], Judged]) -> Judged:
+def _row(name: str, limits: Mapping[str, Limit], computed: Callable[[], RequirementRow]) -> RequirementRow:
     """Return one requirement, not evaluated with the cause where computing it fails."""
     try:
         return computed()
@@ -117,9 +128,9 @@ def _row(name: str, limits: Mapping[str, Limit], computed: Callable[[], Judged])
         return _not_evaluated(name, limits, error)
 
 
-def _not_evaluated(name: str, limits: Mapping[str, Limit], error: InputError) -> Judged:
+def _not_evaluated(name: str, limits: Mapping[str, Limit], error: InputError) -> RequirementRow:
     cause = " ".join(error.problems)
-    return Judged(name, limits[name], np.nan, np.nan, np.nan, 0.0, remark=f"Not evaluated: {cause}")
+    return requirement_row(name, limits[name], (np.nan,) * 3, 0.0, remark=f"Not evaluated: {cause}")
 
 
 def _of_turning(
@@ -128,7 +139,7 @@ def _of_turning(
     limits: Mapping[str, Limit],
     samples: int,
     jobs: int,
-) -> Iterator[Judged]:
+) -> Iterator[RequirementRow]:
     """Torques over a turn about the centre; lock to lock where the torque changes along the travel."""
     path: dict[str, object] = {"test.path": "lock-to-lock"}
     if not (gear.rack.bow or gear.installation.gravity):
@@ -149,19 +160,19 @@ def _of_efficiency(
     limits: Mapping[str, Limit],
     samples: int,
     jobs: int,
-) -> Judged:
+) -> RequirementRow:
     short = gear.replace({"test.path": "there-and-back", "test.turns": 2 / gear.pinion.teeth})
     band = band_of_runs(LOAD_TEST.name, short, FOR_MEANS, inputs, max(samples // 2, 8), jobs=jobs)
     judged = _from_band("efficiency_ratio", "efficiency_ratio", band, limits)
     weight = f"With {gear.test.load_mass:.4g} kg; the ratio is about 1 - (T_0 / W s')^2"
-    if judged.kept:
+    if judged.verdict is Verdict.PASS:
         return replace(judged, remark=weight)
     enough = weight_for_ratio(gear, judged.limit.least)
     found = f"it would take {enough:.3g} kg" if enough else f"no weight up to {HEAVIEST:g} kg is enough"
     return replace(judged, remark=f"{weight}: {found} at the medians, by the closed form")
 
 
-def _of_teeth(name: str, stress: Callable[[], float], limits: Mapping[str, Limit]) -> Judged:
+def _of_teeth(name: str, stress: Callable[[], float], limits: Mapping[str, Limit]) -> RequirementRow:
     return _exact(name, stress(), limits)
 
 
@@ -172,7 +183,7 @@ def _of_lift(
     rated_torque: float,
     samples: int,
     jobs: int,
-) -> Judged:
+) -> RequirementRow:
     lifting = gear.replace({"test.lift_torque": rated_torque})
     lift = band_of_runs(RACK_LIFT.name, lifting, FOR_MEANS, inputs, max(samples // 2, 8), jobs=jobs)
     return _from_band("rated_lift", "rack_lift", lift, limits)
@@ -194,12 +205,12 @@ def weight_for_ratio(gear: SteeringGear, ratio: float) -> float | None:
     return None
 
 
-def _exact(name: str, value: float, limits: Mapping[str, Limit]) -> Judged:
+def _exact(name: str, value: float, limits: Mapping[str, Limit]) -> RequirementRow:
     limit, value = limits[name], float(value)
-    return Judged(name, limit, value, value, value, float(limit.keeps(value)))
+    return requirement_row(name, limit, (value,) * 3, float(limit.keeps(value)))
 
 
-def _from_band(name: str, figure: str, band: Band, limits: Mapping[str, Limit]) -> Judged:
+def _from_band(name: str, figure: str, band: Band, limits: Mapping[str, Limit]) -> RequirementRow:
     """Judge a figure by its band: the share of its runs; failed ones keep nothing."""
     if figure not in band.figures:
         raise InputError(f"the runs give no {figure}.")
@@ -211,4 +222,6 @@ def _from_band(name: str, figure: str, band: Band, limits: Mapping[str, Limit]) 
     missing = numbers.size - known.size
     cause = next(iter(band.drawn.failures), "")
     remark = f"{missing} of {numbers.size} samples failed, most often {cause}" if missing else ""
-    return Judged(name, limit, nominal, found.low, found.high, share, missing / numbers.size, remark)
+    return requirement_row(
+        name, limit, (nominal, found.low, found.high), share, missing / numbers.size, remark
+    )

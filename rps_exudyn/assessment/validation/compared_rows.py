@@ -10,7 +10,6 @@ import numpy as np
 
 from rps_exudyn.assessment.validation.calculations import CALCULATIONS
 from rps_exudyn.assessment.validation.row import Procedure, ValidationRow
-from rps_exudyn.assessment.validation.verdict import Verdict, verdict, verdict_on_limit
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.inference.uncertainty.band import Band, band_of_runs, numerical_error
@@ -19,15 +18,18 @@ from rps_exudyn.inference.uncertainty.quick_band import SCENE, quick_band
 from rps_exudyn.inference.uncertainty.statistics import MEDIAN
 from rps_exudyn.parameters.fidelity import FOR_MEANS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.judged_row import JudgedRow, Verdict
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.simulate.cases.run_cases import Task, run_cases
 from rps_exudyn.simulate.run import simulate
 
+COVERAGE = 2.0  # standard uncertainties that are 95 %
+
 
 @dataclass(frozen=True)
 class Simulated:
-    """What the package says; nan where it could not be found."""
+    """What the package computes; nan where it could not be found."""
 
     value: float
     u_num: float  # standard, of the solution and of quantiles from so many samples
@@ -37,66 +39,96 @@ class Simulated:
     message: str = ""
 
 
-@dataclass(frozen=True)
-class ComparedRow:
-    """A row after its run; all values SI."""
+@dataclass(frozen=True, kw_only=True)
+class ComparedRow(JudgedRow):
+    """A row after its run, SI: S is its value, with the band of S."""
 
     row: ValidationRow
-    simulated: Simulated
-
-    @property
-    def error(self) -> float:
-        """Return E = S - D."""
-        return self.simulated.value - self.row.data.value
-
-    @property
-    def uncertainty(self) -> float:
-        """Return u_val."""
-        return float(
-            np.hypot(np.hypot(self.simulated.u_num, self.simulated.u_input), self.row.data.uncertainty)
-        )
-
-    @property
-    def verdict(self) -> Verdict:
-        """Return what E and u_val say of the row's criterion."""
-        data = self.row.data
-        if self.row.not_comparable:
-            return Verdict.NOT_COMPARABLE
-        if data.side:
-            return verdict_on_limit(self.error, self.uncertainty, data.side)
-        return verdict(self.error, self.uncertainty, self.row.agreement * abs(data.value))
-
-    @property
-    def message(self) -> str:
-        """Why the row is not comparable, or remarks on its run."""
-        return self.row.not_comparable or self.simulated.message
+    u_num: float
+    u_input: float
+    error: float  # E = S - D
+    uncertainty: float  # u_val
 
     def as_dict(self) -> dict[str, Any]:
         """Return the row for a JSON file, which has no nan: None stands for what is missing."""
-        data, found = self.row.data, self.simulated
+        data = self.row.data
         content = {
-            "name": self.row.name,
+            "name": self.name,
             "title": self.row.title,
             "kind": self.row.kind,
             "source": self.row.source,
             "note": self.row.note,
             "quantity": data.quantity,
             "unit": data.shown_as.unit,
-            "S": found.value,
-            "band": [found.low, found.high] if np.isfinite(found.low) else None,
+            "S": self.value,
+            "band": [self.low, self.high] if np.isfinite(self.low) else None,
             "D": data.value,
             "range": data.ends,
             "limit": {1: "at most", -1: "at least"}.get(data.side, ""),
             "E": self.error,
-            "u_num": found.u_num,
-            "u_input": found.u_input,
+            "u_num": self.u_num,
+            "u_input": self.u_input,
             "u_D": data.uncertainty,
             "u_val": self.uncertainty,
             "agreement": self.row.agreement,
             "verdict": self.verdict.value,
-            "message": self.message,
+            "message": self.remark,
         }
         return {name: None if value != value else value for name, value in content.items()}  # nan
+
+
+def compared_row(row: ValidationRow, found: Simulated) -> ComparedRow:
+    """Judge a row by E = S - D and u_val^2 = u_num^2 + u_input^2 + u_D^2 (ASME V&V 20)."""
+    data = row.data
+    error = found.value - data.value
+    uncertainty = float(np.hypot(np.hypot(found.u_num, found.u_input), data.uncertainty))
+    if row.not_comparable:
+        judged = Verdict.NOT_COMPARABLE
+    elif data.side:
+        judged = verdict_on_limit(error, uncertainty, data.side)
+    else:
+        judged = verdict(error, uncertainty, row.agreement * abs(data.value))
+    return ComparedRow(
+        name=row.name,
+        value=found.value,
+        low=found.low,
+        high=found.high,
+        verdict=judged,
+        remark=row.not_comparable or found.message,
+        row=row,
+        u_num=found.u_num,
+        u_input=found.u_input,
+        error=error,
+        uncertainty=uncertainty,
+    )
+
+
+def verdict(error: float, uncertainty: float, allowed: float) -> Verdict:
+    """Judge a row that compares with a value or a range.
+
+    Args:
+        error: E = S - D.
+        uncertainty: u_val, standard.
+        allowed: |E| up to which the criterion calls it agreement.
+    """
+    if not np.isfinite(error + uncertainty):
+        return Verdict.NOT_COMPARABLE
+    size = abs(error)
+    if size <= allowed and COVERAGE * uncertainty <= allowed:
+        return Verdict.AGREES
+    if size > max(allowed, COVERAGE * uncertainty):
+        return Verdict.DISAGREES
+    return Verdict.NOISE if size <= uncertainty else Verdict.WEAK
+
+
+def verdict_on_limit(error: float, uncertainty: float, side: int) -> Verdict:
+    """Judge a row that compares with a limit: S must be at most (`side` +1) or at least (-1) D."""
+    if not np.isfinite(error + uncertainty):
+        return Verdict.NOT_COMPARABLE
+    beyond = side * error
+    if abs(beyond) <= COVERAGE * uncertainty:
+        return Verdict.NOISE
+    return Verdict.DISAGREES if beyond > 0 else Verdict.WEAK
 
 
 def compare_rows(
@@ -117,7 +149,7 @@ def compare_rows(
             on_progress(len(found), len(tasks))
     missing = _missing("the run has no such number")
     return [
-        ComparedRow(row, found[key].get(row.data.quantity) or found[key].get("") or missing)
+        compared_row(row, found[key].get(row.data.quantity) or found[key].get("") or missing)
         for key, row in zip(keys, rows, strict=True)
     ]
 

@@ -4,15 +4,14 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
 from matplotlib.figure import Figure
 
-from rps_exudyn.assessment.validation.compared_rows import ComparedRow
+from rps_exudyn.assessment.validation.compared_rows import COVERAGE, ComparedRow
 from rps_exudyn.assessment.validation.row import KINDS
-from rps_exudyn.assessment.validation.verdict import COVERAGE, Verdict
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.report.html import Article, Facts, Grid, Pictures, Section, Text, page, provenance_facts
 from rps_exudyn.pages.report.pictures import picture
+from rps_exudyn.results.judged_row import ON_COMPARISONS, Verdict
 from rps_exudyn.results.provenance import provenance
 
 COLUMNS = ("row", "D", "S (5 to 95 %)", "E", "u_num", "u_input", "u_D", "size of E / u_val", "verdict")
@@ -39,10 +38,11 @@ LINEAR = 1.0  # percent, below which the axis is linear
 def validation_page(comparisons: Sequence[ComparedRow]) -> str:
     """Return the HTML page."""
     counts = Counter(each.verdict for each in comparisons)
-    lead = ", ".join(f"{counts[verdict]} {verdict.value}" for verdict in Verdict if counts[verdict])
+    lead = ", ".join(f"{counts[verdict]} {verdict.value}" for verdict in ON_COMPARISONS if counts[verdict])
     sections = [
         Section(
-            "What may be concluded", [Facts([(each.value, each.meaning) for each in Verdict]), Text(UNKNOWN)]
+            "What may be concluded",
+            [Facts([(each.value, each.meaning) for each in ON_COMPARISONS]), Text(UNKNOWN)],
         ),
         Section(
             "All rows",
@@ -61,21 +61,19 @@ def validation_page(comparisons: Sequence[ComparedRow]) -> str:
 
 def row_cells(each: ComparedRow) -> list[str]:
     """Return a row of the table, one cell for each of `COLUMNS`."""
-    data, found = each.row.data, each.simulated
+    data = each.row.data
     show = data.shown_as.show
     limit = {1: "at most ", -1: "at least "}.get(data.side, "")
     shown = f"{show(data.ends[0])} to {show(data.ends[1])}" if data.ends else f"{limit}{show(data.value)}"
-    if not np.isfinite(found.value):
+    if not each.is_known:
         return [each.row.title, shown, *[""] * 6, each.verdict.value]
-    band = f" ({show(found.low)} to {show(found.high)})" if found.low != found.high else ""
-    uncertainties = [
-        show(value) if value else "0" for value in (found.u_num, found.u_input, data.uncertainty)
-    ]
+    band = each.band_shown(show)
+    uncertainties = [show(value) if value else "0" for value in (each.u_num, each.u_input, data.uncertainty)]
     ratio = f"{abs(each.error) / each.uncertainty:.2g}" if each.uncertainty else ""
     return [
         each.row.title,
         shown,
-        f"{show(found.value)}{band}",
+        show(each.value) + (f" ({band})" if band else ""),
         show(each.error),
         *uncertainties,
         ratio,
@@ -84,7 +82,7 @@ def row_cells(each: ComparedRow) -> list[str]:
 
 
 def _note(each: ComparedRow) -> list[str]:
-    return [each.row.title, each.row.source, " ".join(part for part in (each.row.note, each.message) if part)]
+    return [each.row.title, each.row.source, " ".join(part for part in (each.row.note, each.remark) if part)]
 
 
 def validation_figure(comparisons: Sequence[ComparedRow]) -> Figure:

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from rps_exudyn.analysis.measured import FEWEST
-from rps_exudyn.analysis.passes import passes
+from rps_exudyn.analysis.passes import is_in_random_order, passes
 from rps_exudyn.base.errors import InputError, are, lines_in_words
 from rps_exudyn.base.units import short
 from rps_exudyn.inference.measured.columns import MeasuredColumn, find_columns, known_columns
@@ -85,6 +85,11 @@ def read_curve(
     if len(lines) < FEWEST:
         raise InputError(f"{path} holds {len(lines)} points; a torque curve needs at least {FEWEST}.")
     table = values * np.array([column.size for column in found])[:, None]
+    if is_in_random_order(table[0]):
+        raise InputError(
+            f"{path} holds its {wanted[0].replace('_', ' ')}s in random order: they turn back after a few "
+            "rows each; write the rows in the order in which they were recorded."
+        )
     left_out = tuple(notes)
     if wanted[0] in TORQUE:
         table[0], turns = counted_on(table[0])

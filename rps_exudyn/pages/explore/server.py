@@ -1,25 +1,37 @@
-"""The page's server: this machine only, its own files only, one computation at a time.
+"""The page's server: this machine only, its own files only, computations in processes beside it.
 
 A request whose Host is another name is refused (an address of the internet may be made to point here), and so
-is one that is no JSON (which pages of other sites could send without being asked).
+is one that is no JSON (which pages of other sites could send without being asked). A state that takes longer
+than `LONGEST` is given up; until then, it holds one process, and the others answer all other tabs.
 """
 
 import json
 import socket
+from functools import partial
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.metadata import version
 from pathlib import Path
-from threading import Lock
+from queue import SimpleQueue
+from threading import Thread
 from typing import Any
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import pretty
 from rps_exudyn.pages.explore.sliders import SLIDERS, Answer, answer, settings_of
 from rps_exudyn.parameters.gear import SteeringGear, gear_file
+from rps_exudyn.simulate.cases.processes import Processes
+from rps_exudyn.simulate.cases.run_cases import Task, available_processors
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 LARGEST_REQUEST = 20_000  # [bytes]
+LONGEST = 10.0  # that a state may take [s]
+MOST_WAITING = 1024  # connections that wait to be accepted
+MOST_TABS = 4096  # of which the number of the last request is kept
+TOO_LONG = (
+    f"This state takes longer than {LONGEST:.0f} s; download its gear file and compute it by "
+    "rps-exudyn run --gear."
+)
 FILES = {
     "/": ("page.html", "text/html; charset=utf-8"),
     "/explore.css": ("explore.css", "text/css; charset=utf-8"),
@@ -39,6 +51,7 @@ class Explorer(ThreadingHTTPServer):
     """A server of one gear."""
 
     daemon_threads = True
+    request_queue_size = MOST_WAITING
 
     def __init__(self, gear: SteeringGear, host: str = "127.0.0.1", port: int = 0) -> None:
         """Bind the address; `port` 0 takes a free one.
@@ -46,14 +59,16 @@ class Explorer(ThreadingHTTPServer):
         Raises:
             InputError: the address cannot be bound.
         """
-        self.gear, self.lock, self.newest = gear, Lock(), dict[str, int]()
+        self.gear, self.newest = gear, dict[str, int]()
+        self._processes = [Processes(1, LONGEST) for _ in range(max(2, available_processors()))]
+        self._free: SimpleQueue[Processes] = SimpleQueue()
         self.local = host in LOOPBACK
         if ":" in host:
             self.address_family = socket.AF_INET6
         try:
             super().__init__((host, port), _Handler)
         except (OSError, OverflowError, TypeError) as error:
-            no_name = isinstance(error, TypeError)  # so Python says it
+            no_name = isinstance(error, TypeError)  # Python's own error for it
             why = "it is no name of a host" if no_name else getattr(error, "strerror", None) or error
             raise InputError(f"--host {host} --port {port} cannot be used: {why}.") from None
 
@@ -68,19 +83,51 @@ class Explorer(ThreadingHTTPServer):
         name = host.rsplit(":", 1)[0] if not host.endswith("]") else host
         return not self.local or name.strip("[]") in LOOPBACK
 
+    def warm_up(self) -> None:
+        """Start the processes: the first one compiles if need be, the others follow in the background."""
+        first, *others = self._processes
+        self._ask(first, self.task({}))
+        for processes in others:
+            Thread(target=self._ask, args=(processes, self.task({})), daemon=True).start()
+
+    def task(self, state: Any) -> Task:
+        """The call that answers a state."""
+        return Task(partial(answer, self.gear, state), warm_up=partial(answer, self.gear, {}))
+
     def computed(self, state: Any, tab: str, number: int) -> Answer:
         """One state's answer; "stale" where the same tab has asked for another meanwhile."""
-        self.newest[tab] = max(number, self.newest.get(tab, 0))
-        with self.lock:
-            if number < self.newest[tab]:
-                return {"stale": True}
-            return answer(self.gear, state) | {"number": number}
+        self.newest[tab] = max(number, self.newest.pop(tab, 0))
+        while len(self.newest) > MOST_TABS:
+            del self.newest[next(iter(self.newest))]
+        processes = self._free.get()
+        if number < self.newest.get(tab, number):
+            self._free.put(processes)
+            return {"stale": True}
+        return self._ask(processes, self.task(state)) | {"number": number}
+
+    def _ask(self, processes: Processes, task: Task) -> Answer:
+        """The answer of a process, which is free afterwards."""
+        try:
+            ((_, found),) = processes.run(iter([task]))
+            if found.timeout:
+                return {"problems": [TOO_LONG]}
+            return dict(found.returned())
+        except InputError as error:
+            return {"problems": list(error.problems)}
+        finally:
+            self._free.put(processes)
+
+    def server_close(self) -> None:
+        """End the processes, too."""
+        super().server_close()
+        for processes in self._processes:
+            processes.__exit__()
 
 
 class _Handler(BaseHTTPRequestHandler):
     server: Explorer
     server_version, sys_version = f"rps-exudyn/{version('rps-exudyn')}", ""
-    timeout = 20  # of a connection that says nothing [s]
+    timeout = 20  # of a connection without data [s]
 
     def do_GET(self) -> None:
         if not self.server.allows(self.headers.get("Host", "")):
@@ -136,7 +183,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
     def log_message(self, format: str, *_: Any) -> None:
-        """Say nothing: the terminal is the user's."""
+        """Print nothing: the terminal is the user's."""
 
 
 def _sliders(gear: SteeringGear) -> Any:

@@ -8,6 +8,7 @@ from contextlib import suppress
 import numpy as np
 
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.base.files import content_of
 from rps_exudyn.base.units import words
 from rps_exudyn.pages.charts.signals import overlaid_figure
 from rps_exudyn.pages.report.effects_charts import (
@@ -375,6 +376,6 @@ def _provenance(table: CaseTable) -> Iterable[PageBlock]:
         f"rps-exudyn collect {table.path}     # all numbers in one table\n"
         f"rps-exudyn report {table.path}     # this page"
     )
-    with suppress(OSError):
-        study_file = (table.path / "study.toml").read_text(encoding="utf-8", errors="replace")
+    with suppress(InputError):
+        study_file = content_of(table.path / "study.toml").decode(errors="replace")
         yield Fold("Study file", [CodeText(study_file)])

@@ -12,7 +12,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from time import monotonic, process_time
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from rps_exudyn.base.errors import InputError, raise_wrapped
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -20,6 +20,9 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Interrupted, Status
 from rps_exudyn.results.result import Result, failed
 from rps_exudyn.simulate.cases.time_limit import alarm, place_of, sentence
+
+if TYPE_CHECKING:
+    from rps_exudyn.simulate.cases.processes import Processes
 
 STARTING = 3.0  # [s] of CPU time until a process is ready, its kernels loaded
 MOST_JOBS = 1024
@@ -145,35 +148,63 @@ class Here:
             yield task, answer_to(task, self.time_limit)
 
 
+class CaseRunner:
+    """Does tasks here, or in `jobs` processes as soon as that is quicker; to be used in a `with` block.
+
+    Processes stay for the next call. What earlier calls took is expected once more, so that many short calls
+    start processes as a long one does.
+    """
+
+    def __init__(self, jobs: int = 1, time_limit: float = float("inf")) -> None:
+        """`time_limit` is that of each task [s]."""
+        self.jobs, self.time_limit = jobs, time_limit
+        self._before = 0.0  # what earlier calls took here [s]
+        self._processes: Processes | None = None
+
+    def __enter__(self) -> "CaseRunner":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self._processes is not None:
+            self._processes.__exit__(*error)
+        self.jobs, self._processes = 1, None
+
+    def run(self, tasks: Sequence[Task], expected: float | None = None) -> Iterator[tuple[Task, Answer]]:
+        """Do tasks; answers come in the order in which these end.
+
+        Args:
+            tasks: calls.
+            expected: CPU time of all tasks [s]; None: what the first ones take is measured.
+
+        Raises:
+            InputError: one process after the other ends before it has done anything.
+        """
+        ahead, spent, done = iter(tasks), 0.0, 0
+        while self._processes is None and (left := len(tasks) - done):
+            if self.jobs > 1:
+                seconds = self._before if expected is None else expected
+                if expected is None and done:
+                    seconds = max(seconds, spent / done * left)
+                if seconds * (1 - 1 / self.jobs) > STARTING:
+                    from rps_exudyn.simulate.cases.processes import Processes
+
+                    self._processes = Processes(self.jobs, self.time_limit)
+                    break
+            task = next(ahead)
+            answer = answer_to(task, self.time_limit)
+            spent, done = spent + answer.wall_s, done + 1
+            yield task, answer
+        self._before += spent
+        if self._processes is not None:
+            yield from self._processes.run(ahead)
+
+
 def run_cases(
     tasks: Sequence[Task], jobs: int = 1, time_limit: float = float("inf"), expected: float | None = None
 ) -> Iterator[tuple[Task, Answer]]:
-    """Do tasks in this process, or in `jobs` processes as soon as that is quicker.
-
-    Args:
-        tasks: calls.
-        jobs: number of processes.
-        time_limit: of each task [s].
-        expected: CPU time of all tasks [s]; None: what the first ones take is measured.
-
-    Raises:
-        InputError: one process after the other ends before it has done anything.
-    """
-    ahead, spent, done = iter(tasks), 0.0, 0
-    while left := len(tasks) - done:
-        if jobs > 1 and (done or expected is not None):
-            seconds = spent / done * left if expected is None else expected
-            if seconds * (1 - 1 / jobs) > STARTING:
-                break
-        task = next(ahead)
-        answer = answer_to(task, time_limit)
-        spent, done = spent + answer.wall_s, done + 1
-        yield task, answer
-    if left:
-        from rps_exudyn.simulate.cases.processes import Processes
-
-        with Processes(min(jobs, left), time_limit) as processes:
-            yield from processes.run(ahead)
+    """Do tasks by a `CaseRunner` of their own, whose arguments these are."""
+    with CaseRunner(jobs, time_limit) as runner:
+        yield from runner.run(tasks, expected)
 
 
 def checked_jobs(jobs: int | None) -> int:

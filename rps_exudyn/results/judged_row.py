@@ -1,0 +1,79 @@
+"""A number with its interval and the verdict on it: rows of requirements, of validations, and of fits."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from math import isfinite
+
+
+class Verdict(StrEnum):
+    """All verdicts on rows."""
+
+    # on a requirement
+    PASS = "pass"
+    FAIL = "fail"
+    UNDECIDED = "open"
+    NOT_EVALUATED = "not evaluated"
+
+    # on a comparison with data
+    AGREES = "agrees"
+    NOISE = "within noise"
+    WEAK = "consistent, weak"
+    DISAGREES = "disagrees"
+    NOT_COMPARABLE = "not comparable"
+
+    @property
+    def meaning(self) -> str:
+        """What may be concluded."""
+        return _MEANINGS[self]
+
+
+_MEANINGS = {
+    Verdict.PASS: "enough of the gears keep the limit",
+    Verdict.FAIL: "too few of the gears keep the limit",
+    Verdict.UNDECIDED: "samples that failed decide",
+    Verdict.NOT_EVALUATED: "the number cannot be computed for this gear",
+    Verdict.AGREES: "E is within the criterion, and the uncertainties are small enough to show it",
+    Verdict.NOISE: "|E| is below u_val: the uncertainty of inputs or data hides any smaller error",
+    Verdict.WEAK: "|E| is up to 2 u_val, or a limit is kept: only gross errors are excluded",
+    Verdict.DISAGREES: "|E| is beyond the criterion and beyond 2 u_val",
+    Verdict.NOT_COMPARABLE: "S and D do not mean the same, or one of them is missing",
+}
+ON_COMPARISONS = (
+    Verdict.AGREES,
+    Verdict.NOISE,
+    Verdict.WEAK,
+    Verdict.DISAGREES,
+    Verdict.NOT_COMPARABLE,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class JudgedRow:
+    """A number that is judged, SI; nan where there is none.
+
+    Attributes:
+        name: what is judged.
+        value: the number.
+        low, high: 5 % and 95 % of its band; the number itself without one.
+        verdict: on it.
+        remark: cause or hint.
+    """
+
+    name: str
+    value: float
+    low: float
+    high: float
+    verdict: Verdict
+    remark: str = ""
+
+    @property
+    def is_known(self) -> bool:
+        """Whether there is a number."""
+        return isfinite(self.value)
+
+    def band_shown(self, show: Callable[[float], str]) -> str:
+        """Return the band for a reader, "" without one; `show` turns a number into text."""
+        if not self.is_known or self.low == self.high:
+            return ""
+        return f"{show(self.low)} to {show(self.high)}"

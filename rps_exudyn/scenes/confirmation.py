@@ -1,0 +1,304 @@
+"""Whether the metrics of a run stand: each is confirmed as `quantities` declares, or left out.
+
+Every second instant of a record shows what its steps miss, at the cost of reading it twice; a steady motion
+is made again only where that doubts a metric. A motion to and fro, or with impacts, is made again in half the
+steps, a swing from another cycle before. What still changes is left out, and a run whose own figure changes
+is invalid.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status
+from rps_exudyn.results.quantities import OTHER, SUMMARY
+from rps_exudyn.scenes.maneuver import Maneuver
+from rps_exudyn.scenes.refine import refine
+from rps_exudyn.scenes.run_maneuver import run_maneuver
+from rps_exudyn.scenes.scene import RunOptions
+from rps_exudyn.scenes.scene_run import SceneRun, Signals
+from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
+from rps_exudyn.solvers.drive import Swing
+from rps_exudyn.solvers.record import COORDINATES
+from rps_exudyn.solvers.steering_column import WheelTorque
+
+Metrics = Callable[[Signals], dict[str, float]]
+TORQUES = "torque_mean", "feel_running_torque", "torque_forward", "torque_jump", "breakaway_torque"
+"""Metrics, the first of which that a run has is the size of its torque."""
+MOST_FINER = {"equilibrium": 2, "generalized-alpha": 1}
+"""Solver -> times that the steps of a motion are halved for its metrics; formulas have none."""
+AGREED = 0.5  # of a metric's tolerance: what is left is at most as much again, where curves have kinks
+
+
+def run_and_confirm(
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    maneuvers: Sequence[Maneuver],
+    options: RunOptions,
+    metrics: Metrics,
+    figure: str,
+    first: SceneRun | None = None,
+    always: bool = False,
+) -> SceneRun:
+    """Make maneuvers, and again in half the steps where their record doubts a metric, or always; arguments as
+    of `confirmed`. `first` is their run if it is made already.
+
+    Raises:
+        InputError: the fidelity's solver cannot make them.
+    """
+
+    def made(halvings: int) -> SceneRun:
+        finer = [each.halved(halvings) for each in maneuvers]
+        return run_maneuver(gear, fidelity, *finer, options=options)
+
+    run = first or run_maneuver(gear, fidelity, *maneuvers, options=options)
+    return confirmed(run, metrics, made, figure, most=most_finer(fidelity, options), always=always)
+
+
+def most_finer(fidelity: Fidelity, options: RunOptions) -> int:
+    """Return how often the steps of a run are halved for its metrics at most."""
+    return min(MOST_FINER.get(fidelity.solver, 0), options.least_steps.halvings)
+
+
+def changes(values: Mapping[str, Any], finer: Mapping[str, Any]) -> dict[str, Any]:
+    """Return by how much metrics change, over their tolerances; inf of one that only a single side has.
+
+    Values are numbers, or arrays (n,) of many gears.
+    """
+    declared = {name: SUMMARY[name] for name in {**values, **finer} if SUMMARY[name].confirmed}
+    torque = np.abs(next((finer[name] for name in TORQUES if name in finer), 0.0))
+    return {
+        name: item.change(values[name], finer[name], torque) if name in values and name in finer else np.inf
+        for name, item in declared.items()
+    }
+
+
+def figure_changes(metrics: Metrics, figure: str, run: SceneRun, later: SceneRun) -> float:
+    """Return how far a run's figure changes from one run to a later one, over its tolerance; inf where one of
+    them is not ok."""
+    if not (run.ok and later.ok):
+        return float("inf")
+    return float(changes(metrics(run.signals), metrics(later.signals)).get(figure, 0.0))
+
+
+def every_second(signals: Signals) -> Signals:
+    """Return a record of every second instant (..., n) of each of its maneuvers, their ends kept."""
+    time = signals["time"]
+    begins = np.concatenate([[0], np.flatnonzero(np.diff(time) <= 0) + 1, [time.size]])
+    parts = [np.append(np.arange(i, j - 1, 2), j - 1) for i, j in pairwise(begins)]
+    kept = np.concatenate(parts)
+    return {name: values[..., kept] for name, values in signals.items()}
+
+
+def doubted(metrics: Metrics, signals: Signals, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return by how much metrics change where every second instant is left out, over what is allowed.
+
+    Works are integrals of all instants, so that what follows from them alone does not change.
+    """
+    return changes(values, metrics(every_second(signals)))
+
+
+def confirmed(
+    run: SceneRun,
+    metrics: Metrics,
+    finer: Callable[[int], SceneRun] | None,
+    figure: str,
+    *,
+    most: int,
+    always: bool = False,
+) -> SceneRun:
+    """Return a run with the metrics that stand, in finer steps where its own do not show them.
+
+    Args:
+        run: that ended well, else its metrics are all that there is.
+        metrics: signals -> metrics.
+        finer: how often the steps are to be halved -> that run; None of a run whose steps show nothing.
+        figure: name of the metric without which the run is invalid.
+        most: how often they are halved at most; 0 leaves the metrics unconfirmed.
+        always: whether a finer run is made even where the record raises no doubt.
+
+    Raises:
+        Interrupted: Ctrl-C; it carries the last whole run.
+    """
+    described = run.described(metrics)
+    if not (run.ok and run.signals and most):
+        return described
+    begun = int(run.outcome.findings.get("halvings", 0))
+
+    def doubts(each: SceneRun) -> dict[str, float]:
+        return doubted(metrics, each.signals, each.summary)
+
+    def made(coarse: SceneRun, times: int) -> SceneRun:
+        assert finer is not None
+        try:
+            return finer(begun + times).described(metrics)
+        except Interrupted:
+            raise Interrupted(coarse) from None
+
+    first = doubts(described)
+    refined = refine(
+        described,
+        made,
+        most if finer is not None else 0,
+        usable=lambda each: each.ok,
+        asks=lambda each: always or bool(_beyond(first if each is described else doubts(each), 1.0)),
+        change=lambda coarse, fine: max(changes(coarse.summary, fine.summary).values(), default=0.0),
+        allowed=AGREED,
+    )
+    if refined.confirmed and refined.times == 1:
+        return _counted(described, refined.runs, 0)
+    taken = refined.finest
+    if refined.times and refined.failed is None:
+        left = _beyond(changes(refined.runs[-2].summary, taken.summary), 1.0)
+    else:
+        left = _beyond(first if not refined.times else doubts(taken), 1.0)
+    return _left_out(_counted(taken, refined.runs, begun + refined.times), left, figure)
+
+
+def _beyond(change: Mapping[str, float], allowed: float) -> dict[str, float]:
+    """Return the metrics that change by more than is allowed."""
+    return {name: value for name, value in change.items() if not value <= allowed}
+
+
+def _counted(run: SceneRun, runs: Iterable[SceneRun], halvings: int) -> SceneRun:
+    """Return a run with the time that all took, and how often its steps were halved."""
+    cpu = sum(each.outcome.cpu_s for each in runs)
+    found = {**run.outcome.findings, **({"halvings": halvings} if halvings else {})}
+    return replace(run, outcome=replace(run.outcome, cpu_s=cpu, findings=found))
+
+
+def _left_out(run: SceneRun, change: Mapping[str, float], figure: str) -> SceneRun:
+    """Return a run without the metrics that change, with the reason; invalid without its figure."""
+    if not change:
+        return run
+    shown = ", ".join(_shown(name, value) for name, value in change.items())
+    if figure in change:
+        coarse = f"the steps are too coarse: half as long they change {shown}"
+        return run.invalid(Code.STEPS_TOO_COARSE, coarse)
+    why = Remark(Code.METRIC_NOT_CONFIRMED, f"half the steps change what is left out: {shown}")
+    return run.without(change).noting(why)
+
+
+def _shown(name: str, change: float) -> str:
+    how = SUMMARY[name].confirmed
+    return f"{name} by {change * how.tolerance:.1%}" if how and np.isfinite(change) else f"{name} altogether"
+
+
+# --- swings to and fro, recorded over cycles that are all alike ------------------------------------
+# The equilibria that lead to the start of a swing are far apart and few, so that the rack may still roll into
+# its cycle during the record: then the first cycle does not end where it began. Such a swing is made again
+# from more and more cycles before the record. One that a torque drives swings freely on its tyres at first:
+# it is made from more cycles before until its metrics do not change. One that never settles is invalid.
+
+CYCLES_BEFORE = {"equilibrium": (1, 4, 16, 48), "generalized-alpha": (1, 4)}
+"""Solver -> cycles before the record from which a swing is begun, one after the other ..."""
+CYCLES_UNDER_TORQUE = (2, 6, 14, 30, 62)  # ... and one that a torque drives ...
+TRIES_OF_INVALID = 3  # ... of which so many are tried where a check fails
+CLOSED = 0.01  # of the largest torque, by which a cycle may end elsewhere than it began ...
+IN_PLACE = 0.002  # ... and of the rack's travel: a drift this slow goes on for ten cycles and more
+
+
+def run_swing(
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    maneuver: Maneuver,
+    options: RunOptions,
+    metrics: Metrics,
+    figure: str,
+) -> SceneRun:
+    """Make a swing from as many cycles before as it needs, with the metrics that half the steps and another
+    cycle confirm; arguments as of `confirmed`. It is invalid if its cycles never become alike."""
+    if isinstance(maneuver.drive, WheelTorque):
+        run, settled = _settled_under_torque(gear, fidelity, maneuver, options, metrics, figure)
+    else:
+        run, settled = _settled(gear, fidelity, maneuver, options)
+
+    def made(halvings: int) -> SceneRun:
+        earlier = settled.begun_earlier(1) if halvings else settled
+        return run_maneuver(gear, fidelity, earlier.halved(halvings), options=options)
+
+    return confirmed(run, metrics, made, figure, most=most_finer(fidelity, options), always=True)
+
+
+def _settled(
+    gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions
+) -> tuple[SceneRun, Maneuver]:
+    """Return a swing of the rig whose first cycle closes, and its maneuver; invalid if it never does."""
+    before = CYCLES_BEFORE.get(fidelity.solver, ())
+    maneuvers = [maneuver, *(maneuver.begun_earlier(cycles) for cycles in before)]
+    refined = refine(
+        run_maneuver(gear, fidelity, maneuver, options=options),
+        lambda _, times: run_maneuver(gear, fidelity, maneuvers[times], options=options),
+        len(before),
+        asks=lambda run: run.ok and unclosed(run.signals, maneuver) > 1,
+    )
+    run, settled = refined.finest, maneuvers[refined.times]
+    if before and run.ok and (beyond := unclosed(run.signals, maneuver)) > 1:
+        return run.invalid(
+            Code.SWING_NOT_SETTLED,
+            f"the swing does not settle: after {before[-1]} cycles the next one still ends {beyond:.2g} "
+            f"times as far from where it began as is allowed, {CLOSED:.0%} of the torque and "
+            f"{IN_PLACE:.1%} of the rack's travel",
+        ), settled
+    return run, settled
+
+
+def _settled_under_torque(
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    maneuver: Maneuver,
+    options: RunOptions,
+    metrics: Metrics,
+    figure: str,
+) -> tuple[SceneRun, Maneuver]:
+    """Return a swing by a torque whose figure more cycles before do not change, and its maneuver.
+
+    A check that an early cycle fails, a later one may pass; a swing that goes on failing ends so.
+    """
+    maneuvers = [maneuver, *(maneuver.begun_earlier(cycles) for cycles in CYCLES_UNDER_TORQUE)]
+    tried: list[SceneRun] = []
+
+    def asks(run: SceneRun) -> bool:
+        tried.append(run)
+        finished = run.outcome.status in (Status.OK, Status.INVALID) and bool(run.signals)
+        return finished and (run.ok or len(tried) <= TRIES_OF_INVALID)
+
+    refined = refine(
+        run_maneuver(gear, fidelity, maneuver, options=options),
+        lambda _, times: run_maneuver(gear, fidelity, maneuvers[times], options=options),
+        len(CYCLES_UNDER_TORQUE),
+        asks=asks,
+        change=lambda run, later: figure_changes(metrics, figure, run, later),
+        allowed=AGREED,
+    )
+    run, settled = refined.finest, maneuvers[refined.times]
+    if run.ok and not refined.confirmed:
+        return run.invalid(
+            Code.SWING_NOT_SETTLED,
+            f"the swing does not settle: from {CYCLES_UNDER_TORQUE[-1]} cycles before the record {figure} "
+            f"still changes by {refined.change * OTHER:.1%}, allowed are {AGREED * OTHER:.1%}; the hand's "
+            "torque may be near resonance of the wheel on the tyres",
+        ), settled
+    return run, settled
+
+
+def unclosed(signals: Signals, maneuver: Maneuver) -> float:
+    """Return how far the first recorded cycle of a swing ends from where it began, over what is allowed."""
+    assert isinstance(maneuver.drive, Swing)
+    time, lengths = signals["time"], CHARACTERISTIC_LENGTHS[2:]
+    end = time[0] + maneuver.drive.period
+
+    def moved(name: str) -> float:
+        after = np.interp(end, time, signals[name])
+        return abs(float(after - signals[name][0]))
+
+    travel, torque = float(np.ptp(signals["rack_displacement"])), signals[maneuver.drive.signal]
+    moves = [(name, length) for name, length in zip(COORDINATES, lengths, strict=True) if name in signals]
+    shifted = max((moved(name) * length for name, length in moves), default=0.0)
+    turned = moved(maneuver.drive.signal) / (CLOSED * float(np.abs(torque).max()) or np.inf)
+    return max(turned, shifted / (IN_PLACE * travel or np.inf))
