@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from rps_exudyn.base.errors import InputError, unwrapped_interrupts
+from rps_exudyn.base.screen import silent
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 """Exit statuses."""
@@ -48,7 +49,7 @@ def printing(quiet: bool) -> Iterator[None]:
         return
     _quiet.append(True)
     try:
-        with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stdout(nowhere):
+        with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stdout(nowhere), silent():
             yield
     finally:
         _quiet.pop()
