@@ -12,6 +12,7 @@ from time import process_time
 
 import numpy as np
 
+from rps_exudyn.analysis.rack_motion import transmission_error
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import begin_part
 from rps_exudyn.gears.gear_pair import GearPair
@@ -51,7 +52,8 @@ from rps_exudyn.solvers.steering_column import (
 SHORTEST_STEP = 1e-7  # of the dynamics [s] ...
 SHORTEST_AT_TURNS = 1e-9  # ... where all friction turns about at once
 LEAST_FORCE = 10.0  # of which a tolerance is a fraction [N]
-STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drifts less is settled
+STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drifts less is settled ...
+RETURNED = 3e-3  # ... if each motion of the rack beside its travel returns, but for this part of its range
 UNDER_TORQUE = 0.1  # of the tolerance where a torque is given, for what is left over would hold the gear
 UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
 NOT_CURED_BY_STEPS = {Code.SWING_TOO_FAST, Code.BEYOND_LAW, Code.START_MATTERS}  # of an invalid swing
@@ -272,7 +274,7 @@ def _along_equilibria(
         run = _finished(gear, maneuver, outcome, record, path, forces.friction_zone, options)
         if interrupted:
             raise Interrupted(run)
-        if approach is not maneuver.approach and run.ok and _drift(run.signals, drive.signal) <= STEADY:
+        if approach is not maneuver.approach and run.ok and _is_settled(run.signals, drive.signal, gear):
             break
     return run
 
@@ -283,6 +285,19 @@ def _drift(signals: Signals, driven: str) -> float:
     lengths = dict(zip(COORDINATES, CHARACTERISTIC_LENGTHS[2:], strict=True))
     moved = max(abs(float(signals[name][-1] - signals[name][0])) * lengths[name] for name in COORDINATES)
     return max(moved / travel, abs(float(force[-1] - force[0])) / (float(np.abs(force).max()) or 1.0))
+
+
+def _is_settled(signals: Signals, driven: str, gear: SteeringGear) -> bool:
+    """Return whether a gear ends a record as it began it."""
+    return _drift(signals, driven) <= STEADY and _returns(signals, gear)
+
+
+def _returns(signals: Signals, gear: SteeringGear) -> bool:
+    """Return whether all motions of the rack beside its travel end a record where they began it, but for a
+    part of their ranges."""
+    beside = [transmission_error(signals, float(GearPair.of(gear).gain))]
+    beside += [signals[name] for name in COORDINATES if name != "rack_displacement"]
+    return all(abs(float(each[-1] - each[0])) <= RETURNED * float(np.ptp(each)) for each in beside)
 
 
 def _seen_from_wheel(record: Record, column: ColumnModel, drive: Drive, wheel: np.ndarray) -> Record:
