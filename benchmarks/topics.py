@@ -15,6 +15,7 @@ from benchmarks import (
     many_gears_scenes,
     measured_bow,
     measured_fit,
+    measured_intervals,
     measured_repeats,
     paper,
     rack_beam_elements,
@@ -44,6 +45,7 @@ from benchmarks.stability import (
     maps,
     ordinary_gears,
     random_plans,
+    similar_gears,
     wheel_plans,
 )
 from benchmarks.topic import Topic
@@ -75,6 +77,7 @@ TOPICS: dict[str, Topic] = {
     "explicit_limits": explicit_limits.TOPIC,
     "implicit_limits": implicit_limits.TOPIC,
     "random_plans": random_plans.TOPIC,
+    "similar_gears": similar_gears.TOPIC,
     "wheel_plans": wheel_plans.TOPIC,
     "ordinary_gears": ordinary_gears.TOPIC,
     "corpus": corpus.TOPIC,
@@ -83,6 +86,7 @@ TOPICS: dict[str, Topic] = {
     "bad_inputs": bad_inputs.TOPIC,
     "measured_fit": measured_fit.TOPIC,
     "fit_designs": fit_designs.TOPIC,
+    "measured_intervals": measured_intervals.TOPIC,
     "measured_repeats": measured_repeats.TOPIC,
     "measured_bow": measured_bow.TOPIC,
     "study_runner": study_runner.TOPIC,

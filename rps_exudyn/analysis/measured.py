@@ -1,7 +1,7 @@
 """A measured torque curve, compared with a simulated one in each direction; `measured.reading` reads it.
 
 A gear repeats its torque after each turn of the pinion. Where the simulation covers a turn, a measured angle
-stands for that angle plus or minus whole turns that was simulated: `turns_onto` says how many.
+stands for that angle plus or minus whole turns that was simulated: `turns_onto` returns how many.
 """
 
 from dataclasses import dataclass
@@ -86,6 +86,22 @@ def onto_simulated(measured: MeasuredTorque, signals: Signals) -> list[Pass]:
             piece = {name: values[part] for name, values in turned.signals.items()}
             piece["pinion_angle"] = piece["pinion_angle"] + TURN * turns[part]
             pieces.append(Pass(turned.direction, piece))
+    return pieces
+
+
+def residuals(measured: MeasuredTorque, signals: Signals) -> list[Pass]:
+    """Return the measured less the simulated torque in each piece of the measured curve, at its angles that
+    were simulated in the same direction."""
+    pieces = []
+    for piece in onto_simulated(measured, signals):
+        ours = longest_pass(signals, piece.direction)
+        if ours is None:
+            continue
+        low, high = ours.angle.min() - SAME_ANGLE, ours.angle.max() + SAME_ANGLE
+        angle = piece.angle[inside := (piece.angle >= low) & (piece.angle <= high)]
+        torque = piece.signals["pinion_torque"][inside] - ours.over(angle, "pinion_torque")
+        if angle.size:
+            pieces.append(Pass(piece.direction, {"pinion_angle": angle, "pinion_torque": torque}))
     return pieces
 
 

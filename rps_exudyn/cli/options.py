@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
 
+All = Annotated[bool, Parameter(name="--all", negative=(), show_default=False, help="print every number.")]
+
 Json = Annotated[
     bool, Parameter(name="--json", negative=(), show_default=False, help="print the result as JSON.")
 ]
@@ -80,10 +82,10 @@ class GearOptions:
 
     def say_medians(self) -> None:
         """Name on standard error the parameters that carry a distribution, of which the median is taken."""
-        from rps_exudyn.cli.output import say
+        from rps_exudyn.cli.output import note
 
         if paths := self.carried():
-            say(f"{', '.join(paths)}: the median of its distribution is taken; --band makes the band.")
+            note(f"{', '.join(paths)}: the median of its distribution is taken; --band makes the band.")
 
     def tables(self) -> dict[str, Any]:
         """The tables of the gear's file; {} without one."""
@@ -124,7 +126,7 @@ class SetupOptions(GearOptions):
             )
         for path in ("fidelity.name", "fidelity.based_on"):
             if settings.pop(path, None):
-                problems.append(f"{path} cannot be set: it says what was chosen.")
+                problems.append(f"{path} cannot be set: it names what was chosen.")
         base = self.fidelity or "flank"
         if base not in PRESETS:
             problems.append(unknown_preset(base))
@@ -134,7 +136,7 @@ class SetupOptions(GearOptions):
 
     @property
     def chooses_model(self) -> bool:
-        """Whether any option says how the gear is modelled."""
+        """Whether any option chooses how the gear is modelled."""
         settings, _ = parse_settings(self.settings)
         return bool(self.fidelity or self._parts() or any(path.startswith("fidelity.") for path in settings))
 

@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Sequence
-from contextlib import redirect_stdout, suppress
+from contextlib import redirect_stdout
 from dataclasses import replace
 from math import inf
 from pathlib import Path
@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import PICTURES, RESULT_FILES, check_writable, number_existing
+from rps_exudyn.base.files import PICTURES, RESULT_FILES, check_writable
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import (
     PAPER_SETUP,
+    All,
     Columns,
     Flag,
     Inputs,
@@ -24,11 +25,11 @@ from rps_exudyn.cli.options import (
     SetupOptions,
     chosen_columns,
 )
-from rps_exudyn.cli.output import DONE, FAILED, named_if_interrupted, naming, say
+from rps_exudyn.cli.output import DONE, FAILED, Files, keep, naming, note, printing
 from rps_exudyn.scenes import SCENE_NAMES
 
 if TYPE_CHECKING:
-    from rps_exudyn.results.result import MeasuredTorque, Result
+    from rps_exudyn.results.result import MeasuredTorque
 
 Scene = Annotated[str, Parameter(help=f"what the test rig does: {', '.join(SCENE_NAMES)}.")]
 
@@ -49,6 +50,10 @@ def run(
     robust: Flag = False,
     time_limit: str | None = None,
     progress: Flag = False,
+    overwrite: Flag = False,
+    no_plot: Flag = False,
+    every: All = False,
+    quiet: Flag = False,
     json: Json = False,
 ) -> int:
     """Simulate one scene: print a summary, write an HDF5 file and a picture.
@@ -65,13 +70,20 @@ def run(
             turns where the run covers one. What was assumed of the file is said on standard error.
         band: the band that uncertain inputs make of the result, from this number of runs; without a number a
             quick one from 64 runs. NAME.band.json keeps every sample.
-        robust: where the run fails or its plan is refused, take the next safer settings, and say which.
+        robust: where the run fails or its plan is refused, take the next safer settings, and name them.
         time_limit: for instance "20 s": the run is ended after it, whatever it does then (starting, compiling
             and settling count); what it has recorded is kept. Of a band: for each sample.
         progress: print on standard error how far a long run is, as a terminal shows anyway.
+        overwrite: replace the files of an earlier run instead of renaming them.
+        no_plot: draw no picture.
+        quiet: print nothing but errors.
     """
     began = monotonic()
-    from rps_exudyn.cli.printed import put_result, verdict
+    if quiet and (every or json):
+        raise InputError("--quiet prints nothing but errors; leave out --all and --json.")
+    if no_plot and plot:
+        raise InputError(f"--no-plot draws no picture; leave out --plot {plot}.")
+    from rps_exudyn.cli.printed import put_accuracy, put_result, verdict
     from rps_exudyn.results.outcome import Interrupted
     from rps_exudyn.simulate.cases.time_limit import TimeLimit
     from rps_exudyn.simulate.run import simulate
@@ -80,100 +92,58 @@ def run(
     preset = setup.preset_alone() if accuracy is not None else None
     chosen = setup.load()
     out = check_writable(out or Path(f"{scene}.h5"), RESULT_FILES)
-    plot = check_writable(plot or out.with_suffix(".png"), PICTURES)
+    picture = None if no_plot else check_writable(plot or out.with_suffix(".png"), PICTURES)
     if band is not None or inputs is not None:
         from rps_exudyn.cli.run_band import do_band, sample_count
 
         refused = {"accuracy": accuracy, "measured": measured, "robust": robust}
         count = sample_count(band, [name for name, given in refused.items() if given])
-        return do_band(scene, setup, count, inputs, out, plot, json, jobs, limit.seconds if limit else inf)
+        seconds = limit.seconds if limit else inf
+        files = Files(out, picture, overwrite)
+        with printing(quiet):
+            return do_band(
+                scene, setup, count, inputs, files, every=every, as_json=json, jobs=jobs, time_limit=seconds
+            )
     if jobs is not None:
         raise InputError("--jobs shares the runs of a band among processes; add --band.")
-    setup.say_medians()
-    curve = read_measured(measured, column) if measured else None
+    with printing(quiet):
+        setup.say_medians()
+        curve = read_measured(measured, column, scene) if measured else None
     model = chosen.fidelity if accuracy is None else preset
     try:
-        with redirect_stdout(sys.stderr), shown_progress(progress):  # standard output is for the result
+        with (
+            printing(quiet),
+            redirect_stdout(sys.stderr),
+            shown_progress(progress),
+        ):  # stdout is for the result
             result = simulate(
                 scene, chosen.steering_gear, model, accuracy=accuracy, robust=robust, time_limit=limit
             )
     except Interrupted as interrupt:
-        kept, _ = keep(replace(interrupt.recorded, measured=curve), out, plot)
+        kept, _ = keep(replace(interrupt.recorded, measured=curve), Files(out, picture, overwrite))
         where = f"kept in {kept[0]}" if kept else "lost"
         raise KeyboardInterrupt(f"interrupted; what was recorded until then is {where}.") from None
     result = replace(result, measured=curve)
-    for finding in ("accuracy", "accuracy_checked"):
-        if finding in result.findings:
-            say(result.findings[finding])
-    files, problems = keep(result, out, plot)
-    with naming(files):
-        put_result(result, json, files)
+    with printing(quiet):
+        put_accuracy(result, every)
+        written, problems = keep(result, Files(out, picture, overwrite))
+        with naming(written):
+            put_result(result, json, written, every)
     return max(verdict(result), FAILED if problems else DONE)
 
 
-def read_measured(path: Path, columns: Sequence[str]) -> "MeasuredTorque":
-    """The measured torque in a file; what was assumed is said on standard error.
+def read_measured(path: Path, columns: Sequence[str], scene: str) -> "MeasuredTorque":
+    """The measured torque in a file, with the signs that a fit gives it; what was assumed is said on standard
+    error. A weight makes torques of one sign both ways, which stay.
 
     Raises:
         InputError: no such file, or one that is no curve.
     """
+    from rps_exudyn.inference.fitting.bench_tests import KINDS, with_signs
     from rps_exudyn.inference.measured.reading import read_measured_torque
 
     measured = read_measured_torque(path, chosen_columns(columns))
-    say(f"{path}: {'; '.join(measured.assumed)}.")
+    if scene not in KINDS or not KINDS[scene].weighted:
+        measured = with_signs(measured)
+    note(f"{path}: {'; '.join(measured.assumed)}.")
     return measured
-
-
-def keep(result: "Result", out: Path, plot: Path) -> tuple[list[Path], bool]:
-    """Write both files; return the paths of those written, and whether there were problems.
-
-    A failed run is written beside existing files as NAME.failed, any other one keeps them as NAME.1, NAME.2,
-    ... A result that cannot be written there goes to the folder of temporary files.
-
-    Raises:
-        KeyboardInterrupt: while the picture is drawn; it names the file that is written.
-    """
-    from rps_exudyn.results.outcome import Status
-
-    try:
-        if result.status is not Status.OK and (out.exists() or plot.exists()):
-            out, plot = (path.with_suffix(f".failed{path.suffix}") for path in (out, plot))
-        elif older := [str(kept) for path in (out, plot) if (kept := number_existing(path))]:
-            say(f"older files are kept: {', '.join(older)}.")
-        result.save(out)
-    except (InputError, OSError) as error:
-        return _kept_elsewhere(result, out, str(error))
-    if not result.signals:
-        return [out], False
-    try:
-        with named_if_interrupted([out]):
-            _draw(result, plot)
-    except (OSError, ValueError) as error:  # also what matplotlib makes of a strange environment
-        say(f"the picture is missing: {error}")
-        return [out], True
-    return [out, plot], False
-
-
-def _draw(result: "Result", plot: Path) -> None:
-    """Draw the picture; the result is safe by then."""
-    from rps_exudyn.pages.charts.scene_figures import draw
-
-    draw(result, plot)
-
-
-def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Path], bool]:
-    """Write a result whose own place cannot be written, and say where; never fails."""
-    from tempfile import mkdtemp
-
-    folder = None
-    try:
-        folder = Path(mkdtemp(prefix="rps-exudyn-"))
-        result.save(other := folder / out.name)
-    except (InputError, OSError) as error:
-        if folder:
-            with suppress(OSError):
-                folder.rmdir()
-        say(f"{problem} Nor could the result be kept elsewhere: {error}")
-        return [], True
-    say(f"{problem} The result is kept in {other} instead.")
-    return [other], True

@@ -1,23 +1,26 @@
 """Make a maneuver: by dynamics in Exudyn, by equilibria, or by formula, by the fidelity's choice.
 
     run = run_maneuver(gear, fidelity, maneuver)
+    run = run_maneuver(gear, fidelity, there, back, options=options)
 
 All give the same signals as far as they have them, and none is called ok before its record was checked.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from time import process_time
 
 import numpy as np
 
+from rps_exudyn.analysis.rack_motion import transmission_error
+from rps_exudyn.analysis.work_balance import integral_from_start
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import begin_part
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.law_error import law_of_formulas
 from rps_exudyn.results.outcome import Code, Interrupted, Outcome, Remark, Status
-from rps_exudyn.scenes.by_formula import by_formula
 from rps_exudyn.scenes.checks.before_run import check_memory
 from rps_exudyn.scenes.checks.needs_finer import (
     STRIPS_AGREE,
@@ -33,11 +36,12 @@ from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals, joined, outcome_of_path
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
+from rps_exudyn.solvers.closed_form import beyond_formulas, mean_state, pushing_force, runout_harmonics
 from rps_exudyn.solvers.drive import Drive, SetOff, Steady, Swing
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import following_inertia, gear_forces
 from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
-from rps_exudyn.solvers.settled_start import settled_behind, settled_path
+from rps_exudyn.solvers.settled_start import joined_instants, settled_behind, settled_start
 from rps_exudyn.solvers.settling import TOLERANCE
 from rps_exudyn.solvers.steering_column import (
     BehindColumn,
@@ -50,7 +54,8 @@ from rps_exudyn.solvers.steering_column import (
 SHORTEST_STEP = 1e-7  # of the dynamics [s] ...
 SHORTEST_AT_TURNS = 1e-9  # ... where all friction turns about at once
 LEAST_FORCE = 10.0  # of which a tolerance is a fraction [N]
-STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drifts less is settled
+STEADY = 2e-4  # of the force and of the rack's travel, over a period: what drifts less is settled ...
+RETURNED = 3e-3  # ... if each motion of the rack beside its travel returns, but for this part of its range
 UNDER_TORQUE = 0.1  # of the tolerance where a torque is given, for what is left over would hold the gear
 UNEVEN = Swing, SetOff, WheelTorque  # drives under which friction turns about
 NOT_CURED_BY_STEPS = {Code.SWING_TOO_FAST, Code.BEYOND_LAW, Code.START_MATTERS}  # of an invalid swing
@@ -67,35 +72,24 @@ CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to
 
 
 def run_maneuver(
-    gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions = DEFAULT_OPTIONS
+    gear: SteeringGear, fidelity: Fidelity, *maneuvers: Maneuver, options: RunOptions = DEFAULT_OPTIONS
 ) -> SceneRun:
-    """Make one maneuver; its run has no summary yet.
+    """Make maneuvers one after the other until one fails, joined to one record; their run has no summary yet.
 
     Raises:
-        InputError: the fidelity's solver cannot make it, or no memory holds its record.
+        InputError: the fidelity's solver cannot make one, or no memory holds its record.
     """
-    if fidelity.solver != "closed-form":
-        spheres = fidelity.profile_samples * fidelity.axial_samples * 2 * gear.pinion.teeth
-        check_memory(maneuver.lead + maneuver.steps, spheres if fidelity.mesh == "general-contact" else 0)
-    try:
-        return SOLVERS[fidelity.solver](gear, fidelity, maneuver, options)
-    except np.linalg.LinAlgError as error:
-        message = f"the gear yields without resistance at its start: {error}"
-        return SceneRun(Outcome(Status.NO_CONVERGENCE, message, (Code.NO_RESISTANCE,)))
-
-
-def run_maneuvers(
-    gear: SteeringGear,
-    fidelity: Fidelity,
-    maneuvers: Sequence[Maneuver],
-    options: RunOptions = DEFAULT_OPTIONS,
-) -> SceneRun:
-    """Make one after the other until one fails, and join them to one record."""
     runs: list[SceneRun] = []
     for number, maneuver in enumerate(maneuvers):
         begin_part(number, len(maneuvers))
+        if fidelity.solver != "closed-form":
+            spheres = fidelity.profile_samples * fidelity.axial_samples * 2 * gear.pinion.teeth
+            check_memory(maneuver.lead + maneuver.steps, spheres if fidelity.mesh == "general-contact" else 0)
         try:
-            runs.append(run_maneuver(gear, fidelity, maneuver, options))
+            runs.append(SOLVERS[fidelity.solver](gear, fidelity, maneuver, options))
+        except np.linalg.LinAlgError as error:
+            message = f"the gear yields without resistance at its start: {error}"
+            runs.append(SceneRun(Outcome(Status.NO_CONVERGENCE, message, (Code.NO_RESISTANCE,))))
         except Interrupted as interrupt:
             raise Interrupted(joined([*runs, interrupt.recorded])) from None
         if not runs[-1].ok:
@@ -173,8 +167,8 @@ def by_equilibrium(
         raise InputError("fidelity.solver is equilibrium, which has no pulses: choose generalized-alpha.")
     period, tolerance = maneuver.one_period(), fidelity.torque_tolerance
     refined = refine(
-        _settled(gear, fidelity, period, options),
-        lambda _, times: _settled(gear, fidelity, period.halved(times), options),
+        _along_equilibria(gear, fidelity, period, options),
+        lambda _, times: _along_equilibria(gear, fidelity, period.halved(times), options),
         options.least_steps.halvings + (HALVINGS_FOR_TOLERANCE if tolerance else 0),
         asks=lambda run: _is_coarse(run, gear, maneuver, tolerance),
     )
@@ -183,12 +177,12 @@ def by_equilibrium(
     if run.ok and options.least_steps.halvings and yoke_stops(run.signals):
         if maneuver.is_steady:
             maneuver = maneuver.closely_approached()
-            run = _settled(gear, fidelity, maneuver.one_period().halved(halved), options)
+            run = _along_equilibria(gear, fidelity, maneuver.one_period().halved(halved), options)
         run, fidelity = _by_finer_strips(run, gear, fidelity, maneuver.one_period().halved(halved), options)
     if maneuver.periods > 1 and run.ok:
         force = run.signals[maneuver.drive.signal]
         if maneuver.periods * abs(force[-1] - force[0]) > CLOSED * np.abs(force).max():
-            run = _settled(gear, fidelity, maneuver.halved(halved), options)
+            run = _along_equilibria(gear, fidelity, maneuver.halved(halved), options)
         else:
             findings["periods_alike"] = maneuver.periods
             run = replace(run, signals=repeated(run.signals, maneuver.periods))
@@ -205,7 +199,7 @@ def _by_finer_strips(
         models.append(finer)
     refined = refine(
         run,
-        lambda _, times: _settled(gear, models[times], period, options),
+        lambda _, times: _along_equilibria(gear, models[times], period, options),
         len(models) - 1,
         usable=lambda each: each.ok,
         change=lambda coarse, fine: strips_change(coarse.signals, fine.signals),
@@ -237,14 +231,54 @@ def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver, tolerance:
     return needs_finer(run.signals, gear) or (tolerance > 0 and bends_more(run.signals, gear, tolerance))
 
 
-def _settled(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:
-    """Leave out the equilibria that lead to the start if the record of a period shows that they are not
-    needed: at its end the gear is where it was at the start."""
-    if maneuver.closes and maneuver.approach is not None:
-        run = _along_equilibria(gear, fidelity, maneuver.without_settling(), options)
-        if run.ok and _drift(run.signals, maneuver.drive.signal) <= STEADY:
-            return run
-    return _along_equilibria(gear, fidelity, maneuver, options)
+def _along_equilibria(
+    gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions
+) -> SceneRun:
+    """Follow the equilibria of a maneuver from a settled start.
+
+    Those that lead to the start are left out if the record of a period shows that they are not needed: at its
+    end the gear is where it was at the start.
+    """
+    forces, drive = gear_forces(gear, fidelity, maneuver.rack_load), maneuver.drive
+    column = ColumnModel.of(gear) if drive.body == "wheel" else None
+    turned = drive if column is None else replace(drive, body="pinion")
+    pair, time = GearPair.of(gear), maneuver.time
+    inertia = (0.0, 0.0) if isinstance(drive, Steady) else following_inertia(gear)
+    balance = forces.statics.with_(inertia=inertia)
+    closes = maneuver.closes and maneuver.approach is not None
+    for approach in (None, maneuver.approach) if closes else (maneuver.approach,):
+        start, interrupted = process_time(), False
+        try:
+            if column is None:
+                led = settled_start(balance, pair, drive, approach, time[:1])
+                path = equilibrium_path(balance, pair, drive, joined_instants(led, time), led)
+                path = path if led is None else replace(path, start=led.start)
+            else:
+                path = settled_behind(balance, pair, drive, column, approach)
+                if path.converged:
+                    behind = BehindColumn("pinion", drive, column)
+                    path = equilibrium_path(balance, pair, behind, time, path, column)
+        except PathInterrupted as interrupt:
+            path, interrupted = interrupt.path, True
+        outcome = outcome_of_path(path, process_time() - start)
+        outcome = replace(outcome, findings={**outcome.findings, "angles": path.time.size})
+        if interrupted:
+            message = f"interrupted at {drive.shown(path.time[-1])}"
+            outcome = replace(outcome, status=Status.TIMEOUT, codes=(Code.INTERRUPTED,), message=message)
+        elif not path.converged:
+            outcome = _lost(maneuver, path, outcome)
+            if column is not None:
+                jumps = JUMPS_UNDER_TORQUE if isinstance(drive, WheelTorque) else JUMPS
+                outcome = replace(outcome, message=outcome.message + jumps.format(column.stiffness))
+        record = record_of_path(forces, path, turned)
+        if column is not None and path.wheel.size:  # else the gear was lost on its way to the start
+            record = _seen_from_wheel(record, column, drive, -path.wheel)
+        run = _finished(gear, maneuver, outcome, record, path, forces.friction_zone, options)
+        if interrupted:
+            raise Interrupted(run)
+        if approach is not maneuver.approach and run.ok and _is_settled(run.signals, drive.signal, gear):
+            break
+    return run
 
 
 def _drift(signals: Signals, driven: str) -> float:
@@ -255,43 +289,17 @@ def _drift(signals: Signals, driven: str) -> float:
     return max(moved / travel, abs(float(force[-1] - force[0])) / (float(np.abs(force).max()) or 1.0))
 
 
-def _along_equilibria(
-    gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions
-) -> SceneRun:
-    forces, drive = gear_forces(gear, fidelity, maneuver.rack_load), maneuver.drive
-    column = ColumnModel.of(gear) if drive.body == "wheel" else None
-    start, interrupted = process_time(), False
-    pair, approach, time = GearPair.of(gear), maneuver.approach, maneuver.time
-    inertia = (0.0, 0.0) if isinstance(drive, Steady) else following_inertia(gear)
-    balance = forces.statics.with_(inertia=inertia)
-    try:
-        if column is None:
-            path = settled_path(balance, pair, drive, approach, time)
-        else:
-            path = settled_behind(balance, pair, drive, column, approach)
-            if path.converged:
-                behind = BehindColumn("pinion", drive, column)
-                path = equilibrium_path(balance, pair, behind, time, path, column)
-    except PathInterrupted as interrupt:
-        path, interrupted = interrupt.path, True
-    outcome = outcome_of_path(path, process_time() - start)
-    outcome = replace(outcome, findings={**outcome.findings, "angles": path.time.size})
-    if interrupted:
-        message = f"interrupted at {drive.shown(path.time[-1])}"
-        outcome = replace(outcome, status=Status.TIMEOUT, codes=(Code.INTERRUPTED,), message=message)
-    elif not path.converged:
-        outcome = _lost(maneuver, path, outcome)
-        if column is not None:
-            jumps = JUMPS_UNDER_TORQUE if isinstance(drive, WheelTorque) else JUMPS
-            outcome = replace(outcome, message=outcome.message + jumps.format(column.stiffness))
-    turned = drive if column is None else replace(drive, body="pinion")
-    record = record_of_path(forces, path, turned)
-    if column is not None and path.wheel.size:  # else the gear was lost on its way to the start
-        record = _seen_from_wheel(record, column, drive, -path.wheel)
-    run = _finished(gear, maneuver, outcome, record, path, forces.friction_zone, options)
-    if interrupted:
-        raise Interrupted(run)
-    return run
+def _is_settled(signals: Signals, driven: str, gear: SteeringGear) -> bool:
+    """Return whether a gear ends a record as it began it."""
+    return _drift(signals, driven) <= STEADY and _returns(signals, gear)
+
+
+def _returns(signals: Signals, gear: SteeringGear) -> bool:
+    """Return whether all motions of the rack beside its travel end a record where they began it, but for a
+    part of their ranges."""
+    beside = [transmission_error(signals, float(GearPair.of(gear).gain))]
+    beside += [signals[name] for name in COORDINATES if name != "rack_displacement"]
+    return all(abs(float(each[-1] - each[0])) <= RETURNED * float(np.ptp(each)) for each in beside)
 
 
 def _seen_from_wheel(record: Record, column: ColumnModel, drive: Drive, wheel: np.ndarray) -> Record:
@@ -333,6 +341,106 @@ def _lost(maneuver: Maneuver, path: EquilibriumPath, outcome: Outcome) -> Outcom
     if path.residual <= TOLERANCE:
         message = f"no equilibrium was found near the one before at {place}"
     return replace(outcome, status=Status.NO_CONVERGENCE, codes=(Code.NO_EQUILIBRIUM,), message=message)
+
+
+# --- formulas: mean values, losses, the runout's harmonic; no ripple, no elasticity ----------------
+
+
+def by_formula(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:
+    """Fill the maneuver's record, without its run-in, with mean values.
+
+    No check follows: the formulas state where they do not hold.
+
+    Raises:
+        InputError: the maneuver shakes the rack, or turns the steering wheel.
+    """
+    if maneuver.drive.body == "wheel":
+        raise InputError(
+            "fidelity.solver is closed-form, which has no steering column; use equilibrium or "
+            "generalized-alpha."
+        )
+    if maneuver.pulse is not None:
+        raise InputError("fidelity.solver is closed-form, which has no pulses; use generalized-alpha.")
+    start = process_time()
+    beyond = beyond_formulas(gear)
+    if gear.bush.viscous_drag and np.ptp(np.abs(maneuver.drive.rate(maneuver.time))) > 0:
+        beyond = beyond or "the formulas take bush.viscous_drag at a constant speed"
+    signals = _turned(gear, maneuver) if maneuver.drive.body == "pinion" else _pushed(gear, maneuver)
+    outcome = Outcome(
+        Status.INVALID if beyond else Status.OK,
+        beyond,
+        (Code.BEYOND_FORMULAS,) if beyond else (),
+        time_reached=float(signals["time"][-1]),
+        cpu_s=process_time() - start,
+        settings={"name": "closed-form"},
+    )
+    return SceneRun(outcome, signals).noting(_other_law(gear))
+
+
+def _other_law(gear: SteeringGear) -> Remark | None:
+    """Return a remark on the law that the formulas take instead of the gear's."""
+    law = law_of_formulas(gear.mesh.law)
+    if law == gear.mesh.law:
+        return None
+    taken = f"mesh.law is {gear.mesh.law}; the closed form takes loads per length as law {law} has them"
+    return Remark(Code.OTHER_LAW, taken)
+
+
+def _turned(gear: SteeringGear, maneuver: Maneuver) -> Signals:
+    time = maneuver.time[maneuver.lead :]
+    angle, rate = maneuver.drive.place(time), maneuver.drive.rate(time)
+    cosine, sine = runout_harmonics(gear)
+    phase = angle + gear.pinion.runout_angle
+    signals = _mean_signals(gear, maneuver, angle, rate, dict.fromkeys((-1, 1), maneuver.rack_load))
+    # what the runout does to friction turns with the direction, what it stores in the spring does not
+    signals["pinion_torque"] += np.sign(rate) * cosine * np.cos(phase) + sine * np.sin(phase)
+    signals["work_drive"] = integral_from_start(signals["pinion_torque"] * rate, time)
+    return signals
+
+
+def _pushed(gear: SteeringGear, maneuver: Maneuver) -> Signals:
+    time, gain = maneuver.time[maneuver.lead :], float(GearPair.of(gear).gain)
+    place, rate = maneuver.drive.place(time), maneuver.drive.rate(time)
+    force = {sense: pushing_force(gear, sense, maneuver.rack_load) for sense in (-1, 1)}
+    loads = {sense: maneuver.rack_load - force[sense] for sense in force}
+    signals = _mean_signals(gear, maneuver, place / gain, rate / gain, loads)
+    del signals["pinion_torque"]  # nothing but friction acts on the pinion
+    signals["rack_force"] = np.where(rate > 0, force[1], force[-1])
+    signals["work_drive"] = integral_from_start(signals["rack_force"] * rate, time)
+    return signals
+
+
+def _mean_signals(
+    gear: SteeringGear, maneuver: Maneuver, angle: np.ndarray, rate: np.ndarray, loads: dict[int, float]
+) -> Signals:
+    """Signals of the mean forces, sense of motion by sense; `loads` pull the rack towards -X in each [N]."""
+    time, gain = maneuver.time[maneuver.lead :], float(GearPair.of(gear).gain)
+    states = {sense: mean_state(gear, sense, load) for sense, load in loads.items()}
+
+    def mean(name: str) -> np.ndarray:
+        return np.where(rate > 0, getattr(states[1], name), getattr(states[-1], name))
+
+    def lost(name: str) -> np.ndarray:
+        return integral_from_start(mean(name) * np.abs(rate), time)
+
+    signals = {
+        "time": time - time[0],
+        "pinion_angle": angle,
+        "pinion_torque": mean("torque"),
+        "rack_displacement": gain * angle,
+        "mesh_normal_force_drive": mean("normal_drive"),
+        "mesh_normal_force_coast": mean("normal_coast"),
+        "mesh_normal_force": mean("normal_drive") + mean("normal_coast"),
+        "seat_force": mean("plunger_force"),
+        "work_mesh_friction": lost("mesh_loss"),
+        "work_seat_friction": lost("plunger_loss"),
+        "work_bush_friction": lost("bush_loss"),
+        "work_bearing_friction": lost("bearing_loss"),
+    }
+    if maneuver.rack_load:
+        signals["load_force"] = np.full_like(angle, maneuver.rack_load)
+        signals["work_load"] = -maneuver.rack_load * gain * (angle - angle[0])
+    return signals
 
 
 SOLVERS: dict[str, Callable[[SteeringGear, Fidelity, Maneuver, RunOptions], SceneRun]] = {
