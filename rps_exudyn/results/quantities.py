@@ -28,7 +28,7 @@ LEAST_SHOWN = {
 Equilibria are found to 1e-3 N, a hundred thousandth of their torque, and positions to rounding, 1e-17 m."""
 
 
-LEAST_CHANGED = {"um": 2e-8, "mrad": 1e-6, "deg": 1e-5, "%": 1e-3, "J": 1e-6}
+LEAST_CHANGED = {"um": 1e-7, "mrad": 1e-6, "deg": 1e-5, "%": 1e-3, "J": 1e-6}
 """Display unit -> size in SI below which a metric changes as if it had that size."""
 LEAST_TORQUE = 0.01  # the same of a torque, of the mean torque of its run
 
@@ -43,7 +43,7 @@ class Confirmation:
 
 HALF_STEPS = "half the steps"
 ANOTHER_CYCLE = "half the steps and another cycle before"
-OTHER_PHASES = "another phase, or half of the cycles"
+OTHER_PHASES = "other phases, or half of the cycles"
 MEAN, OTHER = 0.02, 0.05  # tolerances of means of torque and force, and of all others
 
 
