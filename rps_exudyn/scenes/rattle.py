@@ -104,7 +104,7 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
 
 def _phases(signals: Signals, cycles: int) -> list[Signals]:
     """Return the records of each phase; of a single one its first and its last cycles, [] of one cycle."""
-    phases = split_at_repeats(signals) if signals else []
+    phases = [dict(each) for each in split_at_repeats(signals)] if signals else []
     if len(phases) != 1:
         return phases
     time, half = signals["time"], cycles // 2 / cycles * np.ptp(signals["time"])

@@ -98,7 +98,8 @@ def test_a_finer_run_that_fails_leaves_what_the_record_shows() -> None:
 
     failed = recorded(2, Status.NO_CONVERGENCE)
     run = confirmed(recorded(), metrics, lambda n: failed, "torque_mean", most=2, always=True)
-    assert run.ok and set(run.summary) == {"torque_mean"}
+    assert run.ok
+    assert set(run.summary) == {"torque_mean"}
 
 
 def test_metrics_that_scatter_over_phases_are_left_out() -> None:
