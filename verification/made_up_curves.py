@@ -1,7 +1,8 @@
 """Made-up measured curves: what the model shows, with noise as test benches have it. No measurement.
 
 White noise is new at every point; correlated noise keeps its sign over some ten degrees; a drift grows along
-a pass; repeatability changes a whole pass; a sensor has a zero.
+a pass; repeatability changes a whole pass; a sensor has a zero, steps, spikes; a rig has a coupling, a cardan
+joint, a torque channel that comes late.
 """
 
 from collections.abc import Iterator
@@ -37,6 +38,14 @@ class BenchNoise:
     drift: float = 0.0  # over a pass
     repeatability: float = 0.0  # of a whole run
     zero: float = 0.0  # of the sensor
+    walk: float = 0.0  # of a random walk after a pass
+    spikes: float = 0.0  # part of the points
+    step: float = 0.0  # of the sensor [N m]
+    lag: float = 0.0  # of the torque on the way back [rad]
+    coupling: float = 0.0  # friction's first order, fixed to the angle
+    cardan: float = 0.0  # its second order
+    bow: float = 0.0  # at the ends of the travel, quadratic
+    one_way: bool = False
 
 
 REAL = BenchNoise(white=0.01, correlated=0.0173, drift=0.02, repeatability=0.02, zero=0.02)
@@ -75,20 +84,36 @@ def with_noise(
     curve: dict[str, np.ndarray], noise: BenchNoise, random: np.random.Generator
 ) -> dict[str, np.ndarray]:
     """Return the curve as a bench would record it; sizes are in parts of what friction makes of it."""
-    value, ways = curve["value"].copy(), list(_parts(curve["pinion_angle"]))
+    angle, value = curve["pinion_angle"], curve["value"].copy()
+    ways = list(_parts(angle))
     means = [float(value[part].mean()) for part in ways]
     weight = (means[0] + means[-1]) / 2 if len(means) > 1 else 0.0  # of a load, which no run changes
-    size = abs(means[0] - weight)
-    run = 1 + noise.repeatability * random.standard_normal()
-    for part in ways:
-        angle = np.abs(curve["pinion_angle"][part] - curve["pinion_angle"][part][0])
-        slow = np.exp(-np.diff(angle, prepend=angle[0]) / noise.length)
+    size, walked = abs(means[0] - weight), 0.0
+    run, phases = 1 + noise.repeatability * random.standard_normal(), random.uniform(0, 2 * np.pi, 2)
+    for number, part in enumerate(ways):
+        turned, own = np.abs(angle[part] - angle[part][0]), angle[part]
+        if noise.lag and number:
+            value[part] = np.interp(own + noise.lag, own[::-1], value[part][::-1])
+        sense, place = np.sign(means[number] - weight), (own - own.mean()) / max(float(np.ptp(own)), 1e-12)
+        locked = noise.coupling * np.cos(own + phases[0]) + noise.cardan * np.cos(2 * own + phases[1])
+        value[part] += sense * size * (locked + noise.bow * (12 * place**2 - 1) / 2)
+        slow = np.exp(-np.diff(turned, prepend=turned[0]) / noise.length)
         kept = _kept(slow, random) if noise.correlated else 0.0
-        drift = noise.drift * random.standard_normal() * angle / max(float(angle[-1]), 1e-12)
-        white = noise.white * random.standard_normal(angle.size)
+        drift = noise.drift * random.standard_normal() * turned / max(float(turned[-1]), 1e-12)
+        white = noise.white * random.standard_normal(own.size)
+        if noise.walk:
+            walk = walked + noise.walk * np.cumsum(random.standard_normal(own.size)) / np.sqrt(own.size)
+            drift, walked = drift + walk, walk[-1]
         value[part] = weight + run * (value[part] - weight)
         value[part] += size * (white + noise.correlated * kept + drift)
-    return {**curve, "value": value + size * noise.zero * random.standard_normal()}
+        if noise.spikes:
+            hit = random.random(own.size) < noise.spikes
+            value[part] += np.where(hit, 0.2 * size * random.choice([-1.0, 1.0], own.size), 0.0)
+    value += size * noise.zero * random.standard_normal()
+    if noise.step:
+        value = noise.step * np.round(value / noise.step)
+    kept_rows = ways[0] if noise.one_way else slice(None)
+    return {name: each[kept_rows] for name, each in {**curve, "value": value}.items()}
 
 
 def measured_curve(

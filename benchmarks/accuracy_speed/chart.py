@@ -37,6 +37,8 @@ STYLES = {
     "quasi-static, Stribeck": ("#85200c", "^"),
     "flank, bristles": ("#f1c232", "o"),
     "quasi-static, bristles": ("#bf9000", "^"),
+    "flank, four bristles": ("#ffd966", "s"),
+    "quasi-static, four bristles": ("#7f6000", "v"),
     "loop over gears, line": ("#134f5c", "*"),
     "spheres at rest": ("#e69138", "P"),
     "shaped pinion": ("#c27ba0", "h"),

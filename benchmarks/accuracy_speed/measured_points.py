@@ -55,13 +55,14 @@ OF_TURNING = (
     "flank_bristles loop"
 )
 BY_DEFAULT_LAW = "quasi_static_line flank_line"
+ON_BRISTLES = "quasi_static_bristles flank_bristles quasi_static_four_bristles flank_four_bristles"
 LOADED = "at_rest at_rest_line at_rest_teeth"
 FILES = {
     "free-pinion-torque": OF_TORQUE.split(),
     "load-test": OF_TURNING.split(),
     "rack-push": OF_TURNING.split(),
-    "reversal": f"quasi_static flank {BY_DEFAULT_LAW} quasi_static_bristles flank_bristles".split(),
-    "steering-feel": f"{BY_DEFAULT_LAW} quasi_static_bristles flank_bristles".split(),
+    "reversal": f"quasi_static flank {BY_DEFAULT_LAW} {ON_BRISTLES}".split(),
+    "steering-feel": f"{BY_DEFAULT_LAW} {ON_BRISTLES}".split(),
     "yoke-impact": ["newton"],
     "yoke-setting": BY_DEFAULT_LAW.split(),
     "rack-lift": LOADED.split(),

@@ -1,7 +1,7 @@
 """Models of other physics than the chart's first reference: each is compared with its own, much finer.
 
 That reference integrates the law `area` in three independent ways. Other contact laws, racks that bend and
-friction that remembers or falls with speed have another torque; their reference is that of their own
+friction with a state or that falls with speed have another torque; their reference is that of their own
 equilibria and dynamics in fine steps, so that their points show the numerical error alone.
 """
 
@@ -64,6 +64,7 @@ class Variant:
 
 
 LINE = {"mesh.law": "line"}
+BRISTLES = LINE | {f"{part}.friction_law": "bristle" for part in RUBBING_PARTS}
 VARIANTS = {
     "line": Variant(LINE),
     "teeth": Variant({"mesh.law": "teeth"}),
@@ -73,7 +74,8 @@ VARIANTS = {
         | {f"{part}.friction_law": "stribeck" for part in RUBBING_PARTS}
         | {f"{part}.static_ratio": 1.3 for part in RUBBING_PARTS}
     ),
-    "bristles": Variant(LINE | {f"{part}.friction_law": "bristle" for part in RUBBING_PARTS}),
+    "bristles": Variant(BRISTLES),
+    "four bristles": Variant(BRISTLES, {"friction_elements": 4}),
 }
 
 
@@ -84,7 +86,8 @@ def variant_of(gear: SteeringGear, fidelity: Fidelity) -> str:
     if fidelity.rack == "flexible":
         return "bending rack"
     if gear.mesh.friction_law != "coulomb":
-        return {"stribeck": "Stribeck", "bristle": "bristles"}[gear.mesh.friction_law]
+        bristles = "four bristles" if fidelity.friction_elements == 4 else "bristles"
+        return {"stribeck": "Stribeck", "bristle": bristles}[gear.mesh.friction_law]
     return "" if gear.mesh.law == "area" else gear.mesh.law
 
 

@@ -174,6 +174,7 @@ def print_fit(fit: "Fit", files: Iterable[Path]) -> None:
             put(sentence)
     columns = ("parameter", "value", "95 % interval", "expected before", "verdict")
     put_table(columns, findings.rows(fit))
+    put_table(findings.BUDGET, findings.budget_rows(fit))
     if sentence := findings.offset_sentence(fit):
         put(sentence)
     for sentence in (*fit.left_out, *fit.warnings):

@@ -33,6 +33,7 @@ INSTANTS = 64  # of a tooth pitch at which the gear is linearised
 PITCHES = 4  # that lead there
 RANGE = 3.0  # times the damping that one inertia needs, over which that of the gear is sought ...
 TRIED = 13  # ... at so many dampings, and at as many between two of them
+QUICK = 6.0  # times in the natural period over 2 pi that bristles turn about across the sliding
 CURED = 0.5  # of the growth that damping takes from one inertia: it takes so much from what it cures
 
 
@@ -44,8 +45,13 @@ def one_inertia_damping(gear: SteeringGear) -> float:
 
 def sliding_damping(gear: SteeringGear, fidelity: Fidelity) -> float:
     """Return the same of the whole gear; 0 where one inertia is stable without any, nan where there is no
-    equilibrium about which the gear could be linearised."""
-    return 0.0 if np.isnan(one_inertia_damping(gear)) else linearised_damping(gear, fidelity)
+    equilibrium about which the gear could be linearised, and on bristles that turn about too slowly across
+    the sliding to damp the guides as Stribeck's law does."""
+    if np.isnan(one_inertia_damping(gear)):
+        return 0.0
+    over_travel = ELEMENT_TRAVELS[0][0] * presliding_angle(gear) / gear.test.speed  # [s]
+    slow = over_travel * reduced_gear(gear).frequency * QUICK > 1
+    return float("nan") if slow else linearised_damping(gear, fidelity)
 
 
 def linearised_damping(gear: SteeringGear, fidelity: Fidelity) -> float:

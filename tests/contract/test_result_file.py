@@ -16,6 +16,7 @@ from edited import edited
 from rps_exudyn import load
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import check_writable
+from rps_exudyn.results.block import CaseRecord
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.provenance import FIELDS, git_hash, provenance
 from rps_exudyn.results.quantities import GROUPS
@@ -37,6 +38,24 @@ def as_plain(result: Result) -> dict[str, object]:
 
 def test_load_gives_back_what_was_saved(saved: Path, made_up_result: Result) -> None:
     assert as_plain(load(saved)) == as_plain(made_up_result)
+
+
+def test_bristles_of_earlier_versions_keep_their_reversal(made_up_result: Result, tmp_path: Path) -> None:
+    """Files of a model without `friction_elements` are read with 0.687 times the travel and a remark, singly
+    and from a block; others, and gears without bristles, as they are."""
+    gear = made_up_result.gear.replace({"yoke.friction_law": "bristle", "yoke.bristle_travel": 8e-6})
+    model = dict(made_up_result.fidelity) | {"friction_elements": 1}
+    now = dataclasses.replace(made_up_result, gear=gear, fidelity=model, message="a remark")
+    before = dataclasses.replace(now, fidelity={k: v for k, v in model.items() if k != "friction_elements"})
+    before.save(tmp_path / "before.h5")
+    for found in (load(tmp_path / "before.h5"), CaseRecord.of("a" * 16, before).result()):
+        assert found.gear.yoke.bristle_travel == pytest.approx(0.687 * 8e-6)
+        assert found.gear.mesh.bristle_travel == gear.mesh.bristle_travel
+        assert found.message.startswith("a remark; the file is of an earlier version")
+    now.save(tmp_path / "now.h5")
+    assert load(tmp_path / "now.h5").gear.yoke.bristle_travel == 8e-6
+    plain = dataclasses.replace(before, gear=made_up_result.gear)
+    assert CaseRecord.of("a" * 16, plain).result().message == "a remark"
 
 
 @pytest.mark.parametrize("status", list(Status))

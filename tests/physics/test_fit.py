@@ -23,23 +23,22 @@ from benchmarks.measured_fit import (
     true_gear,
     true_level,
 )
-from rps_exudyn.inference.fitting.bench_tests import BenchTest, MeasuredPass, measurement_of
+from rps_exudyn.inference.fitting.bench_tests import BenchTest, measurement_of
 from rps_exudyn.inference.fitting.findings import fit_as_dict, open_sentences
 from rps_exudyn.inference.fitting.fit import fit
 from rps_exudyn.inference.fitting.fitted import Estimate, Fit, Verdict, shape_claims, with_others
 from rps_exudyn.inference.fitting.identify import LevelData, advice_of, more_runs
-from rps_exudyn.inference.fitting.noise import found_noise
 from rps_exudyn.inference.fitting.nonlinear import OtherEnd
-from rps_exudyn.inference.fitting.problem import PassRows
 from rps_exudyn.inference.fitting.series import read_series, write_series
-from rps_exudyn.inference.fitting.unknowns import LEVEL, USUAL
+from rps_exudyn.inference.fitting.unknowns import LEVEL, NUISANCES, USUAL
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import GRAVITY
 from verification.made_up_curves import REAL, BenchNoise, measured_curve, true_curve, with_noise
 
 LEVEL_SD = 0.02 / np.sqrt(722)  # of the mean of both passes, white noise of 2 %
 NEVER = {"yoke.preload", "mesh.friction", "yoke.friction"}
-NOTHING = LevelData(tuple(LEVEL), np.zeros((len(LEVEL), len(LEVEL))))
+KNOWN = (*LEVEL, *NUISANCES)
+NOTHING = LevelData(KNOWN, np.zeros((len(KNOWN), len(KNOWN))))
 
 
 @cache
@@ -53,13 +52,15 @@ def level_error(found: Fit) -> float:
 
 
 def test_free_torque_tells_its_level_and_the_runout() -> None:
-    """Within four standard deviations of the noise put in; the soft loss costs 5 % of efficiency."""
+    """Within four standard deviations of the noise put in; that of the run is at most 2.5 times so wide."""
     found = free_fit()
     assert found.converged
     assert found.simulations <= 15
     assert abs(level_error(found)) < 4 * LEVEL_SD
     assert found.level is not None
-    assert found.level.sd / found.level.value == pytest.approx(LEVEL_SD, rel=0.15)
+    half = found.level.run_interval[1] - found.level.value
+    assert 1.96 * LEVEL_SD < half / found.level.value < 2.5 * 1.96 * LEVEL_SD
+    assert found.level.sd / found.level.value == pytest.approx(0.0288, rel=0.02)  # t of 4, 2 %; 0.5 %
     for path in ("pinion.runout", "pinion.runout_angle"):
         each = found.estimate(path)
         assert abs(each.value - true_gear().value_at(path)) < 4 * each.sd
@@ -72,7 +73,7 @@ def test_free_torque_never_finds_preload_and_friction() -> None:
     assert not NEVER & set(found.found)
     (product,) = found.combinations
     assert set(product.exponents) >= NEVER
-    assert product.sd < 0.002
+    assert product.sd < 0.03  # the repeatability and the calibration that are declared
     sentences = " ".join(open_sentences(found))
     assert "not separable by these tests: yoke.preload, mesh.friction, yoke.friction" in sentences
     assert "at the rack's end" in sentences
@@ -87,7 +88,7 @@ def test_free_torque_never_finds_preload_and_friction() -> None:
 
 
 def test_shape_would_claim_what_the_fit_does_not_print() -> None:
-    """With the law taken for true the preload would look known; the means leave two thirds of the doubt."""
+    """With the law taken for true the preload would look known; the levels leave two thirds of the doubt."""
     claims, found = shape_claims(free_fit()), free_fit().estimate("yoke.preload")
     assert claims["yoke.preload"] < 0.5 * found.sd
     assert found.sd > 0.5 * LEVEL["yoke.preload"].sd
@@ -118,12 +119,14 @@ def test_a_series_is_the_same_from_its_file(tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.parametrize(("case", "most"), [("spikes", 0.0025), ("disturbed", 0.005), ("missing", 0.003)])
+@pytest.mark.parametrize(("case", "most"), [("spikes", 0.0025), ("disturbed", 0.007), ("missing", 0.003)])
 def test_what_disturbs_a_curve_hardly_moves_its_level(case: str, most: float) -> None:
     random = np.random.default_rng(7)
     test, curve = measured(FREE, WHITE, random)
     found = fit(measurement_of([(test, DISTURBANCES[case](curve, random))]), other_law=False)
     assert abs(level_error(found)) < most
+    low, high = found.level.run_interval  # type: ignore[union-attr]
+    assert low <= true_level() <= high
 
 
 def test_one_way_alone_leaves_the_zero_open() -> None:
@@ -133,36 +136,43 @@ def test_one_way_alone_leaves_the_zero_open() -> None:
     assert any("one way only" in sentence for sentence in found.warnings)
     assert found.level is not None
     assert free_fit().level is not None
-    assert found.level.sd > 10 * free_fit().level.sd
+    rows = {row.name: row.half / found.level.value for row in found.level.budget}
+    assert rows["zero, one way only"] == pytest.approx(0.03 * 2.776, rel=1e-3)
 
 
-def test_repeats_give_their_own_scatter() -> None:
-    """Three runs whose levels differ by 2 %: Student's t with two degrees of freedom, 4.30."""
+def test_repeats_count_beside_what_is_declared() -> None:
+    """Three runs: the declared 2 % as four degrees of freedom, their scatter as two, Student's t of six."""
     random = np.random.default_rng(9)
     noise = BenchNoise(repeatability=0.02)
     found = fit(measurement_of([measured(FREE, noise, random) for _ in range(3)]), other_law=False)
     assert found.level is not None
-    assert "scatter of 3 runs" in found.level.noise
-    half = found.level.interval[1] - found.level.value
-    assert half / found.level.sd == pytest.approx(4.303, rel=1e-3)
+    levels = found.level.run_levels / found.level.value
+    row = next(row for row in found.level.budget if row.name == "repeatability")
+    scatter = float(np.var(levels, ddof=1))
+    sd = np.sqrt(max((4 * 0.02**2 + 2 * scatter) / 6, scatter) / 3)
+    assert row.half / found.level.value == pytest.approx(2.447 * sd, rel=5e-3)
     assert abs(level_error(found)) < 4 * 0.02 / np.sqrt(3)
 
 
 def test_without_yoke_and_rack_drag_and_bearings_are_found() -> None:
     random = np.random.default_rng(10)
     found = fit(measurement_of([measured(test, WHITE, random) for test in SET[:3]]), other_law=False)
-    assert set(found.found) & set(LEVEL) == {"bush.drag", "bearing.friction_torque"}
-    assert found.estimate("bush.drag").value == pytest.approx(25.0, rel=0.05)
+    assert found.found[:2] == ["bush.drag without yoke", "bearing.friction_torque"]
+    assert found.estimate("bush.drag without yoke").value == pytest.approx(25.0, rel=0.05)
+    drag = found.estimate("bush.drag")
+    assert drag.verdict is Verdict.BY_RATIO
+    assert drag.sd > 0.2
     assert found.estimate("bearing.friction_torque").value == pytest.approx(0.03, rel=0.05)
 
 
 def test_a_weight_that_lifts_a_flank_finds_the_preload() -> None:
-    """Within 8 %: the declared repeatability of 2 % lets the prior, 15 % off, pull at it."""
+    """Within 8 %: the declared repeatability of 2 % lets the prior, 15 % off, pull at it. One weight does not
+    show whether friction changes under load: three times wider beliefs of that leave more than 20 %."""
     random = np.random.default_rng(11)
     tests = (*SET[:3], WEIGHTS[-1])
     found = fit(measurement_of([measured(test, WHITE, random) for test in tests]), other_law=False)
     assert found.converged
-    assert "yoke.preload" in found.found
+    assert found.estimate("yoke.preload").verdict is Verdict.BY_PRIOR
     assert found.estimate("yoke.preload").value == pytest.approx(350.0, rel=0.08)
 
 
@@ -174,34 +184,19 @@ def test_what_means_determine_follows_from_the_closed_form() -> None:
     for same in (BenchTest("rack-push"), BenchTest("reversal"), light):
         assert free.with_test(gear, same).alone()["yoke.preload"] > 0.5
     apart = free.with_test(gear, BenchTest("yoke-out")).with_test(gear, BenchTest("bearing"))
-    assert apart.alone()["bush.drag"] < 0.05
+    assert apart.alone()["bearing.friction_torque"] < 0.05
+    assert 0.2 < apart.alone()["bush.drag"] < 0.25  # with and without yoke: a ratio of 25 %
     assert apart.alone()["yoke.preload"] > 0.5
-    assert apart.with_test(gear, heavy).alone()["yoke.preload"] < 0.1
+    assert apart.with_test(gear, heavy).alone()["yoke.preload"] < 0.12
     advice = advice_of(gear, free, [FREE])
     assert advice is not None
     assert {"yoke-out", "bearing", "load-test"} == {test.kind for test in advice.tests}
 
 
-@pytest.mark.parametrize("correlated", [0.0, 0.02])
-def test_correlated_noise_is_told_from_white(correlated: float) -> None:
-    """Of a pass of white noise none is seen; noise over 20 degrees is found to a factor of two."""
-    angle = np.linspace(-np.pi, np.pi, 361)
-    noise = BenchNoise(white=0.01, correlated=correlated)
-    curve = {"pinion_angle": angle, "value": np.ones(361)}
-    sizes = []
-    for seed in range(10):
-        value = with_noise(curve, noise, np.random.default_rng(seed))["value"] - 1
-        rows = PassRows(value - value.mean(), np.ones(361), 0.0, np.zeros(1), np.zeros((361, 1)), 1.0)
-        found = found_noise(MeasuredPass(FREE, 0, 1, angle, 1 + value), rows, 0.01, np.pi / 3)
-        sizes.append(found.correlated)
-    assert np.median(sizes) == pytest.approx(correlated, rel=0.5)
-    assert np.mean(np.array(sizes) > 0) == (1.0 if correlated else pytest.approx(0.0, abs=0.21))
-
-
 def test_real_noise_widens_the_interval_to_what_runs_differ_by() -> None:
     found = fit(measurement_of([measured(FREE, REAL, np.random.default_rng(12))]), other_law=False)
     assert found.level is not None
-    assert found.level.sd / found.level.value > 0.015
+    assert (found.level.run_interval[1] - found.level.value) / found.level.value > 0.004  # white: 0.0015
     assert any("noise is correlated" in sentence for sentence in found.warnings)
 
 
@@ -272,38 +267,39 @@ def test_least_deviations_fall_with_the_root_of_the_runs() -> None:
 
 
 def test_runs_that_would_reach_what_is_wanted() -> None:
-    """t s / sqrt(n) <= 5 %: of one test whose run scatters by 10 %, n = 18 (2.11 x 2.36 %), not 17 (2.12 x
-    2.43 %); of six tests, whose scatter counts together, 16; what is reached is not named."""
+    """1.96 s / sqrt(n) <= 5 %: of a run that scatters by 10 %, n = 16 (4.9 %), not 15 (5.06 %); what is
+    reached is not named."""
     halves = {"yoke.preload": 0.2, "mesh.friction": 0.1}
-    for tests, needed in ((1, 18), (6, 16)):
-        found = more_runs(halves, 1, tests, lambda runs: dict.fromkeys(halves, 0.1 / np.sqrt(runs)))
-        assert found is not None
-        assert found.runs == {"yoke.preload": needed}
-    never = more_runs(halves, 1, 1, lambda _: dict.fromkeys(halves, 0.1))
+    found = more_runs(halves, 1, lambda runs: dict.fromkeys(halves, 0.1 / np.sqrt(runs)))
+    assert found is not None
+    assert found.runs == {"yoke.preload": 16}
+    never = more_runs(halves, 1, lambda _: dict.fromkeys(halves, 0.1))
     assert never is not None
     assert never.runs == {"yoke.preload": None}
-    assert more_runs({"yoke.preload": 0.04}, 1, 1, lambda _: {}) is None
+    assert more_runs({"yoke.preload": 0.04}, 1, lambda _: {}) is None
 
 
 def test_repeats_of_several_tests_share_their_scatter() -> None:
-    """Three runs of three tests with a repeatability of 2 % each: six degrees of freedom, and t = 2.447."""
+    """Three runs of three tests with a repeatability of 2 % each: ten degrees of freedom with the declared
+    four, and the same part of each level."""
     random = np.random.default_rng(12)
     noise = BenchNoise(repeatability=0.02)
     files = [measured(test, noise, random) for test in SET[:3] for _ in range(3)]
     found = fit(measurement_of(files), other_law=False)
-    assert found.level is not None
-    assert "3 runs of 3 tests, Student's t with 6 degrees of freedom" in found.level.noise
-    assert (found.level.interval[1] - found.level.value) / found.level.sd == pytest.approx(2.447, rel=1e-3)
-    assert found.estimate("bush.drag").value == pytest.approx(25.0, rel=0.06)  # 2.2 standard errors
+    rows = [next(row for row in level.budget if row.name == "repeatability") for level in found.levels]
+    assert all("6 degrees of freedom" in row.basis for row in rows)
+    parts = [row.half / level.value for row, level in zip(rows, found.levels, strict=True)]
+    assert parts == pytest.approx([parts[0]] * 3, rel=0.02)  # but for each test's own white noise
+    drag = found.estimate("bush.drag without yoke")
+    assert drag.value == pytest.approx(25.0, rel=0.06)  # 2.2 standard errors
 
 
 def test_teeth_and_runout_under_a_weight_are_no_outliers() -> None:
     """Three runs of six tests with white noise alone: what is left of 20 um of runout and of the teeth under
-    80 and 150 kg must not move their means. The preload comes within 1 %, three stated errors; with the
-    ripple weighed as outliers it was 3 % off."""
+    80 and 150 kg must not move their levels. The preload comes within 2 %, half the deviation that friction
+    under load leaves; with the ripple weighed as outliers it was 3 % off."""
     random = np.random.default_rng([5, 0])
     files = [measured(test, WHITE, random) for test in SET for _ in range(3)]
     found = fit(measurement_of(files), other_law=False)
     assert found.converged
-    assert found.estimate("yoke.preload").value == pytest.approx(350.0, rel=0.01)
-    assert found.repeats is None or "yoke.preload" not in found.repeats.runs
+    assert found.estimate("yoke.preload").value == pytest.approx(350.0, rel=0.02)

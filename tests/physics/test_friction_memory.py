@@ -316,8 +316,28 @@ def test_loop_at_large_amplitude_is_coulombs() -> None:
     """The loop loses 0.5 % of its area at most to the turning about (5 um)."""
     area = reversal("coulomb").summary["hysteresis_area"]
     assert reversal("bristle", "5 um").summary["hysteresis_area"] == pytest.approx(area, rel=5e-3)
-    balance = reversal("bristle", "5 um").summary["energy_residual"]
-    assert abs(balance) < 1e-3
+
+
+@pytest.mark.parametrize("fidelity", ["quasi-static", "flank"])
+@pytest.mark.parametrize("travel", ["5 um", "50 um"])
+@pytest.mark.parametrize("elements", [1, 4])
+def test_work_of_reversals_balances_at_the_default_step(travel: str, elements: int, fidelity: str) -> None:
+    """To 1e-4, over 30 deg and over 5 deg, where long bristles turn about over half the way."""
+    model = Fidelity.preset(fidelity).replace({"friction_elements": elements})
+    gear = with_law(friction_law="bristle", bristle_travel=travel)
+    for amplitude in ("30 deg", "5 deg"):
+        result = rps.run("reversal", gear.replace({"test.amplitude": amplitude}), fidelity=model)
+        assert result.status is Status.OK, result.message
+        assert abs(result.summary["energy_residual"]) < 1e-4
+
+
+@pytest.mark.parametrize("travel", ["2 um", "5 um", "10 um", "50 um"])
+def test_reversal_angle_at_the_default_step(travel: str) -> None:
+    """Within 1 % of that in steps of 0.02 deg."""
+    fine = Fidelity.preset("quasi-static").replace({"step_angle": "0.02 deg"})
+    gear = with_law(friction_law="bristle", bristle_travel=travel)
+    limit = rps.run("reversal", gear, fidelity=fine).summary["reversal_angle"]
+    assert reversal("bristle", travel).summary["reversal_angle"] == pytest.approx(limit, rel=0.01)
 
 
 def test_dynamics_remember_as_equilibria_do() -> None:

@@ -170,9 +170,9 @@ def test_figures_of_a_made_up_record() -> None:
 @pytest.mark.parametrize("law", ["stribeck", "bristle"])
 def test_limit_of_the_whole_gear_is_the_predicted_one(law: str) -> None:
     """The damping at which a small vibration neither grows nor decays, within 10 % at 1.5 rad/s: it grows at
-    0.9 and decays at 1.1 of the prediction, with bristles of 2 um as without any."""
+    0.9 and decays at 1.1 of the prediction, with bristles of 0.5 um as without any."""
     parts = {f"{part}.friction_law": law for part in ("mesh", "yoke", "bush", "bearing")}
-    short = {f"{part}.bristle_travel": "2 um" for part in ("mesh", "yoke", "bush", "bearing")}
+    short = {f"{part}.bristle_travel": "0.5 um" for part in ("mesh", "yoke", "bush", "bearing")}
     gear = STEEL.replace({**parts, **short, "test.speed": 1.5})
     predicted = one_inertia_damping(gear)
     assert predicted == pytest.approx(0.0310, rel=0.02)
@@ -183,11 +183,14 @@ def test_limit_of_the_whole_gear_is_the_predicted_one(law: str) -> None:
     assert rates[0] > 0 > rates[1]
 
 
-def test_limit_on_bristles_is_that_of_falling_friction() -> None:
-    """Elements that slide have no lag: the limit of the whole gear is the same, to rounding."""
+def test_limit_on_short_bristles_is_that_of_falling_friction() -> None:
+    """Elements that slide have no lag along the sliding: the limit of the whole gear is the same, to
+    rounding. None is stated on long ones, whose lag across it feeds a vibration of the guides."""
     parts = {f"{part}.friction_law": "bristle" for part in ("mesh", "yoke")}
     gear, model = STEEL.replace({"test.speed": 2.5}), Fidelity.preset("flank")
-    assert sliding_damping(gear.replace(parts), model) == pytest.approx(sliding_damping(gear, model))
+    short = gear.replace({**parts, "mesh.bristle_travel": "0.5 um", "yoke.bristle_travel": "0.5 um"})
+    assert sliding_damping(short, model) == pytest.approx(sliding_damping(gear, model))
+    assert np.isnan(sliding_damping(gear.replace(parts), model))
 
 
 def test_pinion_vibrates_against_the_teeth_up_to_the_limit() -> None:

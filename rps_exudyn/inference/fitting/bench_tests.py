@@ -99,6 +99,17 @@ class MeasuredPass:
     angle: np.ndarray  # pinion angle, or displacement of a rack push, rising [rad] or [m], shape (n,)
     value: np.ndarray  # torque [N m] or force [N], shape (n,)
     speeds: np.ndarray = field(default_factory=lambda: np.zeros(0))  # [rad/s] or [m/s], where it is recorded
+    recorded: tuple[np.ndarray, np.ndarray] | None = None  # angle and value of every row, if there are more
+
+    @property
+    def raw_angle(self) -> np.ndarray:
+        """Angle of every row, rising."""
+        return self.recorded[0] if self.recorded else self.angle
+
+    @property
+    def raw_value(self) -> np.ndarray:
+        """Value of every row."""
+        return self.recorded[1] if self.recorded else self.value
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +120,7 @@ class Measurement:
     names: tuple[str, ...]  # of the files, by their number
     assumed: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()  # rows of the files that no pass has, and why
+    late: tuple[str, ...] = ()  # files whose torque follows a turn late
 
     @property
     def tests(self) -> list[BenchTest]:
@@ -191,11 +203,13 @@ def _measured_pass(test: BenchTest, run: int, turned: Pass) -> MeasuredPass:
     angle, value = turned.angle[inside], turned.signals["value"][inside]
     order = np.argsort(angle)
     angle, value = angle[order], value[order]
+    recorded = None
     if angle.size > MOST_POINTS:
+        recorded = angle, value
         parts = np.array_split(np.arange(angle.size), MOST_POINTS)
         angle = np.array([angle[part].mean() for part in parts])
         value = np.array([np.median(value[part]) for part in parts])
-    return MeasuredPass(test, run, turned.direction, angle, value, speeds(turned.signals))
+    return MeasuredPass(test, run, turned.direction, angle, value, speeds(turned.signals), recorded)
 
 
 def _sliding(test: BenchTest, turned: Pass) -> np.ndarray:
@@ -277,7 +291,8 @@ def _check_signs(ways: dict[int, list[MeasuredPass]], means: dict[int, float], n
 
 
 def _replaced(each: MeasuredPass, test: BenchTest, sign: int) -> MeasuredPass:
-    return replace(each, test=test, value=sign * each.value)
+    recorded = each.recorded and (each.recorded[0], sign * each.recorded[1])
+    return replace(each, test=test, value=sign * each.value, recorded=recorded)
 
 
 def mixed_speeds(measurement: Measurement, gain: float) -> list[str]:

@@ -8,8 +8,9 @@ import numpy as np
 from rps_exudyn.base import units
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.fitting.bench_tests import BenchTest
-from rps_exudyn.inference.fitting.fitted import Estimate, Fit, Level, Verdict
+from rps_exudyn.inference.fitting.fitted import Estimate, Fit, Verdict
 from rps_exudyn.inference.fitting.identify import MOST_RUNS, NARROWED, SEPARATING, WANTED
+from rps_exudyn.inference.fitting.level import LevelEstimate
 from rps_exudyn.inference.fitting.unknowns import LEVEL, declared
 from rps_exudyn.solvers.closed_form import mesh_torque_per_force, torque_per_preload
 
@@ -21,7 +22,7 @@ TESTS = {
 
 def shown(path: str, value: float) -> str:
     """A value of a parameter with four digits, in its unit."""
-    unit = declared(path).unit
+    unit = declared(path.partition(" ")[0]).unit
     if unit is None or not unit.display:
         return f"{value:.4g}"
     return f"{units.displayed(value, unit.si, unit.display):.4g} {units.pretty(unit.display)}"
@@ -30,26 +31,66 @@ def shown(path: str, value: float) -> str:
 def interval_shown(each: Estimate) -> str:
     """The 95 % interval of an estimate, in its unit."""
     low, high = (shown(each.path, value) for value in each.interval)
-    unit = declared(each.path).unit
+    unit = declared(each.path.partition(" ")[0]).unit
     return f"{low.split()[0]} to {high}" if unit is not None else f"{low} to {high}"
 
 
 def level_sentence(fit: Fit) -> str:
-    """The mean free torque with its interval; empty where no pinion was turned freely."""
-    return f"{_level(fit.level)}, 95 %; {fit.level.noise})" if fit.level else ""
+    """The mean free torque with both its intervals; empty where no pinion was turned freely."""
+    if fit.level is None:
+        return ""
+    return f"{_level(fit.level)}, 95 % of the gear; {_of_run(fit.level)})"
 
 
-def _level(level: Level) -> str:
+def _level(level: LevelEstimate) -> str:
     """The mean free torque with half its interval, absolute and in per cent, within an open bracket."""
     half = level.interval[1] - level.value
-    return f"mean free torque {level.value:.4g} N m +- {half:.2g} N m ({100 * half / level.value:.2g} %"
+    return f"mean free torque {level.value:.4g} N m +- {half:.2g} N m ({100 * half / abs(level.value):.2g} %"
+
+
+def _of_run(level: LevelEstimate) -> str:
+    """Half the interval of the level of this run."""
+    half = level.run_interval[1] - level.value
+    runs = "this run" if level.runs == 1 else f"these {level.runs} runs"
+    return f"of {runs} +- {100 * half / abs(level.value):.2g} %"
+
+
+BUDGET = ("test", "contribution", "half 95 % interval", "in the interval of", "from")
+
+
+def budget_rows(fit: Fit) -> list[tuple[str, str, str, str, str]]:
+    """The uncertainty budget of each test's level, row by row, with both sums."""
+    table = []
+    for level in fit.levels:
+        size, unit = abs(level.value), level.test.unit.replace("*", " ")
+        for row in level.budget:
+            of = "run and gear" if row.of_run else "gear"
+            table.append((level.test.title, row.name, f"{100 * row.half / size:.2g} %", of, row.basis))
+        for name, (low, high) in (("run", level.run_interval), ("gear", level.interval)):
+            half = (high - low) / 2
+            text = f"{level.value:.4g} {unit} +- {half:.2g} {unit}"
+            table.append((level.test.title, f"level of the {name}", f"{100 * half / size:.2g} %", name, text))
+    return table
+
+
+def runout_sentence(fit: Fit) -> str:
+    """P e as it was measured, and e that follows; empty where no turn was covered."""
+    if fit.runout is None:
+        return ""
+    low, high = (1e3 * end for end in fit.runout.stored_interval)
+    if not fit.runout.is_found:
+        return f"preload x runout is at most {high:.2g} N mm (95 %): not different from zero"
+    return (
+        f"preload x runout = {1e3 * fit.runout.stored:.3g} N mm ({low:.2g} to {high:.2g} N mm, 95 %) is "
+        "measured; the runout below follows from it and the preload"
+    )
 
 
 def headline(fit: Fit) -> str:
     """What a picture of the fit shows: the tests and the mean free torque."""
     parts = [f"Fit to {', '.join(dict.fromkeys(each.test for each in fit.passes))}"]
     if fit.level:
-        parts += [f"{_level(fit.level)}, 95 %)", fit.level.noise]
+        parts += [f"{_level(fit.level)}, 95 % of the gear)", _of_run(fit.level)]
     return " · ".join(parts)
 
 
@@ -77,6 +118,8 @@ def sum_sentence(fit: Fit) -> str:
 
 def open_sentences(fit: Fit) -> Iterator[str]:
     """What these tests leave open, and which tests or how many repeats would tell it."""
+    if said := runout_sentence(fit):
+        yield said
     yield from _apart_sentences(fit)
     if said := repeats_sentence(fit):
         yield said
@@ -128,13 +171,16 @@ def verdict_sentence(each: Estimate) -> str:
     return str(each.verdict)
 
 
+KNOWN = (Verdict.FOUND, Verdict.NOT_ZERO, Verdict.BY_PRIOR, Verdict.BY_RATIO)
+
+
 def rows(fit: Fit) -> list[tuple[str, str, str, str, str]]:
     """Parameter, value, 95 % interval, what was expected, verdict; no interval of what was not found."""
     table = []
     for each in fit.estimates:
-        known = each.verdict in (Verdict.FOUND, Verdict.NOT_ZERO, Verdict.BY_PRIOR)
+        known = each.verdict in KNOWN
         interval = interval_shown(each) if known else ""
-        if each.path in LEVEL:
+        if each.path.partition(" ")[0] in LEVEL:
             expected = f"{shown(each.path, each.prior)} +- {100 * each.prior_sd:.2g} %"
         elif each.path.endswith("_angle"):
             expected = "any"
@@ -151,7 +197,32 @@ def fit_as_dict(fit: Fit) -> dict[str, Any]:
     return {
         "converged": fit.converged,
         "level": level
-        and {"value": level.value, "interval": list(level.interval), "sd": level.sd, "noise": level.noise},
+        and {
+            "value": level.value,
+            "interval": list(level.interval),
+            "run_interval": list(level.run_interval),
+            "sd": level.sd,
+            "noise": level.noise,
+        },
+        "budgets": {
+            each.test.title: {
+                "value": each.value,
+                "interval": list(each.interval),
+                "run_interval": list(each.run_interval),
+                "rows": [
+                    {"name": row.name, "half": row.half, "of_run": row.of_run, "basis": row.basis}
+                    for row in each.budget
+                ],
+            }
+            for each in fit.levels
+        },
+        "preload_times_runout": fit.runout
+        and {
+            "value": fit.runout.stored,
+            "interval": list(fit.runout.stored_interval),
+            "found": fit.runout.is_found,
+        },
+        "refusals": {each.name: each.sentence for each in fit.refusals},
         "estimates": {
             each.path: {
                 "value": each.value,

@@ -3,9 +3,9 @@
     fit = rps.fit(["free.csv", "yoke-out=b.csv", "bearing=c.csv", "load-test@80kg=d.csv"])
     fit.level.value, fit.found, fit.gear
 
-The model is the gear in equilibrium. Gauss and Newton's steps with Broyden's slopes improve a start by the
-closed form; the noise that is left gives the intervals; the same fit with another contact law tells what that
-choice changes, which is added to the intervals.
+The levels are found without any model of the gear (`level`). The model that explains them is the gear in
+equilibrium: the closed form's steps, which simulations correct (`level_fit`). The same fit with another
+contact law shows what that choice changes, which is added to the intervals.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -18,18 +18,10 @@ import numpy as np
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.fitting.bench_tests import MeasuredPass, Measurement, read_measurement
-from rps_exudyn.inference.fitting.fitted import Fit, outcome_of
-from rps_exudyn.inference.fitting.gauss_newton import Solved, solve
-from rps_exudyn.inference.fitting.initial_guess import first_slopes, scanned_offset, start_of
-from rps_exudyn.inference.fitting.noise import (
-    SENSOR,
-    NoiseEstimate,
-    Repeats,
-    found_noise,
-    noises_of,
-    repeats_of,
-)
-from rps_exudyn.inference.fitting.nonlinear import OtherEnd, is_curved, level_of, shape_of
+from rps_exudyn.inference.fitting.fitted import Ended, Fit, outcome_of, runout_in
+from rps_exudyn.inference.fitting.level import levels_of
+from rps_exudyn.inference.fitting.level_fit import AGREED, LevelFit, LevelModel, fitted_levels, stepped
+from rps_exudyn.inference.fitting.nonlinear import OtherEnd, Solved, is_curved, shape_of
 from rps_exudyn.inference.fitting.prediction import (
     TURN,
     NoPredictionError,
@@ -37,16 +29,23 @@ from rps_exudyn.inference.fitting.prediction import (
     formula_means,
     within_the_teeth,
 )
-from rps_exudyn.inference.fitting.problem import ZERO, Problem, State, white_noise
+from rps_exudyn.inference.fitting.problem import Problem, found_offset, level_rows, white_noise
 from rps_exudyn.inference.fitting.series import Series
-from rps_exudyn.inference.fitting.unknowns import CURVED, USUAL, settings_of, unknowns_of
+from rps_exudyn.inference.fitting.unknowns import (
+    BY_LOAD,
+    CURVED,
+    SMALLEST,
+    USUAL,
+    WITHOUT_YOKE,
+    nuisance_unknowns,
+    settings_of,
+    unknowns_of,
+)
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import largest_angle
 from rps_exudyn.simulate.cases.run_cases import CaseRunner
-from rps_exudyn.solvers.closed_form import closed_form
 
 LEAST_TURN = 0.8  # of a turn, that a curve must cover to tell of the runout
-COARSE = 0.3  # of a standard error: a step that ends the fit by another law
 OTHER_LAW = {"line": "teeth", "teeth": "line", "area": "line"}
 
 
@@ -99,29 +98,18 @@ def fit(
         before = None
     with CaseRunner(jobs, time_limit) as problem.prediction.runner:
         try:
-            begin = _in_two_parts if is_curved(problem) else _solved
-            solved, problem, found, repeats, others = begin(problem, gear, before)
+            ended = _ended(problem, gear, before, "pinion.runout" in (priors or {}))
         except NoPredictionError as error:
             raise InputError(
                 f"the fit finds no equilibrium where it begins: {error}; give a gear that runs, by --gear."
             ) from None
-        by_law = np.zeros(len(problem.unknowns))
         if before is not None:
-            by_law = before.by_law
+            ended = replace(ended, by_law=before.by_law)
         elif other_law:
-            by_law, said = _by_other_law(problem, gear, solved)
+            by_law, said = _by_other_law(ended, gear)
+            ended = replace(ended, by_law=by_law)
             warnings += said
-    return outcome_of(
-        problem,
-        gear,
-        solved,
-        found=found,
-        repeats=repeats,
-        others=others,
-        by_law=by_law,
-        warnings=warnings,
-        began=began,
-    )
+    return outcome_of(ended, gear, warnings, began)
 
 
 def _tellable(measurement: Measurement, gear: SteeringGear, free: list[str]) -> tuple[list[str], list[str]]:
@@ -166,98 +154,140 @@ def _problem(
     unknowns = unknowns_of(gear, free, priors)
     if not unknowns:
         raise InputError("a fit needs at least one free parameter of which its curves can tell.")
-    torque = closed_form(gear).free_torque
-    pushed = {each.run for each in measurement.passes if each.test.pushed}
-    gain = float(GearPair.of(gear).gain)
-    quiet = tuple(ZERO * torque / (gain if run in pushed else 1.0) for run in range(len(measurement.names)))
-    tests = measurement.tests
-    unknown_noise = NoiseEstimate(0.0, 0.0, 0.0, 0.0, np.inf)
-    found = [replace(unknown_noise, white=white_noise(each)) for each in measurement.passes]
+    levels = levels_of(measurement.passes, gear.pinion.teeth, float(GearPair.of(gear).gain))
     return Problem(
         measurement=measurement,
-        prediction=Prediction.of(tests, whole),
+        levels=levels,
+        rows=level_rows(levels),
+        prediction=Prediction.of(measurement.tests, whole),
         unknowns=unknowns,
         pitch=TURN / gear.pinion.teeth,
-        noises=noises_of(measurement.passes, found, {}, len(tests) > 1),
-        quiet=quiet,
+        whites=[white_noise(each) for each in measurement.passes],
         with_offset=bool(turning),
-        calibrated=SENSOR if len(tests) > 1 else 1e-9,
     )
 
 
-Ended = tuple[Solved, Problem, list[NoiseEstimate], dict[str, Repeats], list[OtherEnd]]
-"""Where a fit ended, the problem with its noises, these, the scatter of repeats, and other ends."""
+def _ended(problem: Problem, gear: SteeringGear, before: Series | None, believed: bool) -> Ended:
+    """Fit the levels, and before them the shape where a bow or an angle error is freed; `believed` says that
+    an own prior of the runout counts.
 
-
-def _solved(problem: Problem, gear: SteeringGear, before: Series | None) -> Ended:
-    """Solve, find the noise in what is left, and solve again with that noise."""
-    state = _start(problem, gear, before)
-    solved = solve(problem, gear, state, lambda at: first_slopes(problem, gear, at))
-    found = _found(problem, solved)
-    repeats = repeats_of(problem.measurement.passes, solved.equations.rows)
-    problem = _with_found(problem, found, repeats)
-    again = solve(problem, gear, solved.state)
-    why = solved.why or again.why
-    again = replace(again, converged=again.converged and solved.converged, why=why)
-    return again, problem, found, repeats, []
-
-
-def _in_two_parts(problem: Problem, gear: SteeringGear, before: Series | None) -> Ended:
-    """The same with a bow or an angle error: noise from what is left of the shape."""
-    shape, others = shape_of(problem, gear, _start(problem, gear, before), search=before is None)
-    found = _found(problem, shape)
-    level = level_of(problem, gear, shape, _with_found(problem, found, {}).noises)
-    repeats = repeats_of(problem.measurement.passes, level.equations.rows)
-    problem = _with_found(problem, found, repeats)
-    if repeats:
-        level = level_of(problem, gear, shape, problem.noises)
-    return level, problem, found, repeats, others
-
-
-def _found(problem: Problem, solved: Solved) -> list[NoiseEstimate]:
-    """The noise of each pass in what is left of it."""
-    passes, rows = problem.measurement.passes, solved.equations.rows
-    return [
-        found_noise(each, row, noise.white, problem.pitch)
-        for each, row, noise in zip(passes, rows, problem.noises, strict=True)
-    ]
-
-
-def _with_found(problem: Problem, found: list[NoiseEstimate], repeats: dict[str, Repeats]) -> Problem:
-    passes, several = problem.measurement.passes, len(problem.prediction.blocks) > 1
-    return problem.with_noises(noises_of(passes, found, repeats, several))
-
-
-def _start(problem: Problem, gear: SteeringGear, before: Series | None) -> State:
-    if before is None:
-        return start_of(problem, gear)
-    state = replace(before.state, zeros=np.zeros(len(problem.quiet)), offset=0.0, gain=0.0)
-    return replace(state, offset=scanned_offset(problem, state)) if problem.with_offset else state
-
-
-def _by_other_law(problem: Problem, gear: SteeringGear, solved: Solved) -> tuple[np.ndarray, list[str]]:
-    """How far another contact law moves the unknowns, and what is said if that cannot be told."""
-    law = OTHER_LAW[gear.mesh.law]
-    other, state = gear.replace({"mesh.law": law}), solved.state
-    try:
-        values = problem.prediction.simulated(other.replace(settings_of(problem.unknowns, state.u)))
-    except NoPredictionError as error:
-        return np.zeros(state.u.size), [f"the fit by mesh.law = {law} has no equilibrium: {error}"]
-    state = replace(state, values=values)
+    Raises:
+        NoPredictionError: there is no equilibrium where the fit begins.
+    """
+    unknowns = problem.unknowns
+    own = [j for j, each in enumerate(unknowns) if each.is_level]
+    tests = problem.measurement.tests
+    needed = {
+        BY_LOAD: any(test.of_kind.weighted for test in tests),
+        WITHOUT_YOKE: any(test.kind == "yoke-out" for test in tests),
+    }
+    nuisances = nuisance_unknowns(name for name, is_needed in needed.items() if is_needed)
+    of_level = [*(unknowns[j] for j in own), *nuisances]
+    begin = np.array([each.before for each in of_level])
+    if before is not None:
+        begin[: len(own)] = before.u[own]
+    model = LevelModel.of(problem.rows, of_level, gear)
+    if before is not None:
+        model = model.corrected(begin, problem.rows_of(before.values))
+    shape: Solved | None = None
+    others: list[OtherEnd] = []
     if is_curved(problem):
-        shape, _ = shape_of(problem, other, state, search=False)
-        moved = level_of(problem, other, shape, problem.noises, COARSE)
-    else:
-        moved = solve(problem, other, state, enough=COARSE)
-    said = [] if moved.converged else [f"the fit by mesh.law = {law} did not converge: {moved.why}"]
-    return moved.state.u - state.u, said
+        u = np.array([each.before for each in unknowns]) if before is None else before.u.copy()
+        if before is None:
+            u[own] = stepped(model, begin).u[: len(own)]
+            free = _with_runout(problem, gear.replace(settings_of(unknowns, u)), 0.0, believed)
+            u = _runout_in(problem, u, free)
+        shape, others = shape_of(problem, gear, u, search=before is None)
+        begin[: len(own)] = shape.state.u[own]
+    fitted, gear, offset = _levels(problem, model, gear, begin, shape, believed, corrected=before is not None)
+    return Ended(problem, fitted, gear, offset, shape, others, believed, np.zeros(len(unknowns)))
+
+
+def _levels(
+    problem: Problem,
+    model: LevelModel,
+    gear: SteeringGear,
+    begin: np.ndarray,
+    shape: Solved | None,
+    believed: bool,
+    *,
+    corrected: bool,
+    agreed: float = AGREED,
+) -> tuple[LevelFit, SteeringGear, tuple[float, float]]:
+    """Fit the levels beside the shape's end; return the fit, the fitted gear, and the angle's offset."""
+    if shape is not None:
+        held = settings_of(problem.unknowns, shape.state.u)
+        gear = gear.replace({path: value for path, value in held.items() if path.startswith(CURVED)})
+        model = replace(model, gear=gear)
+
+    def offset_of(values: np.ndarray | None) -> tuple[float, float]:
+        if shape is not None:
+            return shape.state.offset, float(np.sqrt(np.linalg.inv(shape.equations.information)[-1, -1]))
+        if values is None or not problem.with_offset:
+            return 0.0, 0.0
+        return found_offset(problem, values)
+
+    def with_runout(fitted: SteeringGear, values: np.ndarray | None) -> SteeringGear:
+        return _with_runout(problem, fitted, offset_of(values)[0], believed)
+
+    done = fitted_levels(
+        model,
+        problem.prediction,
+        problem.rows_of,
+        with_runout,
+        begin,
+        corrected=corrected,
+        agreed=agreed,
+    )
+    fitted = with_runout(gear.replace(settings_of(list(model.unknowns), done.end.u)), done.values)
+    return done, fitted, offset_of(done.values)
+
+
+def _with_runout(problem: Problem, gear: SteeringGear, offset: float, believed: bool) -> SteeringGear:
+    """The gear with the runout that the half sum of free torques shows with its preload."""
+    runout = runout_in(problem, gear.yoke.preload, 0.0, offset, believed)
+    if runout is None:
+        return gear
+    e_c, e_s = -runout.vector[1], -runout.vector[0]  # of -P (e_c sin + e_s cos) over the measured angle
+    angle = float(np.arctan2(e_s, e_c)) + offset
+    return gear.replace({"pinion.runout": max(runout.size, SMALLEST), "pinion.runout_angle": angle})
+
+
+def _runout_in(problem: Problem, u: np.ndarray, gear: SteeringGear) -> np.ndarray:
+    """The unknowns with the components of a gear's runout in place."""
+    u, size, angle = u.copy(), gear.pinion.runout, gear.pinion.runout_angle
+    for j, each in enumerate(problem.unknowns):
+        if each.path == "pinion.runout":
+            u[j] = size * (np.cos(angle) if each.component == "cos" else np.sin(angle))
+    return u
+
+
+def _by_other_law(ended: Ended, gear: SteeringGear) -> tuple[np.ndarray, list[str]]:
+    """How far another contact law moves the unknowns, and what is said if that cannot be told."""
+    law, problem, shape = OTHER_LAW[gear.mesh.law], ended.problem, ended.shape
+    other, by_law, said = gear.replace({"mesh.law": law}), np.zeros(len(ended.problem.unknowns)), []
+    own = [j for j, each in enumerate(problem.unknowns) if each.is_level]
+    try:
+        if shape is not None:
+            moved, _ = shape_of(problem, other, shape.state.u, search=False)
+            by_law = moved.state.u - shape.state.u
+            shape = moved
+        model = replace(ended.levels.model, gear=other)
+        begin = ended.levels.end.u
+        fitted, *_ = _levels(
+            problem, model, other, begin, shape, ended.believed, corrected=True, agreed=np.inf
+        )
+    except NoPredictionError as error:
+        return by_law, [f"the fit by mesh.law = {law} has no equilibrium: {error}"]
+    by_law[own] = (fitted.end.u - begin)[: len(own)]
+    if not fitted.end.converged:
+        said.append(f"the fit by mesh.law = {law} did not converge: {fitted.end.why}")
+    return by_law, said
 
 
 # --- Whether measured values can be those of a gear like the one that is expected: the wrong unit shows here
 
-WRONG_UNIT = (
-    20.0  # times what is expected, more or less: N m for N mm, N cm or in-lb shows, another gear does not
-)
+WRONG_UNIT = 6.0  # times what is expected, more or less: a wrong unit or factor shows, another gear does not
 MOST_TRAVELS = 3.0  # times the angle over which the expected rack has teeth: rad for deg shows
 
 

@@ -7,9 +7,7 @@ from time import process_time
 
 import numpy as np
 
-from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.inference.fitting.bench_tests import mixed_speeds
-from rps_exudyn.inference.fitting.gauss_newton import Solved
+from rps_exudyn.inference.fitting.diagnosis import Refusal, notes, refusals
 from rps_exudyn.inference.fitting.identify import (
     NARROWED,
     WANTED,
@@ -21,14 +19,23 @@ from rps_exudyn.inference.fitting.identify import (
     combination_of,
     logarithmic_slopes,
     more_runs,
-    students,
 )
-from rps_exudyn.inference.fitting.noise import REPEATABILITY, SENSOR, NoiseEstimate, Repeats, friction_part
-from rps_exudyn.inference.fitting.nonlinear import OtherEnd, is_curved
+from rps_exudyn.inference.fitting.level import LevelEstimate, Runout, Wave, runout_of
+from rps_exudyn.inference.fitting.level_fit import LevelEnd, LevelFit, stepped
+from rps_exudyn.inference.fitting.noise import NORMAL
+from rps_exudyn.inference.fitting.nonlinear import OtherEnd, Solved, first_slopes
 from rps_exudyn.inference.fitting.prediction import NoPredictionError
-from rps_exudyn.inference.fitting.problem import Problem, linearised, white_noise
+from rps_exudyn.inference.fitting.problem import Problem, State, level_rows, linearised, white_noise
 from rps_exudyn.inference.fitting.series import Series, titles
-from rps_exudyn.inference.fitting.unknowns import CURVED, LEVEL, SIGNED, VECTORS, Unknown, settings_of
+from rps_exudyn.inference.fitting.unknowns import (
+    CURVED,
+    LEVEL,
+    NUISANCES,
+    SIGNED,
+    VECTORS,
+    WITHOUT_YOKE,
+    Unknown,
+)
 from rps_exudyn.parameters.gear import SteeringGear
 
 UNMOVED = 0.97  # of the prior's deviation: what is left of it where the data say nothing
@@ -43,6 +50,7 @@ class Verdict(StrEnum):
     NOT_MOVED = "as given, not found"
     NOT_ZERO = "found, differs from zero"
     MAYBE_ZERO = "not different from zero"
+    BY_RATIO = "the drag without yoke times a ratio that no test measures"
     UNEXPLAINED = "not identifiable: the curves are not explained to their noise"
 
 
@@ -63,16 +71,6 @@ class Estimate:
     sd: float  # the same
     by_law: float  # difference by the other contact law, likewise
     verdict: Verdict
-
-
-@dataclass(frozen=True)
-class Level:
-    """Mean free torque, half the difference of both directions [N m]."""
-
-    value: float
-    interval: tuple[float, float]
-    sd: float
-    noise: str  # what the interval rests on
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +100,9 @@ class Fit:
 
     gear: SteeringGear  # with the estimates in place
     given: SteeringGear
-    level: Level | None
+    level: LevelEstimate | None  # of the free torque: half the difference of both directions [N m]
+    levels: tuple[LevelEstimate, ...]  # of all tests
+    runout: Runout | None
     estimates: list[Estimate]
     combinations: list[Combination]
     correlations: np.ndarray  # of the unknowns in `correlated`, (n, n)
@@ -119,6 +119,7 @@ class Fit:
     cpu_s: float
     problem: Problem = field(repr=False)
     series: Series = field(repr=False)  # for the next gear
+    refusals: tuple[Refusal, ...] = ()  # why nothing counts as found although it is narrow
 
     def estimate(self, path: str) -> Estimate:
         """The estimate of one parameter.
@@ -149,6 +150,7 @@ AS_GOOD = 3.84  # of chi squared, within which another end belongs to the 95 % i
 CHANCE = (
     6.0  # over the root of the points: by how much more than the white noise may be left, four deviations
 )
+SOFT = 1.22  # over the weighted mean square of white noise, whose tails the soft loss takes back
 ALIKE = 0.9  # correlation from which on two unknowns are named together
 BY_HAND = "the bar between centres under a dial gauge shows its bow"
 
@@ -156,9 +158,11 @@ BY_HAND = "the bar between centres under a dial gauge shows its bow"
 def shape_estimates(
     problem: Problem, u: np.ndarray, covariance: np.ndarray, by_law: np.ndarray, quantile: float
 ) -> list[Estimate]:
-    """Return what is known of runout, bow and angle error."""
+    """Return what the shape tells of bow and angle error."""
     found = []
     for j, unknown in enumerate(problem.unknowns):
+        if unknown.path == "pinion.runout":
+            continue
         if unknown.component == "cos":
             found += _vector(problem, j, u[j : j + 2], covariance[j : j + 2, j : j + 2], by_law, quantile)
         elif not unknown.component and not unknown.is_level:
@@ -218,20 +222,23 @@ def with_others(each: Estimate, others: Sequence[OtherEnd]) -> Estimate:
     return replace(each, interval=(low, high), verdict=Verdict.OPEN if unsure else each.verdict)
 
 
-def unexplained(problem: Problem, converged: bool, found: Sequence[NoiseEstimate]) -> str:
+def unexplained(problem: Problem, shape: Solved | None) -> str:
     """Return what is to be said of a fit with bow or angle error that does not explain its curves' shape:
     then bow, angle error and runout may be those of a wrong end, which has small errors of its own.
 
-    `found` is the noise of each pass about the shape's end. Noise that keeps its sign over some degrees looks
-    the same; three runs or a dial gauge tell.
+    Noise that keeps its sign over some degrees looks the same; three runs or a dial gauge tell.
     """
-    if not is_curved(problem):
+    if shape is None:
         return ""
-    passes = problem.measurement.passes
-    free = [i for i, each in enumerate(passes) if each.test.of_kind.by_angle]
-    left = [np.hypot(found[i].white, found[i].correlated) / white_noise(passes[i]) for i in free]
-    misfit, points = float(np.sqrt(np.mean(np.square(left)))), sum(passes[i].value.size for i in free)
-    if converged and misfit < 1 + CHANCE / np.sqrt(points):
+    passes = [each for each in problem.measurement.passes if each.test.of_kind.by_angle]
+    squares = [
+        float(row.weights @ row.deviation**2 / row.weights.sum()) / white_noise(each) ** 2
+        for each, row in zip(passes, shape.equations.rows, strict=True)
+    ]
+    points = sum(each.value.size for each in passes)
+    whitened = [SOFT * square for square in squares]
+    misfit = float(np.sqrt(np.mean(whitened)))
+    if shape.converged and misfit < 1 + CHANCE / np.sqrt(points):
         return ""
     return (
         f"what is left of the curves is {misfit:.2g} times their white noise: bow, angle error and "
@@ -273,228 +280,278 @@ def shape_sentences(
 
 # --- From where the steps of a fit ended to what is said about it
 
-NORMAL = 1.959964  # quantile of 97.5 %
 FAR_FROM_PRIOR = 2.5  # standard deviations from what was expected
+WIDER = 3.0  # times the deviations of all beliefs: what is found hardly moves by them
+WIDEST = {
+    "yoke.preload": 0.20,
+    "mesh.friction": 0.35,
+    "yoke.friction": 0.40,
+    "bush.drag": 0.25,
+    "bearing.friction_torque": 0.20,
+}
+"""Half of the 95 % interval with such wide beliefs, of the value, from which on nothing is found."""
+DRAG_WITHOUT_YOKE = "bush.drag without yoke"
 
 
-def outcome_of(
-    problem: Problem,
-    gear: SteeringGear,
-    solved: Solved,
-    *,
-    found: Sequence[NoiseEstimate],
-    repeats: dict[str, Repeats],
-    others: Sequence[OtherEnd] = (),
-    by_law: np.ndarray,
-    warnings: list[str],
-    began: float,
-) -> Fit:
-    """Return the fit with its intervals, verdicts, combinations and warnings."""
-    state, covariance = solved.state, covariance_of(problem, solved)
-    quantile = _quantile(repeats)
-    fitted = gear.replace(settings_of(problem.unknowns, state.u))
-    data = level_data(problem, solved, fitted)
-    estimates = [
-        *_levels(problem, state.u, covariance, by_law, data, quantile),
-        *shape_estimates(problem, state.u, covariance, by_law, quantile),
-    ]
-    count = len(problem.unknowns)
-    spread = np.sqrt(np.diag(covariance))[:count]
-    estimates = [with_others(each, others) for each in estimates]
-    doubt = unexplained(problem, solved.converged, found)
-    estimates = [in_doubt(each) for each in estimates] if doubt else estimates
+@dataclass(frozen=True, eq=False)
+class Ended:
+    """Where a fit ended."""
+
+    problem: Problem
+    levels: LevelFit
+    gear: SteeringGear  # with the estimates in place
+    offset: tuple[float, float]  # of the measured angle, and its deviation [rad]
+    shape: Solved | None  # where a bow or an angle error is fitted
+    others: Sequence[OtherEnd]
+    believed: bool  # whether a prior of the runout counts
+    by_law: np.ndarray  # what another contact law moves, shape (unknowns,)
+
+
+def runout_in(
+    problem: Problem, preload: float, preload_sd: float, offset: float, believed: bool
+) -> Runout | None:
+    """Return the runout that the half sum of the free torque shows, for a preload [N]; None where it is not
+    fitted or no turn was covered."""
+    own = [each for each in problem.unknowns if each.path == "pinion.runout"]
+    free = [each for each in problem.levels if each.test.of_kind.by_angle and each.first is not None]
+    if not own or not free:
+        return None
+    prior = None
+    if believed:  # -P (e_c sin + e_s cos) of the model's angle, which is the measured one less the offset
+        e_c, e_s = own[0].before, own[1].before
+        sin, cos = np.sin(offset), np.cos(offset)
+        vector = -preload * np.array([e_s * cos - e_c * sin, e_c * cos + e_s * sin])
+        prior = Wave(vector, preload * own[0].sd)
+    return runout_of(free[0], preload, preload_sd, prior)
+
+
+def outcome_of(ended: Ended, gear: SteeringGear, warnings: list[str], began: float) -> Fit:
+    """Return the fit with its intervals, verdicts, combinations and notes; `gear` is the expected one."""
+    problem, levels = ended.problem, ended.levels
+    end, unknowns = levels.end, list(levels.model.unknowns)
+    paths = [each.path for each in unknowns]
+    refused = refusals(problem, levels)
+    preload_sd = (
+        float(np.sqrt(end.covariance[j, j])) if (j := _at("yoke.preload", paths)) is not None else 0.0
+    )
+    runout = runout_in(problem, ended.gear.yoke.preload, preload_sd, ended.offset[0], ended.believed)
+    estimates = _levels(ended, refused)
+    if runout is not None:
+        estimates += _runouts(ended, runout)
+    doubt = ""
+    if ended.shape is not None:
+        inverse = np.linalg.inv(ended.shape.equations.information)
+        shapes = shape_estimates(problem, ended.shape.state.u, inverse, ended.by_law, NORMAL)
+        shapes = [with_others(each, ended.others) for each in shapes]
+        doubt = unexplained(problem, ended.shape)
+        estimates += [in_doubt(each) for each in shapes] if doubt else shapes
+    data = level_data(problem, ended.gear)
     is_open = [each.path for each in estimates if each.verdict is Verdict.OPEN and each.path in LEVEL]
     unclear = [each.path for each in estimates if each.verdict in (Verdict.OPEN, Verdict.NOT_MOVED)]
     unclear = [path for path in unclear if path in LEVEL] if is_open else []
-    where = [j for j, each in enumerate(problem.unknowns) if each.path in unclear]
-    prior = np.array([problem.unknowns[j].sd for j in where])
-    combination = combination_of(unclear, covariance[np.ix_(where, where)], prior)
-    tests = problem.measurement.tests
+    where = [paths.index(path) for path in unclear]
+    prior = np.array([unknowns[j].sd for j in where])
+    combination = combination_of(unclear, end.covariance[np.ix_(where, where)], prior)
+    correlated, covariance = _covariance(ended)
+    spread = np.sqrt(np.diag(covariance))
+    free = [each for each in problem.levels if each.test.of_kind.by_angle]
+    said = [*warnings, *(each.sentence for each in refused), *notes(problem, ended.gear, runout)]
+    said += _warnings(ended, estimates)
+    if ended.shape is not None:
+        said += shape_sentences(problem, estimates, inverse, ended.others)
+    converged = end.converged and (ended.shape is None or ended.shape.converged)
     return Fit(
-        gear=fitted,
+        gear=ended.gear,
         given=gear,
-        level=_level(problem, solved, covariance, found, repeats, quantile),
+        level=free[0] if free else None,
+        levels=tuple(problem.levels),
+        runout=runout,
         estimates=estimates,
         combinations=[combination] if combination else [],
-        correlations=covariance[:count, :count] / np.outer(spread, spread),
-        correlated=[f"{each.path} {each.component}".strip() for each in problem.unknowns],
-        advice=advice_of(fitted, data, tests) if is_open else None,
-        repeats=_more_runs(problem, solved, repeats, estimates),
-        offset=state.offset,
-        offset_sd=float(np.sqrt(covariance[count, count])),
-        passes=_fitted_passes(problem, solved, covariance, quantile),
+        correlations=covariance / np.outer(spread, spread),
+        correlated=correlated,
+        advice=advice_of(ended.gear, data, problem.measurement.tests) if is_open else None,
+        repeats=_more_runs(problem, levels, estimates),
+        offset=ended.offset[0],
+        offset_sd=ended.offset[1],
+        passes=_fitted_passes(ended),
         assumed=problem.measurement.assumed,
-        warnings=(
-            *warnings,
-            *_warnings(problem, fitted, solved, found, repeats, estimates),
-            *shape_sentences(problem, estimates, covariance, others),
-            *([doubt] if doubt else []),
-        ),
-        converged=solved.converged,
+        warnings=(*said, *([doubt] if doubt else [])),
+        converged=converged,
         simulations=problem.prediction.simulations,
         cpu_s=process_time() - began,
         problem=problem,
         series=Series(
-            gear.mesh.law, tuple(each.path for each in problem.unknowns), titles(problem), state, by_law
+            gear.mesh.law,
+            tuple(each.path for each in problem.unknowns),
+            titles(problem),
+            _all_unknowns(ended),
+            levels.values,
+            ended.by_law,
         ),
+        refusals=tuple(refused),
     )
 
 
-def covariance_of(problem: Problem, solved: Solved) -> np.ndarray:
-    """Return the covariance of everything that was varied, (size, size).
-
-    The shape was weighted as if its noise were white; what is correlated of it is added.
-    """
-    inverse = np.linalg.inv(solved.equations.information)
-    added = np.zeros_like(inverse)
-    for each, row, noise in zip(
-        problem.measurement.passes, solved.equations.rows, problem.noises, strict=True
-    ):
-        if noise.correlated and row.shape.size:
-            weighted = (row.weights / noise.white**2)[:, None] * row.shape
-            added += weighted.T @ noise.covariance(each.angle) @ weighted
-    return inverse + inverse @ added @ inverse
+def _at(path: str, paths: Sequence[str]) -> int | None:
+    return paths.index(path) if path in paths else None
 
 
-def level_data(problem: Problem, solved: Solved, fitted: SteeringGear) -> LevelData:
-    """Return what the means tell of all level parameters, whatever the sensor's gain and zeros are."""
-    paths, count, size = tuple(LEVEL), len(LEVEL), len(LEVEL) + 1 + len(problem.quiet)
-    whole = np.zeros((size, size))
-    whole[count:, count:] = np.diag(np.array([problem.calibrated, *problem.quiet]) ** -2.0)
-    several = len(problem.prediction.blocks) > 1
-    passes = problem.measurement.passes
-    for each, row in zip(passes, solved.equations.rows, strict=True):
-        level = np.zeros(size)
-        level[:count] = logarithmic_slopes(fitted, each.test, paths)[0 if each.direction > 0 else 1]
-        level[count], level[count + 1 + each.run] = float(each.value.mean()), 1.0
-        model = SENSOR * friction_part(passes, each) if several else 0.0
-        whole += np.outer(level, level) / (row.level_sd**2 + model**2)
-    coupled = whole[:count, count:]
-    left_over = coupled @ np.linalg.solve(whole[count:, count:], coupled.T)
-    return LevelData(paths, whole[:count, :count] - left_over)
+def _all_unknowns(ended: Ended) -> np.ndarray:
+    """Values of all unknowns but the nuisances: of the level, of the runout, of the shape."""
+    fitted = dict(zip([each.path for each in ended.levels.model.unknowns], ended.levels.end.u, strict=True))
+    size, angle = ended.gear.pinion.runout, ended.gear.pinion.runout_angle
+    u = np.zeros(len(ended.problem.unknowns)) if ended.shape is None else ended.shape.state.u.copy()
+    for j, each in enumerate(ended.problem.unknowns):
+        if each.is_level:
+            u[j] = fitted[each.path]
+        elif each.path == "pinion.runout":
+            u[j] = size * (np.cos(angle) if each.component == "cos" else np.sin(angle))
+    return u
 
 
-def _more_runs(
-    problem: Problem,
-    solved: Solved,
-    repeats: dict[str, Repeats],
-    estimates: Sequence[Estimate],
-) -> MoreRuns | None:
+def _covariance(ended: Ended) -> tuple[list[str], np.ndarray]:
+    """Names and covariance of the unknowns of level and shape, each by itself."""
+    names = [each.path for each in ended.levels.model.unknowns]
+    covariance = ended.levels.end.covariance
+    if ended.shape is None:
+        return names, covariance
+    own = [j for j, each in enumerate(ended.problem.unknowns) if not each.is_level]
+    shapes = np.linalg.inv(ended.shape.equations.information)[np.ix_(own, own)]
+    zero = np.zeros((covariance.shape[0], shapes.shape[0]))
+    names += [f"{ended.problem.unknowns[j].path} {ended.problem.unknowns[j].component}".strip() for j in own]
+    return names, np.block([[covariance, zero], [zero.T, shapes]])
+
+
+def level_data(problem: Problem, fitted: SteeringGear) -> LevelData:
+    """Return what the levels tell of all level parameters and nuisances, whether they are freed or not."""
+    paths, rows = (*LEVEL, *NUISANCES), problem.rows
+    by_test = {test: logarithmic_slopes(fitted, test, paths) for test in dict.fromkeys(rows.tests)}
+    slopes = np.array([way @ by_test[test] for test, way in zip(rows.tests, rows.ways, strict=True)])
+    return LevelData(paths, slopes.T @ np.linalg.solve(rows.covariance, slopes))
+
+
+def _more_runs(problem: Problem, levels: LevelFit, estimates: Sequence[Estimate]) -> MoreRuns | None:
     """What repeats of several tests would reach, where they tell preload and friction at all."""
-    tests = len(problem.measurement.tests)
     known = (Verdict.FOUND, Verdict.BY_PRIOR)
     halves = {
         each.path: (each.interval[1] - each.interval[0]) / 2 / each.value
         for each in estimates
         if each.path in WANTED and each.verdict in known
     }
-    if tests < 2 or not halves:
+    if len(problem.levels) < 2 or not halves:
         return None
-    runs = min((each.runs for each in repeats.values()), default=1) if len(repeats) == tests else 1
-    return more_runs(halves, runs, tests, lambda count: _repeated(problem, solved, count / runs))
+    runs = min(each.runs for each in problem.levels)
+    slopes, (_, sd) = levels.model.slopes(levels.end.u), levels.model.beliefs()
+
+    def repeated(count: int) -> dict[str, float]:
+        covariance = level_rows(problem.levels, count / runs).covariance
+        information = np.diag(sd**-2.0) + slopes.T @ np.linalg.solve(covariance, slopes)
+        deviations = np.sqrt(np.diag(np.linalg.inv(information)))
+        return {each.path: float(deviations[j]) for j, each in enumerate(levels.model.unknowns)}
+
+    return more_runs(halves, runs, repeated)
 
 
-def _repeated(problem: Problem, solved: Solved, often: float) -> dict[str, float]:
-    """Standard deviation of each level parameter's logarithm, were each run repeated so often: its mean and
-    its own zero of the sensor scatter less, what is believed of the rest stays."""
-    information = solved.equations.information.copy()
-    for row in solved.equations.rows:
-        information += (often - 1) * np.outer(row.level, row.level) / row.level_sd**2
-    zeros = range(problem.size - len(problem.quiet), problem.size)
-    information[zeros, zeros] += (often - 1) / np.array(problem.quiet) ** 2
-    deviations = np.sqrt(np.diag(np.linalg.inv(information)))
-    return {each.path: float(deviations[j]) for j, each in enumerate(problem.unknowns) if each.is_level}
-
-
-def _quantile(repeats: dict[str, Repeats]) -> float:
-    """The quantile of 97.5 %: Student's where repeats gave the scatter."""
-    if not repeats:
-        return NORMAL
-    return students(min(each.freedom for each in repeats.values()))
-
-
-def _levels(
-    problem: Problem,
-    u: np.ndarray,
-    covariance: np.ndarray,
-    by_law: np.ndarray,
-    data: LevelData,
-    quantile: float,
-) -> list[Estimate]:
-    alone, found = data.alone(), []
-    for j, unknown in enumerate(problem.unknowns):
-        if not unknown.is_level:
+def _levels(ended: Ended, refused: Sequence[Refusal]) -> list[Estimate]:
+    """Estimates of the level's parameters; found is what wider beliefs hardly move."""
+    model, end = ended.levels.model, ended.levels.end
+    wide = _by_wide_beliefs(ended)
+    laws = {
+        each.path: float(law)
+        for each, law in zip(ended.problem.unknowns, ended.by_law, strict=True)
+        if each.is_level
+    }
+    kinds, found = {test.kind for test in ended.problem.measurement.tests}, []
+    paths = [each.path for each in model.unknowns]
+    for j, unknown in enumerate(model.unknowns):
+        if unknown.is_nuisance:
             continue
-        sd, law = float(np.sqrt(covariance[j, j])), float(by_law[j])
-        half, value = quantile * sd + abs(law), float(np.exp(u[j]))
-        if alone[unknown.path] < NARROWED * LEVEL[unknown.path].sd:
-            verdict = Verdict.FOUND
-        elif sd < NARROWED * unknown.sd:
+        law, direction = laws[unknown.path], np.eye(len(paths))[j]
+        verdict = _verdict(unknown, direction, end, wide, law)
+        if verdict is Verdict.FOUND and refused and unknown.path != "bearing.friction_torque":
             verdict = Verdict.BY_PRIOR
-        else:
-            verdict = undetermined(sd, unknown.sd)
-        interval = value * float(np.exp(-half)), value * float(np.exp(half))
-        before = float(np.exp(unknown.before))
-        found.append(Estimate(unknown.path, value, interval, before, unknown.sd, sd, law, verdict))
+        if unknown.path == "bush.drag" and "yoke-out" in kinds and verdict is not Verdict.FOUND:
+            verdict = Verdict.BY_RATIO
+        found.append(_estimate(unknown, unknown.path, direction, end, law, verdict))
+        if verdict is Verdict.BY_RATIO:
+            direction = direction + np.eye(len(paths))[paths.index(WITHOUT_YOKE)]
+            verdict = _verdict(unknown, direction, end, wide, law)
+            if verdict is Verdict.FOUND:
+                found.append(_estimate(unknown, DRAG_WITHOUT_YOKE, direction, end, law, verdict))
     return found
 
 
-def _level(
-    problem: Problem,
-    solved: Solved,
-    covariance: np.ndarray,
-    found: Sequence[NoiseEstimate],
-    repeats: dict[str, Repeats],
-    quantile: float,
-) -> Level | None:
-    """The mean free torque, where it was measured."""
-    turning = [i for i, block in enumerate(problem.prediction.blocks) if block.test.of_kind.by_angle]
-    if not turning:
-        return None
-    block, count = problem.prediction.blocks[turning[0]], len(problem.unknowns)
-    value = float(block.mean_torque(problem.prediction.part(turning[0], solved.state.values)))
-    slope = np.zeros(problem.size)
-    slope[:count] = block.mean_torque(problem.prediction.part(turning[0], solved.state.slopes))
-    sd = float(np.sqrt(slope @ covariance @ slope))
-    half = quantile * sd
-    return Level(value, (value - half, value + half), sd, _noise_words(problem, found, repeats))
+def _by_wide_beliefs(ended: Ended) -> LevelEnd:
+    """The end with beliefs three times as wide, parameters that were not freed doubted as well; of the fit's
+    unknowns."""
+    model, end = ended.levels.model, ended.levels.end
+    paths = [each.path for each in model.unknowns]
+    values = {path: ended.gear.value_at(path) for path in LEVEL if path not in paths}
+    held = [
+        Unknown(path, "", float(np.log(value)), LEVEL[path].sd, LEVEL[path].step)
+        for path, value in values.items()
+        if value > 0
+    ]
+    doubting = replace(model, unknowns=[*model.unknowns, *held]).believing(WIDER)
+    wide = stepped(doubting, np.append(end.u, [each.before for each in held]))
+    covariance = wide.covariance[: end.u.size, : end.u.size]
+    return replace(wide, u=wide.u[: end.u.size], information=np.linalg.inv(covariance))
 
 
-def _noise_words(problem: Problem, found: Sequence[NoiseEstimate], repeats: dict[str, Repeats]) -> str:
-    """What the intervals rest on."""
-    if repeats:
-        runs = min(each.runs for each in repeats.values())
-        freedom = min(each.freedom for each in repeats.values())
-        several = f" of {len(repeats)} tests" if len(repeats) > 1 else ""
-        return f"scatter of {runs} runs{several}, Student's t with {freedom} degrees of freedom"
-    if any(each.correlated for each in found):
-        return (
-            "white and correlated noise by REML, and a declared repeatability of "
-            f"{100 * REPEATABILITY:.2g} %; may be 10 % too narrow"
-        )
-    if len(problem.prediction.blocks) > 1:
-        return f"white noise, and a declared repeatability of {100 * REPEATABILITY:.2g} % of each pass"
-    return "white noise within this run; nothing is known of the scatter from run to run"
+def _verdict(unknown: Unknown, direction: np.ndarray, end: LevelEnd, wide: LevelEnd, law: float) -> Verdict:
+    """What is said of the sum of logarithms that `direction` (unknowns,) makes."""
+    sd, widened = (float(np.sqrt(direction @ each @ direction)) for each in (end.covariance, wide.covariance))
+    still = abs(float(direction @ (wide.u - end.u))) < sd
+    narrow = np.exp(NORMAL * widened + abs(law)) - 1 <= WIDEST[unknown.path]
+    if still and narrow and end.converged and wide.converged:
+        return Verdict.FOUND
+    return Verdict.BY_PRIOR if sd < NARROWED * unknown.sd else undetermined(sd, unknown.sd)
 
 
-def _fitted_passes(
-    problem: Problem, solved: Solved, covariance: np.ndarray, quantile: float
-) -> list[FittedPass]:
-    state, drawn = solved.state, []
+def _estimate(
+    unknown: Unknown, path: str, direction: np.ndarray, end: LevelEnd, law: float, verdict: Verdict
+) -> Estimate:
+    sd, value = float(np.sqrt(direction @ end.covariance @ direction)), float(np.exp(direction @ end.u))
+    half = NORMAL * sd + abs(law)
+    interval = value * float(np.exp(-half)), value * float(np.exp(half))
+    return Estimate(path, value, interval, float(np.exp(unknown.before)), unknown.sd, sd, law, verdict)
+
+
+def _runouts(ended: Ended, runout: Runout) -> list[Estimate]:
+    """Estimates of the runout and, where it is found, of its direction."""
+    unknown = next(each for each in ended.problem.unknowns if each.path == "pinion.runout")
+    laws = [
+        float(law)
+        for each, law in zip(ended.problem.unknowns, ended.by_law, strict=True)
+        if each.path == "yoke.preload"
+    ]
+    law = -runout.size * sum(laws)
+    before = ended.problem.unknowns[ended.problem.unknowns.index(unknown) + 1].before
+    low, high = runout.interval
+    interval = max(0.0, low - abs(law)), high + abs(law)
+    verdict = Verdict.NOT_ZERO if runout.is_found else Verdict.MAYBE_ZERO
+    sd = (high - low) / 2 / NORMAL
+    size = float(np.hypot(unknown.before, before))
+    found = [Estimate(unknown.path, runout.size, interval, size, unknown.sd, sd, law, verdict)]
+    if runout.is_found:
+        angle, sd = ended.gear.pinion.runout_angle, float(np.hypot(runout.angle_sd, ended.offset[1]))
+        ends = angle - NORMAL * sd, angle + NORMAL * sd
+        found.append(Estimate("pinion.runout_angle", angle, ends, 0.0, np.pi, sd, 0.0, verdict))
+    return found
+
+
+def _fitted_passes(ended: Ended) -> list[FittedPass]:
+    problem, levels, drawn = ended.problem, ended.levels, []
+    slopes, rows = levels.model.slopes(levels.end.u), problem.rows
+    variances = np.einsum("ij,jk,ik->i", slopes, levels.end.covariance, slopes)
+    of_rows = problem.rows_of(levels.values)
     for number, each in enumerate(problem.measurement.passes):
         block, at = problem.block_of(number)
-        values = problem.prediction.part(at, state.values)
-        slopes = problem.prediction.part(at, state.slopes)
-        angle = each.angle - state.offset
-        if each.test.of_kind.by_angle:
-            model = block.at(values, each.direction, angle)
-            by_u = block.at(slopes, each.direction, angle)
-        else:
-            half = 0 if each.direction > 0 else 1
-            model = np.full(angle.size, values[half])
-            by_u = np.broadcast_to(slopes[half], (angle.size, slopes.shape[1]))
-        count = by_u.shape[1]
-        variance = np.einsum("ij,jk,ik->i", by_u, covariance[:count, :count], by_u)
+        values = problem.prediction.part(at, levels.values)
+        own = [i for i, test in enumerate(rows.tests) if test == each.test]
+        zero = rows.values[own[1]] - of_rows[own[1]] if len(own) == 2 else 0.0
+        half = NORMAL * float(np.sqrt(max(variances[own[0]], 0.0)))
         drawn.append(
             FittedPass(
                 problem.measurement.names[each.run],
@@ -503,57 +560,28 @@ def _fitted_passes(
                 each.direction,
                 each.angle,
                 each.value,
-                (1 + state.gain) * model + state.zeros[each.run],
-                quantile * np.sqrt(np.maximum(variance, 0.0)),
-                problem.noises[number].white,
+                block.at(values, each.direction, each.angle - ended.offset[0]) + zero,
+                np.full(each.angle.size, half),
+                problem.whites[number],
                 each.test.unit,
             )
         )
     return drawn
 
 
-def _warnings(
-    problem: Problem,
-    gear: SteeringGear,
-    solved: Solved,
-    found: Sequence[NoiseEstimate],
-    repeats: dict[str, Repeats],
-    estimates: Sequence[Estimate],
-) -> list[str]:
-    said = []
-    if not solved.converged:
-        said.append(f"the fit did not converge ({solved.why}); what it has is written, and is no estimate")
-    if not repeats:
-        said.append("no test was run three times: how much runs differ is not known from these data")
-    if any(each.correlated for each in found):
-        said.append("what is left of the curve keeps its sign over some degrees: noise is correlated")
-    drifts = [each for each in found if abs(each.drift) > max(3 * each.drift_sd, 0.005)]
-    if drifts:
-        worst = max(abs(each.drift) for each in drifts)
-        said.append(
-            f"the torque drifts by {100 * worst:.2g} % over a pass: a bent rack, warming, or the sensor"
-        )
-    said += mixed_speeds(problem.measurement, float(GearPair.of(gear).gain))
-    for name, zero, quiet in zip(problem.measurement.names, solved.state.zeros, problem.quiet, strict=True):
-        if abs(zero) > 3 * quiet:
-            said.append(
-                f"the zero of the sensor is {zero:.2g} (SI) in {name}, which is a large part of its mean"
-            )
-    for test in problem.measurement.tests:
-        ways = {each.direction for each in problem.measurement.passes if each.test == test}
-        if len(ways) == 1:
-            said.append(f"{test.title} was measured one way only: the sensor's zero counts as friction there")
+def _warnings(ended: Ended, estimates: Sequence[Estimate]) -> Iterator[str]:
+    """What is to be said of the steps and of the estimates themselves."""
+    why = ended.levels.end.why or (ended.shape.why if ended.shape else "")
+    if not ended.levels.end.converged or (ended.shape and not ended.shape.converged):
+        yield f"the fit did not converge ({why}); what it has is written, and is no estimate"
     for each in estimates:
         if each.path in LEVEL and abs(np.log(each.value / each.prior)) > FAR_FROM_PRIOR * each.prior_sd:
-            said.append(
-                f"{each.path} lies far from what was expected: its prior pulls at it, or the model is wrong"
-            )
+            yield f"{each.path} lies far from what was expected: its prior pulls at it, or the model is wrong"
         if each.path in LEVEL and each.path.endswith("friction") and each.value > 0.98:
-            said.append(f"{each.path} is at its limit of 1")
+            yield f"{each.path} is at its limit of 1"
     runouts = [each for each in estimates if each.path in (*VECTORS, *SIGNED)]
-    if problem.with_offset and not any(each.verdict is Verdict.NOT_ZERO for each in runouts):
-        said.append("the angle's offset is known but for whole tooth pitches: no runout separates them")
-    return said
+    if ended.problem.with_offset and not any(each.verdict is Verdict.NOT_ZERO for each in runouts):
+        yield "the angle's offset is known but for whole tooth pitches: no runout separates them"
 
 
 # --- What the shape of a free torque would claim to tell of the level's parameters, were the contact law true
@@ -568,19 +596,19 @@ def shape_claims(fit: Fit) -> dict[str, float]:
 
     One simulation for each parameter of the level.
     """
-    problem, state = fit.problem, fit.series.state
-    slopes = state.slopes.copy()
-    gear, unknowns = fit.given, problem.unknowns
+    problem, gear = fit.problem, fit.given
+    held = {path: fit.gear.value_at(path) for path in (*VECTORS, *SIGNED, "rack.bow_angle")}
+    names = [j for j, each in enumerate(problem.unknowns) if each.is_level]
+    own = replace(problem, unknowns=[problem.unknowns[j] for j in names])
+    gear = gear.replace(held | {"pinion.runout_angle": fit.gear.pinion.runout_angle})
+    u, values = fit.series.u[names], fit.series.values
+    state = State(u, fit.offset, values, np.zeros((values.size, u.size)))
+    if not problem.with_offset or not names:
+        return {}
     try:
-        base = problem.prediction.simulated(gear.replace(settings_of(unknowns, state.u)))
-        for j, unknown in enumerate(unknowns):
-            if unknown.is_level:
-                stepped = state.u.copy()
-                stepped[j] += unknown.step
-                moved = problem.prediction.simulated(gear.replace(settings_of(unknowns, stepped)))
-                slopes[:, j] = (moved - base) / unknown.step
+        slopes = first_slopes(own, gear, state)
     except NoPredictionError:
         return {}
-    trusting = linearised(replace(problem, trusted=True), replace(state, slopes=slopes))
+    trusting = linearised(own, replace(state, slopes=slopes))
     deviations = np.sqrt(np.diag(np.linalg.inv(trusting.information)))
-    return {each.path: float(deviations[j]) for j, each in enumerate(unknowns) if each.path in LEVEL}
+    return {each.path: float(deviations[j]) for j, each in enumerate(own.unknowns)}

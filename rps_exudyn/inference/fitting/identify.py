@@ -1,8 +1,8 @@
 """What the means of all tests determine: single parameters, combinations, and which test would tell more.
 
-A parameter counts as found only if the data tell it whatever the others are: its standard deviation with
-very weak beliefs about all of them is below half of the deviation that was declared for it. What is
-narrowed with the help of the declared deviations of others follows from them, and is named so.
+What the data tell of each parameter alone is its standard deviation with very weak beliefs about all
+others, and with the nuisances as they are declared. What is narrowed with the help of the declared deviations
+of others follows from them, and is named so.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -12,9 +12,11 @@ from math import ceil
 import numpy as np
 
 from rps_exudyn.inference.fitting.bench_tests import BenchTest
-from rps_exudyn.inference.fitting.noise import FEWEST_RUNS, REPEATABILITY, SENSOR
-from rps_exudyn.inference.fitting.prediction import formula_means
-from rps_exudyn.inference.fitting.unknowns import LEVEL
+from rps_exudyn.inference.fitting.level import CALIBRATION, REPEATABILITY, ZERO
+from rps_exudyn.inference.fitting.noise import NORMAL
+from rps_exudyn.inference.fitting.prediction import formula_means, gear_in
+from rps_exudyn.inference.fitting.problem import MODEL
+from rps_exudyn.inference.fitting.unknowns import LEVEL, NUISANCES
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.load_test import SCENE as LOAD_TEST
 from rps_exudyn.solvers.closed_form import GRAVITY, unloading_force
@@ -28,14 +30,16 @@ SEPARATING = ("yoke.preload", "mesh.friction")
 
 @dataclass(frozen=True, eq=False)
 class LevelData:
-    """What means tell of the logarithms of all level parameters, whether they are freed or not."""
+    """What means tell of the logarithms of all level parameters, whether they are freed or not, and of the
+    nuisances."""
 
-    paths: tuple[str, ...]
+    paths: tuple[str, ...]  # nuisances last
     information: np.ndarray  # (n, n)
 
     def alone(self) -> dict[str, float]:
         """Standard deviation of each logarithm from the data alone."""
-        covariance = np.linalg.inv(self.information + np.eye(len(self.paths)) / ANYTHING**2)
+        believed = np.array([NUISANCES.get(path, ANYTHING) for path in self.paths])
+        covariance = np.linalg.inv(self.information + np.diag(believed**-2.0))
         return dict(zip(self.paths, np.sqrt(np.diag(covariance)).tolist(), strict=True))
 
     def with_test(self, gear: SteeringGear, test: BenchTest) -> "LevelData":
@@ -44,8 +48,9 @@ class LevelData:
         slopes = logarithmic_slopes(gear, test, self.paths)
         friction = abs(means[0] - means[1]) / 2
         across, along = (slopes[0] - slopes[1]) / 2, (slopes[0] + slopes[1]) / 2
-        across = across / (np.hypot(REPEATABILITY, SENSOR) * friction)
-        along = along / np.hypot(REPEATABILITY * friction, SENSOR * (means[0] + means[1]) / 2)
+        model = MODEL if test.of_kind.weighted else 0.0
+        across = across / (np.sqrt(REPEATABILITY**2 + CALIBRATION**2 + model**2) * friction)
+        along = along / np.hypot(ZERO * friction, np.hypot(CALIBRATION, model) * (means[0] + means[1]) / 2)
         return LevelData(self.paths, self.information + np.outer(across, across) + np.outer(along, along))
 
 
@@ -53,8 +58,11 @@ def logarithmic_slopes(gear: SteeringGear, test: BenchTest, paths: Iterable[str]
     """Return derivatives of both means with respect to the logarithms, by the closed form, shape (2, n)."""
     base, columns = np.array(formula_means(gear, test)), []
     for path in paths:
-        step = LEVEL[path].step
-        moved = gear.replace({path: gear.value_at(path) * np.exp(step)})
+        step = LEVEL[path].step if path in LEVEL else 0.02
+        if path in NUISANCES:
+            moved = gear_in(test, gear, {path: step})
+        else:
+            moved = gear.replace({path: gear.value_at(path) * np.exp(step)})
         columns.append((np.array(formula_means(moved, test)) - base) / step)
     return np.array(columns).T
 
@@ -121,7 +129,7 @@ def advice_of(gear: SteeringGear, data: LevelData, done: Sequence[BenchTest]) ->
     def worst(after: LevelData) -> float:
         alone = after.alone()
         return sum(np.log(max(alone[path] / LEVEL[path].sd, NARROWED)) for path in SEPARATING) + 0.01 * sum(
-            np.log(alone[path]) for path in after.paths
+            np.log(alone[path]) for path in LEVEL
         )
 
     def separated(after: LevelData) -> bool:
@@ -143,8 +151,7 @@ def advice_of(gear: SteeringGear, data: LevelData, done: Sequence[BenchTest]) ->
 
 # --- How often tests must be run until preload and friction of the teeth are known as well as is wanted
 #
-# Repeats help twice: the scatter of a mean falls with the root of their number, and from three runs on they
-# measure the scatter themselves, whose Student's t then counts instead of what is declared.
+# Repeats make the scatter of a mean smaller, not what all of them share: calibration, nuisances, the model.
 
 WANTED = {"yoke.preload": 0.05, "mesh.friction": 0.15}
 """Path -> half of the 95 % interval that is wanted, of the value."""
@@ -163,32 +170,24 @@ class MoreRuns:
 
 
 def more_runs(
-    halves: Mapping[str, float], runs: int, tests: int, deviations: Callable[[int], Mapping[str, float]]
+    halves: Mapping[str, float], runs: int, deviations: Callable[[int], Mapping[str, float]]
 ) -> MoreRuns | None:
     """Return what repeats would reach; None where all that is wanted is reached.
 
     Args:
         halves: path -> half of the 95 % interval as it is, of the value.
         runs: of each test that there are.
-        tests: number of tests.
         deviations: of the logarithms after so many runs of each test.
     """
     missed = {path: half for path, half in halves.items() if half > WANTED[path]}
     if not missed:
         return None
     needed: dict[str, int | None] = dict.fromkeys(missed)
-    for count in range(max(runs + 1, FEWEST_RUNS), MOST_RUNS + 1):
+    for count in range(runs + 1, MOST_RUNS + 1):
         expected = deviations(count)
         for path in missed:
-            if needed[path] is None and students(tests * (count - 1)) * expected[path] <= WANTED[path]:
+            if needed[path] is None and NORMAL * expected[path] <= WANTED[path]:
                 needed[path] = count
         if all(needed.values()):
             break
     return MoreRuns(missed, needed)
-
-
-def students(freedom: int) -> float:
-    """Return the quantile of 97.5 % of Student's t."""
-    from scipy.special import stdtrit
-
-    return float(stdtrit(freedom, 0.975))

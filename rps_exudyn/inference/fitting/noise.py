@@ -1,9 +1,14 @@
-"""The noise of measured passes, from what a fit leaves: white, correlated, and what changes from run to run.
+"""The noise of turned passes: resolution of the sensor, spikes, means of parts, and an averaged noise law.
 
-What repeats with the teeth or the turn is no noise but an error of the model, and is left out first. The rest
-is white noise and noise that keeps its sign over some degrees (an Ornstein-Uhlenbeck process); their sizes
-are those of the greatest restricted likelihood (REML), which accounts for the fitted means and waves. A shift
-of a whole pass cannot be seen in that pass: three runs or more show it, else it is declared.
+The torque of a run to and fro is compared in parts of five degrees: half sum and half difference of both
+directions. Noise that is independent in both directions has one law in both halves; friction that is locked
+to the angle is in the half difference alone. The law is
+
+    V = diag(median(n) / n) + r^2 exp(-|a - a'| / L) + t^2 x x'
+
+with n points in a part, angles a and places x from -1/2 to 1/2 along the travel. The scale follows from the
+restricted likelihood (REML); r, L and t are averaged over a grid by likelihood and prior, not chosen: one
+turn does not show how long noise keeps its sign.
 """
 
 from collections.abc import Sequence
@@ -11,184 +16,295 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rps_exudyn.inference.fitting.bench_tests import MeasuredPass
-from rps_exudyn.inference.fitting.problem import LINEAR_TO, Noise, PassRows
+PART = np.radians(5.0)  # a lag of a degree or two between both directions does no harm within it
+MOST_PARTS, LEAST_PARTS = 144, 36
+RATIOS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  # r: correlated over white standard deviation of a part's mean
+LENGTHS = np.radians([4.0, 8.0, 15.0, 25.0, 40.0, 70.0, 130.0, 360.0, 1000.0])  # L
+TILTS = np.array([0.0, 2.0, 6.0, 20.0])  # t
+LAWS = ((0.0, 1.0), *((ratio, float(length)) for ratio in RATIOS for length in LENGTHS))
+WHITE_PRIOR, LEVEL_PRIOR = 0.8, 0.8  # of r = 0, and of t = 0; the others share the rest evenly
+SMALLEST = 1e-4  # of the level: least standard deviation of a part
+NORMAL = 1.959964  # quantile of 97.5 %
 
-PARTS = 72  # of a pass, whose means the likelihood is made of
-LENGTHS = np.radians([4.0, 8.0, 15.0, 25.0, 40.0, 70.0])
-RATIOS = (0.0, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0)  # correlated over white standard deviation, of a part's mean
-SURE = 4.0  # of twice the logarithm of the likelihood's ratio, above which correlation is believed
-REPEATABILITY = 0.02  # of a run's level, declared where it was not measured
-SENSOR = 0.005  # of the level: calibration, between tests
-UNLIKE = 1e-3  # probability below which a test's scatter is taken for its own
-FEWEST_RUNS = 3  # that measure the repeatability
-
-
-@dataclass(frozen=True)
-class NoiseEstimate:
-    """The noise of one pass as far as its residuals show it."""
-
-    white: float
-    correlated: float
-    length: float
-    drift: float  # over the pass, of the mean level
-    drift_sd: float
+WINDOW = 9  # points of the running median that spikes are compared with
+SPIKE = 5.0  # robust standard deviations
+LONGEST_SPIKE, ABRUPT = 2, 0.4  # points, and what its neighbours are of it: edges of teeth rise less abruptly
+ROUGH = 2e-4  # of the mean: what a curve without noise may deviate from its running median
+COMB = 0.02  # of a step, by which values may miss a multiple of it
 
 
-def found_noise(measured: MeasuredPass, rows: PassRows, white: float, pitch: float) -> NoiseEstimate:
-    """Return the noise of one pass; `white` is what its neighbouring points show."""
-    if not measured.test.of_kind.by_angle:  # its mean alone is compared
-        return NoiseEstimate(white, 0.0, 0.0, 0.0, np.inf)
-    held = np.clip(rows.deviation, -3 * LINEAR_TO * white * 2, 3 * LINEAR_TO * white * 2)
-    angle, mean, count = _parts(measured.angle, held)
-    level = float(np.abs(measured.value).mean())
-    fixed = _waves(angle, pitch)
-    if angle.size < fixed.shape[1] + 12:
-        return NoiseEstimate(white, 0.0, 0.0, 0.0, np.inf)
-    plain, best = _likelihood(angle, mean, count, fixed, 0.0, 1.0), (-np.inf, 0.0, LENGTHS[0])
-    for ratio in RATIOS[1:]:
-        for length in LENGTHS:
-            best = max(best, (_likelihood(angle, mean, count, fixed, ratio, length)[0], ratio, length))
-    correlated = 2 * (best[0] - plain[0]) > SURE
-    chosen = _likelihood(angle, mean, count, fixed, *best[1:]) if correlated else plain
-    slope, slope_sd = chosen[2]
-    span = float(np.ptp(angle))
-    per_point = float(np.sqrt(np.median(count)))
-    return NoiseEstimate(
-        white=max(white, chosen[1] * per_point),
-        correlated=best[1] * chosen[1] if correlated else 0.0,
-        length=float(best[2]) if correlated else 0.0,
-        drift=float(slope) * span / level,
-        drift_sd=float(slope_sd) * span / level,
+# --- Resolution and spikes, from the values as they were recorded
+
+
+def resolution_of(values: np.ndarray) -> float:
+    """Return the step of a sensor whose values (n,) are multiples of one; 0 if they are not.
+
+    One value alone has the largest round step of which it is a multiple: 1, 2, 2.5 or 5 times a power of ten,
+    or a power of two.
+    """
+    unique = np.unique(values)
+    span = float(np.ptp(unique))
+    unique = unique[np.append(True, np.diff(unique) > 1e-9 * span)] if span else unique[:1]
+    if unique.size == 1:
+        return _round_step(float(unique[0]))
+    step = float(np.diff(unique).min())
+    step = span / round(span / step)
+    steps = (unique - unique[0]) / step
+    return step if float(np.abs(steps - np.round(steps)).max()) < COMB else 0.0
+
+
+def _round_step(value: float) -> float:
+    if value == 0:
+        return 0.0
+    steps = [digit * 10.0**-power for power in range(7) for digit in (5.0, 2.5, 2.0, 1.0)]
+    steps += [2.0**-power for power in range(20)]
+    fitting = [
+        step for step in steps if abs(value / step - round(value / step)) < 1e-6 and step <= abs(value)
+    ]
+    return max(fitting, default=0.0)
+
+
+def white_deviation(values: np.ndarray) -> float:
+    """Return the standard deviation of white noise that second differences of values (n,) show, robustly."""
+    second = np.diff(values, 2)
+    return float(1.4826 * np.median(np.abs(second)) / np.sqrt(6.0)) if second.size > 4 else 0.0
+
+
+def is_regular(values: np.ndarray, resolution: float) -> np.ndarray:
+    """Return which values (n,) are no spikes, seen from their running median: shape (n,), bool."""
+    if values.size < WINDOW:
+        return np.ones(values.size, dtype=bool)
+    held = np.pad(values, WINDOW // 2, mode="edge")
+    smooth = np.median(np.lib.stride_tricks.sliding_window_view(held, WINDOW), axis=1)
+    away = np.abs(values - smooth)
+    scale = max(
+        1.4826 * float(np.median(away)), resolution / np.sqrt(12.0), ROUGH * float(np.abs(values).mean())
+    )
+    far = away > SPIKE * scale
+    begins = np.flatnonzero(far & ~np.append(False, far[:-1]))
+    ends = np.flatnonzero(far & ~np.append(far[1:], False))
+    regular = ~far
+    for begin, end in zip(begins, ends, strict=True):
+        beside = away[[i for i in (begin - 1, end + 1) if 0 <= i < away.size]]
+        is_spike = end - begin < LONGEST_SPIKE and beside.max() < ABRUPT * away[begin : end + 1].min()
+        regular[begin : end + 1] = not is_spike
+    return regular
+
+
+# --- Parts
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """Values of a run in parts of its travel; rows of `values` are compared, for instance both halves.
+
+    Attributes:
+        angle: mean angle of the points in each part [rad], shape (k,).
+        place: the same along the travel, from -1/2 to 1/2.
+        points: values of a pass in each part.
+        values: shape (rows, k).
+    """
+
+    angle: np.ndarray
+    place: np.ndarray
+    points: np.ndarray
+    values: np.ndarray
+
+    @property
+    def span(self) -> float:
+        """Travel that the parts cover [rad]."""
+        return float(np.ptp(self.angle)) * (1 + 1 / max(self.angle.size - 1, 1))
+
+
+def parts_of(passes: Sequence[tuple[np.ndarray, np.ndarray]], low: float, high: float) -> Parts:
+    """Return the means of passes, each angles and values (n,), in equal parts from `low` to `high` [rad].
+
+    Parts in which a pass has no point are left out.
+    """
+    count = int(np.clip(round((high - low) / PART), LEAST_PARTS, MOST_PARTS))
+    count = max(1, min(count, *(angle.size for angle, _ in passes)))
+    edges = np.linspace(low, high, count + 1)
+    points, means, angles = [], [], []
+    for angle, value in passes:
+        inside = (angle >= low - 1e-9) & (angle <= high + 1e-9)
+        where = np.clip(np.searchsorted(edges, angle[inside], side="right") - 1, 0, count - 1)
+        own = np.bincount(where, minlength=count)
+        points.append(own)
+        angles.append(np.bincount(where, weights=angle[inside], minlength=count) / np.maximum(own, 1))
+        means.append(np.bincount(where, weights=value[inside], minlength=count) / np.maximum(own, 1))
+    full = np.min(points, axis=0) > 0
+    middle = np.mean(angles, axis=0)
+    place = (middle - (low + high) / 2) / (high - low)
+    inverse = np.mean([1 / np.maximum(own, 1) for own in points], axis=0)
+    return Parts(middle[full], place[full], 1 / inverse[full], np.array(means)[:, full])
+
+
+def waves(angle: np.ndarray, span: float, orders: Sequence[float]) -> np.ndarray:
+    """Return cosines and sines of these orders of a turn, as far as the travel covers them: (k, columns)."""
+    kept = [each for each in orders if covers(span, each) and angle.size > 2.5 * each * span / (2 * np.pi)]
+    columns = [np.column_stack([np.cos(order * angle), np.sin(order * angle)]) for order in kept]
+    return np.hstack([np.empty((angle.size, 0)), *columns])
+
+
+def covers(span: float, order: float) -> bool:
+    """Return whether a travel [rad] shows a wave of this order of a turn."""
+    return span * order > 0.8 * 2 * np.pi
+
+
+# --- The averaged law
+
+
+@dataclass(frozen=True, eq=False)
+class Regression:
+    """Columns of values on fixed effects, over the parts of one or several runs alike.
+
+    Attributes:
+        parts: of the runs.
+        effects: shape (k, p).
+        values: shape (k, runs).
+    """
+
+    parts: Parts
+    effects: np.ndarray
+    values: np.ndarray
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom."""
+        return self.values.shape[1] * (self.effects.shape[0] - self.effects.shape[1])
+
+    def covariance(self, tilted: bool) -> np.ndarray:
+        """Covariances of the parts over s^2 by all laws, shape (laws, k, k); `tilted` with all tilts."""
+        parts = self.parts
+        apart = np.abs(parts.angle[:, None] - parts.angle[None, :])
+        white = np.diag(np.median(parts.points) / parts.points)
+        laws = np.array([white + ratio**2 * np.exp(-apart / length) for ratio, length in LAWS])
+        if not tilted:
+            return laws
+        tilts = TILTS[:, None, None] ** 2 * np.outer(parts.place, parts.place)
+        return (laws[:, None] + tilts).reshape(-1, *apart.shape)
+
+
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """A regression by each law; all but `inverse` (cells, k, ...) per cell."""
+
+    regression: Regression
+    log: np.ndarray  # determinants' part of the likelihood
+    squares: np.ndarray  # weighted sum of squares that is left
+    coefficients: np.ndarray  # (cells, p, runs)
+    normal: np.ndarray  # (cells, p, p)
+    left: np.ndarray  # V^-1 (y - X b), (cells, k, runs)
+    by_place: np.ndarray  # V^-1 x, (cells, k)
+    by_effects: np.ndarray  # V^-1 X, (cells, k, p)
+
+
+def _solved(regression: Regression, tilted: bool) -> _Solved:
+    x, y, place = regression.effects, regression.values, regression.parts.place
+    covariance = regression.covariance(tilted)
+    joined = np.hstack([x, y, place[:, None]])
+    inverse = np.linalg.solve(covariance, np.broadcast_to(joined, (covariance.shape[0], *joined.shape)))
+    size = x.shape[1]
+    by_effects, by_values = inverse[:, :, :size], inverse[:, :, size:-1]
+    normal, moments = x.T @ by_effects, x.T @ by_values
+    coefficients = np.linalg.solve(normal, moments)
+    squares = np.einsum("kr,ckr->c", y, by_values) - np.einsum("cpr,cpr->c", coefficients, moments)
+    logs = np.linalg.slogdet(covariance)[1] + np.linalg.slogdet(normal)[1]
+    left = by_values - by_effects @ coefficients
+    return _Solved(
+        regression,
+        y.shape[1] * logs,
+        np.maximum(squares, 0.0),
+        coefficients,
+        normal,
+        left,
+        inverse[:, :, -1],
+        by_effects,
     )
 
 
-def _parts(angle: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Angle, mean and number of points in equal parts of the range; empty parts are left out."""
-    edges = np.linspace(angle[0], angle[-1], PARTS + 1)
-    where = np.clip(np.searchsorted(edges, angle, side="right") - 1, 0, PARTS - 1)
-    count = np.bincount(where, minlength=PARTS)
-    full = count > 0
-    sums = (np.bincount(where, weights=each, minlength=PARTS)[full] for each in (angle, values))
-    places, means = (each / count[full] for each in sums)
-    return places, means, count[full]
+@dataclass(frozen=True, eq=False)
+class AveragedLaw:
+    """The noise of half sums and half differences: weights of all laws of the grid, and what each says.
 
-
-def _waves(angle: np.ndarray, pitch: float) -> np.ndarray:
-    """A constant, a slope and the waves of turn and teeth, shape (n, columns)."""
-    columns = [np.ones_like(angle), angle - angle.mean()]
-    span = float(np.ptp(angle))
-    for wave in (1.0, 2.0, 2 * np.pi / pitch, 4 * np.pi / pitch):
-        if span * wave > 0.8 * 2 * np.pi:
-            columns += [np.cos(wave * angle), np.sin(wave * angle)]
-    return np.column_stack(columns)
-
-
-def _likelihood(
-    angle: np.ndarray, mean: np.ndarray, count: np.ndarray, fixed: np.ndarray, ratio: float, length: float
-) -> tuple[float, float, tuple[float, float]]:
-    """Restricted log likelihood, white deviation of a part, slope over the angle and its deviation."""
-    apart = np.abs(angle[:, None] - angle[None, :])
-    covariance = ratio**2 * np.exp(-apart / length) + np.diag(np.median(count) / count)
-    lower = np.linalg.cholesky(covariance)
-    x, y = np.linalg.solve(lower, fixed), np.linalg.solve(lower, mean)
-    normal = x.T @ x
-    coefficients = np.linalg.solve(normal, x.T @ y)
-    left, freedom = y - x @ coefficients, angle.size - fixed.shape[1]
-    variance = float(left @ left) / freedom
-    _, determinant = np.linalg.slogdet(normal)
-    value = -0.5 * freedom * np.log(max(variance, 1e-300)) - np.log(np.diag(lower)).sum() - 0.5 * determinant
-    slope_sd = float(np.sqrt(variance * np.linalg.inv(normal)[1, 1]))
-    return float(value), float(np.sqrt(variance)), (float(coefficients[1]), slope_sd)
-
-
-@dataclass(frozen=True)
-class Repeats:
-    """Scatter of the levels of runs of one test."""
-
-    runs: int
-    sd: float  # of one run's level
-    freedom: int  # degrees of freedom of the deviation
-
-
-def repeats_of(passes: Sequence[MeasuredPass], rows: Sequence[PassRows]) -> dict[str, Repeats]:
-    """Return by test the scatter of its runs' levels, half the difference of both directions where there are
-    both; tests with fewer than three runs are left out. Several tests share one scatter, see `_pooled`."""
-    runs: dict[str, dict[tuple[int, int], dict[int, float]]] = {}
-    seen: dict[tuple[str, int, int], int] = {}
-    for each, row in zip(passes, rows, strict=True):
-        key = (each.test.title, each.run, each.direction)
-        seen[key] = seen.get(key, -1) + 1
-        runs.setdefault(each.test.title, {}).setdefault((each.run, seen[key]), {})[each.direction] = row.mean
-    found = {}
-    for title, levels in runs.items():
-        values = [
-            (level[1] - level[-1]) / 2 if len(level) == 2 else next(sense * v for sense, v in level.items())
-            for level in levels.values()
-            if len(level) == max(map(len, levels.values()))
-        ]
-        if len(values) >= FEWEST_RUNS:
-            found[title] = Repeats(len(values), float(np.std(values, ddof=1)), len(values) - 1)
-    frictions = {each.test.title: friction_part(passes, each) for each in passes}
-    return _pooled(found, frictions)
-
-
-def _pooled(found: dict[str, Repeats], frictions: dict[str, float]) -> dict[str, Repeats]:
-    """Return the scatter of several tests as one of their friction, which all their runs tell together.
-
-    Where a test scatters more than chance lets it, each keeps its own.
+    Cells are laws times tilts, tilts last. Half differences have a slope of their own and need no tilt.
     """
-    if len(found) < 2 or not all(frictions[title] > 0 for title in found):
-        return found
-    freedom = sum(each.freedom for each in found.values())
-    parts = {title: each.sd / frictions[title] for title, each in found.items()}
-    sums = {title: each.freedom * parts[title] ** 2 for title, each in found.items()}
-    variance = sum(sums.values()) / freedom
-    if any(sums[title] > _most(each.freedom) * variance for title, each in found.items()):
-        return found
-    return {
-        title: Repeats(each.runs, float(np.sqrt(variance)) * frictions[title], freedom)
-        for title, each in found.items()
-    }
+
+    weights: np.ndarray  # (cells,)
+    variance: np.ndarray  # s^2 by cell
+    freedom: int
+    sums: Sequence[_Solved]  # by cell
+    differences: Sequence[_Solved]  # by law
+
+    @property
+    def correlated(self) -> float:
+        """Probability that noise keeps its sign from part to part."""
+        return float(1 - self.weights[: TILTS.size].sum())
+
+    def half_interval(self, variances: np.ndarray) -> float:
+        """Half of the 95 % interval of a number whose variance by law is s^2 times `variances` (laws,)."""
+        from scipy.optimize import brentq
+        from scipy.special import stdtr, stdtrit
+
+        deviations = np.sqrt(self.variance * np.repeat(variances, TILTS.size))
+        if not deviations.max() > 0:
+            return 0.0
+        top = float(stdtrit(self.freedom, 0.975) * deviations.max())
+
+        def beyond(half: float) -> float:
+            return float(self.weights @ stdtr(self.freedom, half / deviations)) - 0.975
+
+        return float(brentq(beyond, 0.0, top * (1 + 1e-9), xtol=1e-6 * top))
+
+    def effect(self, solved: _Solved, column: int) -> tuple[np.ndarray, np.ndarray]:
+        """Mean over the grid of two neighbouring effects of each run (runs, 2), and their variances (2,),
+        within the laws and between them."""
+        tilts = self.weights.size // solved.log.size
+        weights = self.weights.reshape(solved.log.size, tilts)
+        variance = (weights * self.variance.reshape(weights.shape)).sum(axis=1)
+        found = solved.coefficients[:, column : column + 2]
+        inverse = np.linalg.inv(solved.normal)
+        within = np.stack([inverse[:, j, j] for j in range(column, column + 2)], axis=1)
+        mean = np.einsum("c,cpr->rp", weights.sum(axis=1), found)
+        between = np.einsum("c,cpr->p", weights.sum(axis=1), (found - mean.T) ** 2) / found.shape[2]
+        return mean, variance @ within + between
+
+    def square_of_tilt(self) -> float:
+        """Mean square of the half sum's slope over the whole travel: of all runs, over the grid."""
+        squares, runs = 0.0, 0
+        for each in self.sums:
+            place, x = each.regression.parts.place, each.regression.effects
+            tilt = np.tile(TILTS, len(LAWS)) ** 2
+            slope = tilt[:, None] * np.einsum("k,ckr->cr", place, each.left)
+            moment = np.einsum("kp,ck->cp", x, each.by_place)
+            spread = each.by_place @ place - np.einsum(
+                "cp,cp->c", moment, np.linalg.solve(each.normal, moment[:, :, None])[:, :, 0]
+            )
+            variance = self.variance * np.maximum(tilt - tilt**2 * spread, 0.0)
+            squares += float(self.weights @ (slope**2).sum(axis=1)) + slope.shape[1] * float(
+                self.weights @ variance
+            )
+            runs += slope.shape[1]
+        return squares / max(runs, 1)
 
 
-def _most(freedom: int) -> float:
-    """The quantile 1 - `UNLIKE` of chi squared."""
-    from scipy.special import chdtri
-
-    return float(chdtri(freedom, UNLIKE))
-
-
-def noises_of(
-    passes: Sequence[MeasuredPass],
-    found: Sequence[NoiseEstimate],
-    repeats: dict[str, Repeats],
-    several_tests: bool,
-) -> list[Noise]:
-    """Return the noise of each pass: from repeats where there are three, else with what is declared where
-    tests are compared with each other, or where correlated noise says that a pass is not what another is."""
-    noises = []
-    paired = np.sqrt(2.0)  # of two directions whose half difference scatters by it
-    for each, own in zip(passes, found, strict=True):
-        if each.test.title in repeats:
-            noises.append(Noise(own.white, 0.0, 0.0, max(paired * repeats[each.test.title].sd, 1e-9)))
-            continue
-        shift = paired * REPEATABILITY * friction_part(passes, each)
-        shifts = several_tests or own.correlated > 0
-        correlated = own.correlated if each.test.of_kind.by_angle else 0.0
-        noises.append(Noise(own.white, correlated, own.length, shift if shifts else 0.0))
-    return noises
-
-
-def friction_part(passes: Sequence[MeasuredPass], of: MeasuredPass) -> float:
-    """Return the part of a pass' level that friction makes: half the difference of both directions.
-
-    Of a test that was measured one way it is all of the level.
-    """
-    means = {
-        sense: [each.value.mean() for each in passes if each.test == of.test and each.direction == sense]
-        for sense in (1, -1)
-    }
-    if not (means[1] and means[-1]):
-        return float(np.abs(of.value.mean()))
-    return float(abs(np.mean(means[1]) - np.mean(means[-1])) / 2)
+def averaged_law(sums: Sequence[Regression], differences: Sequence[Regression], level: float) -> AveragedLaw:
+    """Return the noise law of half sums and half differences, with one scale in all of them; `level` bounds
+    the scale from below, `SMALLEST` of it."""
+    by_cell = [_solved(each, True) for each in sums]
+    by_law = [_solved(each, False) for each in differences]
+    cells = len(LAWS) * TILTS.size
+    squares, logs = np.zeros(cells), np.zeros(cells)
+    for each in by_cell:
+        squares, logs = squares + each.squares, logs + each.log
+    for each in by_law:
+        squares, logs = squares + np.repeat(each.squares, TILTS.size), logs + np.repeat(each.log, TILTS.size)
+    freedom = max(1, sum(each.freedom for each in (*sums, *differences)))
+    variance = np.maximum(squares / freedom, (SMALLEST * level) ** 2)
+    likelihood = -0.5 * freedom * np.log(variance) - 0.5 * logs
+    prior = np.outer(
+        [WHITE_PRIOR, *[(1 - WHITE_PRIOR) / (len(LAWS) - 1)] * (len(LAWS) - 1)],
+        [LEVEL_PRIOR, *[(1 - LEVEL_PRIOR) / (TILTS.size - 1)] * (TILTS.size - 1)],
+    ).ravel()
+    weights = prior * np.exp(likelihood - likelihood.max())
+    return AveragedLaw(weights / weights.sum(), variance, freedom, by_cell, by_law)

@@ -11,13 +11,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rps_exudyn.inference.fitting.gauss_newton import ENOUGH, LONGEST, Solved, solve
-from rps_exudyn.inference.fitting.initial_guess import first_slopes, formula_slopes, scanned_offset
 from rps_exudyn.inference.fitting.prediction import NoPredictionError
-from rps_exudyn.inference.fitting.problem import LINEAR_TO, Linearised, Noise, Problem, State, linearised
+from rps_exudyn.inference.fitting.problem import (
+    LINEAR_TO,
+    Linearised,
+    Problem,
+    State,
+    found_offset,
+    linearised,
+)
 from rps_exudyn.inference.fitting.unknowns import settings_of
 from rps_exudyn.parameters.gear import SteeringGear
 
+LONGEST = 3.0  # standard deviations of the prior that a step may go
 SETTLED = 0.2  # of a standard error: a smaller step of the unknowns ends the search
 MOST_STEPS = 20
 MOST_BESIDE = 12  # of steps that begin again elsewhere
@@ -30,6 +36,16 @@ FAR = 1.0  # the same, after which all slopes are
 SAME = 2.0  # standard errors within which two ends are one
 SCANNED = (-1.6, -0.8, 0.0, 0.8, 1.6)  # angle errors and bows of a start, in declared deviations
 CLOSE = 9.0  # of chi squared: another end that explains the curves nearly as well is named
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """Where the steps ended."""
+
+    state: State
+    equations: Linearised
+    converged: bool
+    why: str  # not; "" where it did
 
 
 @dataclass(frozen=True)
@@ -45,9 +61,7 @@ def chi_squared(equations: Linearised) -> float:
 
     That of a shape is soft_l1, whose weights are w = 1 / sqrt(1 + z^2).
     """
-    shapes = [
-        2 * LINEAR_TO**2 * float(np.sum(1 / row.weights - 1)) for row in equations.rows if row.shape.size
-    ]
+    shapes = [2 * LINEAR_TO**2 * float(np.sum(1 / row.weights - 1)) for row in equations.rows]
     return equations.by_level + sum(shapes)
 
 
@@ -116,7 +130,7 @@ def scanned(problem: Problem, gear: SteeringGear, start: State) -> State:
             state = _at(problem, gear, replace(best, u=u))
             if state is None:
                 continue
-            state = replace(state, offset=scanned_offset(problem, replace(state, offset=0.0)))
+            state = replace(state, offset=found_offset(problem, state.values)[0])
             cost = chi_squared(linearised(problem, state))
             if cost < least:
                 best, least = state, cost
@@ -164,13 +178,11 @@ def _step(problem: Problem, equations: Linearised, damping: float) -> np.ndarray
 def _widened(problem: Problem, state: State) -> Problem:
     """The problem with the noise that its deviations show, where they are larger than the noise."""
     rows = linearised(problem, state).rows
-    scales = [1.4826 * float(np.median(np.abs(row.deviation))) for row in rows]
-    return problem.with_noises(
-        [
-            replace(noise, white=max(noise.white, scale))
-            for noise, scale in zip(problem.noises, scales, strict=True)
-        ]
-    )
+    free = [i for i, each in enumerate(problem.measurement.passes) if each.test.of_kind.by_angle]
+    whites = list(problem.whites)
+    for number, row in zip(free, rows, strict=True):
+        whites[number] = max(whites[number], 1.4826 * float(np.median(np.abs(row.deviation))))
+    return replace(problem, whites=whites)
 
 
 def _distance(one: np.ndarray, other: np.ndarray, errors: np.ndarray, of: Sequence[int]) -> float:
@@ -212,9 +224,7 @@ def _named(problem: Problem, best: Solved, ends: list[Solved]) -> list[OtherEnd]
 #
 # The ripple of an angle error depends on preload and friction as well. So the shape is fitted with all
 # unknowns, and what it says of preload and friction is left out again (`problem`): it widens the intervals of
-# bow and angle error, and the level's parameters are fitted to the means, with bow and angle error held.
-
-HELD = 1e-4  # of a declared deviation, by which what is held may still move
+# bow and angle error, and the level's parameters are fitted to the levels, with bow and angle error held.
 
 
 def is_curved(problem: Problem) -> bool:
@@ -223,58 +233,46 @@ def is_curved(problem: Problem) -> bool:
 
 
 def shape_of(
-    problem: Problem, gear: SteeringGear, start: State, search: bool
+    problem: Problem, gear: SteeringGear, u: np.ndarray, search: bool
 ) -> tuple[Solved, list[OtherEnd]]:
-    """Return where all unknowns explain the curves best; `search` from several bows and angle errors."""
-    trusting = replace(problem, trusted=True)
-    return searched(trusting, gear, start) if search else (damped_steps(trusting, gear, start), [])
+    """Return where all unknowns explain the curves best; `search` from several bows and angle errors.
+
+    Raises:
+        NoPredictionError: there is no equilibrium at `u`.
+    """
+    values = problem.prediction.simulated(gear.replace(settings_of(problem.unknowns, u)))
+    start = State(u, found_offset(problem, values)[0], values, np.zeros((values.size, u.size)))
+    return searched(problem, gear, start) if search else (damped_steps(problem, gear, start), [])
 
 
-def level_of(
-    problem: Problem, gear: SteeringGear, shape: Solved, noises: list[Noise], enough: float = ENOUGH
-) -> Solved:
-    """Return the level's parameters by the means, beside the shape's, with the covariance of both."""
-    unknowns = [
-        each if each.is_level else replace(each, before=float(value), sd=HELD * each.sd)
-        for each, value in zip(problem.unknowns, shape.state.u, strict=True)
-    ]
-    before = np.array([each.before for each in unknowns])
-    state = _with_means(problem, gear, replace(shape.state, u=before))
-    held = replace(problem, unknowns=unknowns, noises=noises)
-    solved = solve(held, gear, state, enough=enough)
-    trusting = replace(problem, trusted=True, noises=noises)
-    information = _joined(problem, linearised(trusting, shape.state).information, solved)
-    return Solved(
-        replace(solved.state, slopes=_with_shape(problem, solved.state, shape.state)),
-        replace(solved.equations, information=information),
-        solved.converged and shape.converged,
-        shape.why or solved.why,
-    )
+SHIFTING = ("bush.drag", "bearing.friction_torque")
 
 
-def _with_means(problem: Problem, gear: SteeringGear, state: State) -> State:
-    """The state at its unknowns, simulated, with the closed form's slopes of the level."""
-    values = problem.prediction.simulated(gear.replace(settings_of(problem.unknowns, state.u)))
-    slopes = formula_slopes(problem, gear, state.u)
-    shaping = [j for j, each in enumerate(problem.unknowns) if not each.is_level]
-    slopes[:, shaping] = state.slopes[:, shaping]
-    return replace(state, values=values, slopes=slopes)
+def first_slopes(
+    problem: Problem, gear: SteeringGear, state: State, only: Sequence[int] | None = None
+) -> np.ndarray:
+    """Return derivatives of the predicted values by forward differences, shape (m, unknowns).
 
-
-def _with_shape(problem: Problem, state: State, shape: State) -> np.ndarray:
-    shaping = [j for j, each in enumerate(problem.unknowns) if not each.is_level]
+    Drag and bearing friction only shift the torque: theirs are the closed form's. With `only` those of these
+    unknowns alone are made anew.
+    """
     slopes = state.slopes.copy()
-    slopes[:, shaping] = shape.slopes[:, shaping]
+
+    def values_at(u: np.ndarray, simulated: bool) -> np.ndarray:
+        changed = gear.replace(settings_of(problem.unknowns, u))
+        return problem.prediction.simulated(changed) if simulated else problem.prediction.by_formula(changed)
+
+    for j, unknown in enumerate(problem.unknowns):
+        if only is not None and j not in only:
+            continue
+        simulated = unknown.path not in SHIFTING
+        for part in (1.0, 0.5):  # half of the step where there is no equilibrium
+            stepped = state.u.copy()
+            stepped[j] += part * unknown.step
+            try:
+                base = state.values if simulated else values_at(state.u, False)
+                slopes[:, j] = (values_at(stepped, simulated) - base) / (part * unknown.step)
+            except NoPredictionError:
+                continue
+            break
     return slopes
-
-
-def _joined(problem: Problem, shape: np.ndarray, level: Solved) -> np.ndarray:
-    """The information whose inverse has the shape's covariance and that of the level, each by itself."""
-    count = len(problem.unknowns)
-    own = [j for j, each in enumerate(problem.unknowns) if not each.is_level] + [count]  # and the offset
-    others = [j for j in range(problem.size) if j not in own]
-    by_shape, by_level = np.linalg.inv(shape), np.linalg.inv(level.equations.information)
-    covariance = np.zeros_like(by_shape)
-    covariance[np.ix_(own, own)] = by_shape[np.ix_(own, own)]
-    covariance[np.ix_(others, others)] = by_level[np.ix_(others, others)]
-    return np.linalg.inv(covariance)

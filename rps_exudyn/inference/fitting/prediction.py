@@ -7,7 +7,7 @@ preload that is fitted. Without its yoke, and without its rack, what is left of 
 friction.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -17,12 +17,13 @@ from rps_exudyn.analysis.torque import mean
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.fitting.bench_tests import BenchTest
+from rps_exudyn.inference.fitting.unknowns import BY_LOAD, LOAD_OF_NUISANCE, WITHOUT_YOKE
 from rps_exudyn.parameters.fidelity import FOR_MEANS, MEAN_STEP, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import largest_angle, steady_maneuver
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.simulate.cases.run_cases import CaseRunner, Task
-from rps_exudyn.solvers.closed_form import mean_state, pushing_force
+from rps_exudyn.solvers.closed_form import GRAVITY, mean_state, pushing_force
 from rps_exudyn.solvers.drive import DrivenBody
 
 TURN = 2 * np.pi
@@ -57,14 +58,14 @@ class CurveBlock:
         part = (where - low).reshape(-1, *([1] * (values.ndim - 1)))
         return (1 - part) * half[low] + part * half[low + 1]
 
-    def mean_torque(self, values: np.ndarray) -> np.ndarray:
-        """Half difference of the means of both directions of values (m, ...): shape (...)."""
+    def means(self, values: np.ndarray) -> np.ndarray:
+        """Means towards +X and -X of values (m, ...): shape (2, ...)."""
         half = self.grid.size
         weights = np.ones(half)
         if half > 1:
             weights[[0, -1]] = 0.5
-        weights = weights / weights.sum() / 2
-        return np.tensordot(weights, values[:half] - values[half:], axes=1)
+        weights = weights / weights.sum()
+        return np.array([np.tensordot(weights, part, axes=1) for part in (values[:half], values[half:])])
 
 
 @dataclass
@@ -86,15 +87,15 @@ class Prediction:
         begin = sum(block.size for block in self.blocks[:number])
         return values[begin : begin + self.blocks[number].size]
 
-    def simulated(self, gear: SteeringGear) -> np.ndarray:
-        """Values of all blocks, shape (m,).
+    def simulated(self, gear: SteeringGear, nuisances: Mapping[str, float] | None = None) -> np.ndarray:
+        """Values of all blocks, shape (m,), with the nuisances' logarithms by their names.
 
         Raises:
             NoPredictionError: there is no equilibrium, or no such gear.
         """
         self.simulations += 1
         tasks = [
-            Task(partial(pass_values, block, gear, self.fidelity, sense))
+            Task(partial(pass_values, block, gear_in(block.test, gear, nuisances), self.fidelity, sense))
             for block in self.blocks
             for sense in (1, -1)
         ]
@@ -103,12 +104,6 @@ class Prediction:
             return np.concatenate([answers[task].returned() for task in tasks])
         except InputError as error:
             raise NoPredictionError(" ".join(error.problems)) from None
-
-    def means_of(self, values: np.ndarray) -> np.ndarray:
-        """Values (m,) with each direction of each block replaced by its mean, shape (m,)."""
-        parts = [self.part(i, values).reshape(2, -1).mean(axis=1) for i in range(len(self.blocks))]
-        repeats = [np.repeat(part, block.grid.size) for part, block in zip(parts, self.blocks, strict=True)]
-        return np.concatenate(repeats)
 
     def by_formula(self, gear: SteeringGear) -> np.ndarray:
         """Means of all tests by the closed form, on the same grids, shape (m,)."""
@@ -144,6 +139,20 @@ def pass_values(block: CurveBlock, gear: SteeringGear, fidelity: Fidelity, sense
         raise NoPredictionError(f"{test.title}: {run.outcome.message}")
     signal = "rack_force" if body == "rack" else "pinion_torque"
     return np.array([mean(run.signals["pinion_angle"], run.signals[signal])])
+
+
+def gear_in(test: BenchTest, gear: SteeringGear, nuisances: Mapping[str, float] | None) -> SteeringGear:
+    """Return the gear as it is in a test: with friction that changes under a weight, and another drag without
+    yoke."""
+    changed = {}
+    if nuisances and test.of_kind.weighted and (change := nuisances.get(BY_LOAD, 0.0)):
+        factor = np.exp(change * abs(test.load) / (LOAD_OF_NUISANCE * GRAVITY))
+        changed = {
+            path: min(1.0, gear.value_at(path) * factor) for path in ("mesh.friction", "yoke.friction")
+        }
+    if nuisances and test.kind == "yoke-out" and (change := nuisances.get(WITHOUT_YOKE, 0.0)):
+        changed = {"bush.drag": gear.bush.drag * float(np.exp(change))}
+    return gear.replace(changed) if changed else gear
 
 
 def formula_means(gear: SteeringGear, test: BenchTest) -> tuple[float, float]:

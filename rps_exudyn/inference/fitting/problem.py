@@ -1,51 +1,88 @@
-"""The least squares of a fit: what the data say of the unknowns, row by row.
+"""What the data say of the unknowns: levels of tests, and where a bow or an angle error is fitted, shapes.
 
-Every pass gives two kinds of rows. Its mean deviation from the model (`level`) tells of the parameters that
-set the torque's level; what remains of the curve (`shape`) tells of the runout and of the angle's offset,
-and of nothing else: the ripple's size would separate preload from friction only as well as the
-contact law is true, which it is not (docs/measured-curves.md).
+Every test gives half the difference of both directions, which tells of friction, and half their sum, which
+tells of weights and of the sensor's zero (`level`). What remains of a curve (`shape`) would separate preload
+from friction only as well as the contact law is true, which it is not (docs/measured-curves.md): it counts
+for bow and angle error alone.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rps_exudyn.inference.fitting.bench_tests import MeasuredPass, Measurement
+from rps_exudyn.inference.fitting.bench_tests import BenchTest, MeasuredPass, Measurement
+from rps_exudyn.inference.fitting.level import CALIBRATION, ZERO, LevelEstimate
+from rps_exudyn.inference.fitting.noise import white_deviation
 from rps_exudyn.inference.fitting.prediction import CurveBlock, Prediction
 from rps_exudyn.inference.fitting.unknowns import Unknown
 
 SMALLEST_NOISE = 1e-3  # of a pass' level: below it the contact law's own ripple is the larger error
-ZERO = 0.05  # standard deviation of a sensor's zero, of the level of its file
+MODEL = 0.01  # of a level under a weight: what models of the mean differ by
 OFFSET = 0.25  # of the angle's offset, of a tooth pitch
-SMOOTH = 9  # points of a running median
 LINEAR_TO = 1.345  # in standard deviations: residuals up to here count fully
 
 
-@dataclass(frozen=True)
-class Noise:
-    """Noise of one pass; SI units of its values."""
+@dataclass(frozen=True, eq=False)
+class LevelRows:
+    """Measured levels as rows of least squares.
 
-    white: float  # standard deviation of a point
-    correlated: float = 0.0  # of what keeps its sign over an angle ...
-    length: float = 0.0  # ... of this size [rad]
-    level: float = 0.0  # of the whole pass: repeatability
+    Attributes:
+        tests: of the rows.
+        ways: weights of the mean values towards +X and -X that make each row, shape (rows, 2).
+        values: shape (rows,).
+        covariance: with calibration and what the model may be wrong by, shape (rows, rows).
+    """
 
-    def covariance(self, angle: np.ndarray) -> np.ndarray:
-        """Covariance of the correlated part at rising angles (n,), shape (n, n)."""
-        if not self.correlated:
-            return np.zeros((angle.size, angle.size))
-        apart = np.abs(angle[:, None] - angle[None, :])
-        return self.correlated**2 * np.exp(-apart / self.length)
+    tests: tuple[BenchTest, ...]
+    ways: np.ndarray
+    values: np.ndarray
+    covariance: np.ndarray
+
+    def of_means(self, means: dict[BenchTest, tuple[float, float]]) -> np.ndarray:
+        """The rows that mean values of each test make, shape (rows,)."""
+        return np.array([way @ means[test] for test, way in zip(self.tests, self.ways, strict=True)])
+
+    @property
+    def scaled(self) -> np.ndarray:
+        """Which rows are friction, so that a model's error is one of their size, shape (rows,)."""
+        weighted = np.array([test.of_kind.weighted for test in self.tests])
+        return (self.ways[:, 0] * self.ways[:, 1] < 0) | ((self.ways == 0).any(axis=1) & ~weighted)
+
+
+def level_rows(levels: Sequence[LevelEstimate], runs: float = 1) -> LevelRows:
+    """Return the rows of all tests; as if each run had been repeated `runs` times."""
+    tests, ways, values, variances, models = [], [], [], [], []
+    for each in levels:
+        shared = MODEL if each.test.of_kind.weighted else 0.0
+        if each.both_ways and each.half_sum is not None:
+            zero = ZERO * each.value / np.sqrt(each.runs)
+            rows = [
+                ((0.5, -0.5), each.value, each.data_sd),
+                ((0.5, 0.5), each.half_sum, np.hypot(zero, each.noise_sd)),
+            ]
+        else:
+            sense = each.directions[0]
+            rows = [((float(sense > 0), -float(sense < 0)), each.value, each.data_sd)]
+        for way, value, sd in rows:
+            tests.append(each.test)
+            ways.append(way)
+            values.append(value)
+            variances.append(sd**2 / runs)
+            models.append((shared * value) ** 2)
+    y = np.array(values)
+    pushed = np.array([test.pushed for test in tests])
+    same_sensor = pushed[:, None] == pushed[None, :]
+    covariance = np.diag(np.array(variances) + models) + CALIBRATION**2 * np.outer(y, y) * same_sensor
+    return LevelRows(tuple(tests), np.array(ways), y, covariance)
 
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Values of the unknowns, of the rig's nuisances, and of the model there."""
+    """Values of the unknowns, and of the model there."""
 
     u: np.ndarray  # unknowns
     offset: float  # of the measured angle [rad]
-    gain: float  # of the sensor: relative error of its calibration
-    zeros: np.ndarray  # of the sensor, one a file
     values: np.ndarray  # of the model, all blocks, shape (m,)
     slopes: np.ndarray  # by the unknowns, shape (m, unknowns)
 
@@ -55,28 +92,18 @@ class Problem:
     """Measured passes, what is predicted for them, and what is believed before."""
 
     measurement: Measurement
+    levels: Sequence[LevelEstimate]
+    rows: LevelRows
     prediction: Prediction
     unknowns: list[Unknown]
     pitch: float  # [rad]
-    noises: list[Noise]  # one a pass
-    quiet: tuple[float, ...] = ()  # standard deviation of a zero, one a file
+    whites: list[float]  # white noise of a point, one a pass
     with_offset: bool = True
-    calibrated: float = 1e-9  # standard deviation of the sensor's gain
-    trusted: bool = False  # the shape, for the level as well: to show what it would claim
-
-    @property
-    def shaped(self) -> np.ndarray:
-        """Which unknowns the shape of a curve may tell of, shape (unknowns,)."""
-        return np.array([self.trusted or not each.is_level for each in self.unknowns], dtype=bool)
 
     @property
     def size(self) -> int:
-        """Number of unknowns, offset, gain and zeros together."""
-        return len(self.unknowns) + 2 + len(self.quiet)
-
-    def with_noises(self, noises: list[Noise]) -> "Problem":
-        """The same with other noise."""
-        return replace(self, noises=noises)
+        """Number of unknowns and offset together."""
+        return len(self.unknowns) + 1
 
     def block_of(self, number: int) -> tuple[CurveBlock, int]:
         """The block of a pass, and its number."""
@@ -84,9 +111,22 @@ class Problem:
         at = tests.index(self.measurement.passes[number].test)
         return self.prediction.blocks[at], at
 
+    def rows_of(self, values: np.ndarray) -> np.ndarray:
+        """The level rows of predicted values (m, ...), shape (rows, ...)."""
+        means = {
+            block.test: block.means(self.prediction.part(i, values))
+            for i, block in enumerate(self.prediction.blocks)
+        }
+        return np.array(
+            [
+                np.tensordot(way, means[test], axes=1)
+                for test, way in zip(self.rows.tests, self.rows.ways, strict=True)
+            ]
+        )
+
     def vector(self, state: State) -> np.ndarray:
         """Everything that is varied, shape (size,)."""
-        return np.concatenate([state.u, [state.offset, state.gain], state.zeros])
+        return np.append(state.u, state.offset)
 
     def moved(self, state: State, step: np.ndarray) -> State:
         """The state after a step (size,), its model's values by its slopes."""
@@ -95,113 +135,75 @@ class Problem:
             state,
             u=state.u + step[:count],
             offset=state.offset + float(step[count]),
-            gain=state.gain + float(step[count + 1]),
-            zeros=state.zeros + step[count + 2 :],
             values=state.values + state.slopes @ step[:count],
         )
 
 
 @dataclass(frozen=True, eq=False)
 class PassRows:
-    """What one pass says at a state."""
+    """What the shape of one pass says at a state."""
 
     deviation: np.ndarray  # measured minus model, without the mean, shape (n,)
     weights: np.ndarray  # of the points, at most 1, shape (n,)
-    mean: float  # weighted mean of measured minus model
-    level: np.ndarray  # derivative of the model's mean, shape (size,)
-    shape: np.ndarray  # derivative of the rest, shape (n, size); no rows without shape
-    level_sd: float
+    shape: np.ndarray  # derivative of the model without its mean, shape (n, size)
 
 
 @dataclass(frozen=True, eq=False)
 class Linearised:
-    """Normal equations at a state: information H (size, size), gradient, sums of squares."""
+    """Normal equations at a state: information H (size, size), gradient, sum of squares of levels."""
 
     information: np.ndarray
     gradient: np.ndarray
-    by_level: float  # of means and priors
-    by_shape: float
+    by_level: float  # of levels and priors
     rows: list[PassRows] = field(default_factory=list)
 
 
 def linearised(problem: Problem, state: State) -> Linearised:
-    """Return the normal equations of data and priors at a state."""
-    size, count = problem.size, len(problem.unknowns)
-    before = np.array([each.before for each in problem.unknowns])
-    believed = np.concatenate(
-        [
-            [each.sd for each in problem.unknowns],
-            [OFFSET * problem.pitch if problem.with_offset else 1e-9, problem.calibrated],
-            problem.quiet,
-        ]
-    )
-    away = problem.vector(state) - np.concatenate([before, np.zeros(size - count)])
-    information, gradient = np.diag(believed**-2.0), -away / believed**2
-    by_level, by_shape, found = float(np.sum((away / believed) ** 2)), 0.0, []
+    """Return the normal equations of levels, shapes and priors at a state."""
+    before = np.array([*(each.before for each in problem.unknowns), 0.0])
+    free = OFFSET * problem.pitch if problem.with_offset else 1e-9
+    believed = np.array([*(each.sd for each in problem.unknowns), free])
+    away = problem.vector(state) - before
+    left = problem.rows.values - problem.rows_of(state.values)
+    slopes = np.hstack([problem.rows_of(state.slopes), np.zeros((left.size, 1))])
+    weighted = np.linalg.solve(problem.rows.covariance, np.column_stack([slopes, left]))
+    information = np.diag(believed**-2.0) + slopes.T @ weighted[:, :-1]
+    gradient = slopes.T @ weighted[:, -1] - away / believed**2
+    found = []
     for number, measured in enumerate(problem.measurement.passes):
-        rows = pass_rows(problem, state, number)
-        found.append(rows)
-        information += np.outer(rows.level, rows.level) / rows.level_sd**2
-        gradient += rows.level * rows.mean / rows.level_sd**2
-        by_level += (rows.mean / rows.level_sd) ** 2
         if measured.test.of_kind.by_angle:
-            weighted = rows.weights / problem.noises[number].white ** 2
-            information += rows.shape.T @ (weighted[:, None] * rows.shape)
-            gradient += rows.shape.T @ (weighted * rows.deviation)
-            by_shape += float(weighted @ rows.deviation**2)
-    return Linearised(information, gradient, by_level, by_shape, found)
+            rows = pass_rows(problem, state, number)
+            found.append(rows)
+            weights = rows.weights / problem.whites[number] ** 2
+            information += rows.shape.T @ (weights[:, None] * rows.shape)
+            gradient += rows.shape.T @ (weights * rows.deviation)
+    by_level = float(left @ weighted[:, -1] + np.sum((away / believed) ** 2))
+    return Linearised(information, gradient, by_level, found)
 
 
 def pass_rows(problem: Problem, state: State, number: int) -> PassRows:
-    """Return what one pass says at a state."""
-    measured, noise = problem.measurement.passes[number], problem.noises[number]
+    """Return what the shape of one pass says at a state."""
+    measured = problem.measurement.passes[number]
     block, at = problem.block_of(number)
     values = problem.prediction.part(at, state.values)
     slopes = problem.prediction.part(at, state.slopes)
     angle, count = measured.angle - state.offset, len(problem.unknowns)
-    free = measured.test.of_kind.by_angle
-    model = block.at(values, measured.direction, angle)
-    left = measured.value - (1 + state.gain) * model - state.zeros[measured.run]
-    if not free:
-        left = _without_ripple(left)
-    weights = robust_weights(left, noise.white)
+    left = measured.value - block.at(values, measured.direction, angle)
+    weights = robust_weights(left, problem.whites[number])
     share = weights / weights.sum()
-    by_u = block.at(slopes, measured.direction, angle) if free else _mean_slopes(slopes, measured)
-    mean = float(share @ left)
-    level = np.zeros(problem.size)
-    level[:count] = share @ by_u
-    level[count + 1] = float(share @ model)
-    level[count + 2 + measured.run] = 1.0
-    shape = np.zeros((angle.size if free else 0, problem.size))
-    if free:
-        shape[:, :count] = np.where(problem.shaped, by_u - level[:count], 0.0)
+    by_u = block.at(slopes, measured.direction, angle)
+    shape = np.zeros((angle.size, problem.size))
+    shape[:, :count] = by_u - share @ by_u
+    if problem.with_offset:
         turn = -_slope(block, values, measured.direction, angle)
-        shape[:, count] = (turn - share @ turn) if problem.with_offset else 0.0
-    drifting = float(share @ noise.covariance(measured.angle) @ share) if free else 0.0
-    level_sd = np.sqrt(noise.white**2 * float(share @ share) + drifting + noise.level**2)
-    return PassRows(left - mean, weights, mean, level, shape, float(level_sd))
+        shape[:, count] = turn - share @ turn
+    return PassRows(left - float(share @ left), weights, shape)
 
 
 def robust_weights(left: np.ndarray, white: float) -> np.ndarray:
     """Return the weights of the loss soft_l1, 2 (sqrt(1 + z^2) - 1), about the median: shape (n,)."""
     z = (left - np.median(left)) / (LINEAR_TO * white)
     return 1 / np.sqrt(1 + z**2)
-
-
-def _without_ripple(left: np.ndarray) -> np.ndarray:
-    """Return deviations (n,) from a mean with what is smooth of them taken away, but for its mean.
-
-    A test of which the mean alone is predicted still shows teeth and runout. They are no outliers: weights of
-    the points that take them for such would move the mean by half a percent under a weight.
-    """
-    held = np.pad(left, SMOOTH // 2, mode="edge")
-    smooth = np.median(np.lib.stride_tricks.sliding_window_view(held, SMOOTH), axis=1)
-    return np.asarray(left - smooth + smooth.mean())
-
-
-def _mean_slopes(slopes: np.ndarray, measured: MeasuredPass) -> np.ndarray:
-    row = slopes[0 if measured.direction > 0 else 1]
-    return np.broadcast_to(row, (measured.angle.size, row.size))
 
 
 def _slope(block: CurveBlock, values: np.ndarray, direction: int, angle: np.ndarray) -> np.ndarray:
@@ -212,9 +214,51 @@ def _slope(block: CurveBlock, values: np.ndarray, direction: int, angle: np.ndar
 
 def white_noise(measured: MeasuredPass) -> float:
     """Return the white part of a pass' noise from second differences, robustly; at least `SMALLEST_NOISE`."""
-    value = measured.value
-    second = np.diff(value, 2)
-    floor = SMALLEST_NOISE * float(np.abs(value).mean()) + 1e-12
-    if second.size < 5:
-        return max(floor, float(np.std(value)))
-    return max(floor, float(1.4826 * np.median(np.abs(second)) / np.sqrt(6.0)))
+    floor = SMALLEST_NOISE * float(np.abs(measured.value).mean()) + 1e-12
+    few = measured.value.size < 7
+    return max(floor, float(np.std(measured.value)) if few else white_deviation(measured.value))
+
+
+# --- The angle's offset: where the ripple of the teeth fits best, beside the slow waves of rig and runout
+
+SCANNED = 60  # offsets over a tooth pitch
+
+
+def found_offset(problem: Problem, values: np.ndarray) -> tuple[float, float]:
+    """Return the offset [rad] within half a pitch at which the ripple fits best, and its deviation."""
+    numbers = [i for i, each in enumerate(problem.measurement.passes) if each.test.of_kind.by_angle]
+
+    def costs(offset: float, refined: bool = False) -> tuple[float, float, float]:
+        cost, gradient, information = 0.0, 0.0, 0.0
+        for number in numbers:
+            each, (block, at) = problem.measurement.passes[number], problem.block_of(number)
+            own, angle = problem.prediction.part(at, values), each.angle - offset
+            slow = _slow(each.angle)
+            left = each.value - block.at(own, each.direction, angle)
+            left = left - slow @ (slow.T @ left)
+            white = max(problem.whites[number], 1.4826 * float(np.median(np.abs(left))))
+            weights = robust_weights(left, white) / white**2
+            scaled = left / (LINEAR_TO * problem.whites[number])
+            cost += float(2 * LINEAR_TO**2 * np.sum(np.sqrt(1 + scaled**2)))
+            if refined:
+                turn = -_slope(block, own, each.direction, angle)
+                turn = turn - slow @ (slow.T @ turn)
+                gradient += float(turn @ (weights * left))
+                information += float(turn @ (weights * turn))
+        return cost, gradient, information
+
+    tried = np.linspace(-0.5, 0.5, SCANNED, endpoint=False) * problem.pitch
+    offset = float(tried[int(np.argmin([costs(float(each))[0] for each in tried]))])
+    prior = (OFFSET * problem.pitch) ** -2.0
+    for _ in range(3):
+        _, gradient, information = costs(offset, refined=True)
+        step = gradient / (information + prior)
+        offset += float(np.clip(step, -problem.pitch / SCANNED, problem.pitch / SCANNED))
+    return offset, float((information + prior) ** -0.5)
+
+
+def _slow(angle: np.ndarray) -> np.ndarray:
+    """An orthonormal basis (n, p) of a constant, a slope and two waves of the turn."""
+    columns = [np.ones_like(angle), angle, np.cos(angle), np.sin(angle), np.cos(2 * angle), np.sin(2 * angle)]
+    kept = 6 if np.ptp(angle) > 0.8 * 2 * np.pi else 2
+    return np.asarray(np.linalg.qr(np.column_stack(columns[:kept]))[0])

@@ -1,6 +1,6 @@
-"""What a fit leaves for the next gear of a series: where it ended, and the slopes there.
+"""What a fit leaves for the next gear of a series: where it ended, and what was simulated there.
 
-The next gear differs from it by some percent, so that a fit that begins there needs two or three simulations.
+The next gear differs from it by some percent, so that a fit that begins there needs one or two simulations.
 """
 
 from dataclasses import dataclass
@@ -11,10 +11,11 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import content_of, read_json_tables, write_json
-from rps_exudyn.inference.fitting.problem import Problem, State
+from rps_exudyn.inference.fitting.problem import Problem
 
 WHAT = "rps_exudyn fit, for the next gear of the series"
-_KEYS = {"what", "law", "paths", "tests", "u", "gain", "values", "slopes", "by_law"}
+_KEYS = {"what", "law", "paths", "tests", "u", "values", "by_law"}
+_FORMERLY = {"gain", "slopes"}  # of files of earlier versions, not needed any more
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +25,8 @@ class Series:
     law: str  # contact law of the fit
     paths: tuple[str, ...]  # of the unknowns
     tests: tuple[str, ...]
-    state: State
+    u: np.ndarray  # unknowns, shape (unknowns,)
+    values: np.ndarray  # simulated there, of all tests
     by_law: np.ndarray  # what another contact law moves, shape (unknowns,)
 
     def misfit(self, problem: Problem, law: str) -> str:
@@ -36,7 +38,7 @@ class Series:
         if self.tests != (tests := titles(problem)):
             return f"its tests were {_listed(self.tests)}, not {_listed(tests)}"
         size = sum(block.size for block in problem.prediction.blocks)
-        return "" if self.state.values.size == size else "its curves cover another range of angles"
+        return "" if self.values.size == size else "its curves cover another range of angles"
 
 
 def titles(problem: Problem) -> tuple[str, ...]:
@@ -54,16 +56,13 @@ def write_series(series: Series, path: str | Path) -> None:
     Raises:
         InputError: it cannot be written.
     """
-    state = series.state
     content = {
         "what": WHAT,
         "law": series.law,
         "paths": list(series.paths),
         "tests": list(series.tests),
-        "u": state.u.tolist(),
-        "gain": state.gain,
-        "values": state.values.tolist(),
-        "slopes": state.slopes.tolist(),
+        "u": series.u.tolist(),
+        "values": series.values.tolist(),
         "by_law": series.by_law.tolist(),
     }
     write_json(path, content)
@@ -80,7 +79,7 @@ def read_series(path: str | Path) -> Series:
         content = read_json_tables(written.decode("utf-8"), "it")
     except ValueError:
         content = {}
-    if set(content) != _KEYS or content["what"] != WHAT:
+    if set(content) - _FORMERLY != _KEYS or content["what"] != WHAT:
         raise InputError(f"{path} is no file of a series; fit --series FILE writes one.")
     try:
         return _series(content)
@@ -89,18 +88,16 @@ def read_series(path: str | Path) -> Series:
 
 
 def _series(content: dict[str, Any]) -> Series:
-    u, values, slopes, by_law = (
-        np.asarray(content[name], dtype=float) for name in ("u", "values", "slopes", "by_law")
-    )
+    u, values, by_law = (np.asarray(content[name], dtype=float) for name in ("u", "values", "by_law"))
     count = len(content["paths"])
-    finite = all(np.isfinite(each).all() for each in (u, values, slopes, by_law))
-    if not finite or u.shape != (count,) or by_law.shape != (count,) or slopes.shape != (values.size, count):
+    finite = all(np.isfinite(each).all() for each in (u, values, by_law))
+    if not finite or values.ndim != 1 or u.shape != (count,) or by_law.shape != (count,):
         raise ValueError
-    state = State(u, 0.0, float(content["gain"]), np.zeros(0), values, slopes)
     return Series(
         str(content["law"]),
         tuple(map(str, content["paths"])),
         tuple(map(str, content["tests"])),
-        state,
+        u,
+        values,
         by_law,
     )

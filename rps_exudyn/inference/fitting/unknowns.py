@@ -47,6 +47,12 @@ SIGNED = {"installation.angle_error": Believed(np.radians(0.05), np.radians(0.00
 CURVED = ("rack.bow", "installation.angle_error")
 """Unknowns of which the torque is no straight line, not even nearly."""
 
+BY_LOAD, WITHOUT_YOKE = "friction under 150 kg", "drag without yoke"
+NUISANCES = {BY_LOAD: 0.10, WITHOUT_YOKE: 0.25}
+"""What tests compare although nobody measured it; deviations of logarithms. Both coefficients of friction
+change by exp(beta m / 150 kg) under a weight m; a rack without yoke has another drag."""
+LOAD_OF_NUISANCE = 150.0  # [kg]
+
 USUAL = (*LEVEL, "pinion.runout")
 FREEABLE = (*LEVEL, *VECTORS, *SIGNED)
 
@@ -60,6 +66,11 @@ class Unknown:
     before: float  # expected: logarithm of the SI value, or SI
     sd: float  # of that expectation
     step: float
+
+    @property
+    def is_nuisance(self) -> bool:
+        """Return whether it is no parameter of the gear."""
+        return self.path in NUISANCES
 
     @property
     def is_level(self) -> bool:
@@ -114,10 +125,22 @@ def _positive(path: str, value: float, prior: tuple[float, float] | None) -> Unk
     return Unknown(path, "", float(np.log(value)), sd, LEVEL[path].step)
 
 
+def nuisance_unknowns(names: Iterable[str]) -> list[Unknown]:
+    """Return the nuisances of these names."""
+    return [Unknown(name, "", 0.0, NUISANCES[name], 0.02) for name in names]
+
+
+def nuisances_of(unknowns: list[Unknown], u: np.ndarray) -> dict[str, float]:
+    """Return name -> logarithm of the nuisances among the unknowns."""
+    return {each.path: float(value) for each, value in zip(unknowns, u, strict=True) if each.is_nuisance}
+
+
 def settings_of(unknowns: list[Unknown], u: np.ndarray) -> dict[str, float]:
     """Return path -> SI value for the values `u`, within the limits of the parameters."""
     settings: dict[str, float] = {}
     for unknown, value in zip(unknowns, u.tolist(), strict=True):
+        if unknown.is_nuisance:
+            continue
         if unknown.is_level:
             settings[unknown.path] = min(
                 float(np.exp(value)), 1.0 if "friction" in unknown.path[-9:] else np.inf

@@ -85,6 +85,7 @@ def _basis(fit: Fit) -> Iterable[PageBlock]:
         yield Text(f"{sentence}.")
     for sentence in fit.warnings:
         yield Text(as_sentence(sentence))
+    yield Grid(findings.BUDGET, [list(row) for row in findings.budget_rows(fit)])
     yield Fold("What was assumed of the files", [Text(sentence) for sentence in fit.assumed])
     if claims := shape_claims(fit):
         table = [

@@ -1,0 +1,192 @@
+"""What contradicts a fit, and what explains a misfit: refusals, and notes that name parts of the rig.
+
+Goodness of fit alone does not refuse what matters: friction that falls with load, or another drag without
+yoke, is taken up by five unknowns. So one test is directed: below the weight that lifts a flank, half the
+difference of both directions does not depend on the weight.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.inference.fitting.bench_tests import mixed_speeds
+from rps_exudyn.inference.fitting.level import ZERO, LevelEstimate, Runout
+from rps_exudyn.inference.fitting.level_fit import BETWEEN_MODELS, LevelFit, stepped
+from rps_exudyn.inference.fitting.problem import MODEL, Problem
+from rps_exudyn.inference.fitting.unknowns import BY_LOAD
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.closed_form import GRAVITY, runout_harmonics
+
+OPENED = 100.0  # times the deviations of the unknowns, where the data alone are judged
+UNLIKELY = 0.01  # probability of a chi squared, below which no model of this kind explains the data
+FLAT_LOAD = 0.01  # by which the formula's half difference may change below lifting
+BY_CHANCE = 0.05  # probability of a slope over the weight
+OWN_WAVE, OWN_BEND = 3.0, 3.5  # standard deviations of friction's own waves and bend that are named
+NAMED = 0.005  # of the level: smaller ones are not worth naming
+ENCODER = 5.0  # standard deviations of a wave of the teeth at a wrong order
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why nothing counts as found, although it is narrow."""
+
+    name: str
+    sentence: str
+
+
+def refusals(problem: Problem, levels: LevelFit) -> list[Refusal]:
+    """Return what contradicts the model: the data as a whole, and the load tests."""
+    found = []
+    for probability, name, what in (
+        (_data_probability(levels), "chi-squared", "levels of the tests contradict each other"),
+        (
+            _load_probability(problem, levels),
+            "weights",
+            "half the difference under weights changes with the weight where no flank lifts: friction "
+            "depends on the load, or the runs differ by more than is declared",
+        ),
+    ):
+        limit = UNLIKELY if name == "chi-squared" else BY_CHANCE
+        if probability < limit:
+            found.append(
+                Refusal(
+                    name, f"nothing is called found: {what} (probability {probability:.2g}, limit {limit:g})"
+                )
+            )
+    return found
+
+
+def _data_probability(levels: LevelFit) -> float:
+    """Probability of a larger chi squared, with hardly any belief in the unknowns but the nuisances."""
+    from scipy.special import chdtrc
+
+    model = levels.model
+    freedom = model.rows.values.size - sum(not each.is_nuisance for each in model.unknowns)
+    if freedom < 1:
+        return 1.0
+    open_model = model.believing(OPENED, nuisances=1.0)
+    end = stepped(open_model, levels.end.u)
+    return float(chdtrc(freedom, open_model.cost(end.u))) if end.converged else 1.0
+
+
+def _load_probability(problem: Problem, levels: LevelFit) -> float:
+    """Probability of a larger slope of the half difference over the weight, below lifting."""
+    from scipy.special import ndtr
+
+    model, u = levels.model, levels.end.u.copy()
+    for j, each in enumerate(model.unknowns):
+        u[j] = 0.0 if each.path == BY_LOAD else u[j]
+    rows, predicted, formula = model.rows, model.at(u), model.by_formula(u)
+    both = {each.test for each in problem.levels if each.both_ways}
+    own = [i for i, way in enumerate(rows.ways) if rows.tests[i] in both and way[1] < 0]
+    free = [i for i in own if rows.tests[i].kind == "free"]
+    if not free:
+        return 1.0
+    level = formula[free[0]]
+    own = [
+        i
+        for i in own
+        if (i in free or rows.tests[i].of_kind.weighted) and abs(formula[i] / level - 1) < FLAT_LOAD
+    ]
+    if len(own) < 2:
+        return 1.0
+    masses = np.array([abs(rows.tests[i].load) / GRAVITY for i in own])
+    deviations = {each.test: each.data_sd / each.value for each in problem.levels}
+    model_sd = np.array([MODEL if rows.tests[i].of_kind.weighted else 0.0 for i in own])
+    sd = np.hypot([deviations[rows.tests[i]] for i in own], model_sd)
+    apart = np.where(np.isin(own, free), 0.0, BETWEEN_MODELS * (model.factors[own] - 1))
+    ratio = rows.values[own] / predicted[own]
+    if not (ratio > 0).all():
+        return 0.0
+    effects = np.column_stack([np.ones(len(own)), masses])
+    weighted = np.linalg.solve(np.diag(sd**2) + np.outer(apart, apart), effects)
+    normal = effects.T @ weighted
+    slope = np.linalg.solve(normal, weighted.T @ np.log(ratio))[1]
+    return float(2 * ndtr(-abs(slope) / np.sqrt(np.linalg.inv(normal)[1, 1])))
+
+
+# --- Notes
+
+
+def notes(problem: Problem, gear: SteeringGear, runout: Runout | None) -> Iterator[str]:
+    """What explains how the curves differ from the model, and what the intervals lack."""
+    levels, measurement = problem.levels, problem.measurement
+    if all(each.runs == 1 for each in levels):
+        yield "no test was run twice: how much runs differ is declared, not known from these data"
+    for each in levels:
+        yield from each.asks
+        if not each.both_ways:
+            yield f"{each.test.title} was measured one way only: the sensor's zero counts as friction there"
+        if each.spikes:
+            yield f"{each.spikes} points of {each.test.title} are left out as spikes"
+        if each.test.of_kind.by_angle:
+            yield from _rig(each, gear, runout)
+    yield from measurement.late
+    yield from mixed_speeds(measurement, float(GearPair.of(gear).gain))
+    for each in levels:
+        known = each.half_sum is not None and not each.test.of_kind.weighted
+        if known and abs(each.half_sum or 0.0) > 3 * ZERO * abs(each.value):
+            yield (
+                f"the zero of the sensor is {each.half_sum:.2g} (SI) in {each.test.title}, which is a large "
+                "part of its mean"
+            )
+
+
+def _rig(level: LevelEstimate, gear: SteeringGear, runout: Runout | None) -> Iterator[str]:
+    """Friction's own waves and bend, drift, correlated noise, and the order at which the teeth show."""
+    value = abs(level.value)
+    if level.correlated > 0.5:
+        yield "what is left of the curve keeps its sign over some degrees: noise is correlated"
+    if level.drift_sd > NAMED * value:
+        yield (
+            f"half the sum of both directions drifts: {100 * level.drift_sd / value:.2g} % of the level, by "
+            "warming or by the sensor"
+        )
+    for order, name in ((1, "a coupling or a wheel out of true"), (2, "a cardan joint or a bent coupling")):
+        wave = level.own.get(order)
+        if wave is None:
+            continue
+        vector, sd = wave.vector, wave.sd
+        if order == 1:
+            if level.first is None or not level.both_ways:
+                continue
+            share = _eccentric_share(gear)
+            c, s = level.first.vector
+            vector = vector - share * np.array([-s, c])
+            sd = float(np.hypot(sd, share * level.first.sd))
+        size = float(np.hypot(*vector))
+        if size > OWN_WAVE * sd and size > NAMED * value:
+            times = "once" if order == 1 else "twice"
+            yield f"friction changes by {100 * size / value:.2g} % {times} per turn: {name}"
+    bend, sd = level.bend
+    if abs(bend) > OWN_BEND * sd and abs(bend) > NAMED * value:
+        yield (
+            f"friction is {200 * bend / value:+.2g} % at the ends of the travel beside its middle: a bent "
+            "rack, or a bore out of line"
+        )
+    yield from _encoder(level)
+
+
+def _eccentric_share(gear: SteeringGear) -> float:
+    """Friction's first order over that of the half sum, of an eccentric pinion alone."""
+    own, stored = runout_harmonics(gear.replace({"pinion.runout": 1e-6}))
+    return own / abs(stored)
+
+
+def _encoder(level: LevelEstimate) -> Iterator[str]:
+    waves = level.tooth_waves
+    own = waves.get(1.0)
+    if own is None:
+        return
+    others = {ratio: wave for ratio, wave in waves.items() if ratio != 1.0 and wave.size > ENCODER * wave.sd}
+    if not others:
+        return
+    ratio = max(others, key=lambda each: others[each].size)
+    wrong = not own.is_seen if ratio > 1 else others[ratio].size > 1.5 * own.size
+    if wrong:
+        yield (
+            f"the teeth show {ratio:.3g} times as often per turn of the angle as the pinion given has "
+            "teeth: the encoder may have a ratio, or the pinion other teeth"
+        )

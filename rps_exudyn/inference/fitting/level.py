@@ -1,0 +1,527 @@
+"""The level of a measured test without any model of the gear, with its uncertainty budget (GUM).
+
+Two intervals, each with its name: that of **this run** holds noise, resolution and drift, and says what the
+torque was at that time; that of **the gear** also holds repeatability and calibration. One run with a
+repeatability of 3 % and a run with white noise of 2 % may be the same curve: no interval does for both.
+
+The half sum of both directions holds -P e sin(phi) of an eccentric pinion, free of friction: P e is measured,
+the runout e follows from it and the preload.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rps_exudyn.base.errors import InputError
+from rps_exudyn.inference.fitting.bench_tests import BenchTest, MeasuredPass
+from rps_exudyn.inference.fitting.noise import (
+    NORMAL,
+    AveragedLaw,
+    Parts,
+    Regression,
+    averaged_law,
+    covers,
+    is_regular,
+    parts_of,
+    resolution_of,
+    waves,
+    white_deviation,
+)
+
+REPEATABILITY = 0.02  # of a run's level, declared: known to 35 % ...
+DECLARED = 4.0  # ... which is as good as from so many degrees of freedom (GUM G.4.2)
+CALIBRATION = 0.005  # of the level
+ZERO = 0.03  # of the level: standard deviation of a sensor's zero
+UNSEEN = 0.05  # of the level: waves of a turn that a shorter pass does not show
+FOUND_WAVE = 2.45  # standard deviations: chi squared of two components, 95 %
+SEVERAL_PARTS = 1.3  # by which correlated noise widens a wave: one turn does not show how long it lasts
+LEAST_CORRELATED = 0.25  # probability that is counted whatever the curve shows
+LIKELY = 0.5  # probability of correlated noise from which on it is counted so
+SIZE_SCATTER = 0.02  # of a wave's size, from run to run
+OVERLAP = 0.5  # least part of the shorter pass that both directions cover
+
+
+@dataclass(frozen=True)
+class BudgetRow:
+    """One contribution to the interval of a level.
+
+    Attributes:
+        name: what contributes.
+        half: half of its 95 % interval, in the unit of the level.
+        of_run: whether it belongs to the level of this run; others are of the gear's alone.
+        basis: where it is from.
+    """
+
+    name: str
+    half: float
+    of_run: bool
+    basis: str
+
+
+@dataclass(frozen=True, eq=False)
+class Wave:
+    """A wave of the angle: cosine and sine (2,), standard deviation of either, and its quantile of 97.5 %."""
+
+    vector: np.ndarray
+    sd: float
+    quantile: float = NORMAL
+
+    @property
+    def size(self) -> float:
+        """Amplitude as it is seen."""
+        return float(np.hypot(*self.vector))
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether noise alone makes such a wave in less than 5 %."""
+        return self.size > FOUND_WAVE * self.sd
+
+
+@dataclass(frozen=True, eq=False)
+class LevelEstimate:
+    """The level of one test: half the difference of both directions, or the only direction's mean.
+
+    Attributes:
+        test: what was measured.
+        value: level, in the test's unit.
+        half_sum: half the sum of both directions; None of one direction.
+        directions: +1, -1, or both.
+        runs: how many.
+        budget: contributions to the interval.
+        noise_sd, drift_sd: standard deviations of the level.
+        repeat_sd: standard deviation of the mean of the runs from their scatter, declared or found.
+        run_levels: of the runs, (runs,).
+        first: the once-per-turn wave of the half sum, where a turn is covered.
+        own: waves of friction itself: the half difference's first and second order.
+        bend: quadratic part of the half difference along the travel, and its standard deviation.
+        spikes: points that were left out.
+        asks: what is to be asked of the user.
+    """
+
+    test: BenchTest
+    value: float
+    half_sum: float | None
+    directions: tuple[int, ...]
+    runs: int
+    budget: tuple[BudgetRow, ...]
+    noise_sd: float
+    drift_sd: float
+    repeat_sd: float
+    run_levels: np.ndarray
+    first: Wave | None
+    own: Mapping[int, Wave]
+    bend: tuple[float, float]
+    tooth_waves: Mapping[float, Wave]
+    correlated: float
+    spikes: int
+    asks: tuple[str, ...] = ()
+
+    @property
+    def both_ways(self) -> bool:
+        """Whether both directions were measured."""
+        return len(self.directions) == 2
+
+    def _interval(self, rows: Sequence[BudgetRow]) -> tuple[float, float]:
+        half = float(np.sqrt(sum(row.half**2 for row in rows)))
+        return self.value - half, self.value + half
+
+    @property
+    def run_interval(self) -> tuple[float, float]:
+        """95 % interval of the level of this run."""
+        return self._interval([row for row in self.budget if row.of_run])
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """95 % interval of the level of the gear."""
+        return self._interval(self.budget)
+
+    @property
+    def sd(self) -> float:
+        """Standard deviation of the level of the gear, as its interval has it."""
+        return (self.interval[1] - self.value) / NORMAL
+
+    @property
+    def noise(self) -> str:
+        """What the interval rests on most."""
+        largest = max(self.budget, key=lambda row: row.half)
+        return f"most of it {largest.name}: {largest.basis}"
+
+    @property
+    def data_sd(self) -> float:
+        """Standard deviation of the level without calibration, which all tests share."""
+        of_run = [row.half / NORMAL for row in self.budget if row.of_run]
+        return float(np.sqrt(self.repeat_sd**2 + sum(each**2 for each in of_run)))
+
+
+def levels_of(passes: Sequence[MeasuredPass], teeth: int, gain: float) -> list[LevelEstimate]:
+    """Return the level of each test; `gain` is the rack's travel per radian of pinion [m/rad].
+
+    Raises:
+        InputError: both directions of a run cover different angles.
+    """
+    tests = list(dict.fromkeys(each.test for each in passes))
+    found = [_level(test, [each for each in passes if each.test == test], teeth, gain) for test in tests]
+    return _with_repeatability(found)
+
+
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """One run: its passes, forth first, as recorded but for spikes; angles of the pinion [rad]."""
+
+    passes: tuple[tuple[np.ndarray, np.ndarray], ...]
+    spikes: int
+    steps: tuple[float, ...]  # of the sensor, by pass
+    constant: bool  # whether no pass shows a step
+    white: float  # of a point
+
+
+def _runs(test: BenchTest, passes: Sequence[MeasuredPass], gain: float) -> tuple[list[_Run], tuple[int, ...]]:
+    ways = {sense: [each for each in passes if each.direction == sense] for sense in (1, -1)}
+    directions = tuple(sense for sense in (1, -1) if ways[sense])
+    paired = zip(*(ways[sense] for sense in directions), strict=False)
+    runs = []
+    for own in paired:
+        cleaned, spikes, steps, constant, white = [], 0, [], True, []
+        for each in own:
+            step = resolution_of(each.raw_value)
+            regular = is_regular(each.raw_value, step)
+            angle = each.raw_angle[regular] / (gain if test.pushed else 1.0)
+            cleaned.append((angle, each.raw_value[regular]))
+            spikes += int((~regular).sum())
+            steps.append(step)
+            constant = constant and not np.ptp(each.raw_value) > 0
+            white.append(white_deviation(each.raw_value[regular]))
+        shown = [step for step, each in zip(steps, own, strict=True) if np.ptp(each.raw_value) > 0]
+        runs.append(_Run(tuple(cleaned), spikes, tuple(shown or steps), constant, float(np.mean(white))))
+    return runs, directions
+
+
+def _parts(test: BenchTest, runs: Sequence[_Run]) -> list[Parts]:
+    """The parts of each run over the angles that all passes cover; rows: half difference, half sum."""
+    ends = [(float(angle.min()), float(angle.max())) for run in runs for angle, _ in run.passes]
+    low, high = max(end[0] for end in ends), min(end[1] for end in ends)
+    shortest = min(end[1] - end[0] for end in ends)
+    if high - low < OVERLAP * shortest or not high > low:
+        raise InputError(
+            f"the passes of {test.title} cover different angles of the pinion: they share "
+            f"{np.degrees(max(high - low, 0.0)):.3g} of {np.degrees(shortest):.3g} deg; measure the same "
+            "range forth and back, and in each run."
+        )
+    found = []
+    for run in runs:
+        parts = parts_of(run.passes, low, high)
+        if len(run.passes) == 2:
+            forth, back = parts.values
+            parts = replace(parts, values=np.array([(forth - back) / 2, (forth + back) / 2]))
+        found.append(parts)
+    return found
+
+
+def _level(test: BenchTest, passes: Sequence[MeasuredPass], teeth: int, gain: float) -> LevelEstimate:
+    runs, directions = _runs(test, passes, gain)
+    both, count = len(directions) == 2, len(runs)
+    per_run = _parts(test, runs)
+    if not both:
+        per_run = [replace(each, values=directions[0] * each.values) for each in per_run]
+    span, orders = per_run[0].span, (1, 2, teeth, 2 * teeth)
+    groups = _alike(per_run)
+    functionals = [_functional(group[0], span, orders) for group in groups]
+    levels = np.concatenate(
+        [[g @ each.values[0] for each in group] for g, group in zip(functionals, groups, strict=True)]
+    )
+    value = float(levels.mean())
+    law = averaged_law(
+        [_regression(group, 1, span, (1, teeth, 2 * teeth), bent=False) for group in groups] if both else [],
+        [_regression(group, 0, span, orders, bent=True) for group in groups],
+        abs(value),
+    )
+    variances = sum(
+        len(group) * np.einsum("k,lkj,j->l", g, each.regression.covariance(False), g)
+        for g, group, each in zip(functionals, groups, law.differences, strict=True)
+    )
+    noise = law.half_interval(np.asarray(variances)) / count / NORMAL
+    drift = _drift(law, count)
+    step, white = min(min(run.steps) for run in runs), float(np.mean([run.white for run in runs]))
+    dithered = float(np.exp(-2 * (np.pi * white / step) ** 2)) if step else 0.0
+    rows = [
+        BudgetRow("noise", NORMAL * noise, True, _noise_words(law)),
+        BudgetRow("resolution", NORMAL * step / np.sqrt(12) * dithered, True, _step_words(test, step)),
+        BudgetRow("drift", NORMAL * drift, True, "slope of the half sum along the travel"),
+    ]
+    if not both:
+        zero = _students(DECLARED) * ZERO * abs(value)
+        rows.append(BudgetRow("zero, one way only", zero, True, f"{100 * ZERO:.2g} % declared"))
+    if not covers(span, 1):
+        leak = abs(np.sin(span / 2) / (span / 2)) * UNSEEN * abs(value) / np.sqrt(2)
+        rows.append(BudgetRow("waves of a turn", NORMAL * leak, True, "the passes are shorter than one"))
+    waves_of_sum = _tooth_waves(groups, law, both, teeth)
+    asked = f"{test.title} holds one value only: what is the smallest step of its sensor?"
+    return LevelEstimate(
+        test=test,
+        value=value,
+        half_sum=_half_sum(groups, functionals) if both else None,
+        directions=directions,
+        runs=count,
+        budget=tuple(rows),
+        noise_sd=noise,
+        drift_sd=drift,
+        repeat_sd=0.0,
+        run_levels=levels,
+        first=_first(law, both, count, step * dithered, value) if covers(span, 1) else None,
+        own=_own_waves(law, span, count),
+        bend=_bend(law, count),
+        tooth_waves=waves_of_sum,
+        correlated=law.correlated,
+        spikes=sum(run.spikes for run in runs),
+        asks=(asked,) if all(run.constant for run in runs) else (),
+    )
+
+
+def _step_words(test: BenchTest, step: float) -> str:
+    return f"steps of {step:.3g} {test.unit.replace('*', ' ')}" if step else "no steps are seen"
+
+
+def _alike(per_run: Sequence[Parts]) -> list[list[Parts]]:
+    """Runs in groups of the same parts and numbers of points."""
+    groups: dict[bytes, list[Parts]] = {}
+    for each in per_run:
+        groups.setdefault(each.angle.tobytes() + each.points.tobytes(), []).append(each)
+    return list(groups.values())
+
+
+def _functional(parts: Parts, span: float, orders: Sequence[float]) -> np.ndarray:
+    """Weights (k,) of the parts whose sum is the level: the intercept beside the waves of turn and teeth."""
+    effects = _limited(np.ones((parts.angle.size, 1)), parts.angle, span, orders)
+    return np.asarray(np.linalg.pinv(effects)[0])
+
+
+def _limited(columns: np.ndarray, angle: np.ndarray, span: float, orders: Sequence[float]) -> np.ndarray:
+    """The columns with as many waves as the parts can tell beside noise."""
+    for kept in range(len(orders), -1, -1):
+        effects = np.hstack([columns, waves(angle, span, orders[:kept])])
+        if angle.size >= 2 * effects.shape[1] or not kept:
+            return effects
+    return columns
+
+
+def _regression(
+    group: Sequence[Parts], row: int, span: float, orders: Sequence[float], bent: bool
+) -> Regression:
+    parts = group[0]
+    columns = [np.ones_like(parts.place)]
+    if bent and parts.angle.size >= 12:
+        columns += [parts.place, 12 * parts.place**2 - 1]
+    effects = _limited(np.column_stack(columns), parts.angle, span, orders)
+    return Regression(parts, effects, np.array([each.values[row] for each in group]).T)
+
+
+def _half_sum(groups: Sequence[Sequence[Parts]], functionals: Sequence[np.ndarray]) -> float:
+    return float(
+        np.mean([g @ each.values[1] for g, group in zip(functionals, groups, strict=True) for each in group])
+    )
+
+
+def _drift(law: AveragedLaw, runs: int) -> float:
+    """Standard deviation of the level from drift: what drifts evenly over a pass is seen in the half sum.
+
+    A zero that drifts evenly over both passes is in the half difference alone.
+    """
+    along = law.square_of_tilt() / 4
+    across = 0.0
+    if law.differences and law.differences[0].regression.effects.shape[1] > 2:
+        slope, sd = _effect(law, law.differences, 1)
+        across = (max(0.0, abs(float(slope[0])) - 2 * sd) / 2) ** 2 / 3
+    one = float(np.sqrt(along + across))
+    return one if runs == 1 else one / np.sqrt(runs) * _students(runs) / NORMAL
+
+
+def _effect(law: AveragedLaw, solved: Sequence, column: int) -> tuple[np.ndarray, float]:
+    """Mean over all runs of two neighbouring effects (2,), and their standard deviation."""
+    found = [law.effect(each, column) for each in solved]
+    vectors = np.concatenate([each[0] for each in found])
+    counts = [each[0].shape[0] for each in found]
+    variance = sum(np.mean(each[1]) * count for each, count in zip(found, counts, strict=True))
+    return vectors.mean(axis=0), float(np.sqrt(variance)) / sum(counts)
+
+
+def _first(law: AveragedLaw, both: bool, runs: int, step: float, level: float) -> Wave:
+    """The once-per-turn wave of the half sum; of one direction, of its torque."""
+    solved = law.sums if both else law.differences
+    column = 1 if both else 3
+    if solved[0].regression.effects.shape[1] < column + 2:
+        return Wave(np.zeros(2), abs(level))
+    vectors = np.concatenate([law.effect(each, column)[0] for each in solved])
+    _, sd = _effect(law, solved, column)
+    sd *= 1 + (SEVERAL_PARTS - 1) * max(law.correlated, LEAST_CORRELATED)
+    sd = float(np.hypot(sd, step / np.sqrt(24 if both else 12)))
+    quantile = NORMAL
+    if runs > 1:
+        from scipy.special import chdtri
+
+        scatter = float(((vectors - vectors.mean(axis=0)) ** 2).sum())
+        freedom = 2 * (runs - 1)
+        if scatter > chdtri(freedom, 0.01) * runs * sd**2:
+            sd, quantile = float(np.sqrt(scatter / freedom / runs)), _students(freedom)
+    return Wave(vectors.mean(axis=0), sd if both else float(np.hypot(sd, ZERO * abs(level))), quantile)
+
+
+def _own_waves(law: AveragedLaw, span: float, runs: int) -> dict[int, Wave]:
+    """First and second order of the half difference, as far as the travel shows them."""
+    found = {}
+    effects = law.differences[0].regression.effects.shape[1]
+    for order, column in ((1, 3), (2, 5)):
+        if covers(span, 1) and effects >= column + 2:
+            vector, sd = _effect(law, law.differences, column)
+            found[order] = Wave(vector, sd * (1 + (SEVERAL_PARTS - 1) * law.correlated))
+    return found
+
+
+def _bend(law: AveragedLaw, runs: int) -> tuple[float, float]:
+    if law.differences[0].regression.effects.shape[1] < 4:
+        return 0.0, np.inf
+    found = [law.effect(each, 1) for each in law.differences]
+    vectors, variance = np.concatenate([each[0] for each in found]), np.mean([each[1][1] for each in found])
+    return float(vectors[:, 1].mean()), float(np.sqrt(variance / runs))
+
+
+TOOTH_ORDERS = (0.25, 1 / 3, 0.5, 1.0, 2.0, 3.0, 4.0)  # times the number of teeth
+
+
+def _tooth_waves(
+    groups: Sequence[Sequence[Parts]], law: AveragedLaw, both: bool, teeth: int
+) -> dict[float, Wave]:
+    """Waves of the half sum, or of the only direction, near the teeth's order, for an encoder's ratio.
+
+    What is left of slow waves is noise of all of them, as far as their scatter shows it.
+    """
+    parts = groups[0][0]
+    value = np.mean([each.values[1 if both else 0] for group in groups[:1] for each in group], axis=0)
+    slow = np.column_stack([np.ones_like(parts.place), parts.place, waves(parts.angle, parts.span, (1, 2))])
+    left = value - slow @ np.linalg.lstsq(slow, value, rcond=None)[0]
+    found = {}
+    for ratio in TOOTH_ORDERS:
+        columns = waves(parts.angle, parts.span, (ratio * teeth,))
+        if ratio * teeth > 2 and columns.shape[1] and covers(parts.span, 1):
+            vector, *_ = np.linalg.lstsq(columns, left, rcond=None)
+            found[ratio] = Wave(vector, float(np.std(left) * np.sqrt(2 / left.size)))
+    return found
+
+
+def _noise_words(law: AveragedLaw) -> str:
+    if law.correlated > LIKELY:
+        return "noise that keeps its sign over some degrees, by restricted likelihood"
+    return "white noise within the run, by restricted likelihood"
+
+
+# --- From this run to the gear
+
+
+def _with_repeatability(found: list[LevelEstimate]) -> list[LevelEstimate]:
+    """The levels with the rows that make them the gear's; several tests share their scatter."""
+    repeated = [each for each in found if each.runs > 1 and each.value]
+    freedom = sum(each.runs - 1 for each in repeated)
+    parts = [float(np.var(each.run_levels, ddof=1)) / each.value**2 for each in repeated]
+    pooled = sum(part * (each.runs - 1) for part, each in zip(parts, repeated, strict=True))
+    pooled = pooled / freedom if freedom else 0.0
+    own = dict(zip([each.test for each in repeated], parts, strict=True))
+    done = []
+    for each in found:
+        scatter = pooled
+        if each.runs > 1 and len(repeated) > 1 and _is_beyond(own[each.test], each.runs - 1, pooled):
+            scatter = own[each.test]
+        one = each.noise_sd**2 + each.drift_sd**2
+        declared = (REPEATABILITY * each.value) ** 2 + each.runs * one
+        known = freedom if each.runs > 1 else 0
+        square = scatter * each.value**2
+        variance = (DECLARED * declared + known * square) / (DECLARED + known)
+        if known:
+            variance = max(variance, square)
+        sd = float(np.sqrt(variance / each.runs))
+        basis = f"{100 * REPEATABILITY:.2g} % declared"
+        if known:
+            basis += f", and {100 * np.sqrt(scatter):.2g} % found with {known} degrees of freedom"
+        rows = (
+            *each.budget,
+            BudgetRow("repeatability", _students(DECLARED + known) * sd, False, basis),
+            BudgetRow(
+                "calibration",
+                NORMAL * CALIBRATION * abs(each.value),
+                False,
+                f"{100 * CALIBRATION:.2g} % declared",
+            ),
+        )
+        done.append(replace(each, budget=rows, repeat_sd=sd))
+    return done
+
+
+UNLIKE = 1e-3  # probability below which a test's scatter is taken for its own
+
+
+def _is_beyond(own: float, freedom: int, pooled: float) -> bool:
+    from scipy.special import chdtri
+
+    return bool(own * freedom > float(chdtri(freedom, UNLIKE)) * pooled)
+
+
+def _students(freedom: float) -> float:
+    """The quantile of 97.5 % of Student's t."""
+    from scipy.special import stdtrit
+
+    return float(stdtrit(freedom, 0.975))
+
+
+# --- Runout
+
+
+@dataclass(frozen=True)
+class Runout:
+    """What the half sum says of the runout: P e as it is measured, and e = P e / P [m].
+
+    Where it is not found, both intervals begin at zero.
+    """
+
+    stored: float  # P e [N m]
+    stored_interval: tuple[float, float]
+    size: float  # e [m]
+    interval: tuple[float, float]
+    is_found: bool
+    vector: np.ndarray  # of the half sum [N m], cosine and sine of the measured angle
+    angle_sd: float  # of its direction [rad]
+
+
+def runout_of(
+    level: LevelEstimate, preload: float, preload_sd: float, prior: Wave | None = None
+) -> Runout | None:
+    """Return the runout from a free turning and the preload [N] with the deviation of its logarithm; None
+    where no turn was covered. `prior` is what is believed of the half sum's wave before."""
+    wave = level.first
+    if wave is None:
+        return None
+    if prior is not None:
+        information = wave.sd**-2 + prior.sd**-2
+        vector = (wave.vector / wave.sd**2 + prior.vector / prior.sd**2) / information
+        wave = Wave(vector, float(information**-0.5), wave.quantile)
+    seen = wave.size
+    size = float(np.sqrt(max(seen**2 - wave.sd**2, 0.0)))
+    half = wave.quantile * float(np.hypot(wave.sd, SIZE_SCATTER * size / np.sqrt(level.runs)))
+    is_found = wave.is_seen and level.both_ways
+    low, high = (max(0.0, size - half), size + half) if is_found else (0.0, seen + NORMAL * wave.sd)
+    middle = size / preload
+    below, above = (1 - np.exp(-NORMAL * preload_sd)), (np.exp(NORMAL * preload_sd) - 1)
+    if is_found:
+        ends = (
+            max(0.0, middle - np.hypot((size - low) / preload, below * middle)),
+            middle + np.hypot((high - size) / preload, above * middle),
+        )
+    else:
+        ends = 0.0, middle + float(np.hypot((high - size) / preload, above * high / preload))
+    return Runout(
+        size,
+        (low, high),
+        middle,
+        (float(ends[0]), float(ends[1])),
+        is_found,
+        wave.vector,
+        float(wave.sd / max(seen, 1e-300)),
+    )

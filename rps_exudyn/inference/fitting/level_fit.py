@@ -1,0 +1,219 @@
+"""The fit of levels: Gauss and Newton's steps with the closed form, which simulations correct.
+
+The closed form is the model of all steps, with the difference to a simulation at the last end: as a factor of
+friction, as a term of half sums. Two or three simulations are enough, and what other beliefs would give
+(priors three times as wide, or none) costs none at all.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rps_exudyn.inference.fitting.prediction import NoPredictionError, Prediction, formula_means, gear_in
+from rps_exudyn.inference.fitting.problem import LevelRows
+from rps_exudyn.inference.fitting.unknowns import LEVEL, Unknown, nuisances_of, settings_of
+from rps_exudyn.parameters.gear import SteeringGear
+
+ENOUGH = 0.02  # of a standard error: a smaller step ends the steps
+AGREED = 0.25  # the same, between two simulations
+MOST_STEPS, MOST_HALVINGS, MOST_SIMULATIONS = 40, 8, 6
+BETWEEN_MODELS = 0.7  # of the difference of both models under weights: its standard deviation
+LONGEST = 1.0  # of a logarithm in a step
+FLAT = 1e-3  # of a sum of squares: a step that gains less is no reason to go on
+
+
+@dataclass(frozen=True, eq=False)
+class LevelModel:
+    """Measured levels, what is believed of the unknowns, and the closed form with its correction."""
+
+    rows: LevelRows
+    unknowns: Sequence[Unknown]  # of the level, nuisances last
+    gear: SteeringGear  # with what is not fitted
+    factors: np.ndarray  # of the closed form's rows, (rows,)
+    terms: np.ndarray  # added to them, (rows,)
+
+    @classmethod
+    def of(cls, rows: LevelRows, unknowns: Sequence[Unknown], gear: SteeringGear) -> "LevelModel":
+        """The model without correction."""
+        return cls(rows, unknowns, gear, np.ones(rows.values.size), np.zeros(rows.values.size))
+
+    def by_formula(self, u: np.ndarray) -> np.ndarray:
+        """The closed form's rows at unknowns, shape (rows,)."""
+        gear = self.gear.replace(settings_of(list(self.unknowns), u))
+        nuisances = nuisances_of(list(self.unknowns), u)
+        tests = dict.fromkeys(self.rows.tests)
+        return self.rows.of_means(
+            {test: formula_means(gear_in(test, gear, nuisances), test) for test in tests}
+        )
+
+    def at(self, u: np.ndarray) -> np.ndarray:
+        """The corrected rows, shape (rows,)."""
+        return self.factors * self.by_formula(u) + self.terms
+
+    def corrected(self, u: np.ndarray, simulated: np.ndarray) -> "LevelModel":
+        """The model with the correction that simulated rows (rows,) at `u` show."""
+        formula = self.by_formula(u)
+        scaled = self.rows.scaled & (np.abs(formula) > 0)
+        factors = np.where(scaled, simulated / np.where(scaled, formula, 1.0), 1.0)
+        return replace(self, factors=factors, terms=np.where(scaled, 0.0, simulated - formula))
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Covariance of the rows, and of what simulation and closed form differ by under weights."""
+        weighted = np.array([test.of_kind.weighted for test in self.rows.tests])
+        apart = BETWEEN_MODELS * np.where(weighted, (self.factors - 1) * self.rows.values, 0.0)
+        return self.rows.covariance + np.outer(apart, apart)
+
+    def believing(self, factor: float, nuisances: float | None = None) -> "LevelModel":
+        """The same with deviations of all beliefs times a factor, and at least as usual: what somebody gave
+        for known is no finding; those of nuisances times their own factor."""
+        own = factor if nuisances is None else nuisances
+        wider = [
+            replace(
+                each, sd=each.sd * own if each.is_nuisance else max(factor * each.sd, LEVEL[each.path].sd)
+            )
+            for each in self.unknowns
+        ]
+        return replace(self, unknowns=wider)
+
+    def slopes(self, u: np.ndarray) -> np.ndarray:
+        """Derivatives of the corrected rows, shape (rows, unknowns)."""
+        base, columns = self.by_formula(u), []
+        for j, unknown in enumerate(self.unknowns):
+            stepped = u.copy()
+            stepped[j] += unknown.step
+            columns.append(self.factors * (self.by_formula(stepped) - base) / unknown.step)
+        return np.array(columns).T.reshape(base.size, u.size)
+
+    def beliefs(self) -> tuple[np.ndarray, np.ndarray]:
+        """Expected values and deviations, (unknowns,) each."""
+        return np.array([each.before for each in self.unknowns]), np.array(
+            [each.sd for each in self.unknowns]
+        )
+
+    def data_cost(self, u: np.ndarray) -> float:
+        """Chi squared of the rows."""
+        left = self.rows.values - self.at(u)
+        return float(left @ np.linalg.solve(self.covariance, left))
+
+    def cost(self, u: np.ndarray) -> float:
+        """Chi squared of rows and beliefs."""
+        before, sd = self.beliefs()
+        return self.data_cost(u) + float(np.sum(((u - before) / sd) ** 2))
+
+
+@dataclass(frozen=True, eq=False)
+class LevelEnd:
+    """Where the steps ended."""
+
+    u: np.ndarray
+    information: np.ndarray
+    converged: bool
+    why: str  # not; "" where it did
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Covariance of the unknowns."""
+        return np.asarray(np.linalg.inv(self.information))
+
+
+def stepped(model: LevelModel, begin: np.ndarray) -> LevelEnd:
+    """Improve unknowns by halved steps of Gauss and Newton: full ones fail where a flank lifts."""
+    u, (before, sd) = begin.copy(), model.beliefs()
+    cost = model.cost(u)
+    information = np.diag(sd**-2.0)
+    for _ in range(MOST_STEPS):
+        slopes, left = model.slopes(u), model.rows.values - model.at(u)
+        weighted = np.linalg.solve(model.covariance, np.column_stack([slopes, left]))
+        information = np.diag(sd**-2.0) + slopes.T @ weighted[:, :-1]
+        step = np.linalg.solve(information, slopes.T @ weighted[:, -1] - (u - before) / sd**2)
+        errors = np.sqrt(np.diag(np.linalg.inv(information)))
+        if float(np.max(np.abs(step) / errors, initial=0.0)) < ENOUGH:
+            return LevelEnd(u + step, information, True, "")
+        step /= max(1.0, float(np.abs(step).max()) / LONGEST)
+        for _ in range(MOST_HALVINGS):
+            new = model.cost(u + step)
+            if new < cost:
+                break
+            step = step / 2
+        else:
+            return LevelEnd(u, information, True, "")  # at the edge where a flank lifts
+        gained, cost, u = cost - new, new, u + step
+        if gained < FLAT:
+            return LevelEnd(u, information, True, "")
+    return LevelEnd(u, information, False, f"{MOST_STEPS} steps were not enough")
+
+
+@dataclass(frozen=True, eq=False)
+class LevelFit:
+    """Model and end of a fit of levels, and the values that were simulated there (m,)."""
+
+    model: LevelModel
+    end: LevelEnd
+    values: np.ndarray
+
+
+RowsOf = Callable[[np.ndarray], np.ndarray]
+"""Simulated values (m,) -> rows (rows,)."""
+WithRunout = Callable[[SteeringGear, np.ndarray | None], SteeringGear]
+"""Gear and what was simulated of it last -> the gear with the runout that the half sum shows."""
+
+
+def fitted_levels(
+    model: LevelModel,
+    prediction: Prediction,
+    rows_of: RowsOf,
+    with_runout: WithRunout,
+    begin: np.ndarray,
+    *,
+    corrected: bool = False,
+    agreed: float = AGREED,
+) -> LevelFit:
+    """Fit levels with a model that simulations correct, until two of them agree.
+
+    Args:
+        model: rows and beliefs; `corrected` if it has a correction from another gear or fit.
+        prediction: simulates the tests.
+        rows_of: simulated values (m,) -> rows (rows,).
+        with_runout: gear and simulated values -> the gear with the runout that the half sum shows with its
+            preload.
+        begin: unknowns to begin at.
+        agreed: standard errors between two simulations that end the fit.
+
+    Raises:
+        NoPredictionError: there is no equilibrium where the fit begins.
+    """
+    unknowns = list(model.unknowns)
+    end = stepped(model, begin)
+    values: np.ndarray | None = None
+    for number in range(MOST_SIMULATIONS):
+        u, last = end.u, end
+        for _ in range(MOST_HALVINGS):
+            gear = with_runout(model.gear.replace(settings_of(unknowns, u)), values)
+            try:
+                values = prediction.simulated(gear, nuisances_of(unknowns, u))
+                break
+            except NoPredictionError as error:
+                if number == 0 and not corrected:
+                    begin_gear = np.array([each.before for each in unknowns])
+                    if np.allclose(u, begin_gear, atol=1e-3):
+                        raise
+                    u = (u + begin_gear) / 2
+                    continue
+                return LevelFit(model, replace(last, converged=False, why=str(error)), _kept(values, error))
+        else:
+            raise NoPredictionError("no equilibrium between the gear expected and the one that is fitted")
+        model = model.corrected(u, rows_of(values))
+        end = stepped(model, u)
+        moved = float(np.max(np.abs(end.u - u) * np.sqrt(np.diag(end.information)), initial=0.0))
+        if moved < agreed:
+            return LevelFit(model, end, values)
+    why = f"{MOST_SIMULATIONS} simulations were not enough"
+    return LevelFit(model, replace(end, converged=False, why=end.why or why), _kept(values, None))
+
+
+def _kept(values: np.ndarray | None, error: NoPredictionError | None) -> np.ndarray:
+    if values is None:
+        raise error or NoPredictionError("nothing was simulated")
+    return values
