@@ -24,6 +24,7 @@ from time import monotonic, sleep
 
 from benchmarks.bad_inputs.inputs import SECRET, BadInput, corpus, stands_in
 from benchmarks.topic import Topic, markdown
+from rps_exudyn.base.files import printable
 from rps_exudyn.cli.main import main
 from rps_exudyn.pages.explore.server import Explorer
 from rps_exudyn.parameters.gear import SteeringGear
@@ -84,7 +85,7 @@ def tried(bad: BadInput, precious: bytes) -> tuple[object, ...]:
     special = "".join(f" ({name} -> {place})" for name, place in bad.special.items())
     arguments = " ".join((*bad.arguments, first))[:200] + special
     about = " ".join(f"{name}={value}" for name, value in bad.environment.items())
-    last = said.strip().splitlines()[-1][:200] if said.strip() else ""
+    last = printable(said.strip().splitlines()[-1][:200]).replace("\0", r"\0") if said.strip() else ""
     shown = f"{about} {arguments} {bad.signal}".strip().encode("ascii", "backslashreplace").decode()
     return bad.topic, shown, status, "Traceback" in said, lost, f"{beyond:.2f}", left, outside, last
 

@@ -89,6 +89,22 @@ def onto_simulated(measured: MeasuredTorque, signals: Signals) -> list[Pass]:
     return pieces
 
 
+def residuals(measured: MeasuredTorque, signals: Signals) -> list[Pass]:
+    """Return the measured less the simulated torque in each piece of the measured curve, at its angles that
+    were simulated in the same direction."""
+    pieces = []
+    for piece in onto_simulated(measured, signals):
+        ours = longest_pass(signals, piece.direction)
+        if ours is None:
+            continue
+        low, high = ours.angle.min() - SAME_ANGLE, ours.angle.max() + SAME_ANGLE
+        angle = piece.angle[inside := (piece.angle >= low) & (piece.angle <= high)]
+        torque = piece.signals["pinion_torque"][inside] - ours.over(angle, "pinion_torque")
+        if angle.size:
+            pieces.append(Pass(piece.direction, {"pinion_angle": angle, "pinion_torque": torque}))
+    return pieces
+
+
 def _range_of(signals: Signals, direction: int) -> np.ndarray:
     """The simulated angles in a direction, or in the other one if there are none [rad]."""
     found = longest_pass(signals, direction) or longest_pass(signals, -direction)

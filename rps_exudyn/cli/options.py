@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 Flag = Annotated[bool, Parameter(negative=(), show_default=False)]
 
+All = Annotated[bool, Parameter(name="--all", negative=(), show_default=False, help="print every number.")]
+
 Json = Annotated[
     bool, Parameter(name="--json", negative=(), show_default=False, help="print the result as JSON.")
 ]
@@ -80,10 +82,10 @@ class GearOptions:
 
     def say_medians(self) -> None:
         """Name on standard error the parameters that carry a distribution, of which the median is taken."""
-        from rps_exudyn.cli.output import say
+        from rps_exudyn.cli.output import note
 
         if paths := self.carried():
-            say(f"{', '.join(paths)}: the median of its distribution is taken; --band makes the band.")
+            note(f"{', '.join(paths)}: the median of its distribution is taken; --band makes the band.")
 
     def tables(self) -> dict[str, Any]:
         """The tables of the gear's file; {} without one."""

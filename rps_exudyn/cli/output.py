@@ -10,7 +10,7 @@ import os
 import sys
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,29 @@ _CODES = {"bold": "1", "dim": "2"}
 def say(sentence: str) -> None:
     """Print a sentence that is no result on standard error."""
     print(f"rps-exudyn: {sentence}", file=sys.stderr)
+
+
+def note(sentence: str) -> None:
+    """Print on standard error what is no error, unless only errors are wanted."""
+    if not _quiet:
+        say(sentence)
+
+
+@contextmanager
+def printing(quiet: bool) -> Iterator[None]:
+    """Print nothing but errors in a block, if so wanted."""
+    if not quiet:
+        yield
+        return
+    _quiet.append(True)
+    try:
+        with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stdout(nowhere):
+            yield
+    finally:
+        _quiet.pop()
+
+
+_quiet: list[bool] = []
 
 
 def put(text: str = "", style: str = "") -> None:

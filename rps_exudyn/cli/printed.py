@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rps_exudyn.base.units import words
-from rps_exudyn.cli.output import DONE, FAILED, print_files, print_json, put, put_table, say
+from rps_exudyn.cli.output import DONE, FAILED, note, print_files, print_json, put, put_table, say
+from rps_exudyn.pages.report.sheet import Sheet, sheet_of
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import COUNTERS, SIGNALS, SUMMARY
@@ -16,17 +17,36 @@ if TYPE_CHECKING:
     from rps_exudyn.results.result import Result
 
 
-def put_result(result: "Result", json: bool, files: Iterable[Path] = ()) -> None:
-    """Print a result, and its comparison with a measured torque if it has one."""
+def put_result(result: "Result", json: bool, files: Iterable[Path] = (), every: bool = True) -> None:
+    """Print a result and its comparison with a measured torque, if any: `every` number, or its sheet."""
     from rps_exudyn.analysis.measured import compare_with_measured
 
     measured, teeth = result.measured, result.gear.pinion.teeth
     compared = compare_with_measured(measured, result.signals, teeth) if measured else None
     if json:
         print_json(result_as_dict(result, files) | measured_as_dict(compared))
-    else:
+    elif every:
         print_result(result, files)
         print_measured(compared)
+    else:
+        print_sheet(sheet_of(result, compared), files, len(result.summary))
+
+
+def print_sheet(sheet: Sheet, files: Iterable[Path], count: int) -> None:
+    """Print a sheet and the names of the files; `count` is that of all numbers."""
+    title, *lines = sheet.lines()
+    put(title, "bold")
+    for line in lines:
+        put(line)
+    names = ", ".join(map(str, files))
+    put(f"{f'written: {names}' if names else 'nothing written'}  (--all: {count} quantities)")
+
+
+def put_accuracy(result: "Result", every: bool) -> None:
+    """Print on standard error which model --accuracy has chosen and how it was checked; `every` word."""
+    for finding in ("accuracy", "accuracy_checked"):
+        if text := result.findings.get(finding):
+            note(text if every else text.split(";")[0])
 
 
 def verdict(result: "Result") -> int:

@@ -10,11 +10,11 @@ from typing import Any
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.files import RESULT_FILES, check_writable
 from rps_exudyn.base.screen import shown_progress
-from rps_exudyn.cli.options import Json
+from rps_exudyn.cli.options import All, Json
 from rps_exudyn.cli.output import print_json, put, put_table
 
 
-def rerun(file: Path, /, *, out: Path | None = None, json: Json = False) -> int:
+def rerun(file: Path, /, *, out: Path | None = None, every: All = False, json: Json = False) -> int:
     """Simulate again what a result holds, from the parameters in its file, and say whether it is the same.
 
     Args:
@@ -43,18 +43,23 @@ def rerun(file: Path, /, *, out: Path | None = None, json: Json = False) -> int:
     if json:
         print_json(result_as_dict(new, files) | {"differing": differing, "largest": largest})
     else:
-        print_result(new, files)
-        print_differing(differing, largest, str(file))
+        if every:
+            print_result(new, files)
+        print_differing(differing, largest, str(file), every)
     return verdict(new)
 
 
-def print_differing(differing: Mapping[str, tuple[Any, Any]], largest: tuple[str, float], name: str) -> None:
-    """Print the numbers of a repeated simulation that differ from the file `name`, and the `largest`
-    difference."""
+def print_differing(
+    differing: Mapping[str, tuple[Any, Any]], largest: tuple[str, float], name: str, every: bool = True
+) -> None:
+    """Print how many numbers of a repeated simulation differ from the file `name`, or `every` one of them,
+    and the `largest` difference."""
     if not differing:
         put(f"Every number is that of {name}, bit for bit.")
         return
     rows = [(what, *map(str, pair)) for what, pair in differing.items()]
-    put_table(("differs", name, "now"), rows)
+    if every:
+        put_table(("differs", name, "now"), rows)
     quantity, size = largest
-    put(f"The largest relative difference is {size:.2g}{f', of {quantity}' if quantity else ''}.")
+    largest_words = f"The largest relative difference is {size:.2g}{f', of {quantity}' if quantity else ''}."
+    put(f"{len(rows)} numbers differ from {name}{'' if every else ' (--all: which)'}. {largest_words}")

@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Sequence
 from contextlib import redirect_stdout, suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
 from time import monotonic
@@ -16,6 +16,7 @@ from rps_exudyn.base.files import PICTURES, RESULT_FILES, check_writable, number
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import (
     PAPER_SETUP,
+    All,
     Columns,
     Flag,
     Inputs,
@@ -24,7 +25,7 @@ from rps_exudyn.cli.options import (
     SetupOptions,
     chosen_columns,
 )
-from rps_exudyn.cli.output import DONE, FAILED, named_if_interrupted, naming, say
+from rps_exudyn.cli.output import DONE, FAILED, named_if_interrupted, naming, note, printing, say
 from rps_exudyn.scenes import SCENE_NAMES
 
 if TYPE_CHECKING:
@@ -49,6 +50,10 @@ def run(
     robust: Flag = False,
     time_limit: str | None = None,
     progress: Flag = False,
+    overwrite: Flag = False,
+    no_plot: Flag = False,
+    every: All = False,
+    quiet: Flag = False,
     json: Json = False,
 ) -> int:
     """Simulate one scene: print a summary, write an HDF5 file and a picture.
@@ -69,9 +74,16 @@ def run(
         time_limit: for instance "20 s": the run is ended after it, whatever it does then (starting, compiling
             and settling count); what it has recorded is kept. Of a band: for each sample.
         progress: print on standard error how far a long run is, as a terminal shows anyway.
+        overwrite: replace the files of an earlier run instead of renaming them.
+        no_plot: draw no picture.
+        quiet: print nothing but errors.
     """
     began = monotonic()
-    from rps_exudyn.cli.printed import put_result, verdict
+    if quiet and (every or json):
+        raise InputError("--quiet prints nothing but errors; leave out --all and --json.")
+    if no_plot and plot:
+        raise InputError(f"--no-plot draws no picture; leave out --plot {plot}.")
+    from rps_exudyn.cli.printed import put_accuracy, put_result, verdict
     from rps_exudyn.results.outcome import Interrupted
     from rps_exudyn.simulate.cases.time_limit import TimeLimit
     from rps_exudyn.simulate.run import simulate
@@ -80,34 +92,43 @@ def run(
     preset = setup.preset_alone() if accuracy is not None else None
     chosen = setup.load()
     out = check_writable(out or Path(f"{scene}.h5"), RESULT_FILES)
-    plot = check_writable(plot or out.with_suffix(".png"), PICTURES)
+    picture = None if no_plot else check_writable(plot or out.with_suffix(".png"), PICTURES)
     if band is not None or inputs is not None:
         from rps_exudyn.cli.run_band import do_band, sample_count
 
         refused = {"accuracy": accuracy, "measured": measured, "robust": robust}
         count = sample_count(band, [name for name, given in refused.items() if given])
-        return do_band(scene, setup, count, inputs, out, plot, json, jobs, limit.seconds if limit else inf)
+        seconds = limit.seconds if limit else inf
+        files = Files(out, picture, overwrite)
+        with printing(quiet):
+            return do_band(
+                scene, setup, count, inputs, files, every=every, as_json=json, jobs=jobs, time_limit=seconds
+            )
     if jobs is not None:
         raise InputError("--jobs shares the runs of a band among processes; add --band.")
-    setup.say_medians()
-    curve = read_measured(measured, column) if measured else None
+    with printing(quiet):
+        setup.say_medians()
+        curve = read_measured(measured, column) if measured else None
     model = chosen.fidelity if accuracy is None else preset
     try:
-        with redirect_stdout(sys.stderr), shown_progress(progress):  # standard output is for the result
+        with (
+            printing(quiet),
+            redirect_stdout(sys.stderr),
+            shown_progress(progress),
+        ):  # stdout is for the result
             result = simulate(
                 scene, chosen.steering_gear, model, accuracy=accuracy, robust=robust, time_limit=limit
             )
     except Interrupted as interrupt:
-        kept, _ = keep(replace(interrupt.recorded, measured=curve), out, plot)
+        kept, _ = keep(replace(interrupt.recorded, measured=curve), Files(out, picture, overwrite))
         where = f"kept in {kept[0]}" if kept else "lost"
         raise KeyboardInterrupt(f"interrupted; what was recorded until then is {where}.") from None
     result = replace(result, measured=curve)
-    for finding in ("accuracy", "accuracy_checked"):
-        if finding in result.findings:
-            say(result.findings[finding])
-    files, problems = keep(result, out, plot)
-    with naming(files):
-        put_result(result, json, files)
+    with printing(quiet):
+        put_accuracy(result, every)
+        written, problems = keep(result, Files(out, picture, overwrite))
+        with naming(written):
+            put_result(result, json, written, every)
     return max(verdict(result), FAILED if problems else DONE)
 
 
@@ -120,30 +141,54 @@ def read_measured(path: Path, columns: Sequence[str]) -> "MeasuredTorque":
     from rps_exudyn.inference.measured.reading import read_measured_torque
 
     measured = read_measured_torque(path, chosen_columns(columns))
-    say(f"{path}: {'; '.join(measured.assumed)}.")
+    note(f"{path}: {'; '.join(measured.assumed)}.")
     return measured
 
 
-def keep(result: "Result", out: Path, plot: Path) -> tuple[list[Path], bool]:
+@dataclass(frozen=True)
+class Files:
+    """Where a result and its picture go."""
+
+    out: Path
+    plot: Path | None  # None: no picture
+    overwrite: bool  # or existing files are renamed to NAME.1, NAME.2, ...
+
+    def make_room(self, *others: Path) -> None:
+        """Rename existing files of these names, and say so, unless they are to be replaced."""
+        if not self.overwrite:
+            paths = (path for path in (self.out, self.plot, *others) if path is not None)
+            if older := [str(kept) for path in paths if (kept := number_existing(path))]:
+                note(f"older files are kept: {', '.join(older)}.")
+
+    @property
+    def of_failed(self) -> "Files":
+        """The same as NAME.failed, where one of them exists."""
+        if not any(path is not None and path.exists() for path in (self.out, self.plot)):
+            return self
+        out, plot = (path and path.with_suffix(f".failed{path.suffix}") for path in (self.out, self.plot))
+        return Files(out or self.out, plot, overwrite=True)
+
+
+def keep(result: "Result", files: Files) -> tuple[list[Path], bool]:
     """Write both files; return the paths of those written, and whether there were problems.
 
-    A failed run is written beside existing files as NAME.failed, any other one keeps them as NAME.1, NAME.2,
-    ... A result that cannot be written there goes to the folder of temporary files.
+    A failed run is written beside existing files as NAME.failed. A result that cannot be written there goes
+    to the folder of temporary files.
 
     Raises:
         KeyboardInterrupt: while the picture is drawn; it names the file that is written.
     """
     from rps_exudyn.results.outcome import Status
 
+    if result.status is not Status.OK:
+        files = files.of_failed
+    out, plot = files.out, files.plot
     try:
-        if result.status is not Status.OK and (out.exists() or plot.exists()):
-            out, plot = (path.with_suffix(f".failed{path.suffix}") for path in (out, plot))
-        elif older := [str(kept) for path in (out, plot) if (kept := number_existing(path))]:
-            say(f"older files are kept: {', '.join(older)}.")
+        files.make_room()
         result.save(out)
     except (InputError, OSError) as error:
         return _kept_elsewhere(result, out, str(error))
-    if not result.signals:
+    if not result.signals or plot is None:
         return [out], False
     try:
         with named_if_interrupted([out]):

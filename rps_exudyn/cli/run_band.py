@@ -8,14 +8,16 @@ from functools import partial
 from pathlib import Path
 
 from rps_exudyn.base.errors import InputError, as_sentence
-from rps_exudyn.base.files import number_existing, write_json
+from rps_exudyn.base.files import write_json
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import SetupOptions
-from rps_exudyn.cli.output import DONE, INTERRUPTED, naming, print_files, print_json, put, put_table, say
-from rps_exudyn.cli.printed import result_as_dict
+from rps_exudyn.cli.output import DONE, INTERRUPTED, naming, print_files, print_json, put, put_table
+from rps_exudyn.cli.printed import print_sheet, result_as_dict
+from rps_exudyn.cli.run import Files
 from rps_exudyn.inference.uncertainty.band import Band, band_of_runs
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.quick_band import SCENE, quick_band
+from rps_exudyn.pages.report.sheet import sheet_of
 from rps_exudyn.parameters.fidelity import MEAN_STEP
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.quantities import SUMMARY
@@ -31,9 +33,10 @@ def do_band(
     options: SetupOptions,
     count: int | None,
     inputs: str | None,
-    out: Path,
-    plot: Path,
-    as_json: bool,
+    files: Files,
+    *,
+    every: bool = True,
+    as_json: bool = False,
     jobs: int | None = None,
     time_limit: float = float("inf"),
 ) -> int:
@@ -61,25 +64,27 @@ def do_band(
         if not quick:
             made = partial(band_of_runs, scene, gear, setup.fidelity, chosen, count or QUICK_OTHERWISE)
         band = made(on_progress=report, jobs=processes, time_limit=time_limit)
-    table = out.with_suffix(".band.json")
-    if older := [str(kept) for path in (out, plot, table) if (kept := number_existing(path))]:
-        say(f"older files are kept: {', '.join(older)}.")
-    files: list[Path] = []
-    with naming(files):
-        band.nominal.save(out)
-        files.append(out)
+    table = files.out.with_suffix(".band.json")
+    files.make_room(table)
+    written: list[Path] = []
+    with naming(written):
+        band.nominal.save(files.out)
+        written.append(files.out)
         content = band.as_dict()
         write_json(table, content)
-        files.append(table)
-        save(band_figure(band), plot)
-        files.append(plot)
+        written.append(table)
+        if files.plot is not None:
+            save(band_figure(band), files.plot)
+            written.append(files.plot)
         if as_json:
             del content["values"]  # the file has them
             print_json(
-                content | {"nominal": result_as_dict(band.nominal), "files": [str(file) for file in files]}
+                content | {"nominal": result_as_dict(band.nominal), "files": [str(file) for file in written]}
             )
+        elif every:
+            print_band(band, written)
         else:
-            print_band(band, files)
+            print_sheet(sheet_of(band.nominal, band=band), written, len(band.nominal.summary))
     return INTERRUPTED if band.interrupted else DONE
 
 

@@ -446,3 +446,48 @@ GROUPS = {"signals": SIGNALS, "summary": SUMMARY, "counters": COUNTERS, "geometr
 def is_work(name: str) -> bool:
     """Return whether a signal counts energy from the start of recording."""
     return name.startswith("work_") or name == "stored_energy"
+
+
+LABELS = {
+    "torque_mean": "mean torque",
+    "torque_mean_forward": "mean torque towards +X",
+    "torque_mean_backward": "mean torque towards -X",
+    "torque_forward": "mean torque that moves the load",
+    "push_force_mean": "mean force on the rack",
+    "hysteresis_area": "work of a whole cycle",
+    "torque_jump": "jump of the torque across a reversal",
+    "reversal_angle": "angle until it runs on after a reversal",
+    "feel_area": "work of a whole cycle at the wheel",
+    "feel_running_torque": "running torque at the wheel",
+    "breakaway_torque": "breakaway torque",
+    "on_centre_stiffness": "stiffness on centre",
+    "stick_slip_torque": "amplitude of the torque",
+    "stick_share": "share of the time in which it sticks",
+    "efficiency_forward": "efficiency, pinion drives",
+    "efficiency_reverse": "efficiency, rack drives",
+    "impact_peak_force": "largest force of an impact",
+    "impacts": "impacts",
+    "impact_speed": "largest speed of an impact",
+    "rattle_force_rms": "force on the yokenut, root mean square",
+    "rattle_impacts_per_cycle": "impacts in a cycle",
+    "rack_lift": "lift of the rack",
+    "rack_lift_end": "rise of the rack's end",
+    "radial_play_y": "radial play along Y",
+    "radial_play_z": "radial play along Z",
+    "torque_peak_to_peak": "ripple, peak to peak",
+    "push_force_peak_to_peak": "ripple, peak to peak",
+    "torque_first_order": "amplitude once per revolution",
+    "rack_gain": "rack travel per revolution",
+    "torque_on_centre": "mean torque on centre",
+}
+"""Numbers that a sheet shows, in the order of their weight -> their names there."""
+
+PARTS = {
+    "mesh": "teeth",
+    "seat": "yoke",
+    "bush": "bush",
+    "bearing": "bearings",
+    "column": "column",
+    "rack": "bending rack",
+}
+"""Where work is lost, as `loss_share_PART` has it -> the part's name for readers."""

@@ -18,7 +18,7 @@ OPTIONS = ("--fidelity", "closed-form", "--out", "r.h5")
 
 def test_band_is_printed_and_every_sample_kept(command: Command) -> None:
     settings = ("--set", "yoke.preload=300 N +- 10 %", "--set", "yoke.clearance=uniform(30 um, 60 um)")
-    answer = command(["run", *OPTIONS, "--band", "64", *settings, "--set", "pinion.runout=32 um"])
+    answer = command(["run", *OPTIONS, "--all", "--band", "64", *settings, "--set", "pinion.runout=32 um"])
     assert answer.status == 0
     assert "of 64 samples failed" in answer.out
     assert "uses up yoke.clearance" in answer.out

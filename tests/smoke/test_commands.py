@@ -12,10 +12,11 @@ from typing import get_args
 import pytest
 
 from rps_exudyn import load
+from rps_exudyn.pages.report.sheet import rounded
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
 from rps_exudyn.parameters.gear import Setup
 from rps_exudyn.results.outcome import Status
-from rps_exudyn.results.quantities import GEOMETRY
+from rps_exudyn.results.quantities import GEOMETRY, SUMMARY
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import SCENE_NAMES
 from shell import Command
@@ -36,7 +37,7 @@ def failing(monkeypatch: pytest.MonkeyPatch, failed_result: Result) -> Result:
 
 
 def test_run_prints_a_summary_and_writes_both_files(command: Command, simulated: Result) -> None:
-    answer = command(["run"])
+    answer = command(["run", "--all"])
     assert answer.status == 0
     assert "torque_mean" in answer.out
     assert "0.6 N m" in answer.out
@@ -44,6 +45,43 @@ def test_run_prints_a_summary_and_writes_both_files(command: Command, simulated:
     assert load("free-pinion-torque.h5").status is Status.OK
     assert Path("free-pinion-torque.png").read_bytes().startswith(b"\x89PNG")
     assert answer.err == ""
+
+
+def test_run_prints_a_sheet_of_eight_lines(command: Command, simulated: Result) -> None:
+    answer = command(["run", "--no-plot"])
+    assert len(answer.out.splitlines()) <= 8
+    assert len(answer.out.split()) <= 100
+    assert "  0.600 ± 0.007 N m  mean torque" in answer.out
+    assert "written: free-pinion-torque.h5  (--all: " in answer.out
+    assert os.listdir() == ["free-pinion-torque.h5"]
+
+
+def test_overwritten_files_leave_no_others_and_quiet_runs_no_words(
+    command: Command, simulated: Result
+) -> None:
+    for _ in range(2):
+        answer = command(["run", "--overwrite", "--quiet"])
+        assert (answer.status, answer.out, answer.err) == (0, "", "")
+    assert sorted(os.listdir()) == ["free-pinion-torque.h5", "free-pinion-torque.png"]
+    assert "leave out --all" in command(["run", "--quiet", "--all"]).err
+    assert "leave out --plot" in command(["run", "--no-plot", "--plot", "a.png"]).err
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "error", "text"),
+    [
+        ("torque_mean", 0.6196, 0.0068, "0.620 ± 0.007 N m"),
+        ("torque_mean", -14.03, 0.14, "−14.0 ± 0.1 N m"),
+        ("torque_mean", 2480.0, 31.0, "2480 ± 30 N m"),
+        ("torque_peak_to_peak", 0.02983, None, "0.030 N m"),
+        ("torque_peak_to_peak", 1.4e-7, None, "0 N m"),
+        ("torque_peak_to_peak", 1.5e-3, None, "1.5 N mm"),
+        ("yoke_force_max", 312.4, None, "312 N"),
+        ("yoke_force_max", float("nan"), None, "undetermined"),
+    ],
+)
+def test_digits_are_those_of_the_error(name: str, value: float, error: float | None, text: str) -> None:
+    assert rounded(SUMMARY[name], value, error) == text
 
 
 def test_interrupt_while_the_picture_is_drawn_names_the_file_that_is_there(
@@ -134,7 +172,7 @@ def test_second_run_keeps_the_files_of_the_first(command: Command, simulated: Re
 
 
 def test_show_prints_what_run_printed(command: Command, simulated: Result) -> None:
-    printed_by_run = command(["run", "--out", "a.h5"]).out
+    printed_by_run = command(["run", "--all", "--out", "a.h5"]).out
     shown = command(["show", "a.h5"])
     assert shown.status == 0
     assert printed_by_run.startswith(shown.out)

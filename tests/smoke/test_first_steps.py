@@ -36,7 +36,7 @@ def test_the_measured_file_that_init_writes_runs_and_says_that_it_is_made_up(com
     rows = [line for line in text.splitlines() if re.match(r"-?\d", line)]
     assert len(rows) > 50
     assert all(row.endswith("; made up") for row in rows)
-    answer = command(["run", "--measured", "measured.csv", "--fidelity", "closed-form"])
+    answer = command(["run", "--all", "--measured", "measured.csv", "--fidelity", "closed-form"])
     assert answer.status == 0
     assert "Torque towards +X, pinion angles of -180 ° to 180 °" in answer.out
     measured = rps.load("free-pinion-torque.h5").measured

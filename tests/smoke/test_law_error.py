@@ -115,7 +115,7 @@ def test_page_says_it(made_up_result: Result, tmp_path: Path) -> None:
 
 
 def test_summary_and_description_say_it(command: Command) -> None:
-    run = command(["run", "--fidelity", "closed-form", "--set", "mesh.law=line"])
+    run = command(["run", "--all", "--fidelity", "closed-form", "--set", "mesh.law=line"])
     assert MEASURED["line"].sentence in run.out
     described = command(["describe", "mesh", "--set", "mesh.law=teeth"])
     assert MEASURED["teeth"].sentence in described.out

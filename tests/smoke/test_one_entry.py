@@ -38,7 +38,7 @@ def test_time_limit_that_is_none_is_refused() -> None:
 
 
 def test_reason_of_an_accuracy_stays_in_the_file(command: Command) -> None:
-    answer = command(["run", "--accuracy", "1%", "--set", "test.turns=0.5", "--out", "a.h5"])
+    answer = command(["run", "--all", "--accuracy", "1%", "--set", "test.turns=0.5", "--out", "a.h5"])
     assert answer.status == 0
     reason = rps.load(Path("a.h5")).findings["accuracy"]
     assert "cheapest of" in reason

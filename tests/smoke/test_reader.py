@@ -199,7 +199,11 @@ def outputs_of(line: str, printed: str) -> list[str]:
     named = [words[at + 1] for at, word in enumerate(words) if word in OUTPUTS]
     return [
         *named,
-        *re.findall(r"^written: (.+)$", printed, re.M),
+        *(
+            name
+            for line in re.findall(r"^written: (.+?)(?:  \(.*)?$", printed, re.M)
+            for name in line.split(", ")
+        ),
         *re.findall(r": \d+ cases in (.+?) \(", printed),
     ]
 

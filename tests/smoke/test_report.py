@@ -219,7 +219,7 @@ def test_result_of_any_scene(scene: str, made_up_result: Result, tmp_path: Path,
     result.save(tmp_path / "r.h5")
     assert command(["report", "r.h5"]).out == "written: r.html\n"
     page = Page(tmp_path / "r.html")
-    assert re.search(r"torque_mean\s+0\.6 N m", page.sections["Outcome"])
+    assert re.search(r"torque_mean\s+0\.6 N m", page.sections["Quantities"])
     assert re.search(r"yoke\.preload\s+310 N", page.sections["Parameters"])
 
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.charts.scene_figures import draw, torque_figure
 from rps_exudyn.pages.charts.style import NOT_ZERO
-from rps_exudyn.results.result import Result
+from rps_exudyn.results.result import MeasuredTorque, Result
 from shell import Command
 
 
@@ -64,6 +64,25 @@ def test_torque_begins_at_zero_on_request_and_says_if_not(from_zero: bool, made_
     assert bool(torque.get_ylim()[0] == 0) == from_zero
     assert [text.get_text() for text in torque.texts] == ([] if from_zero else [NOT_ZERO])
     assert not lift.texts  # its zero means nothing
+
+
+def test_residual_stands_below_the_measured_torque(made_up_result: Result) -> None:
+    """Of a file in both directions, one turn away, where one direction was simulated; all data lie inside."""
+    angle = made_up_result["pinion_angle"]
+    there, back = made_up_result["pinion_torque"] + 0.3, -0.9 - 0.01 * np.sin(angle)
+    signals = {
+        "pinion_angle": np.concatenate([angle, angle[::-1]]) - 2 * np.pi,
+        "pinion_torque": np.concatenate([there, back]),
+    }
+    figure = torque_figure(made_up_result, MeasuredTorque("bench", signals))
+    labels = [axes.get_ylabel() for axes in figure.axes]
+    assert labels[2] == "measured\n\u2212 simulated [N m]"
+    np.testing.assert_allclose(figure.axes[2].lines[0].get_ydata(), 0.3, atol=1e-12)
+    for axes in figure.axes[:3]:
+        (low, high), (bottom, top) = axes.get_ylim(), axes.dataLim.intervaly
+        assert low <= bottom < top <= high
+        assert 0 <= axes.dataLim.intervalx[0] < 4
+        assert 356 < axes.dataLim.intervalx[1] <= 360 + 1e-9
 
 
 def test_result_is_drawn_again(made_up_result: Result, command: Command, tmp_path: Path) -> None:

@@ -54,7 +54,7 @@ def full(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 def test_result_goes_to_the_temporary_folder(command: Command) -> None:
     answer = command(RUN)
     assert answer.status == 1
-    assert "torque_mean" in answer.out  # the summary is printed all the same
+    assert "mean torque" in answer.out  # the summary is printed all the same
     problem = r"rps-exudyn: a\.h5 cannot be written: No space left on device\. "
     found = re.fullmatch(problem + r"The result is kept in (\S+) instead\.\n", answer.err)
     assert found
@@ -67,7 +67,7 @@ def test_nowhere_is_space(tmp_path: Path) -> None:
     assert answer.returncode == 1
     assert "Traceback" not in answer.stderr
     assert "a.h5 cannot be written: File too large. Nor could the result be kept elsewhere" in answer.stderr
-    assert "torque_mean" in answer.stdout
+    assert "mean torque" in answer.stdout
     assert os.listdir(tmp_path) == []
 
 
@@ -83,7 +83,7 @@ def test_picture_that_does_not_fit_costs_no_result(command: Command, monkeypatch
         pytest.skip("this model has nothing to draw")
     assert answer.status == 1
     assert answer.err.startswith("rps-exudyn: the picture is missing: a.png cannot be written")
-    assert "torque_mean" in answer.out
+    assert "mean torque" in answer.out
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")

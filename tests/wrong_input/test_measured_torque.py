@@ -249,7 +249,7 @@ def test_run_draws_and_compares(command: Command, tmp_path: Path) -> None:
     """A measured torque of 1.03 times the computed one differs from it by 3 % / 1.03."""
     measured = 1.03 * closed_form(SteeringGear()).free_torque
     text = HEADER + "".join(f"{a},{measured}\n" for a in np.linspace(-30, 400, 1000))
-    done = command(["run", "--fidelity", "closed-form", "--measured", str(written(tmp_path, text))])
+    done = command(["run", "--all", "--fidelity", "closed-form", "--measured", str(written(tmp_path, text))])
     assert done.status == 0
     assert "torque_mean" in done.out.split("Torque towards +X, pinion angles of -30 ° to 400 ° (")[1]
     assert "the simulated 0 ° to 360 ° stand for every turn" in done.out

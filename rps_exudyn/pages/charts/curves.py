@@ -1,13 +1,13 @@
 """Curves over the pinion angle, with the two directions of a record in colours of their own."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.measured import onto_simulated
-from rps_exudyn.analysis.passes import Signals, passes
+from rps_exudyn.analysis.measured import onto_simulated, residuals
+from rps_exudyn.analysis.passes import Pass, Signals, passes
 from rps_exudyn.base.units import short
 from rps_exudyn.pages.charts import style
 from rps_exudyn.results.quantities import SIGNALS
@@ -16,6 +16,7 @@ from rps_exudyn.results.result import MeasuredTorque, Result
 DIRECTIONS = {+1: ("towards +X", "forward"), -1: ("towards -X", "backward")}
 AGAINST_MOTION = "torque against the motion"
 NOT_SIMULATED = "not simulated (test.path = there-and-back does)"
+RESIDUAL, HEIGHT_OF_RESIDUAL = "residual", 1.6  # name and height [in] of its panel
 HEIGHT_OF_ONE_WAY = 0.8  # of the panel of both directions
 LONGEST_NAME = 40  # letters of a file's name in a legend
 
@@ -48,22 +49,28 @@ def panels_over_angle(
 ) -> tuple[Figure, list[Panel]]:
     """A figure of those signals that the result has; a torque in both directions is against its motion.
 
-    Each direction of the torque has its own panel where a measured one is compared with it.
+    Each direction of the torque has its own panel where a measured one is compared with it; below them stands
+    the measured less the simulated torque.
 
     `panels` are signal -> name at the axis, colour, height [in], least span shown [display unit].
     """
     ways = _directions_apart(result.signals, measured)
+    apart = residuals(measured, result.signals) if measured and "pinion_torque" in result.signals else []
     shown = [
         (name, way, panel)
         for name, panel in panels.items()
         if name in result.signals
         for way in (ways if name == "pinion_torque" else (0,))
     ]
+    if apart:
+        shown.insert(len(ways), (RESIDUAL, 0, ("measured - simulated", "measured", HEIGHT_OF_RESIDUAL, 0.0)))
     heights = [height * (HEIGHT_OF_ONE_WAY if way else 1) for _, way, (_, _, height, _) in shown]
     figure, axes = style.panels(heights)
     drawn = [Panel(name, way, each) for (name, way, _), each in zip(shown, axes, strict=True)]
     for panel, (name, way, (label, colour, _, least)) in zip(axes, shown, strict=True):
-        if name != "pinion_torque":
+        if name == RESIDUAL:
+            draw_residuals(panel, label, apart, len(ways) > 1)
+        elif name != "pinion_torque":
             over_angle(panel, result.signals, name, label, colour)
         elif way:
             torque_one_way(panel, result.signals, measured, way)
@@ -78,6 +85,18 @@ def panels_over_angle(
         style.widen(panel, least)
     style.angle_axis(axes[-1])
     return figure, drawn
+
+
+def draw_residuals(axes: Axes, label: str, pieces: Sequence[Pass], against_motion: bool) -> None:
+    """Draw pieces of the measured less the simulated torque, those of two directions in their colours."""
+    for piece in pieces:
+        angle = SIGNALS["pinion_angle"].displayed(piece.angle)
+        torque = (piece.direction if against_motion else 1) * piece.signals["pinion_torque"]
+        colour = style.COLOURS[DIRECTIONS[piece.direction][1] if against_motion else "measured"]
+        shown = SIGNALS["pinion_torque"].displayed(torque)
+        axes.plot(angle, shown, **{**style.MEASURED_LINE, "color": colour})
+    axes.axhline(0, **style.REFERENCE_LINE)
+    axes.set_ylabel(SIGNALS["pinion_torque"].axis_label(label.replace(" - ", "\n\u2212 ")))
 
 
 def _directions_apart(signals: Signals, measured: MeasuredTorque | None) -> tuple[int, ...]:

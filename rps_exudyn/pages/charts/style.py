@@ -61,6 +61,7 @@ LINE_HEIGHT = 0.2  # of a sentence over the axes [in]
 POINTS = 72  # to an inch
 LETTER, LEGEND_MARK = 0.075, 0.6  # width of a letter, and of a line with its gaps, in legends [in]
 
+ROOM_FOR_NOTE = 0.1  # below the data, of the ordinate
 NOT_ZERO = "axis does not begin at 0"
 
 DPI = 150  # pixels to an inch in pictures of pixels
@@ -249,9 +250,11 @@ def from_zero(axes: Axes) -> None:
 
 
 def tell_where_it_begins(axes: Axes) -> None:
-    """Say at the ordinate's foot that it does not begin at zero, if so."""
+    """Say at the ordinate's foot, below all data, that it does not begin at zero, if so."""
     low, high = axes.get_ylim()
     if low > 0 or high < 0:
+        room = ROOM_FOR_NOTE * (high - low)
+        axes.set_ylim(low - room if high < 0 else max(low - room, low / 2), high)
         at = axes.transAxes
         axes.text(0.005, 0.015, NOT_ZERO, transform=at, fontsize=10, color=COLOURS["reference"])
 

@@ -11,6 +11,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from rps_exudyn.base.units import words
+from rps_exudyn.pages.report.sheet import Row
 from rps_exudyn.parameters.gear import Setup
 
 
@@ -72,6 +73,13 @@ class Grid(PageBlock):
     rows: Sequence[Sequence[Cell]]
     caption: str = ""
     ids: Sequence[str] = ()  # of the rows, each on one row of the page; () without
+
+
+@dataclass(frozen=True)
+class SheetRows(PageBlock):
+    """The rows of a sheet, the first one large."""
+
+    rows: Sequence[Row]
 
 
 @dataclass(frozen=True)

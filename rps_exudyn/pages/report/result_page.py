@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from rps_exudyn.analysis.measured import NOTHING_TO_COMPARE, compare_with_measured
+from rps_exudyn.analysis.measured import NOTHING_TO_COMPARE, AgainstMeasured, compare_with_measured
 from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError, as_sentence
 from rps_exudyn.base.units import words
@@ -24,6 +24,7 @@ from rps_exudyn.pages.report.html import (
     PageBlock,
     Pictures,
     Section,
+    SheetRows,
     Text,
     Warning,
     as_text,
@@ -33,6 +34,7 @@ from rps_exudyn.pages.report.html import (
     provenance_facts,
 )
 from rps_exudyn.pages.report.pictures import picture
+from rps_exudyn.pages.report.sheet import REMARK, sheet_of
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status
@@ -45,15 +47,19 @@ if TYPE_CHECKING:
 
 
 def result_article(result: Result, path: Path, more: Sequence[Section] = ()) -> Article:
-    """Outcome, curves, what else was asked for, parameters and provenance of a result in the file `path`."""
+    """Sheet, curves, what else was asked for, tables and provenance of a result in the file `path`."""
+    compared = None
+    if result.measured is not None:
+        compared = compare_with_measured(result.measured, result.signals, result.gear.pinion.teeth)
     return Article(
         title=f"{result.scene} · {path.name}",
         lead=f"fidelity {result.fidelity['name']} · status {result.status} · {result.provenance['date']}",
         sections=[
-            Section("Outcome", list(_outcome(result))),
+            Section("Outcome", list(_outcome(result, compared))),
             Section("Curves", list(_curves(result))),
-            *_measured_section(result),
+            *_measured_section(result, compared),
             *more,
+            Section("Quantities", list(_numbers(result))),
             Section("Parameters", list(_parameters(result))),
             Section("Provenance", [provenance_facts(result.provenance), CodeText(_commands(path))]),
         ],
@@ -85,8 +91,10 @@ def side_by_side(results: Mapping[Path, Result]) -> Article:
     return Article("Results side by side", f"{len(results)} files", [Section("Numbers", [grid])])
 
 
-def _outcome(result: Result) -> Iterable[PageBlock]:
-    yield gear_facts({path: result.gear.value_at(path) for path in GEAR_FACTS})
+Compared = Sequence[AgainstMeasured] | None
+
+
+def _outcome(result: Result, compared: Compared) -> Iterable[PageBlock]:
     if result.status is not Status.OK:
         yield Warning(
             f"The simulation failed ({result.status}): {result.message or 'no message'} "
@@ -94,29 +102,35 @@ def _outcome(result: Result) -> Iterable[PageBlock]:
         )
     elif result.message:
         yield Grid(("remarks",), [[sentence] for sentence in result.message.split("; ")])
-    if result.summary:
-        yield _quantities(SUMMARY, result.summary)
-        if result.status is Status.OK and (error := law_error(result.gear, result.fidelity)):
-            yield Text(error.sentence)
-    else:
+    yield SheetRows([row for row in sheet_of(result, compared).rows if row.value != REMARK])
+    if result.status is Status.OK and (error := law_error(result.gear, result.fidelity)):
+        yield Text(error.sentence)
+
+
+def _numbers(result: Result) -> Iterable[PageBlock]:
+    if not result.summary:
         yield Text("It left no numbers.")
+        return
+    count = len(result.summary)
+    yield Fold(f"All {count} quantities", [_quantities(SUMMARY, result.summary)])
 
 
 def _curves(result: Result) -> Iterable[PageBlock]:
     if not result.signals:
         yield Text("No signals were kept.")
         return
-    figures = {result.scene: _scene_figure(result), "All signals that move": signals_figure(result)}
-    pictures = [picture(figure, caption) for caption, figure in figures.items() if figure is not None]
+    first, every = _scene_figure(result), signals_figure(result)
+    named = {result.scene: first, "All signals that move": every}
+    pictures = [picture(figure, caption) for caption, figure in named.items() if figure is not None]
     yield Pictures(pictures) if pictures else Text("No signal moves.")
 
 
-def _measured_section(result: Result) -> Iterable[Section]:
+def _measured_section(result: Result, compared: Compared) -> Iterable[Section]:
     """How the simulated torque differs from the measured one that the result keeps, if it keeps one."""
     if result.measured is None:
         return
     blocks: list[PageBlock] = []
-    for each in compare_with_measured(result.measured, result.signals, result.gear.pinion.teeth):
+    for each in compared or ():
         blocks.append(Grid(("quantity", "measured", "simulated"), each.rows, each.heading))
         blocks.append(Text(as_sentence(each.difference)))
     yield Section(f"Measured: {result.measured.name}", blocks or [Text(NOTHING_TO_COMPARE)])
@@ -139,6 +153,7 @@ def _scene_figure(result: Result) -> Figure | None:
 
 
 def _parameters(result: Result) -> Iterable[PageBlock]:
+    yield gear_facts({path: result.gear.value_at(path) for path in GEAR_FACTS})
     changed = result.gear.changes()
     if changed:
         yield parameter_grid(changed, "Parameters that differ from the defaults")

@@ -1,0 +1,156 @@
+"""The sheet: what a run found, in a few rows; the terminal prints them, and a page begins with them.
+
+sheet = sheet_of(result)
+sheet.title, [(row.value, row.words) for row in sheet.rows]
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import floor, isfinite, log10
+from typing import TYPE_CHECKING
+
+from rps_exudyn.base.units import pretty, short
+from rps_exudyn.results.law_error import law_error
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.results.quantities import LABELS, PARTS, SUMMARY, Quantity
+from rps_exudyn.results.result import Result
+from rps_exudyn.scenes import is_scene, scene_named
+
+if TYPE_CHECKING:
+    from rps_exudyn.analysis.measured import AgainstMeasured
+    from rps_exudyn.inference.uncertainty.band import Band
+
+MOST_METRICS = 3  # of a scene
+MOST_ROWS = 6  # with title and files a sheet has 8 lines
+REMARK = "remark"
+LONGEST = 110  # letters of a remark
+LEAST_SHARE = 0.005  # of the work lost, below which a part is not named
+NEGLIGIBLE = 1e-5  # of the unit that is shown: rounding errors of the solver
+SMALLER = {"N*m": ("N*mm", 1e3), "J": ("mJ", 1e3), "N*s": ("mN*s", 1e3), "mm": ("um", 1e3)}
+"""Display unit -> a smaller one, and how many of it are one of the other."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of a sheet: a value or a heading, and words about it."""
+
+    value: str
+    words: str
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What was simulated, and what was found."""
+
+    title: str
+    rows: tuple[Row, ...]
+
+    def lines(self) -> list[str]:
+        """The sheet as lines of text."""
+        width = max((len(row.value) for row in self.rows), default=0)
+        return [self.title, *(f"  {row.value:{width}}  {row.words}" for row in self.rows)]
+
+
+def sheet_of(
+    result: Result, compared: "Sequence[AgainstMeasured] | None" = None, band: "Band | None" = None
+) -> Sheet:
+    """Return the sheet of a result.
+
+    Args:
+        result: what was simulated.
+        compared: its comparison with a measured torque, where it has one.
+        band: of uncertain inputs, of which `result` is the nominal run.
+    """
+    title = scene_named(result.scene).title if is_scene(result.scene) else result.scene
+    gear = repr(result.gear).strip("<>").removeprefix("SteeringGear: ")
+    state = "" if result.status is Status.OK else f" ({result.status})"
+    rows = (*_measured(result, compared), *_band(band), *_losses(result), *_remark(result))
+    metrics = tuple(_metrics(result, band))[: max(1, MOST_ROWS - len(rows))]
+    return Sheet(short(f"{title}{state}: {gear}; {result.fidelity['name']}", 160), (*metrics, *rows))
+
+
+def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
+    """The scene's own number with the error of the contact law, and others that have a label."""
+    summary, first = result.summary, scene_named(result.scene).figure if is_scene(result.scene) else ""
+    names = [name for name in dict.fromkeys((first, *LABELS)) if name in summary]
+    names = names[:1] + [name for name in names[1:] if rounded(SUMMARY[name], summary[name])[:2] != "0 "]
+    law = law_error(result.gear, result.fidelity) if result.status is Status.OK else None
+    for name in names[:MOST_METRICS]:
+        quantity, value = SUMMARY[name], summary[name]
+        known = law is not None and name in ("torque_mean", "torque_mean_forward", "torque_mean_backward")
+        error = law.largest * abs(value) if law is not None and known else None
+        words = LABELS.get(name, quantity.long_name)
+        if error is not None and band is None:
+            words += f" (±: error of contact law {law.law})" if law is not None else ""
+        if band is not None and name in band.figures:
+            found = band.figures[name]
+            low, high = rounded(quantity, found.low), rounded(quantity, found.high)
+            words += f"; {low.removesuffix(_unit_of(high))} to {high} in 90 % of gears"
+        yield Row(rounded(quantity, value, error), words)
+
+
+def _losses(result: Result) -> Iterable[Row]:
+    shares = {part: result.summary.get(f"loss_share_{part}", 0.0) for part in PARTS}
+    known = {PARTS[part]: share for part, share in shares.items() if share >= LEAST_SHARE}
+    if known:
+        yield Row("work lost", ", ".join(f"{name} {100 * share:.0f} %" for name, share in known.items()))
+
+
+def _measured(result: Result, compared: "Sequence[AgainstMeasured] | None") -> Iterable[Row]:
+    for each in compared or ():
+        found, ours = each.measured.get("torque_mean"), each.simulated.get("torque_mean")
+        if found is None or ours is None or result.measured is None:
+            continue
+        side, sign = "above" if found > ours else "below", "+" if each.direction > 0 else "−"
+        apart = f": {100 * abs(found / ours - 1):.2g} % {side} the simulated one" if ours else ""
+        words = f"measured mean towards {sign}X, {short(result.measured.name, 30)}{apart}"
+        yield Row(rounded(SUMMARY["torque_mean"], found), words)
+
+
+def _band(band: "Band | None") -> Iterable[Row]:
+    if band is None:
+        return
+    count, failed = len(band.drawn.samples), band.drawn.failed
+    name = scene_named(band.nominal.scene).figure
+    if (shares := band.contributions.get(name)) is not None:
+        largest = [f"{path} {100 * share:.0f} %" for path, share in list(shares.fractions.items())[:3]]
+        yield Row("scatter", f"of the {LABELS.get(name, name)}: from {', '.join(largest)}")
+    state = f", {failed} failed" * (failed > 0) + ", interrupted" * band.interrupted
+    yield Row("band", f"{count} gears{state}; {band.method}")
+
+
+def _remark(result: Result) -> Iterable[Row]:
+    if result.message:
+        yield Row(REMARK, short(result.message, LONGEST))
+
+
+def _unit_of(text: str) -> str:
+    return text.lstrip("−.0123456789")
+
+
+def rounded(quantity: Quantity, value: float, error: float | None = None) -> str:
+    """Return a value in its display unit with as many digits as its error deserves: one of the error's own;
+    without one two, from 100 up three.
+
+    Args:
+        quantity: of which it is a value.
+        value: SI.
+        error: either way, SI.
+    """
+    if isinstance(value, int):
+        return str(value)
+    if not isfinite(value):
+        return "undetermined"
+    unit, size = quantity.display, float(quantity.displayed(value))
+    if abs(size) < NEGLIGIBLE:
+        size = 0.0
+    if error:
+        either = abs(float(quantity.displayed(error)))
+        digits = -floor(log10(either))
+        size, either, digits = round(size, digits), round(either, digits), max(digits, 0)
+        return f"{size:.{digits}f} ± {either:.{digits}f} {pretty(unit)}".replace("-", "−").strip()
+    if 0 < abs(size) < 1e-2 and unit in SMALLER:
+        unit, size = SMALLER[unit][0], size * SMALLER[unit][1]
+    digits = 3 if abs(size) >= 100 else 2
+    places = max(0, digits - 1 - floor(log10(abs(size)))) if size else 0
+    return f"{float(f'{size:.{digits}g}'):.{places}f} {pretty(unit)}".replace("-", "−").strip()
