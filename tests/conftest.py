@@ -40,6 +40,7 @@ QUICK = (
 COMPILING = "smoke/test_real_runs.py"  # every preset
 SLOW = (  # files, or single tests, in the folders above that are not quick
     COMPILING,
+    "contract/test_contributing.py::test_few_frames_stand_between_a_run_and_its_kernel",
     "contract/test_docstring_examples.py",
     "contract/test_law_call.py",
     "contract/test_limit_of_cpu_time.py",

@@ -24,8 +24,8 @@ from rps_exudyn.parameters.declaration import Table
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.checks.before_run import LEAST_STATIONS
-from rps_exudyn.scenes.maneuver import check_travel, largest_angle, maneuvers_of_test, swing_maneuver
+from rps_exudyn.scenes.checks.before_run import LEAST_STATIONS, check_travel, largest_angle
+from rps_exudyn.scenes.maneuver import maneuvers_of_test, swing_maneuver
 from rps_exudyn.scenes.stick_slip import set_off
 from rps_exudyn.scenes.yoke_impact import shaken
 from verification.ranges import Range, range_of, scaled, within

@@ -62,7 +62,7 @@ def growth(gear: SteeringGear, fidelity: Fidelity) -> float:
     drive = Nudged("wheel", gear.test.start_angle, speed, NUDGE * speed * period, period / 2)
     approach = SteadyApproach(pitch, 4 * pitch)
     maneuver = Maneuver(drive, period / PER_PERIOD, 0, PERIODS * PER_PERIOD, approach=approach)
-    run = run_maneuver(gear, fidelity, maneuver, RunOptions(check=lambda outcome, *checked: outcome))
+    run = run_maneuver(gear, fidelity, maneuver, options=RunOptions(check=lambda outcome, *checked: outcome))
     if not run.ok:
         raise ArithmeticError(run.outcome.message)
     vibration = _without_drift(run.signals["column_twist"][1:])

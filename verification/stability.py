@@ -25,7 +25,7 @@ from rps_exudyn.scenes.checks.after_run import validated
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.scene import RunOptions
-from rps_exudyn.simulate.checked_run import run_unchecked
+from rps_exudyn.simulate.run_plan import run_unchecked
 
 INACCURATE, WRONG = 0.01, 0.05  # error of the figure
 RESIDUAL_BOUND = 0.05  # of the work

@@ -23,7 +23,7 @@ from benchmarks.peers.scene import (
 )
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.base.files import replacing
-from rps_exudyn.gears.assembly import assembled
+from rps_exudyn.gears.export import assembled
 from verification.references import Method
 
 PARAMETERS, CURVE, SCORE = "parameters.json", score.REFERENCE, "score.py"

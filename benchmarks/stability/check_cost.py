@@ -13,7 +13,7 @@ from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.after_run import validated
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.scenes.scene import RunOptions
-from rps_exudyn.simulate.checked_run import run_unchecked
+from rps_exudyn.simulate.run_plan import run_unchecked
 
 PITCH = 1 / SteeringGear().pinion.teeth
 CASES: dict[str, tuple[Fidelity, dict[str, Any], float]] = {

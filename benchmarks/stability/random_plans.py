@@ -31,7 +31,7 @@ from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
-from rps_exudyn.simulate.checked_run import run_unchecked
+from rps_exudyn.simulate.run_plan import run_unchecked
 from verification.plan_reference import Expected, expected
 from verification.sampler import random_plan, usual_plan
 from verification.stability import ScenePlan

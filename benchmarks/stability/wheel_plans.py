@@ -23,7 +23,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.checks.before_run import refused
-from rps_exudyn.simulate.checked_run import run_unchecked
+from rps_exudyn.simulate.run_plan import run_unchecked
 from verification.behind_column import Behind, Wheel, WheelFigures, figures
 from verification.refined_steps import NotFoundError
 from verification.sampler import REACHES, drawn, random_gear

@@ -84,7 +84,7 @@ class Oscillator:
 
 
 def sticks(model: Oscillator, drive: np.ndarray) -> np.ndarray:
-    """Tell at which speeds of the wheel (n,) [rad/s] a gear that has stuck comes to rest again.
+    """Return at which speeds of the wheel (n,) [rad/s] a gear that has stuck comes to rest again.
 
     In the plane of twist and speed paths do not cross: minima of the speed fall from one to the next until it
     is at rest, or rise for ever, which two of them show.

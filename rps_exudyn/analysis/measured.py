@@ -1,7 +1,7 @@
 """A measured torque curve, compared with a simulated one in each direction; `measured.reading` reads it.
 
 A gear repeats its torque after each turn of the pinion. Where the simulation covers a turn, a measured angle
-stands for that angle plus or minus whole turns that was simulated: `turns_onto` says how many.
+stands for that angle plus or minus whole turns that was simulated: `turns_onto` returns how many.
 """
 
 from dataclasses import dataclass

@@ -21,7 +21,7 @@ OWN_SHARE = 0.5  # of the time, for the kernel itself behind those that it calls
 
 
 class CompileStep(NamedTuple):
-    """How many kernels are compiled, of those that are known to be needed."""
+    """How many kernels are compiled, of those that are needed as far as counted."""
 
     done: int
     total: int
@@ -126,7 +126,7 @@ class CompilingProgress:
 
     @property
     def is_done(self) -> bool:
-        """Whether all that is known to be needed is compiled."""
+        """Whether all kernels counted so far are compiled."""
         return self.step.done >= self.step.total
 
     @property

@@ -45,7 +45,7 @@ class _Follower:
     parts: int = 1
 
     def reached(self, fraction: float, place: Callable[[], str]) -> None:
-        """Tell it, unless it is too early."""
+        """Report it, unless it is too early."""
         now = monotonic()
         if self.solving is None:
             self.solving = now
@@ -62,7 +62,7 @@ _following: ContextVar[_Follower | None] = ContextVar("following", default=None)
 
 @contextmanager
 def following(listener: Listener | None) -> Iterator[None]:
-    """Tell a listener how far the runs of a block are; None leaves it to the listener there is."""
+    """Report to a listener how far the runs of a block are; None leaves it to the listener there is."""
     if listener is None:
         yield
         return

@@ -220,7 +220,7 @@ class _Compiling:
             self._screen.speak()
 
     def end(self) -> None:
-        """Say what was compiled, and where it is kept."""
+        """Print what was compiled, and where it is kept."""
         self._screen.remove(self._row)
         if self._shown:
             from rps_exudyn.base.kernel_cache import cache_folders

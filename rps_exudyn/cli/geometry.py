@@ -21,7 +21,7 @@ def geometry(
         out: solids (.glb, .stl) or drawing (.png, .svg, .pdf).
         force: build the gear even if it is undercut.
     """
-    from rps_exudyn.gears.assembly import FORMATS, export_solids
+    from rps_exudyn.gears.export import FORMATS, export_solids
     from rps_exudyn.gears.geometry_report import geometry_report
     from rps_exudyn.pages.charts.geometry import draw_geometry
 

@@ -63,7 +63,7 @@ for command in COMMANDS:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status.
 
-    0 done; 1 the simulation failed (its file says how); 2 wrong input, one sentence for each problem on
+    0 done; 1 the simulation failed (its file states how); 2 wrong input, one sentence for each problem on
     standard error; 130 interrupted.
     """
     prepare_process()

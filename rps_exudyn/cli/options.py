@@ -126,7 +126,7 @@ class SetupOptions(GearOptions):
             )
         for path in ("fidelity.name", "fidelity.based_on"):
             if settings.pop(path, None):
-                problems.append(f"{path} cannot be set: it says what was chosen.")
+                problems.append(f"{path} cannot be set: it names what was chosen.")
         base = self.fidelity or "flank"
         if base not in PRESETS:
             problems.append(unknown_preset(base))
@@ -136,7 +136,7 @@ class SetupOptions(GearOptions):
 
     @property
     def chooses_model(self) -> bool:
-        """Whether any option says how the gear is modelled."""
+        """Whether any option chooses how the gear is modelled."""
         settings, _ = parse_settings(self.settings)
         return bool(self.fidelity or self._parts() or any(path.startswith("fidelity.") for path in settings))
 

@@ -10,11 +10,16 @@ import os
 import sys
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager, redirect_stdout, suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rps_exudyn.base.errors import InputError, unwrapped_interrupts
+from rps_exudyn.base.files import number_existing
+
+if TYPE_CHECKING:
+    from rps_exudyn.results.result import Result
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 """Exit statuses."""
@@ -177,3 +182,85 @@ def naming(files: Sequence[Path]) -> Iterator[None]:
     except OSError as error:
         where = f" The result is kept in {files[0]}." if files else ""
         raise InputError(f"the output cannot be written: {error.strerror}.{where}") from None
+
+
+# --- The files of a simulation, kept whatever the disk does
+
+
+@dataclass(frozen=True)
+class Files:
+    """Where a result and its picture go."""
+
+    out: Path
+    plot: Path | None  # None: no picture
+    overwrite: bool  # or existing files are renamed to NAME.1, NAME.2, ...
+
+    def make_room(self, *others: Path) -> None:
+        """Rename existing files of these names, with a note, unless they are to be replaced."""
+        if not self.overwrite:
+            paths = (path for path in (self.out, self.plot, *others) if path is not None)
+            if older := [str(kept) for path in paths if (kept := number_existing(path))]:
+                note(f"older files are kept: {', '.join(older)}.")
+
+    @property
+    def of_failed(self) -> "Files":
+        """The same as NAME.failed, where one of them exists."""
+        if not any(path is not None and path.exists() for path in (self.out, self.plot)):
+            return self
+        out, plot = (path and path.with_suffix(f".failed{path.suffix}") for path in (self.out, self.plot))
+        return Files(out or self.out, plot, overwrite=True)
+
+
+def keep(result: "Result", files: Files) -> tuple[list[Path], bool]:
+    """Write both files; return the paths of those written, and whether there were problems.
+
+    A failed run is written beside existing files as NAME.failed. A result that cannot be written there goes
+    to the folder of temporary files.
+
+    Raises:
+        KeyboardInterrupt: while the picture is drawn; it names the file that is written.
+    """
+    from rps_exudyn.results.outcome import Status
+
+    if result.status is not Status.OK:
+        files = files.of_failed
+    out, plot = files.out, files.plot
+    try:
+        files.make_room()
+        result.save(out)
+    except (InputError, OSError) as error:
+        return _kept_elsewhere(result, out, str(error))
+    if not result.signals or plot is None:
+        return [out], False
+    try:
+        with named_if_interrupted([out]):
+            _draw(result, plot)
+    except (OSError, ValueError) as error:  # also what matplotlib makes of a strange environment
+        say(f"the picture is missing: {error}")
+        return [out], True
+    return [out, plot], False
+
+
+def _draw(result: "Result", plot: Path) -> None:
+    """Draw the picture; the result is safe by then."""
+    from rps_exudyn.pages.charts.scene_figures import draw
+
+    draw(result, plot)
+
+
+def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Path], bool]:
+    """Write a result whose own place cannot be written, and print where; never fails."""
+    from tempfile import mkdtemp
+
+    folder = None
+    try:
+        folder = Path(mkdtemp(prefix="rps-exudyn-"))
+        result.save(other := folder / out.name)
+    except (InputError, OSError) as error:
+        if folder:
+            with suppress(OSError):
+                folder.rmdir()
+        say(f"{problem} Nor could the result be kept elsewhere: {error}")
+        return [], True
+    say(f"{problem} The result is kept in {other} instead.")
+    return [other], True

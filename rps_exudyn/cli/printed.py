@@ -50,7 +50,7 @@ def put_accuracy(result: "Result", every: bool) -> None:
 
 
 def verdict(result: "Result") -> int:
-    """Return the exit status of a simulation; of a failed one, say on standard error what to do."""
+    """Return the exit status of a simulation; of a failed one, print on standard error what to do."""
     if result.status is Status.OK:
         return DONE
     say(f"the simulation failed ({result.status}): {result.message.rstrip('.')}. {result.status.remedy}")

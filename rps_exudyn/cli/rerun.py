@@ -15,7 +15,7 @@ from rps_exudyn.cli.output import print_json, put, put_table
 
 
 def rerun(file: Path, /, *, out: Path | None = None, every: All = False, json: Json = False) -> int:
-    """Simulate again what a result holds, from the parameters in its file, and say whether it is the same.
+    """Simulate again what a result holds, from the parameters in its file, and compare both.
 
     Args:
         file: HDF5 file that `run` or `study` wrote; it is not changed.

@@ -2,8 +2,8 @@
 
 import sys
 from collections.abc import Sequence
-from contextlib import redirect_stdout, suppress
-from dataclasses import dataclass, replace
+from contextlib import redirect_stdout
+from dataclasses import replace
 from math import inf
 from pathlib import Path
 from time import monotonic
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.base.files import PICTURES, RESULT_FILES, check_writable, number_existing
+from rps_exudyn.base.files import PICTURES, RESULT_FILES, check_writable
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import (
     PAPER_SETUP,
@@ -25,11 +25,11 @@ from rps_exudyn.cli.options import (
     SetupOptions,
     chosen_columns,
 )
-from rps_exudyn.cli.output import DONE, FAILED, named_if_interrupted, naming, note, printing, say
+from rps_exudyn.cli.output import DONE, FAILED, Files, keep, naming, note, printing
 from rps_exudyn.scenes import SCENE_NAMES
 
 if TYPE_CHECKING:
-    from rps_exudyn.results.result import MeasuredTorque, Result
+    from rps_exudyn.results.result import MeasuredTorque
 
 Scene = Annotated[str, Parameter(help=f"what the test rig does: {', '.join(SCENE_NAMES)}.")]
 
@@ -70,7 +70,7 @@ def run(
             turns where the run covers one. What was assumed of the file is said on standard error.
         band: the band that uncertain inputs make of the result, from this number of runs; without a number a
             quick one from 64 runs. NAME.band.json keeps every sample.
-        robust: where the run fails or its plan is refused, take the next safer settings, and say which.
+        robust: where the run fails or its plan is refused, take the next safer settings, and name them.
         time_limit: for instance "20 s": the run is ended after it, whatever it does then (starting, compiling
             and settling count); what it has recorded is kept. Of a band: for each sample.
         progress: print on standard error how far a long run is, as a terminal shows anyway.
@@ -143,82 +143,3 @@ def read_measured(path: Path, columns: Sequence[str]) -> "MeasuredTorque":
     measured = read_measured_torque(path, chosen_columns(columns))
     note(f"{path}: {'; '.join(measured.assumed)}.")
     return measured
-
-
-@dataclass(frozen=True)
-class Files:
-    """Where a result and its picture go."""
-
-    out: Path
-    plot: Path | None  # None: no picture
-    overwrite: bool  # or existing files are renamed to NAME.1, NAME.2, ...
-
-    def make_room(self, *others: Path) -> None:
-        """Rename existing files of these names, and say so, unless they are to be replaced."""
-        if not self.overwrite:
-            paths = (path for path in (self.out, self.plot, *others) if path is not None)
-            if older := [str(kept) for path in paths if (kept := number_existing(path))]:
-                note(f"older files are kept: {', '.join(older)}.")
-
-    @property
-    def of_failed(self) -> "Files":
-        """The same as NAME.failed, where one of them exists."""
-        if not any(path is not None and path.exists() for path in (self.out, self.plot)):
-            return self
-        out, plot = (path and path.with_suffix(f".failed{path.suffix}") for path in (self.out, self.plot))
-        return Files(out or self.out, plot, overwrite=True)
-
-
-def keep(result: "Result", files: Files) -> tuple[list[Path], bool]:
-    """Write both files; return the paths of those written, and whether there were problems.
-
-    A failed run is written beside existing files as NAME.failed. A result that cannot be written there goes
-    to the folder of temporary files.
-
-    Raises:
-        KeyboardInterrupt: while the picture is drawn; it names the file that is written.
-    """
-    from rps_exudyn.results.outcome import Status
-
-    if result.status is not Status.OK:
-        files = files.of_failed
-    out, plot = files.out, files.plot
-    try:
-        files.make_room()
-        result.save(out)
-    except (InputError, OSError) as error:
-        return _kept_elsewhere(result, out, str(error))
-    if not result.signals or plot is None:
-        return [out], False
-    try:
-        with named_if_interrupted([out]):
-            _draw(result, plot)
-    except (OSError, ValueError) as error:  # also what matplotlib makes of a strange environment
-        say(f"the picture is missing: {error}")
-        return [out], True
-    return [out, plot], False
-
-
-def _draw(result: "Result", plot: Path) -> None:
-    """Draw the picture; the result is safe by then."""
-    from rps_exudyn.pages.charts.scene_figures import draw
-
-    draw(result, plot)
-
-
-def _kept_elsewhere(result: "Result", out: Path, problem: str) -> tuple[list[Path], bool]:
-    """Write a result whose own place cannot be written, and say where; never fails."""
-    from tempfile import mkdtemp
-
-    folder = None
-    try:
-        folder = Path(mkdtemp(prefix="rps-exudyn-"))
-        result.save(other := folder / out.name)
-    except (InputError, OSError) as error:
-        if folder:
-            with suppress(OSError):
-                folder.rmdir()
-        say(f"{problem} Nor could the result be kept elsewhere: {error}")
-        return [], True
-    say(f"{problem} The result is kept in {other} instead.")
-    return [other], True

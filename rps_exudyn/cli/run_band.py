@@ -11,9 +11,8 @@ from rps_exudyn.base.errors import InputError, as_sentence
 from rps_exudyn.base.files import write_json
 from rps_exudyn.base.screen import shown_progress
 from rps_exudyn.cli.options import SetupOptions
-from rps_exudyn.cli.output import DONE, INTERRUPTED, naming, print_files, print_json, put, put_table
+from rps_exudyn.cli.output import DONE, INTERRUPTED, Files, naming, print_files, print_json, put, put_table
 from rps_exudyn.cli.printed import print_sheet, result_as_dict
-from rps_exudyn.cli.run import Files
 from rps_exudyn.inference.uncertainty.band import Band, band_of_runs
 from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
 from rps_exudyn.inference.uncertainty.quick_band import SCENE, quick_band
@@ -155,7 +154,7 @@ def sample_count(band: list[int] | None, beside: list[str]) -> int | None:
         InputError: several numbers, none of --band itself, or options that a band does not go with.
     """
     if band is None:
-        raise InputError("--inputs says what a band is made of; add --band.")
+        raise InputError("--inputs chooses what a band is made of; add --band.")
     if beside:
         raise InputError(f"--band makes many runs of its own; leave out --{', --'.join(beside)}.")
     if len(band) > 1:

@@ -84,7 +84,7 @@ def defect(vertices: np.ndarray, faces: np.ndarray, least_height: float = 1e-12)
 
 
 def _defect_of_edges(forward: np.ndarray, backward: np.ndarray) -> str:
-    """Say what is wrong with edges, each a number for its sense, sorted, beside those of the other sense."""
+    """Return what is wrong with edges, each a number for its sense, sorted, beside those of the other."""
     doubled = np.unique(forward[1:][np.diff(forward) == 0]).size
     if doubled:
         return f"{doubled} edges are used twice in the same sense (inverted normals)"

@@ -56,7 +56,7 @@ def build_model(
 ) -> SteeringModel:
     """Build the gear in a rig, by default turned at its test's speed from the test's start angle.
 
-    `start.converged` says whether it found the equilibrium to start from.
+    `start.converged` is whether it found the equilibrium to start from.
 
     Args:
         rack_load: pulls the rack's end towards -X [N].

@@ -1,7 +1,7 @@
 """One guarded way to run Exudyn: every setting explicit, every outcome named.
 
 `SolveDynamic` calls runs a success that blew up, lost the contact, or stopped early. Here a run is a
-success only when its own checks say so; the scene adds those that need its physics.
+success only when it passes its own checks; the scene adds those that need its physics.
 """
 
 from collections import Counter
@@ -75,7 +75,7 @@ def solve_one_after_another(mbs: "exudyn.MainSystem", plans: Sequence[SolverPlan
 def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
     """Integrate an assembled system by generalised alpha with modified Newton.
 
-    Never raises for a failed run: the outcome says what happened, and how far it got. Ctrl-C and the end of
+    Never raises for a failed run: the outcome states what happened, and how far it got. Ctrl-C and the end of
     the process, which Exudyn takes for failures of a force, pass through.
     """
     import exudyn as exu
@@ -143,7 +143,7 @@ def solve(mbs: "exudyn.MainSystem", plan: SolverPlan) -> Outcome:
 
 @contextmanager
 def silent() -> Iterator[None]:
-    """Keep Exudyn off the console: the outcome says what a failure means."""
+    """Keep Exudyn off the console: the outcome states what a failure means."""
     import exudyn as exu
 
     before = exu.config.printToConsole, exu.config.suppressWarnings
@@ -193,7 +193,7 @@ FRAMES, STEPS_PER_SECOND = 200, 500
 
 
 def solved_model(gear: SteeringGear, fidelity: Fidelity, file: Path) -> SteeringModel:
-    """Turn the gear as its test says, and write the motion to Exudyn's solution file.
+    """Turn the gear by its test, and write the motion to Exudyn's solution file.
 
     Raises:
         InputError: no equilibrium to start from.

@@ -87,7 +87,7 @@ class SteeringModel:
 #
 # Friction between parts that yield can feed a vibration; nothing else may damp it much. Implicit steps damp
 # what is faster than they are, so that a record looks smooth in which the gear in truth shakes. The
-# linearised motion tells.
+# linearised motion shows.
 
 INSTANTS = 12  # of a record at which the motion is linearised
 SLOWEST = 0.5  # radians of a vibration in one step; slower ones the record shows itself

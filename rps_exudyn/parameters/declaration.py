@@ -36,7 +36,7 @@ DEG = math.pi / 180  # for limits of angles
 SMALLEST, LARGEST = 1e-30, 1e20  # of all numbers, in SI: powers of others are beyond a computer's numbers
 
 Source = Literal["paper", "inferred", "estimate", "choice"]
-"""Where a value is from; a choice is one of the model and says nothing about the gear."""
+"""Where a value is from; a choice is one of the model, not of the gear."""
 
 
 @dataclass(frozen=True)
@@ -188,7 +188,7 @@ class Table(BaseModel):
         """
         context = None if any(choice_instead(*each) for each in settings.items()) else STORED
         if settings and all(self._stands_alone(path) for path in settings):
-            with suppress(ValidationError):  # the whole is asked then, which says what is wrong
+            with suppress(ValidationError):  # the whole is validated then, and its error stated
                 return type(self).model_validate(self._with(settings), context=context)
         return self.from_tables(self.model_dump(), settings, where, context)
 

@@ -113,7 +113,7 @@ def _default_crest() -> float:
 def derived_values(tables: Mapping[str, Any]) -> dict[str, float]:
     """Path -> value [m] of what follows from the tables of a gear; {} where they are no gear.
 
-    Wrong values are left to the gear's own checks, which say what is wrong.
+    Wrong values are left to the gear's own checks.
     """
     teeth = {}
     for path, name in SOURCES.items():

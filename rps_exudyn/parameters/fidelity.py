@@ -177,7 +177,7 @@ def unknown_preset(name: str) -> str:
 
 
 def preset_table(name: str) -> dict[str, Any]:
-    """Return what a preset says, as a table of a fidelity."""
+    """Return the choices of a preset, as a table of a fidelity."""
     return {"based_on": name, **PRESETS[name]}
 
 
@@ -214,7 +214,7 @@ def _conflicts(chosen: Fidelity) -> Iterator[WrongValue]:
     if chosen.rack == "flexible" and chosen.mesh == "general-contact":
         yield WrongValue(
             ("rack", "mesh"),
-            "fidelity.mesh is general-contact, but fidelity.rack is flexible, and it knows only rigid "
+            "fidelity.mesh is general-contact, but fidelity.rack is flexible, which has only rigid "
             "bodies: choose fidelity.mesh = flank.",
         )
     for choice, solver, understood, reason in _SOLVER_LIMITS:

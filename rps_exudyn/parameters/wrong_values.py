@@ -1,4 +1,4 @@
-"""What validation finds wrong with the values of parameters, as sentences that say what is allowed."""
+"""What validation finds wrong with the values of parameters, as sentences that state what is allowed."""
 
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class WrongValue(NamedTuple):
-    """One thing that is wrong: the parameters' paths, and a sentence that says what is allowed."""
+    """One thing that is wrong: the parameters' paths, and a sentence that states what is allowed."""
 
     paths: tuple[str, ...]
     sentence: str
@@ -89,7 +89,7 @@ def _problem(
         sentence = f"{units.short(path)} is no {kind}; {meant}."
     elif item["type"] == "model_type":
         sentence = f"{path} is {shown}; it must be a table of parameters."
-    elif item["type"] == "value_error":  # from units.to_si: says what the value is and how to write it
+    elif item["type"] == "value_error":  # from units.to_si: with the value and how to write it
         sentence = f"{path} {item['ctx']['error']}."
     elif item["type"] == "finite_number":
         sentence = f"{path} is {shown}; it must be finite."

@@ -156,7 +156,7 @@ def _put_table(group: h5py.Group, rows: Sequence[Mapping[str, float]]) -> None:
 
 
 def _put_signals(group: h5py.Group, cases: Sequence[Mapping[str, np.ndarray]]) -> None:
-    """One row for each case, padded with nan; `length` says how many of them count."""
+    """One row for each case, padded with nan; `length` is how many of them count."""
     lengths = {name: [len(case.get(name, ())) for case in cases] for case in cases for name in case}
     for name, counts in lengths.items():
         rows = np.full((len(cases), max(counts)), np.nan)

@@ -7,7 +7,7 @@ It is what stays when all numerical errors are gone. The reference is an elastic
 helical pinion teeth on their core and a round rack bar with seven teeth of quadratic hexahedra, flattening of
 each line by Hertz, loads of all lines found together under unilateral contact. Compared were the default gear
 at 150 to 1500 N of preload, at friction 0.05 to 0.2 and at 5, 10 and 30 N m of load, and three gears of other
-profile shift and tip diameter, with the rack guided and free. docs/accuracy.md says the same to users.
+profile shift and tip diameter, with the rack guided and free. docs/accuracy.md has the same for users.
 """
 
 from collections.abc import Mapping

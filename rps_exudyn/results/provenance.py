@@ -39,7 +39,7 @@ def library_versions() -> str:
 
 
 def _version(name: str) -> str:
-    """The version of an installed library, without reading all else that its maintainers say of it."""
+    """The version of an installed library, without reading the rest of its metadata."""
     lines = (distribution(name).read_text("METADATA") or "").splitlines()
     found = next((line for line in lines if line.startswith("Version:")), None)
     return found.removeprefix("Version:").strip() if found else version(name)

@@ -51,7 +51,7 @@ class MeasuredTorque:
     signals: dict[str, np.ndarray]  # pinion_angle [rad], pinion_torque [N m], shape (n,); or of a rack push
     assumed: tuple[str, ...] = ()  # what the reading of the file took for granted
     beside: dict[str, np.ndarray] = field(default_factory=dict)  # clock [s], speed [rad/s], line; (n,)
-    left_out: tuple[str, ...] = ()  # those of `assumed` that say which rows of the file are no part of it
+    left_out: tuple[str, ...] = ()  # those of `assumed` about rows of the file that are no part of it
 
     def write(self, file: h5py.File) -> None:
         """Write name, angle and torque as a group of a result's file."""
@@ -96,7 +96,7 @@ class Result:
     Attributes:
         scene: what the test rig did.
         gear: every parameter of the gear and its test.
-        fidelity: what was modelled how, choice by choice; "name" says it in words.
+        fidelity: what was modelled how, choice by choice; "name" is their description in words.
         solver: every setting of the solver.
         findings: what solver and choice of the model report beside the numbers, see docs/hdf5-format.md.
         status: how it ended.

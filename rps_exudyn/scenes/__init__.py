@@ -1,7 +1,7 @@
 """What the test rig does: one file a scene, each with its `SCENE`.
 
 A scene consists of maneuvers (maneuver.py), which run_maneuver.py makes by dynamics, equilibria or formulas;
-figures.py and remarks.py say what came out. A new scene is a new file and its name in `SCENE_NAMES`.
+metrics.py and remarks.py describe what came out. A new scene is a new file and its name in `SCENE_NAMES`.
 """
 
 from importlib import import_module
@@ -33,10 +33,10 @@ _OWN: "dict[str, Scene]" = {}  # scenes of this process
 
 
 def add_scene(scene: "Scene") -> None:
-    """Make an own scene known to this process by its name; one added before by that name is replaced.
+    """Register an own scene in this process by its name; one added before by that name is replaced.
 
-    Study files and the command line know the scenes of the package alone, and processes that are started for
-    a study or a time limit do not know it.
+    Study files, the command line, and processes that are started for a study or a time limit have the scenes
+    of the package only.
 
     Raises:
         InputError: a scene of the package has that name.

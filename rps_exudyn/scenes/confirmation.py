@@ -19,7 +19,7 @@ from rps_exudyn.results.outcome import Code, Interrupted, Remark, Status
 from rps_exudyn.results.quantities import ANOTHER_CYCLE, OTHER, SUMMARY
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.refine import refine
-from rps_exudyn.scenes.run_maneuver import run_maneuver, run_maneuvers
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
@@ -54,11 +54,15 @@ def run_and_confirm(
     """
 
     def made(halvings: int) -> SceneRun:
-        return run_maneuvers(gear, fidelity, [each.halved(halvings) for each in maneuvers], options)
+        finer = [each.halved(halvings) for each in maneuvers]
+        return run_maneuver(gear, fidelity, *finer, options=options)
 
     shakes = maneuvers[0].is_steady and fidelity.solver != "equilibrium" and gear.test.speed > SLOW
-    most = most_finer(fidelity, options)
-    return confirmed(first or made(0), metrics, made, figure, most=most, always=always or shakes)
+    run, most = (
+        first or run_maneuver(gear, fidelity, *maneuvers, options=options),
+        most_finer(fidelity, options),
+    )
+    return confirmed(run, metrics, made, figure, most=most, always=always or shakes)
 
 
 def most_finer(fidelity: Fidelity, options: RunOptions) -> int:
@@ -243,7 +247,7 @@ def run_swing(
 
     def made(halvings: int) -> SceneRun:
         earlier = settled.begun_earlier(1) if halvings else settled
-        return run_maneuver(gear, fidelity, earlier.halved(halvings), options)
+        return run_maneuver(gear, fidelity, earlier.halved(halvings), options=options)
 
     return confirmed(run, metrics, made, figure, most=most_finer(fidelity, options), always=True)
 
@@ -255,8 +259,8 @@ def _settled(
     before = CYCLES_BEFORE.get(fidelity.solver, ())
     maneuvers = [maneuver, *(maneuver.begun_earlier(cycles) for cycles in before)]
     refined = refine(
-        run_maneuver(gear, fidelity, maneuver, options),
-        lambda _, times: run_maneuver(gear, fidelity, maneuvers[times], options),
+        run_maneuver(gear, fidelity, maneuver, options=options),
+        lambda _, times: run_maneuver(gear, fidelity, maneuvers[times], options=options),
         len(before),
         asks=lambda run: run.ok and unclosed(run.signals, maneuver) > 1,
     )
@@ -292,8 +296,8 @@ def _settled_under_torque(
         return finished and (run.ok or len(tried) <= TRIES_OF_INVALID)
 
     refined = refine(
-        run_maneuver(gear, fidelity, maneuver, options),
-        lambda _, times: run_maneuver(gear, fidelity, maneuvers[times], options),
+        run_maneuver(gear, fidelity, maneuver, options=options),
+        lambda _, times: run_maneuver(gear, fidelity, maneuvers[times], options=options),
         len(CYCLES_UNDER_TORQUE),
         asks=asks,
         change=lambda run, later: figure_changes(metrics, figure, run, later),

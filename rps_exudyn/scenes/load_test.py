@@ -1,7 +1,7 @@
 """Load test (IS 13476): the pinion raises a weight at the rack's end, and lowers it.
 
 The weight pulls against `test.direction`. The same turns without it give the free torque, which the net
-efficiencies tare. Forward means raising: the paper also says the opposite, but its equation (1) only makes
+efficiencies tare. Forward means raising: the paper also states the opposite, but its equation (1) only makes
 sense so.
 """
 
@@ -19,7 +19,7 @@ from rps_exudyn.scenes.confirmation import run_and_confirm
 from rps_exudyn.scenes.maneuver import Maneuver, StepLimits, maneuvers_of_test
 from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.remarks import remarks
-from rps_exudyn.scenes.run_maneuver import run_maneuver, run_maneuvers
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.closed_form import GRAVITY, unloading_force
@@ -36,11 +36,11 @@ def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         raise InputError("test.load_mass is 0 kg; the load test needs a weight, greater than 0.")
     weighted, free = TEST.maneuvers(gear, fidelity.step_angle, options.least_steps)
     assert free is not None
-    loaded = run_maneuvers(gear, fidelity, weighted, options)
+    loaded = run_maneuver(gear, fidelity, *weighted, options=options)
     if not loaded.ok:
         return _blamed(loaded, weight, gear)
     try:
-        unloaded = run_maneuver(gear, fidelity, free, options)
+        unloaded = run_maneuver(gear, fidelity, free, options=options)
     except Interrupted as interrupt:
         raise Interrupted(replace(loaded, outcome=interrupt.recorded.outcome)) from None
     if not unloaded.ok:
@@ -48,13 +48,13 @@ def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         return replace(loaded, outcome=replace(unloaded.outcome, message=message))
     gain = float(GearPair.of(gear).gain)
     turned = Turned(gear, loaded.signals, unloaded.signals, gain, weight, fidelity.step_angle)
-    (told,) = _remarks(turned)
+    (further,) = _remarks(turned)
 
     def metrics(signals: Signals) -> dict[str, float]:
         return _metrics(replace(turned, signals=signals))
 
     run = run_and_confirm(gear, fidelity, weighted, options, metrics, SCENE.figure, loaded)
-    return run.noting(*remarks(gear, run.signals), *told)
+    return run.noting(*remarks(gear, run.signals), *further)
 
 
 def _maneuvers(

@@ -1,16 +1,15 @@
 """A maneuver: one motion of the rig under one load. What every scene is made of."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby
 
 import numpy as np
 
-from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.gears.gear_pair import GearPair
-from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes.checks.before_run import check_travel, degrees_shown, largest_angle
 from rps_exudyn.solvers.drive import Drive, DrivenBody, SetOff, Steady, Swing, travel_per_radian
 from rps_exudyn.solvers.settled_start import Approach, SteadyApproach, SwingApproach
 from rps_exudyn.solvers.sliding_stability import bristle_reversal_angle
@@ -147,7 +146,7 @@ def steady_maneuver(
     Raises:
         InputError: it leaves the rack's teeth.
     """
-    check_travel(gear, (first, last), f"a test from {_deg(first)} to {_deg(last)}")
+    check_travel(gear, (first, last), f"a test from {degrees_shown(first)} to {degrees_shown(last)}")
     whole = whole_periods(gear, abs(last - first))
     periods, at_least = (whole, least.per_period) if whole else (1, least.of_part)
     piece = abs(last - first) / periods
@@ -201,7 +200,11 @@ def swing_maneuver(
     """
     test = gear.test
     ends = test.start_angle - test.amplitude, test.start_angle + test.amplitude
-    check_travel(gear, ends, f"test.amplitude = {_deg(test.amplitude)} about {_deg(test.start_angle)}")
+    check_travel(
+        gear,
+        ends,
+        f"test.amplitude = {degrees_shown(test.amplitude)} about {degrees_shown(test.start_angle)}",
+    )
     drive = Swing(body, test.start_angle, test.amplitude, test.direction * test.speed)
     per_cycle = 4 * int(np.ceil(max(drive.period * test.speed / step_angle, LEAST_PER_CYCLE) / 4))
     time_step = drive.period / per_cycle
@@ -235,29 +238,3 @@ def whole_periods(gear: SteeringGear, angle: float) -> int | None:
     alike = gear.pinion.runout == 0 and gear.pinion.pitch_error == 0
     periods = angle / (2 * np.pi) * (gear.pinion.teeth if alike else 1)
     return round(periods) if periods > 0.5 and abs(periods - round(periods)) < 1e-9 * periods else None
-
-
-def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> None:
-    """Check that the pinion stays on the rack's teeth at these angles [rad]; `test` says what leads there.
-
-    Raises:
-        InputError: it would not.
-    """
-    allowed = largest_angle(gear)
-    farthest = max(abs(angle) for angle in angles)
-    if farthest > allowed:
-        raise InputError(
-            f"{test} leads to a pinion angle of {_deg(farthest)}; the teeth for "
-            f"rack.travel = {gear.rack.travel * 1e3:g} mm allow {_deg(allowed)} either way "
-            f"({allowed / (2 * np.pi):.4g} turns from the centre)."
-        )
-
-
-def largest_angle(gear: SteeringGear) -> float:
-    """Return how far the pinion may turn either way from the rack's middle [rad]."""
-    bar = RackBar.of(gear)
-    return float(bar.largest_displacement / bar.pair.gain)
-
-
-def _deg(angle: float) -> str:
-    return f"{np.degrees(angle):.6g} deg"

@@ -18,10 +18,11 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
+from rps_exudyn.scenes.checks.before_run import check_travel
 from rps_exudyn.scenes.confirmation import confirmed_by_phases
-from rps_exudyn.scenes.maneuver import Maneuver, check_travel
+from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.metrics import balance
-from rps_exudyn.scenes.run_maneuver import run_maneuvers
+from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.drive import Steady
@@ -83,7 +84,7 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
     chosen, test = fidelity.with_bending(), gear.test
     chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE)})
     maneuvers = list(shaken_by_road(gear, chosen.swing_steps or STEPS_PER_SWING))
-    run = run_maneuvers(gear, chosen, maneuvers, options)
+    run = run_maneuver(gear, chosen, *maneuvers, options=options)
     growing = test.road_shape == GROWING
     band = FrequencyBand(test.band_low, test.band_high)
 
@@ -168,7 +169,7 @@ def shaken_by_road(gear: SteeringGear, steps_per_swing: int = STEPS_PER_SWING) -
 
 
 def _thinned(signals: Signals, maneuvers: list[Maneuver]) -> Signals:
-    """Keep some of the instants of each maneuver, and say how large the force was; {} of an empty record."""
+    """Keep some of the instants of each maneuver, and what the force was there; {} of an empty record."""
     if not signals:
         return {}
     kept: list[Signals] = []

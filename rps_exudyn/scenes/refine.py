@@ -1,6 +1,6 @@
 """Make a run again, finer each time, until it asks for no more or the finer one changes nothing.
 
-    refined = refine(run, finer, 4, asks=needs_shorter_steps)               # its own record says so
+    refined = refine(run, finer, 4, asks=needs_shorter_steps)               # by its own record
     refined = refine(run, finer, 2, change=difference, allowed=0.01)        # the finer run confirms it
 
 What is finer is up to the caller: halved steps, finer strips, a longer approach, safer settings.

@@ -1,11 +1,12 @@
 """Make a maneuver: by dynamics in Exudyn, by equilibria, or by formula, by the fidelity's choice.
 
     run = run_maneuver(gear, fidelity, maneuver)
+    run = run_maneuver(gear, fidelity, there, back, options=options)
 
 All give the same signals as far as they have them, and none is called ok before its record was checked.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from time import process_time
 
@@ -37,7 +38,7 @@ from rps_exudyn.solvers.drive import Drive, SetOff, Steady, Swing
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, PathInterrupted, equilibrium_path
 from rps_exudyn.solvers.gear_forces import following_inertia, gear_forces
 from rps_exudyn.solvers.record import COORDINATES, Record, record_of_path, repeated, signals_of
-from rps_exudyn.solvers.settled_start import settled_behind, settled_path
+from rps_exudyn.solvers.settled_start import joined_instants, settled_behind, settled_start
 from rps_exudyn.solvers.settling import TOLERANCE
 from rps_exudyn.solvers.steering_column import (
     BehindColumn,
@@ -67,35 +68,24 @@ CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to
 
 
 def run_maneuver(
-    gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions = DEFAULT_OPTIONS
+    gear: SteeringGear, fidelity: Fidelity, *maneuvers: Maneuver, options: RunOptions = DEFAULT_OPTIONS
 ) -> SceneRun:
-    """Make one maneuver; its run has no summary yet.
+    """Make maneuvers one after the other until one fails, joined to one record; their run has no summary yet.
 
     Raises:
-        InputError: the fidelity's solver cannot make it, or no memory holds its record.
+        InputError: the fidelity's solver cannot make one, or no memory holds its record.
     """
-    if fidelity.solver != "closed-form":
-        spheres = fidelity.profile_samples * fidelity.axial_samples * 2 * gear.pinion.teeth
-        check_memory(maneuver.lead + maneuver.steps, spheres if fidelity.mesh == "general-contact" else 0)
-    try:
-        return SOLVERS[fidelity.solver](gear, fidelity, maneuver, options)
-    except np.linalg.LinAlgError as error:
-        message = f"the gear yields without resistance at its start: {error}"
-        return SceneRun(Outcome(Status.NO_CONVERGENCE, message, (Code.NO_RESISTANCE,)))
-
-
-def run_maneuvers(
-    gear: SteeringGear,
-    fidelity: Fidelity,
-    maneuvers: Sequence[Maneuver],
-    options: RunOptions = DEFAULT_OPTIONS,
-) -> SceneRun:
-    """Make one after the other until one fails, and join them to one record."""
     runs: list[SceneRun] = []
     for number, maneuver in enumerate(maneuvers):
         begin_part(number, len(maneuvers))
+        if fidelity.solver != "closed-form":
+            spheres = fidelity.profile_samples * fidelity.axial_samples * 2 * gear.pinion.teeth
+            check_memory(maneuver.lead + maneuver.steps, spheres if fidelity.mesh == "general-contact" else 0)
         try:
-            runs.append(run_maneuver(gear, fidelity, maneuver, options))
+            runs.append(SOLVERS[fidelity.solver](gear, fidelity, maneuver, options))
+        except np.linalg.LinAlgError as error:
+            message = f"the gear yields without resistance at its start: {error}"
+            runs.append(SceneRun(Outcome(Status.NO_CONVERGENCE, message, (Code.NO_RESISTANCE,))))
         except Interrupted as interrupt:
             raise Interrupted(joined([*runs, interrupt.recorded])) from None
         if not runs[-1].ok:
@@ -173,8 +163,8 @@ def by_equilibrium(
         raise InputError("fidelity.solver is equilibrium, which has no pulses: choose generalized-alpha.")
     period, tolerance = maneuver.one_period(), fidelity.torque_tolerance
     refined = refine(
-        _settled(gear, fidelity, period, options),
-        lambda _, times: _settled(gear, fidelity, period.halved(times), options),
+        _along_equilibria(gear, fidelity, period, options),
+        lambda _, times: _along_equilibria(gear, fidelity, period.halved(times), options),
         options.least_steps.halvings + (HALVINGS_FOR_TOLERANCE if tolerance else 0),
         asks=lambda run: _is_coarse(run, gear, maneuver, tolerance),
     )
@@ -183,12 +173,12 @@ def by_equilibrium(
     if run.ok and options.least_steps.halvings and yoke_stops(run.signals):
         if maneuver.is_steady:
             maneuver = maneuver.closely_approached()
-            run = _settled(gear, fidelity, maneuver.one_period().halved(halved), options)
+            run = _along_equilibria(gear, fidelity, maneuver.one_period().halved(halved), options)
         run, fidelity = _by_finer_strips(run, gear, fidelity, maneuver.one_period().halved(halved), options)
     if maneuver.periods > 1 and run.ok:
         force = run.signals[maneuver.drive.signal]
         if maneuver.periods * abs(force[-1] - force[0]) > CLOSED * np.abs(force).max():
-            run = _settled(gear, fidelity, maneuver.halved(halved), options)
+            run = _along_equilibria(gear, fidelity, maneuver.halved(halved), options)
         else:
             findings["periods_alike"] = maneuver.periods
             run = replace(run, signals=repeated(run.signals, maneuver.periods))
@@ -205,7 +195,7 @@ def _by_finer_strips(
         models.append(finer)
     refined = refine(
         run,
-        lambda _, times: _settled(gear, models[times], period, options),
+        lambda _, times: _along_equilibria(gear, models[times], period, options),
         len(models) - 1,
         usable=lambda each: each.ok,
         change=lambda coarse, fine: strips_change(coarse.signals, fine.signals),
@@ -237,14 +227,54 @@ def _is_coarse(run: SceneRun, gear: SteeringGear, maneuver: Maneuver, tolerance:
     return needs_finer(run.signals, gear) or (tolerance > 0 and bends_more(run.signals, gear, tolerance))
 
 
-def _settled(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions) -> SceneRun:
-    """Leave out the equilibria that lead to the start if the record of a period shows that they are not
-    needed: at its end the gear is where it was at the start."""
-    if maneuver.closes and maneuver.approach is not None:
-        run = _along_equilibria(gear, fidelity, maneuver.without_settling(), options)
-        if run.ok and _drift(run.signals, maneuver.drive.signal) <= STEADY:
-            return run
-    return _along_equilibria(gear, fidelity, maneuver, options)
+def _along_equilibria(
+    gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions
+) -> SceneRun:
+    """Follow the equilibria of a maneuver from a settled start.
+
+    Those that lead to the start are left out if the record of a period shows that they are not needed: at its
+    end the gear is where it was at the start.
+    """
+    forces, drive = gear_forces(gear, fidelity, maneuver.rack_load), maneuver.drive
+    column = ColumnModel.of(gear) if drive.body == "wheel" else None
+    turned = drive if column is None else replace(drive, body="pinion")
+    pair, time = GearPair.of(gear), maneuver.time
+    inertia = (0.0, 0.0) if isinstance(drive, Steady) else following_inertia(gear)
+    balance = forces.statics.with_(inertia=inertia)
+    closes = maneuver.closes and maneuver.approach is not None
+    for approach in (None, maneuver.approach) if closes else (maneuver.approach,):
+        start, interrupted = process_time(), False
+        try:
+            if column is None:
+                led = settled_start(balance, pair, drive, approach, time[:1])
+                path = equilibrium_path(balance, pair, drive, joined_instants(led, time), led)
+                path = path if led is None else replace(path, start=led.start)
+            else:
+                path = settled_behind(balance, pair, drive, column, approach)
+                if path.converged:
+                    behind = BehindColumn("pinion", drive, column)
+                    path = equilibrium_path(balance, pair, behind, time, path, column)
+        except PathInterrupted as interrupt:
+            path, interrupted = interrupt.path, True
+        outcome = outcome_of_path(path, process_time() - start)
+        outcome = replace(outcome, findings={**outcome.findings, "angles": path.time.size})
+        if interrupted:
+            message = f"interrupted at {drive.shown(path.time[-1])}"
+            outcome = replace(outcome, status=Status.TIMEOUT, codes=(Code.INTERRUPTED,), message=message)
+        elif not path.converged:
+            outcome = _lost(maneuver, path, outcome)
+            if column is not None:
+                jumps = JUMPS_UNDER_TORQUE if isinstance(drive, WheelTorque) else JUMPS
+                outcome = replace(outcome, message=outcome.message + jumps.format(column.stiffness))
+        record = record_of_path(forces, path, turned)
+        if column is not None and path.wheel.size:  # else the gear was lost on its way to the start
+            record = _seen_from_wheel(record, column, drive, -path.wheel)
+        run = _finished(gear, maneuver, outcome, record, path, forces.friction_zone, options)
+        if interrupted:
+            raise Interrupted(run)
+        if approach is not maneuver.approach and run.ok and _drift(run.signals, drive.signal) <= STEADY:
+            break
+    return run
 
 
 def _drift(signals: Signals, driven: str) -> float:
@@ -253,45 +283,6 @@ def _drift(signals: Signals, driven: str) -> float:
     lengths = dict(zip(COORDINATES, CHARACTERISTIC_LENGTHS[2:], strict=True))
     moved = max(abs(float(signals[name][-1] - signals[name][0])) * lengths[name] for name in COORDINATES)
     return max(moved / travel, abs(float(force[-1] - force[0])) / (float(np.abs(force).max()) or 1.0))
-
-
-def _along_equilibria(
-    gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions
-) -> SceneRun:
-    forces, drive = gear_forces(gear, fidelity, maneuver.rack_load), maneuver.drive
-    column = ColumnModel.of(gear) if drive.body == "wheel" else None
-    start, interrupted = process_time(), False
-    pair, approach, time = GearPair.of(gear), maneuver.approach, maneuver.time
-    inertia = (0.0, 0.0) if isinstance(drive, Steady) else following_inertia(gear)
-    balance = forces.statics.with_(inertia=inertia)
-    try:
-        if column is None:
-            path = settled_path(balance, pair, drive, approach, time)
-        else:
-            path = settled_behind(balance, pair, drive, column, approach)
-            if path.converged:
-                behind = BehindColumn("pinion", drive, column)
-                path = equilibrium_path(balance, pair, behind, time, path, column)
-    except PathInterrupted as interrupt:
-        path, interrupted = interrupt.path, True
-    outcome = outcome_of_path(path, process_time() - start)
-    outcome = replace(outcome, findings={**outcome.findings, "angles": path.time.size})
-    if interrupted:
-        message = f"interrupted at {drive.shown(path.time[-1])}"
-        outcome = replace(outcome, status=Status.TIMEOUT, codes=(Code.INTERRUPTED,), message=message)
-    elif not path.converged:
-        outcome = _lost(maneuver, path, outcome)
-        if column is not None:
-            jumps = JUMPS_UNDER_TORQUE if isinstance(drive, WheelTorque) else JUMPS
-            outcome = replace(outcome, message=outcome.message + jumps.format(column.stiffness))
-    turned = drive if column is None else replace(drive, body="pinion")
-    record = record_of_path(forces, path, turned)
-    if column is not None and path.wheel.size:  # else the gear was lost on its way to the start
-        record = _seen_from_wheel(record, column, drive, -path.wheel)
-    run = _finished(gear, maneuver, outcome, record, path, forces.friction_zone, options)
-    if interrupted:
-        raise Interrupted(run)
-    return run
 
 
 def _seen_from_wheel(record: Record, column: ColumnModel, drive: Drive, wheel: np.ndarray) -> Record:

@@ -1,6 +1,5 @@
 """The run of a scene before it becomes a result, and how several maneuvers of the rig become one."""
 
-from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -59,11 +58,12 @@ def joined(runs: Sequence[SceneRun]) -> SceneRun:
     """
     outcomes = [run.outcome for run in runs]
     outcome = next((each for each in outcomes if each.status is not Status.OK), outcomes[0])
+    counted = dict.fromkeys(name for each in outcomes for name in each.counters)
     outcome = replace(
         outcome,
         time_reached=sum(each.time_reached for each in outcomes),
         cpu_s=sum(each.cpu_s for each in outcomes),
-        counters=dict(sum((Counter(each.counters) for each in outcomes), Counter())),
+        counters={name: sum(each.counters.get(name, 0) for each in outcomes) for name in counted},
         findings={**outcome.findings, **_worst_findings(outcomes)},
     )
     recorded = [run.signals for run in runs if run.signals]

@@ -20,8 +20,9 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
+from rps_exudyn.scenes.checks.before_run import check_travel
 from rps_exudyn.scenes.confirmation import run_and_confirm
-from rps_exudyn.scenes.maneuver import Maneuver, check_travel
+from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.remarks import remarks, wide_zone
@@ -72,8 +73,8 @@ def _resolved(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
     """Make the motion, near the sticking speed in steps that decide nothing; it is invalid if none are."""
     maneuver = set_off(gear)
     refined = refine(
-        run_maneuver(gear, fidelity, maneuver, options),
-        lambda _, times: run_maneuver(gear, fidelity, maneuver.halved(times), options),
+        run_maneuver(gear, fidelity, maneuver, options=options),
+        lambda _, times: run_maneuver(gear, fidelity, maneuver.halved(times), options=options),
         min(MOST_HALVED, options.least_steps.halvings) if _near_sticking(gear) else 0,
         usable=lambda run: run.ok,
         change=lambda coarse, fine: _change(_seen(coarse.signals, gear), _seen(fine.signals, gear)),

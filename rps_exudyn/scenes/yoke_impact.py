@@ -18,8 +18,9 @@ from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
+from rps_exudyn.scenes.checks.before_run import check_travel
 from rps_exudyn.scenes.confirmation import run_and_confirm
-from rps_exudyn.scenes.maneuver import Maneuver, check_travel
+from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.remarks import wide_zone
 from rps_exudyn.scenes.scene import RunOptions, Scene

@@ -92,7 +92,7 @@ class Wanted:
 
 
 def kept_by(run: Run, wanted: Wanted, gear: SteeringGear, first: Fidelity) -> Result:
-    """Return the first run that a finer one confirms; it says so in its findings.
+    """Return the first run that a finer one confirms, with the change in its findings.
 
     Raises:
         Interrupted: Ctrl-C; it carries the last whole run, or else what was recorded.

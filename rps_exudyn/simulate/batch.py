@@ -141,13 +141,13 @@ def batch(
     """Simulate gears that differ from one in the parameters of a table.
 
     Each row is a gear of its own; one that cannot exist is a row with the status `invalid`, and its message
-    says why.
+    states why.
 
     The gears of a free pinion torque, a load test or a rack push are followed together, several times as fast
     as one by one: by the same equations at the same instants, with means within 1e-5 and other metrics mostly
     within 1e-3 of single runs. What is not supported (`together.UNSUPPORTED`) or not found well within the
-    bounds of all checks is simulated one by one; `Batch.in_loop` and `Batch.alone` say so. So are tables of
-    few gears.
+    bounds of all checks is simulated one by one; `Batch.in_loop` and `Batch.alone` record it. So are tables
+    of few gears.
 
     Args:
         scene: one of `scenes.SCENE_NAMES`.

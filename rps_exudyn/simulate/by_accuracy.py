@@ -139,7 +139,7 @@ def _check_reach(
     """Check that a setting promises what is wanted of one of the quantities.
 
     Raises:
-        InputError: none does; the sentence says how far they go.
+        InputError: none does; the sentence states how far they go.
     """
     scene, floor = tables[0].scene, min(table.floor for table in tables)
     if wanted < floor:
@@ -161,7 +161,7 @@ def _check_reach(
 
 
 def _instead_of(first: SceneTable, taken: SceneTable) -> str:
-    """Tell that another quantity than the scene's signal is promised; empty if it is the signal."""
+    """Return a note that another quantity than the scene's signal is promised; empty if it is the signal."""
     if taken is first:
         return ""
     best = min(each.promised for each in first.settings)
@@ -169,7 +169,7 @@ def _instead_of(first: SceneTable, taken: SceneTable) -> str:
 
 
 def beyond_promise(gear: SteeringGear) -> str:
-    """Tell why the table promises nothing for this gear; empty if it does."""
+    """Return why the table promises nothing for this gear; empty if it does."""
     if GearPair.of(gear).slowest_sliding < LEAST_SLIDING:
         return (
             "; NOT promised for this gear, whose teeth hardly slide at the pitch point: friction jumps there"
@@ -178,7 +178,7 @@ def beyond_promise(gear: SteeringGear) -> str:
 
 
 def beyond_in_run(scene: str, signals: Mapping[str, np.ndarray]) -> str:
-    """Tell why the table promises nothing for what a run has shown; empty if it does.
+    """Return why the table promises nothing for what a run has shown; empty if it does.
 
     Where the pinion is held the yoke may stop: that is what such scenes are for.
     """
@@ -189,7 +189,7 @@ def beyond_in_run(scene: str, signals: Mapping[str, np.ndarray]) -> str:
 
 
 def knows_law(setting: Setting, gear: SteeringGear) -> bool:
-    """Return whether a setting's model has the gear's contact law; formulas and spheres know no teeth that
+    """Return whether a setting's model has the gear's contact law; formulas and spheres have no teeth that
     bend."""
     return gear.mesh.law != "teeth" or setting.preset not in ("closed-form", "full")
 

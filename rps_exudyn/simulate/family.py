@@ -26,8 +26,9 @@ from rps_exudyn.scenes.checks.after_run import (
     edge_bound,
     hidden_share,
 )
+from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.scenes.checks.needs_finer import MEAN, PEAK, ROLLING
-from rps_exudyn.scenes.maneuver import Maneuver, largest_angle
+from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_maneuver import CLOSED
 from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.solvers.drive import Steady, travel_per_radian
@@ -83,7 +84,7 @@ class Family:
     ) -> "Family | None":
         """Follow the reference gear, and those from which the others' motion is learned.
 
-        What only the ranges say is learned once for all parts of a table.
+        What follows from the ranges alone is found once for all parts of a table.
 
         Args:
             maneuver: of the reference gear, over as many periods as its pitches are alike.

@@ -4,7 +4,7 @@
 `simulate` with a gear that is ready. Both give a `Result`:
 
     plain                the plan is checked, run, and its record is checked
-    robust=True          where that fails, the next safer settings (checked_run.py)
+    robust=True          where that fails, the next safer settings (run_plan.py)
     time_limit=20.0      the same in a process that is killed after that time (isolated_run)
     accuracy="1%"        by the cheapest model that keeps this error (by_accuracy.py, accuracy_check.py)
 """
@@ -17,16 +17,18 @@ from typing import Any
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.progress import Listener, following
+from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
-from rps_exudyn.results.result import Result
+from rps_exudyn.results.result import Result, failed
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.simulate.accuracy_check import Wanted, kept_by
 from rps_exudyn.simulate.by_accuracy import Choice, beyond_in_run, choose, percent
 from rps_exudyn.simulate.cases.run_cases import Task
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
-from rps_exudyn.simulate.checked_run import run_checked, run_with_fallback
+from rps_exudyn.simulate.run_plan import run_unchecked, run_with_fallback
 
 
 def run(
@@ -49,7 +51,7 @@ def run(
         gear: without it the default gear, the paper's.
         fidelity: name of a preset, or a `Fidelity`; `flank` by default.
         accuracy: error allowed, for instance "1%": takes the cheapest model that keeps it, of all or of the
-            preset named by `fidelity`; `result.findings["accuracy"]` says which and why.
+            preset named by `fidelity`; `result.findings["accuracy"]` states which and why.
         robust: takes the next safer settings where the run fails; `result.findings["tries"]` lists them.
         time_limit: ends the run after this time [s], or for instance "20 s", whatever it does then; its
             status is `timeout`, and what it has recorded is kept.
@@ -106,7 +108,15 @@ def simulate(
         return isolated_run(scene, gear, chosen, time_limit, robust=robust)
     if robust:
         return run_with_fallback(scene, gear, chosen)
-    return run_checked(scene, gear, chosen)
+    if not (sentences := refused(gear, chosen, steady=scene_named(scene).steady)):
+        return run_unchecked(scene, gear, chosen)
+    message = "; ".join(sentences)
+    return replace(
+        failed(scene, gear, chosen, Status.INVALID, f"not run: {message}"),
+        codes=(Code.REFUSED.value,),
+        findings={"refused": message},
+        geometry=geometry_report(gear).numbers,
+    )
 
 
 def isolated_run(

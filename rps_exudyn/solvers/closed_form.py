@@ -108,7 +108,7 @@ def load_test(gear: SteeringGear, mass: float | None = None) -> LoadTest:
 
 
 def beyond_formulas(gear: SteeringGear) -> str:
-    """Tell why the formulas do not hold for this gear, in words; empty where they do."""
+    """Return why the formulas do not hold for this gear, in words; empty where they do."""
     pinion, lift = gear.pinion, gear.pinion.runout
     if lift >= gear.yoke.clearance:
         return (

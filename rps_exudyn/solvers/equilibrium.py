@@ -13,6 +13,7 @@ by backward differences of its rates.
 
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -213,8 +214,11 @@ def equilibrium_path(
     following = _Following.of(balance, pair, drive, np.asarray(time, dtype=float), led, column)
     interrupted = False
     try:
-        while not following.whole and (following.advance() or following.whole or following.rescued()):
-            pass
+        while not following.whole:
+            end, arguments, ended, counts = following.piece()
+            ready(follow)(*arguments, ended, counts)
+            if not following.took(end, ended, counts) and not following.rescued():
+                break
     except KeyboardInterrupt:
         interrupted, following.found = True, max(following.found, following.rows.filled)
         if following.found < 2:
@@ -297,15 +301,14 @@ class _Following:
         """Return whether all instants are found."""
         return self.found == len(self.rows.time)
 
-    def advance(self) -> bool:
-        """Follow one piece of the path; tell whether all of it was found."""
-        rows, balance = self.rows, self.balance
-        time = rows.time
+    def piece(self) -> tuple[int, tuple[Any, ...], np.ndarray, np.ndarray]:
+        """Return the end of the next piece of the path, the arguments of `follow` for it, and the arrays that
+        it fills: the instants found (1,) and its counts (1, 5)."""
+        rows, balance, time = self.rows, self.balance, self.rows.time
         end = min(self.found + PIECE, len(time))
         known, known_rates = (each[None] for each in rigid_motion(self.pair, self.drive, time[:end]))
-        ended, counts = np.zeros(1, dtype=np.int64), np.zeros((1, 5))
         state = rows.coordinates, rows.rates, rows.forces, rows.outputs, rows.kept
-        ready(follow)(
+        arguments = (
             ready(balance.law),
             self.found,
             time[:end],
@@ -323,9 +326,12 @@ class _Following:
             balance.gears,
             balance.pool,
             balance.works,
-            ended,
-            counts,
         )
+        return end, arguments, np.zeros(1, dtype=np.int64), np.zeros((1, 5))
+
+    def took(self, end: int, ended: np.ndarray, counts: np.ndarray) -> bool:
+        """Note how far `follow` came; return whether it found the whole piece."""
+        time = self.rows.time
         self.found, self.residual = int(ended[0]), float(counts[0, 4])
         self.counts += counts[0, :3].astype(int)
         if self.found and time[-1] > 0:
@@ -355,7 +361,7 @@ class _Following:
         )
 
     def rescued(self) -> bool:
-        """Look further for the next instant; tell whether there is something to go on from."""
+        """Look further for the next instant; return whether there is something to go on from."""
         rows, k = self.rows, self.found
         most = max(MAX_RESCUES, int(rows.asked.sum())) * (4 if self.column[0] else 1)
         if self.rescues == most or (k == 0 and self.rescues > 0):
@@ -382,7 +388,7 @@ class _Following:
         return bool(fastest[k] > SNAP * fastest[:k].max())
 
     def searched(self, k: int) -> bool:
-        """Let the gear creep to the equilibrium at instant k; tell whether it was found."""
+        """Let the gear creep to the equilibrium at instant k; return whether it was found."""
         rows, time, free = self.rows, self.rows.time, self.free
         balance, places = self.balance, rows.coordinates
         step, (base, per_time) = time[k] - time[k - 1], backward_difference(time[: k + 1], places[:k])

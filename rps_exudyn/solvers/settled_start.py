@@ -105,11 +105,19 @@ def settled_path(
 ) -> EquilibriumPath:
     """Follow the equilibria at times [s], the first of which is 0 or just before, from a settled start.
 
-    `start` of the path says what is left of its beginning, and whether the rack has teeth enough before the
+    `start` of the path states what is left of its beginning, and whether the rack has teeth enough before the
     start to settle. If no equilibria lead to the start, the gear starts where it rests without them, which
     may be far from where it will slide. Without an approach the start itself is such a place of rest.
     """
-    return path_from(settled_start(balance, pair, drive, approach, time[:1]), balance, pair, drive, time)
+    led = settled_start(balance, pair, drive, approach, time[:1])
+    path = equilibrium_path(balance, pair, drive, joined_instants(led, time), led)
+    return path if led is None else replace(path, start=led.start)
+
+
+def joined_instants(led: EquilibriumPath | None, time: np.ndarray) -> np.ndarray:
+    """Return the instants of a path, if there is one, and of what follows it [s]: its last one is their
+    first."""
+    return time if led is None else np.concatenate([led.time, time[1:]])
 
 
 def start_of_motion(
@@ -133,16 +141,6 @@ def settled_start(
 ) -> EquilibriumPath | None:
     """Return the equilibria that lead to the instant `start`, shape (1,) [s]; None where the gear rests."""
     return None if approach is None else _Search(balance, pair, drive, approach, start).settled()
-
-
-def path_from(
-    led: EquilibriumPath | None, balance: Balance, pair: GearPair, drive: Drive, time: np.ndarray
-) -> EquilibriumPath:
-    """Follow the equilibria at times [s] from a settled start at the first of them, or from rest there."""
-    if led is None:
-        return equilibrium_path(balance, pair, drive, time)
-    path = equilibrium_path(balance, pair, drive, np.concatenate([led.time, time[1:]]), led)
-    return replace(path, start=led.start)
 
 
 def settled_behind(
@@ -228,7 +226,8 @@ class _Search:
         """Return a path to the start for a unit of time more: the force may be the same at the start and not
         behind it, where the rack still lies otherwise."""
         time = self.start[0] + self.approach.unit * np.linspace(0, 1, FINE + 1)
-        return path_from(path, self.balance, self.pair, self.drive, time)
+        time = joined_instants(path, time)
+        return equilibrium_path(self.balance, self.pair, self.drive, time, path)
 
     def alike(self, a: EquilibriumPath, b: EquilibriumPath, distance: float) -> bool:
         """Return whether two paths, b from so far back, end at the same place under the same force."""

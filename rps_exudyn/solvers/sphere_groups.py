@@ -2,7 +2,7 @@
 
 A sphere touches once per turn, over a few degrees: of thousands a hundred touch at a time.
 `by_touching_angle` puts neighbours in that order into groups, so that the compiled samples and Exudyn's
-contacts know which can be reached and leave out the rest. A sphere that is left out is in the air: no force
+contacts list which can be reached and leave out the rest. A sphere that is left out is in the air: no force
 changes.
 """
 

@@ -32,7 +32,7 @@ class Blocks:
         self._written = float("-inf")
         self._took = 0.0  # to write [s]
         self._homes: dict[str, Path] = {}
-        self._seen = 0  # when the folder had changed, as far as `_homes` knows
+        self._seen = 0  # when the folder had changed, for `_homes`
         self._read: OrderedDict[tuple[Path, int, int, int], Block] = OrderedDict()
 
     @property

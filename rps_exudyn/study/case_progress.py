@@ -130,21 +130,21 @@ SILENT = "no message"
 
 @dataclass(frozen=True)
 class Group:
-    """Cases that ended alike and said the same."""
+    """Cases that ended alike, with the same message."""
 
     status: Status
     example: str  # the message of the first case
     cases: Sequence[Case]
 
     def line(self) -> str:
-        """One line: how many, how they ended, and what the first of them said."""
+        """One line: how many, how they ended, and the first message."""
         count, ended = len(self.cases), "" if self.status is Status.OK else f" {self.status}"
         first = "" if count == 1 else "; for instance"
         return f"{count} case{'' if count == 1 else 's'}{ended}{first}: {self.example}"
 
 
 def groups(ended: Iterable[tuple[Case, CaseRow]]) -> list[Group]:
-    """The groups of cases that have something to say, or failed; the largest first."""
+    """The groups of cases with a message, or failed; the largest first."""
     found: dict[tuple[str, ...], list[tuple[Case, str]]] = {}
     for case, row in ended:
         if row.message or row.status is not Status.OK:

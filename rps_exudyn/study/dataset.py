@@ -5,7 +5,7 @@
     study.pinion_torque.isel(preload=0)  # its file is read now
 
 Signals are read from the cases' files on access. All values are SI; each variable has `units` and
-`long_name`. Numbers and signals of a case that did not end ok, or is not finished, are nan; `status` says
+`long_name`. Numbers and signals of a case that did not end ok, or is not finished, are nan; `status` states
 which.
 """
 

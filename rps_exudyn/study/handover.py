@@ -21,7 +21,7 @@ from rps_exudyn.simulate.together import UNSUPPORTED, can_exist, fewest, unsuppo
 from rps_exudyn.study.definition import FIDELITY, Case, Description, Study, settings_of
 
 FEWEST = 64  # missing cases, from which groups pay
-QUANTILES = 65  # of a parameter's values, which say how it varies
+QUANTILES = 65  # of a parameter's values, which describe how it varies
 LARGEST = 1024  # cases of a group
 SMALLEST, SHARES = 8, 4  # least cases of a group; and of what is left, for each worker, one share is the most
 SMALLEST_TOGETHER, SHARES_TOGETHER = 256, 2  # each group of gears begins by following some to learn from

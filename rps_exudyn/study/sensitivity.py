@@ -116,7 +116,7 @@ def _inputs(table: CaseTable) -> np.ndarray:
 
 
 def _whole_groups(numbers: np.ndarray, size: int, table: CaseTable) -> np.ndarray:
-    """Tell which groups of `size` cases have no unknown number, shape (groups,).
+    """Return which groups of `size` cases have no unknown number, shape (groups,).
 
     Raises:
         InputError: too few.

@@ -167,7 +167,7 @@ class _StudyKeys(Keys):
     def samples(self, content: Mapping[str, Any], design: str) -> int:
         if design == GRID_DESIGN:
             if "samples" in content:
-                self.wrong("samples", "has no meaning for a grid; its axes say how many cases there are.")
+                self.wrong("samples", "has no meaning for a grid; its axes give the number of cases.")
             return 0
         if "samples" not in content:
             self.wrong("samples", f"is missing: how many points the {design} design draws.")

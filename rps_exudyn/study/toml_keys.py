@@ -86,7 +86,7 @@ class Keys:
         if isinstance(path, str) and path in self.declared:
             return True
         if path in ("fidelity.name", "fidelity.based_on"):
-            self.wrong(where, f"cannot have {path}: it says what was chosen.")
+            self.wrong(where, f"cannot have {path}: it names what was chosen.")
             return False
         try:
             Setup.declared_at(str(path))

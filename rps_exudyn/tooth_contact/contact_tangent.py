@@ -323,7 +323,7 @@ def add_on_coordinates(out, q, turn, axis, to_axis, stiffness, factor_q, tangent
 def press(depth, stiffness, eased, p_r, p_t, z, side, data, work, slopes):  # type: ignore[no-untyped-def]
     """Add the load stiffness * (depth + d * its rate) at a point, with its friction.
 
-    `eased` is the stiffness's weight over the load's in the rule that the point belongs to; `slopes` says
+    `eased` is the stiffness's weight over the load's in the rule that the point belongs to; `slopes` states
     where to add the tangent.
     """
     pressing = depth

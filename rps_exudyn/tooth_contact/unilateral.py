@@ -49,7 +49,7 @@ def local_energy(f, top, k):  # type: ignore[no-untyped-def]
 
 @inline
 def factorize(matrix, n):  # type: ignore[no-untyped-def]
-    """Put Cholesky's factor in place of the lower triangle, its diagonal inverted; tell if that can be done.
+    """Put Cholesky's factor in place of the lower triangle, its diagonal inverted; return success.
 
     n is a multiple of four: four rows at a time keep four sums apart, which a processor adds side by side.
     """

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.gears.assembly import assembled, export_solids
+from rps_exudyn.gears.export import assembled, export_solids
 from rps_exudyn.pages.charts.geometry import draw_geometry, geometry_figure, shaded_image
 from rps_exudyn.parameters.gear import SteeringGear
 

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.gears.assembly import assembled, rack_position
+from rps_exudyn.gears.export import assembled, rack_position
 from rps_exudyn.gears.flank_form import FlankForm
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.pinion_mesh import pinion_mesh

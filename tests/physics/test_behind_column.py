@@ -11,7 +11,7 @@ from benchmarks.stability.wheel_plans import errors, plan_of
 from rps_exudyn.forces.friction import STATE_SIZE
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.simulate.checked_run import run_unchecked
+from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.balance import Balance
 from rps_exudyn.solvers.steering_column import ColumnModel
 from verification.behind_column import Behind, Wheel, figures

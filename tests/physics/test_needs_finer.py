@@ -9,7 +9,7 @@ from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes.checks.needs_finer import needs_finer
 from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.scene import RunOptions
-from rps_exudyn.simulate.checked_run import run_unchecked
+from rps_exudyn.simulate.run_plan import run_unchecked
 
 STOPPED = SteeringGear().replace(
     {

@@ -9,8 +9,9 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
+from rps_exudyn.scenes.yoke_setting import thread_lever, yoke_setting
 from rps_exudyn.solvers.closed_form import torque_per_preload
-from rps_exudyn.solvers.yoke_stop import lift_of_torque, thread_lever, yoke_setting
+from rps_exudyn.solvers.yoke_stop import lift_of_torque
 
 GEAR = SteeringGear()
 MODEL = Fidelity.preset("quasi-static").replace({"step_angle": "4 deg"})

@@ -126,7 +126,7 @@ def compiling(monkeypatch: pytest.MonkeyPatch) -> None:
         raise InputError("this is enough.")
 
     for place in (
-        "simulate.checked_run.scene_named",
+        "simulate.run_plan.scene_named",
         "multibody.model.build_model",
         "inference.fitting.prediction.Prediction.simulated",
         "pages.animation.animation_page.write_page",

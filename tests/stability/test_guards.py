@@ -7,8 +7,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.scenes.checks.before_run import breaches
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
-from rps_exudyn.simulate.checked_run import run_with_fallback
 from rps_exudyn.simulate.run import isolated_run, run
+from rps_exudyn.simulate.run_plan import run_with_fallback
 from verification.law_area import by_law
 from verification.references import STRIPS
 

@@ -1,9 +1,9 @@
-"""A row of validation: what its folder says. Adding a row is adding a folder with a row.toml.
+"""A row of validation: the content of its folder. Adding a row is adding a folder with a row.toml.
 
 title = "Nissan Note: rotation torque on centre"
 kind = "validation"              # or "comparison" (another program), "verification" (exact, or a standard)
 source = "workshop manual"
-note = "..."                     # what must be known to read it
+note = "..."                     # what a reader needs to judge it
 
 [data]
 quantity = "torque_on_centre"    # of a scene's summary or the geometry; a calculation has unit = "N/m"

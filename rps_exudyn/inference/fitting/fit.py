@@ -42,7 +42,7 @@ from rps_exudyn.inference.fitting.unknowns import (
     unknowns_of,
 )
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.maneuver import largest_angle
+from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.simulate.cases.run_cases import CaseRunner
 
 LEAST_TURN = 0.8  # of a turn, that a curve must cover to tell of the runout

@@ -20,7 +20,8 @@ from rps_exudyn.inference.fitting.bench_tests import BenchTest
 from rps_exudyn.inference.fitting.unknowns import BY_LOAD, LOAD_OF_NUISANCE, WITHOUT_YOKE
 from rps_exudyn.parameters.fidelity import FOR_MEANS, MEAN_STEP, Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.maneuver import largest_angle, steady_maneuver
+from rps_exudyn.scenes.checks.before_run import largest_angle
+from rps_exudyn.scenes.maneuver import steady_maneuver
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.simulate.cases.run_cases import CaseRunner, Task
 from rps_exudyn.solvers.closed_form import GRAVITY, mean_state, pushing_force

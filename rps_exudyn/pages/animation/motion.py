@@ -13,7 +13,7 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.rigid_motion import rotation_matrix
-from rps_exudyn.gears.assembly import turned
+from rps_exudyn.gears.export import turned
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.solids import plunger_ends
 from rps_exudyn.parameters.gear import SteeringGear

@@ -8,7 +8,7 @@ from manifold3d import Manifold
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rps_exudyn.gears.assembly import assembled
+from rps_exudyn.gears.export import assembled
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.geometry_limits import path_on_involute
 from rps_exudyn.gears.geometry_report import GeometryReport, geometry_report

@@ -36,8 +36,8 @@ def figure_of(scene: str) -> Draw:
 def scene_figure(
     result: Result, measured: MeasuredTorque | None = None, *, from_zero: bool = False
 ) -> Figure:
-    """The picture of a result that has signals; ordinates of torque and force begin at zero, or say that they
-    do not. `measured` is drawn over it, by default the measured torque that the result keeps."""
+    """The picture of a result that has signals; ordinates of torque and force begin at zero, or a mark shows
+    that they do not. `measured` is drawn over it, by default the measured torque that the result keeps."""
     figure = figure_of(result.scene)(result, result.measured if measured is None else measured)
     for axes in figure.axes:
         if axes.get_ylabel().endswith(FORCES):

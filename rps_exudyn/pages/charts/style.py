@@ -250,7 +250,7 @@ def from_zero(axes: Axes) -> None:
 
 
 def tell_where_it_begins(axes: Axes) -> None:
-    """Say at the ordinate's foot, below all data, that it does not begin at zero, if so."""
+    """Mark at the ordinate's foot, below all data, that it does not begin at zero, if so."""
     low, high = axes.get_ylim()
     if low > 0 or high < 0:
         room = ROOM_FOR_NOTE * (high - low)

@@ -68,7 +68,7 @@ class Explorer(ThreadingHTTPServer):
         try:
             super().__init__((host, port), _Handler)
         except (OSError, OverflowError, TypeError) as error:
-            no_name = isinstance(error, TypeError)  # so Python says it
+            no_name = isinstance(error, TypeError)  # Python's own error for it
             why = "it is no name of a host" if no_name else getattr(error, "strerror", None) or error
             raise InputError(f"--host {host} --port {port} cannot be used: {why}.") from None
 
@@ -127,7 +127,7 @@ class Explorer(ThreadingHTTPServer):
 class _Handler(BaseHTTPRequestHandler):
     server: Explorer
     server_version, sys_version = f"rps-exudyn/{version('rps-exudyn')}", ""
-    timeout = 20  # of a connection that says nothing [s]
+    timeout = 20  # of a connection without data [s]
 
     def do_GET(self) -> None:
         if not self.server.allows(self.headers.get("Host", "")):
@@ -183,7 +183,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
     def log_message(self, format: str, *_: Any) -> None:
-        """Say nothing: the terminal is the user's."""
+        """Print nothing: the terminal is the user's."""
 
 
 def _sliders(gear: SteeringGear) -> Any:

@@ -175,7 +175,7 @@ GEAR_FACTS = {
     "pinion.runout": "runout",
     "test.speed": "test speed",
 }
-"""Parameters that tell one gear from another -> their names."""
+"""Parameters that distinguish one gear from another -> their names."""
 
 
 def provenance_facts(provenance: Mapping[str, Any]) -> Facts:

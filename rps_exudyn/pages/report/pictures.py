@@ -1,6 +1,6 @@
 """Charts as SVG inside a page: text remains text, and identifiers are unique among the pictures.
 
-Curves keep a number, and the picture says where its axes stand: page.js reads values from the paths.
+Curves keep a number, and the picture holds where its axes stand: page.js reads values from the paths.
 """
 
 import hashlib

@@ -1,4 +1,4 @@
-"""What the cases of a study say, linked to them: remarks on those that ended ok, and causes of failure."""
+"""Messages of the cases of a study, linked to them: remarks on those that ended ok, and causes of failure."""
 
 from collections.abc import Iterable, Sequence
 from contextlib import suppress

@@ -233,7 +233,7 @@ def rolling_lag(signals: dict[str, np.ndarray], gear: SteeringGear) -> tuple[flo
     """Return by how much equilibria miss the rate of the rack's rolling, over its travel, and the share of
     the drive's mean that this may move.
 
-    They know the rate by backward differences, half a step late; a torque that does not vary minds little.
+    They take the rate by backward differences, half a step late; a torque that does not vary minds little.
     """
     late = lag(signals["time"], signals["rack_roll"]) * gear.rack.bar_diameter / 2
     share = float(late) / max(float(np.abs(np.diff(signals["rack_displacement"])).sum()), 1e-12)

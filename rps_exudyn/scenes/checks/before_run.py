@@ -9,7 +9,7 @@ only be seen in what came out is checked in after_run.
 """
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ import numpy as np
 
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.gears.rack_bar import RackBar
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.tooth_contact.mean_depth import mean_depth
@@ -161,7 +162,7 @@ def check_memory(steps: int, spheres: int = 0) -> None:
 
 
 def free_memory() -> float:
-    """Return the memory that a process may still take [bytes]; infinite where the system does not tell."""
+    """Return the memory that a process may still take [bytes]; infinite where the system reports none."""
     return min(_of_machine(), _of_group(), _of_process())
 
 
@@ -197,3 +198,33 @@ def _of_process() -> float:
         )
     except (ImportError, OSError, ValueError):
         return float("inf")
+
+
+# --- The pinion on the rack's teeth
+
+
+def check_travel(gear: SteeringGear, angles: Sequence[float], test: str) -> None:
+    """Check that the pinion stays on the rack's teeth at these angles [rad]; `test` names what leads there.
+
+    Raises:
+        InputError: it would not.
+    """
+    allowed = largest_angle(gear)
+    farthest = max(abs(angle) for angle in angles)
+    if farthest > allowed:
+        raise InputError(
+            f"{test} leads to a pinion angle of {degrees_shown(farthest)}; the teeth for "
+            f"rack.travel = {gear.rack.travel * 1e3:g} mm allow {degrees_shown(allowed)} either way "
+            f"({allowed / (2 * np.pi):.4g} turns from the centre)."
+        )
+
+
+def largest_angle(gear: SteeringGear) -> float:
+    """Return how far the pinion may turn either way from the rack's middle [rad]."""
+    bar = RackBar.of(gear)
+    return float(bar.largest_displacement / bar.pair.gain)
+
+
+def degrees_shown(angle: float) -> str:
+    """Return an angle [rad] in degrees as text."""
+    return f"{np.degrees(angle):.6g} deg"

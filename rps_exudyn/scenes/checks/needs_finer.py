@@ -2,8 +2,9 @@
 
 A yoke that stops at its nut, or a tooth that takes over with a jerk, is over in a few degrees. Equilibria
 cost so little that such a record is made again in half the steps instead of being refused. After each turn of
-a swing the rack rolls over to its other side, and knows the rate of that half a step late. Where the yoke is
-at its nut, the force follows from how far teeth and nut yield, and teeth that bend need finer strips.
+a swing the rack rolls over to its other side, and backward differences have its rate half a step late. Where
+the yoke is at its nut, the force follows from how far teeth and nut yield, and teeth that bend need finer
+strips.
 """
 
 import numpy as np

@@ -1,6 +1,6 @@
 """Cases of one design as one task: a single case is simulated, several go through `batch`.
 
-Results of gears that were followed together are those of single runs within what the finding "together" says.
+Results of gears that were followed together are those of single runs within the finding "together".
 """
 
 from collections.abc import Iterator, Mapping, Sequence

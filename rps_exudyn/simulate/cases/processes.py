@@ -146,7 +146,7 @@ class Processes:
     def _hand_out(self, waiting: "_Waiting") -> None:
         """Keep every process busy, and start one more if there is work for it.
 
-        The first one starts alone until the kernels are known to be compiled, so that this is done once.
+        The first one starts before the others, until the kernels are compiled, so that this is done once.
         """
         for worker in self._running:
             if worker.ready and len(worker.tasks) <= self._batch // 2 and waiting:
@@ -185,7 +185,7 @@ class Processes:
         worker.write(frame_of(first.warm_up))
 
     def _listen(self, worker: _Worker) -> None:
-        """Queue what one process says, and None when it has ended; runs in a thread of its own."""
+        """Queue the messages of one process, and None when it has ended; runs in a thread of its own."""
         assert worker.process.stdout
         with worker.process.stdout as output, contextlib.suppress(ValueError, OSError):
             for frame in frames_in(output):
@@ -321,7 +321,7 @@ def environment() -> dict[str, str]:
 
 
 def cpu_of(pid: int) -> float:
-    """Return the CPU time of a process that runs [s]; 0 where the system does not tell."""
+    """Return the CPU time of a process that runs [s]; 0 where the system does not report it."""
     try:
         ticks = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[11:13]
         return sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK")
@@ -330,7 +330,7 @@ def cpu_of(pid: int) -> float:
 
 
 def how_it_ended(code: int | None) -> str:
-    """Say how a process ended, by its exit code."""
+    """Return how a process ended, by its exit code."""
     if code is None or code >= 0:
         return f"its process ended with status {code}"
     try:

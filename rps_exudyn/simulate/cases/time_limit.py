@@ -20,7 +20,7 @@ from rps_exudyn.base.errors import InputError, unwrapped_interrupts
 LATER = 0.01  # [s] after which an alarm rings again that was not heard
 GRACE = 1.0  # [s] for a run to end by itself, before its process is ended
 
-# Where an interrupted run was, by a piece of the innermost file's path that says it
+# Where an interrupted run was, by a piece of the innermost file's path
 PLACES = {
     "/numba/": "while kernels were compiled",
     "/rps_exudyn/solvers/": "on the way to its start",
@@ -103,13 +103,13 @@ def _dropped_interrupt_rings_again() -> Iterator[None]:
 
 
 def sentence(seconds: float, where: str, cpu: float, wall: float) -> str:
-    """Say that a run was ended by its limit, where it was, and what it cost; times in seconds."""
+    """Return a sentence: a run was ended by its limit, where it was, and what it cost; times in seconds."""
     spent = f"{cpu:.3g} s of CPU time in {wall:.3g} s"
     return f"the run took longer than its time limit of {seconds:g} s ({where}; {spent})"
 
 
 def place_of(trace: TracebackType | None) -> str:
-    """Tell from an interrupt's traceback where the run was."""
+    """Return where a run was, from an interrupt's traceback."""
     files = [frame.f_code.co_filename.replace("\\", "/") for frame, _ in walk_tb(trace)]
     for file in reversed(files):
         for piece, place in PLACES.items():

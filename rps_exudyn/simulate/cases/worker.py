@@ -39,7 +39,7 @@ def main() -> None:
     warm_up = pickle.loads(first)
     listeners.append(say)
     if warm_up is not None:
-        with suppress(Exception):  # the tasks themselves say what is wrong
+        with suppress(Exception):  # the tasks' own answers hold what is wrong
             warm_up()
     say("ready")
     while True:

@@ -1,4 +1,4 @@
-"""The parts assembled in the housing frame, for pictures and export."""
+"""Export of the parts, assembled in the housing frame, to 3-D files; the assembly for pictures."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""One run of one plan: checked before it, and its record after it; safer settings where it fails.
+"""One run of one plan, unchecked before it, and safer settings where it fails.
 
 result = run_with_fallback("free-pinion-torque", gear, fidelity)
 result.findings["tries"]      what was tried, and how each ended
@@ -13,33 +13,13 @@ from rps_exudyn.gears.geometry_report import geometry_report
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Interrupted, Status, each_once
-from rps_exudyn.results.result import Result, failed
+from rps_exudyn.results.result import Result
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.checks.before_run import breaches, refused
+from rps_exudyn.scenes.checks.before_run import breaches
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
 from rps_exudyn.solvers.operating_gear import operating_gear
-
-
-def run_checked(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
-    """Run a plan unless its numbers would be wrong.
-
-    Raises:
-        InputError: a gear that cannot exist, or a test that it does not allow.
-    """
-    tested = in_operation.gear if (in_operation := operating_gear(gear)) else gear
-    sentences = refused(tested, fidelity, steady=scene_named(scene).steady)
-    if not sentences:
-        return run_unchecked(scene, gear, fidelity)
-    message = "; ".join(sentences)
-    nothing = failed(scene, gear, fidelity, Status.INVALID, f"not run: {message}")
-    return replace(
-        nothing,
-        codes=(Code.REFUSED.value,),
-        findings={"refused": message},
-        geometry=geometry_report(gear).numbers,
-    )
 
 
 def run_unchecked(
