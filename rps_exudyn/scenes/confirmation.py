@@ -167,21 +167,6 @@ def confirmed(
     return _left_out(_counted(taken, refined.runs, begun + refined.times), left, figure)
 
 
-def confirmed_by_phases(run: SceneRun, metrics: Metrics, parts: Sequence[Signals]) -> SceneRun:
-    """Return a described run without the metrics that scatter over parts of its record, phases or cycles: the
-    standard error of their mean counts as the change."""
-    if not run.ok or len(parts) < 2:
-        return run
-    each = [metrics(part) for part in parts]
-    common = [name for name in each[0] if all(name in other for other in each)]
-    centre = {name: float(np.mean([one[name] for one in each])) for name in common}
-    error = {
-        name: centre[name] + float(np.std([one[name] for one in each], ddof=1)) / np.sqrt(len(each))
-        for name in common
-    }
-    return _left_out(run, _beyond(changes(error, centre), 1.0), "")
-
-
 def _beyond(change: Mapping[str, float], allowed: float) -> dict[str, float]:
     """Return the metrics that change by more than is allowed."""
     return {name: value for name, value in change.items() if not value <= allowed}

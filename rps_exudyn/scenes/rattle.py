@@ -19,7 +19,6 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import check_travel
-from rps_exudyn.scenes.confirmation import confirmed_by_phases
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.run_maneuver import run_maneuver
@@ -94,23 +93,10 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
         of_cycles = describe_rattle(signals, 1 / test.road_frequency, gear.yoke.plunger_mass, band)
         return of_cycles | balance(signals)
 
-    described = run.described(figures)
-    if not growing:
-        described = confirmed_by_phases(described, figures, _phases(described.signals, test.road_cycles))
-    described = described.noting(None if chosen.rack == "flexible" else RIGID)
+    described = run.described(figures).noting(None if chosen.rack == "flexible" else RIGID)
     if growing:
         described = described.noting(_threshold_remark(gear, described.summary))
     return replace(described, signals=_thinned(described.signals, maneuvers))
-
-
-def _phases(signals: Signals, cycles: int) -> list[Signals]:
-    """Return the records of each phase; of a single one its first and its last cycles, [] of one cycle."""
-    phases = [dict(each) for each in split_at_repeats(signals)] if signals else []
-    if len(phases) != 1:
-        return phases
-    time, half = signals["time"], cycles // 2 / cycles * np.ptp(signals["time"])
-    ways = [time <= time[0] + half, time >= time[-1] - half]
-    return [{name: each[way] for name, each in signals.items()} for way in ways] if half else []
 
 
 def threshold(signals: Signals, maneuvers: Sequence[Maneuver]) -> dict[str, float]:

@@ -5,7 +5,7 @@ equilibrium, limits of the contact laws, records that ask for shorter steps, is 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,12 +19,11 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
-from rps_exudyn.scenes.confirmation import doubted
 from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.scene import SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
-from rps_exudyn.simulate.family import SAFE, Family, FamilyRecord, is_alike
+from rps_exudyn.simulate.family import Family, FamilyRecord, is_alike
 from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
 from rps_exudyn.solvers.operating_gear import operating_gear
 
@@ -256,19 +255,19 @@ class _Part:
         cls, common: Common, chosen: np.ndarray, gears: list[SteeringGear], signals: Sequence[str] | None
     ) -> "_Part":
         """Follow the chosen gears over all maneuvers, and describe those found in each."""
-        test, recorded = common.test, common.recorded
+        test, families, recorded = common.test, common.families, common.recorded
         ways = common.followed(chosen)
         kept = np.logical_and.reduce([way.surely_ok() for way in ways])
-        if kept.any():
-            ways = [way.some(kept) for way in ways]
-            turned = _turned(ways, recorded)
-            if not (stands := _stand(test, turned)).all():
-                ways, kept[kept] = [way.some(stands) for way in ways], stands
-                turned = _turned(ways, recorded)
         rows = common.rows[chosen[kept]]
         if not kept.any():
             return cls(rows, {}, {}, [], {})
-        n, joined = int(kept.sum()), turned.signals
+        if not kept.all():
+            ways = [way.some(kept) for way in ways]
+        n, gear = int(kept.sum()), families[0].gear
+        joined = one_after_another([way.whole() for way in ways[:recorded]])
+        beside = ways[recorded].whole() if len(ways) > recorded else {}
+        gain, load = ways[0].records["mesh"]["flank"]["gain"], ways[0].records["load"]["force"][:, 0]
+        turned = Turned(gear, joined, beside, gain, np.abs(load), families[0].fidelity.step_angle)
         metrics = {name: np.broadcast_to(values, n) for name, values in test.metrics(turned).items()}
         own_gears = [gears[i] for i in np.flatnonzero(kept).tolist()]
         of_limits = _remarks(own_gears, joined)
@@ -282,26 +281,6 @@ class _Part:
             for name in dict.fromkeys(name for own in figures for name in own):
                 metrics[name] = np.array([own.get(name, np.nan) for own in figures])
         return cls(rows, metrics, counters, noted, {name: joined[name] for name in names})
-
-
-def _turned(ways: list[FamilyRecord], recorded: int) -> Turned:
-    """Return the records of gears over all maneuvers as those of a steady test."""
-    family, records = ways[0].family, ways[0].records
-    joined = one_after_another([way.whole() for way in ways[:recorded]])
-    beside = ways[recorded].whole() if len(ways) > recorded else {}
-    gain, load = records["mesh"]["flank"]["gain"], np.abs(records["load"]["force"][:, 0])
-    return Turned(family.gear, joined, beside, gain, load, family.fidelity.step_angle)
-
-
-def _stand(test: SteadyTest, turned: Turned) -> np.ndarray:
-    """Return which gears have metrics that their records show; of the others half the steps must, (n,)."""
-
-    def metrics(signals: Signals) -> dict[str, Any]:
-        return test.metrics(replace(turned, signals=signals))
-
-    change = doubted(metrics, turned.signals, metrics(turned.signals))
-    shape = (len(turned.gain),)
-    return np.logical_and.reduce([np.broadcast_to(each < SAFE, shape) for each in change.values()])
 
 
 def _remarks(gears: list[SteeringGear], signals: Signals) -> list[list[Remark]]:

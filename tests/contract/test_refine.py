@@ -1,13 +1,11 @@
 """`refine`: estimate, confirm, halve. Runs are numbers here, wrong by a quarter of the error before."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from rps_exudyn.results.outcome import Code, Outcome, Status
 from rps_exudyn.results.quantities import SUMMARY
-from rps_exudyn.scenes.confirmation import confirmed, confirmed_by_phases, every_second
+from rps_exudyn.scenes.confirmation import confirmed, every_second
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene_run import SceneRun
 
@@ -102,19 +100,8 @@ def test_a_finer_run_that_fails_leaves_what_the_record_shows() -> None:
     assert set(run.summary) == {"torque_mean"}
 
 
-def test_metrics_that_scatter_over_phases_are_left_out() -> None:
-    """Standard error of two phases 0.9 and 1.1: 10 %, and of 0.99 and 1.01: 1 %."""
-    run = replace(recorded(), summary={"rattle_force_rms": 1.0, "rattle_speed_rms": 1.0})
-    parts = [{"rms": np.array(each)} for each in ((0.9, 0.99), (1.1, 1.01))]
-
-    def metrics(signals: dict[str, np.ndarray]) -> dict[str, float]:
-        return dict(zip(run.summary, signals["rms"].tolist(), strict=True))
-
-    assert set(confirmed_by_phases(run, metrics, parts).summary) == {"rattle_speed_rms"}
-
-
 def test_every_metric_declares_its_confirmation() -> None:
-    """But for formulas, settings, checks and scatter."""
+    """But for formulas, settings, checks, and those of rattle, which are given with their scatter."""
     without = {name for name, each in SUMMARY.items() if each.confirmed is None}
-    shown = ("closed_form", "scatter", "_set", "residual", "sticking_speed", "sliding_damping", "cap_force")
-    assert all(name.endswith(shown) or "threshold" in name or "bristle" in name for name in without), without
+    shown = ("closed_form", "_set", "residual", "sticking_speed", "sliding_damping", "margin", "cap_force")
+    assert all(name.endswith(shown) or name.startswith("rattle_") for name in without), without
