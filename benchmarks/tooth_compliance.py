@@ -17,15 +17,13 @@ from scipy.optimize import brentq
 
 from benchmarks.rack_tooth_elements import ROWS, Compliance, Section, rack_compliance
 from benchmarks.rack_tooth_law import PER_MM, even_load, flattening, law_compliance, plane_strain
-from benchmarks.rack_tooth_variations import FITS, SUPPORTS, constants_table, support_table, vary
 from benchmarks.topic import Topic, markdown
 from rps_exudyn.base.files import replacing
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.tooth_contact.tooth_compliance import rack_tooth
 
-DATA, CHART = "rack_tooth.csv", "rack_tooth.png"
+DATA, CHART, SUPPORT = "rack_tooth.csv", "rack_tooth.png", "support.csv"
 REFINEMENTS = (1, 2, 3)
 NANO = 1e9
 COLUMNS = (
@@ -39,39 +37,41 @@ COLUMNS = (
     "law",
 )
 Row = dict[str, str | float]
+SUPPORTS: dict[str, dict[str, float]] = {
+    "three teeth, clamped 3 modules below the root": {},
+    "clamped 2 modules below": {"depth": 2.0},
+    "clamped 4 modules below": {"depth": 4.0},
+    "five teeth": {"beside": 2},
+    "seven teeth": {"beside": 3},
+}
+"""Model -> what differs in its section; the coarsest elements."""
 
 
 def run(
-    folder: Path,
-    patches: int = 12,
-    block_rows: int = 3,
-    models: Sequence[str] = tuple(SUPPORTS),
-    fits: Sequence[str] = tuple(FITS),
+    folder: Path, patches: int = 12, block_rows: int = 3, models: Sequence[str] = tuple(SUPPORTS)
 ) -> None:
     """Compare the default gear's rack tooth, with so many patches along it and cells below its root."""
     pair = GearPair.of(SteeringGear())
     section = Section(pair, block_rows=block_rows)
     found = [rack_compliance(section, patches, refinement) for refinement in REFINEMENTS]
-    rows = list(compared(section, patches, found))
-    with replacing(folder / DATA) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows({name: shown(value) for name, value in row.items()} for row in rows)
-    vary(folder, section, patches, found[-1], models, fits)
+    write(folder / DATA, COLUMNS, compared(section, patches, found))
+    head = ("model", "height_mm", "even_same", "even_opposite", "even_next")
+    write(folder / SUPPORT, head, supports(pair, patches, models))
     draw(read(folder), pair, folder / CHART)
 
 
-def shown(value: str | float) -> str:
-    """A value in the file."""
-    return value if isinstance(value, str) else f"{value:.6g}"
+def write(path: Path, head: Sequence[str], rows: Iterator[Sequence[str | float]]) -> None:
+    """Write a file of comma-separated values, numbers with six digits."""
+    cells = [[each if isinstance(each, str) else f"{each:.6g}" for each in row] for row in rows]
+    with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file, lineterminator="\n").writerows([head, *cells])
 
 
 # --- what is compared ----------------------------------------------------------------------------------
-def compared(section: Section, patches: int, found: list[Compliance]) -> Iterator[Row]:
+def compared(section: Section, patches: int, found: list[Compliance]) -> Iterator[Sequence[str | float]]:
     """Yield under an even load on each height, and under a patch in the middle and at the end of each."""
-    tooth = rack_tooth(section.pair)
-    law = law_compliance(section, patches, tooth)
-    of_law = {"same": law, "opposite": -tooth.coupling * law, "next": 0 * law}
+    same, opposite = law_compliance(section, patches)
+    of_law = {"same": same, "opposite": opposite, "next": 0 * same}
     for row in range(ROWS):
         height, strip = float(section.row_height(row + 0.5)), slice(row * patches, (row + 1) * patches)
         places = 1e3 * section.half_length(height) * ((np.arange(patches) + 0.5) / patches * 2 - 1)
@@ -94,13 +94,12 @@ def _rows(
     places: np.ndarray,
     yields: list[np.ndarray],
     law: np.ndarray,
-) -> Iterator[Row]:
+) -> Iterator[Sequence[str | float]]:
     """One row of the file for each place along the tooth."""
     for i, place in enumerate(places):
         values = [float(each[i]) for each in yields]
         limit, order = extrapolated(values)
-        cells = (load, flank, height, place, *values, limit, order, float(law[i]))
-        yield dict(zip(COLUMNS, cells, strict=True))
+        yield load, flank, height, place, *values, limit, order, float(law[i])
 
 
 def extrapolated(values: list[float]) -> tuple[float, float]:
@@ -122,12 +121,16 @@ def extrapolated(values: list[float]) -> tuple[float, float]:
 # --- tables and chart ----------------------------------------------------------------------------------
 def read(folder: Path) -> list[Row]:
     """Return the rows of the file."""
-    with (folder / DATA).open(newline="", encoding="utf-8") as file:
-        words = ("load", "flank")
-        return [
-            {name: text if name in words else float(text) for name, text in row.items()}
-            for row in csv.DictReader(file)
-        ]
+    words = ("load", "flank")
+    return [
+        {name: text if name in words else float(text) for name, text in row.items()}
+        for row in _table(folder / DATA)
+    ]
+
+
+def _table(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
 
 
 def chosen(rows: list[Row], load: str, flank: str) -> list[list[Row]]:
@@ -215,6 +218,35 @@ def spread_table(folder: Path) -> str:
     return markdown(("flank", "height mm", "", *(f"{each} patches away" for each in distances)), table)
 
 
+def supports(pair: GearPair, patches: int, models: Sequence[str]) -> Iterator[Sequence[str | float]]:
+    """Yield in the middle of the tooth under an even load at each height, nm/(N/mm)."""
+    for name in models:
+        section = Section(pair, **SUPPORTS[name])  # type: ignore[arg-type]
+        found = rack_compliance(section, patches, 1)
+        for row in range(ROWS):
+            height = float(section.row_height(row + 0.5))
+            yields = [even_load(section, patches, each, row)[patches // 2] for each in found[:3]]
+            yields[0] -= flattening(section, height)
+            yield name, 1e3 * height, *(PER_MM * each for each in yields)
+
+
+def support_table(folder: Path) -> str:
+    """Difference from the first model, and the share of the next tooth, per height from the tip."""
+    rows = _table(folder / SUPPORT)
+    names = dict.fromkeys(row["model"] for row in rows)
+    groups = {name: [row for row in rows if row["model"] == name][::-1] for name in names}
+    first = next(iter(groups.values()))
+    table = []
+    for name, group in groups.items():
+        pairs = list(zip(group, first, strict=True))
+        change = [f"{100 * (float(a['even_same']) / float(b['even_same']) - 1):+.0f}" for a, b in pairs]
+        beside = [f"{100 * float(a['even_next']) / float(a['even_same']):.0f}" for a in group]
+        table.append((name, *change, *beside))
+    heights = [f"{float(row['height_mm']):+.2f} mm" for row in first]
+    changes, shares = ([f"{what} at {each} %" for each in heights] for what in ("change", "next tooth"))
+    return markdown(("model", *changes, *shares), table)
+
+
 def percent(value: str | float, of: str | float) -> float:
     """Difference from another value in % of that."""
     return 100 * (float(value) / float(of) - 1)
@@ -270,12 +302,11 @@ TOPIC = Topic(
     "2 min",
     "tooth_compliance",
     run,
-    {"patches": 2, "block_rows": 1, "models": tuple(SUPPORTS)[:1], "fits": tuple(FITS)[:1]},
+    {"patches": 2, "block_rows": 1, "models": tuple(SUPPORTS)[:1]},
     {
         "rack_tooth_convergence": convergence_table,
         "rack_tooth_even_load": even_table,
         "rack_tooth_spread": spread_table,
         "rack_tooth_support": support_table,
-        "rack_tooth_constants": constants_table,
     },
 )

@@ -45,6 +45,7 @@ from benchmarks.stability import (
     maps,
     ordinary_gears,
     random_plans,
+    similar_gears,
     wheel_plans,
 )
 from benchmarks.topic import Topic
@@ -76,6 +77,7 @@ TOPICS: dict[str, Topic] = {
     "explicit_limits": explicit_limits.TOPIC,
     "implicit_limits": implicit_limits.TOPIC,
     "random_plans": random_plans.TOPIC,
+    "similar_gears": similar_gears.TOPIC,
     "wheel_plans": wheel_plans.TOPIC,
     "ordinary_gears": ordinary_gears.TOPIC,
     "corpus": corpus.TOPIC,

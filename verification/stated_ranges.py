@@ -82,6 +82,7 @@ PARTS: dict[str, Range] = {
     "bush.segments": Whole(1, 40),
     "bush.drag": Even(0, 80),
     "bush.viscous_drag": Seldom(0.2, Logarithmic(10, 3000)),
+    "bush.end_overhang": Share(Even(0.2, 2.0), lambda drawn: drawn["rack.bar_diameter"]),
     "bush.distance": Share(Even(0.5, 1.0), lambda drawn: _farthest_bush(drawn)),
     "bearing.friction_torque": Even(0, 0.1),
     **{

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from rps_exudyn.analysis.passes import Signals
 
@@ -65,7 +66,8 @@ def describe_impacts(signals: Signals) -> dict[str, float]:
 #
 # Motions with impacts are chaotic: from start to start the number of impacts and the fastest of them differ,
 # so that they are given with their scatter over the phases at which the force begins. Sums and root mean
-# squares over cycles converge.
+# squares over cycles converge; what is left of their scatter from cycle to cycle is given as the standard
+# uncertainty of the mean, by type A of the GUM (JCGM 100:2008, 4.2.3).
 
 
 @dataclass(frozen=True)
@@ -99,9 +101,18 @@ def describe_rattle(
     found = [impact for impacts in each for impact in impacts]
     rates = [len(impacts) * period / _duration(run) for impacts, run in zip(each, runs, strict=True)]
     fastest = [max((impact.speed for impact in impacts), default=0.0) for impacts in each]
-    return {
+    rms = _rms(runs, "yokenut_force")
+    uncertain = {}
+    if len(of_cycles := _by_cycle(runs, each, period, plunger_mass / 2)) > 1:
+        impulse, square, energy = np.std(of_cycles, axis=0, ddof=1) / np.sqrt(len(of_cycles))
+        uncertain = {
+            "rattle_impulse_uncertainty": float(impulse),
+            "rattle_force_rms_uncertainty": float(square) / (2 * rms) if rms else 0.0,
+            "rattle_energy_uncertainty": float(energy),
+        }
+    return uncertain | {
         "rattle_impulse_per_cycle": sum(_integral(run, run["yokenut_force"]) for run in runs) / cycles,
-        "rattle_force_rms": _rms(runs, "yokenut_force"),
+        "rattle_force_rms": rms,
         "rattle_speed_rms": _speed_rms(found),
         "rattle_energy_per_cycle": sum(plunger_mass / 2 * impact.speed**2 for impact in found) / cycles,
         "rattle_acceleration_rms": float(np.sqrt(np.mean([_shaking(run, band) ** 2 for run in runs]))),
@@ -110,6 +121,25 @@ def describe_rattle(
         "rattle_fastest_impact": float(np.mean(fastest)),
         "rattle_fastest_scatter": float(np.std(fastest)),
     }
+
+
+def _by_cycle(
+    runs: Sequence[Signals], impacts: Sequence[Sequence[Impact]], period: float, half_mass: float
+) -> np.ndarray:
+    """Return the force's impulse [N s], mean square [N^2] and the impacts' energy [J] of each whole cycle of
+    all runs, shape (cycles, 3)."""
+    cycles = []
+    for run, found in zip(runs, impacts, strict=True):
+        time, force = run["time"], run["yokenut_force"]
+        ends = time[0] + period * np.arange(round(_duration(run) / period) + 1)
+        sums = [
+            np.interp(ends, time, cumulative_trapezoid(values, time, initial=0))
+            for values in (force, force**2)
+        ]
+        begins = [impact.start for impact in found]
+        energy = np.histogram(begins, ends, weights=[half_mass * impact.speed**2 for impact in found])[0]
+        cycles.append(np.column_stack([np.diff(sums[0]), np.diff(sums[1]) / period, energy]))
+    return np.concatenate(cycles)
 
 
 def first_hit(run: Signals) -> float | None:

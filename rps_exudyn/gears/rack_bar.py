@@ -28,7 +28,6 @@ from rps_exudyn.parameters.gear import SteeringGear
 
 MOST_TEETH = 2000
 """Of a rack's body; it takes 1.5 s to make."""
-PAST_THE_BUSH = 20e-3  # how far the bar reaches out of the bush at full travel [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,9 +59,10 @@ class RackBar:
 
     @classmethod
     def of(cls, gear: SteeringGear) -> "RackBar":
-        """The bar ends `PAST_THE_BUSH` outside the bush; teeth for the travel and the pinion's reach."""
+        """At full travel the bar ends `bush.end_overhang` outside the bush; teeth for the travel and the
+        pinion's reach."""
         pair, bush, rack = GearPair.of(gear), gear.bush, gear.rack
-        x_max = bush.distance + bush.length + rack.travel / 2 + PAST_THE_BUSH
+        x_max = bush.distance + bush.length + rack.travel / 2 + bush.end_overhang
         needed = rack.travel / 2 + pinion_reach(pair)
         return cls(pair, x_max - rack.length, x_max, int(np.ceil(needed / pair.rack_pitch)))
 

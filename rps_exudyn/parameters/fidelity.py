@@ -86,7 +86,11 @@ class Fidelity(Table):
         le=0.01,
     )
     strip_stations: int = parameter(
-        4, "flank: Gauss points along each segment of a line of contact", "choice", ge=1, le=12
+        4,
+        "flank: Gauss points along each segment of a line of contact; one more where teeth bend together",
+        "choice",
+        ge=1,
+        le=12,
     )
     strip_points: int = parameter(2, "flank: Gauss points across the strip of contact", "choice", ge=1, le=12)
     profile_samples: int = parameter(

@@ -297,6 +297,9 @@ class Bush(FrictionLaw):
     distance: Length = parameter(
         "350 mm", "distance from the mesh to the bush's free end, along the rack", "estimate", gt=0
     )
+    end_overhang: Length = parameter(
+        "20 mm", "length of the bar that is out of the bush's far end at full travel", "estimate", ge=0
+    )
 
 
 class Bearing(FrictionLaw):

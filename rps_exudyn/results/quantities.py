@@ -342,12 +342,21 @@ _SUMMARY = {
         "N*s",
         "rattle: integral of yokenut_force over a cycle of the road's force, mean over the cycles",
     ),
+    "rattle_impulse_uncertainty": Quantity(
+        "N*s", "N*s", "standard uncertainty of that mean, from its scatter over the cycles"
+    ),
     "rattle_force_rms": _force("root mean square of yokenut_force over the cycles recorded"),
+    "rattle_force_rms_uncertainty": _force(
+        "standard uncertainty of that root mean square, from its scatter over the cycles"
+    ),
     "rattle_speed_rms": Quantity(
         "m/s", "mm/s", "root mean square of the plunger's speed at the beginning of its impacts"
     ),
     "rattle_energy_per_cycle": _energy(
         "kinetic energy of the plunger at the beginning of its impacts, sum over a cycle, mean over cycles"
+    ),
+    "rattle_energy_uncertainty": _energy(
+        "standard uncertainty of that mean, from its scatter over the cycles"
     ),
     "rattle_acceleration_rms": Quantity(
         "m/s^2",

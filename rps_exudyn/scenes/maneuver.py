@@ -114,9 +114,12 @@ class Maneuver:
 
     def halved(self, times: int) -> "Maneuver":
         """Return the same in steps that were halved so many times."""
-        parts = 2**times
+        parts, approach = 2**times, self.approach
+        if isinstance(approach, SteadyApproach):
+            approach = replace(approach, step=approach.step / parts)
         return replace(
             self,
+            approach=approach,
             time_step=self.time_step / parts,
             lead=self.lead * parts,
             steps=self.steps * parts,
@@ -163,7 +166,9 @@ def steady_maneuver(
         lead,
         per_piece * periods,
         periods,
-        approach=SteadyApproach(pitch / gear.test.speed, toothed / gear.test.speed),
+        approach=SteadyApproach(
+            pitch / gear.test.speed, toothed / gear.test.speed, step=step / gear.test.speed
+        ),
         closes=whole is not None,
     )
 

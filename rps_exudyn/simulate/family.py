@@ -13,7 +13,6 @@ import numpy as np
 from rps_exudyn.analysis.curve import every_second, lag, missed
 from rps_exudyn.analysis.passes import spread
 from rps_exudyn.analysis.torque import mean
-from rps_exudyn.analysis.work_balance import losses
 from rps_exudyn.forces.force_element import RACK
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -27,7 +26,7 @@ from rps_exudyn.scenes.checks.after_run import (
     hidden_share,
 )
 from rps_exudyn.scenes.checks.before_run import largest_angle
-from rps_exudyn.scenes.checks.needs_finer import MEAN, PEAK, ROLLING
+from rps_exudyn.scenes.checks.needs_finer import MEAN, PEAK, ROLLING, force_size
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_maneuver import CLOSED
 from rps_exudyn.scenes.scene_run import Signals
@@ -297,6 +296,7 @@ class FamilyRecord:
         late = late / spread(signals["rack_displacement"])
         drift = np.abs(force[:, -1] - force[:, 0]) / np.maximum(np.abs(force).max(axis=-1), ROUNDING)
         allowed_drift = SAFE * CLOSED if family.periods > 1 else STEADY
+        size = force_size(signals, np.asarray(mean(angle, force)), self._path)
         checks = (
             self.found,
             np.isfinite(force).all(axis=-1),
@@ -304,7 +304,7 @@ class FamilyRecord:
             (signals["mesh_normal_force"] > 0).all(axis=-1),
             *(signals[name].max(axis=-1) < SAFE * bound for name, bound in valid_to.items()),
             late < SAFE * min(ROLLING, LAG_BOUND),
-            missed(angle, force).max(axis=-1) < SAFE * PEAK * self._size(),
+            missed(angle, force).max(axis=-1) < SAFE * PEAK * size,
             (drift * family.periods < allowed_drift) | (not family.maneuver.closes),
             self._works_ok(),
             self._turns_on(),
@@ -312,12 +312,6 @@ class FamilyRecord:
             (signals["yokenut_force"].max(axis=-1) <= 0) | (gear.mesh.law != "teeth"),
         )
         return np.asarray(np.logical_and.reduce(checks))
-
-    def _size(self) -> np.ndarray:
-        """Size of the drive's force [N m or N], (n,): its mean, or that of friction, of which a weight may
-        leave little to the drive."""
-        lost = sum(losses(self.period).values()) / np.ptp(self._path, axis=-1)
-        return np.maximum(np.abs(mean(self.family.angles, self.period[self.force])), lost)
 
     def _works_ok(self) -> np.ndarray:
         """Whether the mean is resolved, and little work goes over the rack's edges, (n,)."""

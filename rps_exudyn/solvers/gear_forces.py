@@ -276,7 +276,7 @@ def mesh_of(
     made = np.zeros(1, GEAR["mesh"])
     limits = {"mesh_penetration": DEEPEST * gear.pinion.normal_module}
     if fidelity.mesh == "flank":
-        along, across = fidelity.strip_stations, fidelity.strip_points
+        along, across = fidelity.strip_stations + (gear.mesh.law == "teeth"), fidelity.strip_points
         made["flank"] = pack(gear, zone=zone, along=along, across=across, patches=patches)
         if gear.mesh.law == "teeth":
             made["teeth"] = teeth_data(gear, made["flank"][0])

@@ -21,6 +21,7 @@ from rps_exudyn.solvers.steering_column import ColumnModel, pinion_at_start
 
 DISTANCES = (1, 2, 4, 8, 16, 32)  # tooth pitches before the start at which equilibria begin
 COARSE, FINE = 12, 48  # equilibria in a tooth pitch
+LAST, FINEST = 1 / 4, 120  # of a pitch before the start, in steps of the motion; at most so many in a pitch
 FINE_FROM, FINE_PITCHES = 4, 3  # beginnings this far back come in fine steps over the last pitches
 ALIKE = 5e-4  # of the force and of a pitch's travel: how far two coarse beginnings may differ ...
 ALIKE_FINE = 2e-3  # ... and two of which one is twice as far back: what is left is less than that
@@ -65,6 +66,7 @@ class SteadyApproach(Approach):
     unit: float  # time in which a tooth pitch is turned [s]
     toothed: float
     density: int = 1  # times the equilibria of a tooth pitch
+    step: float = 0.0  # of the motion [s]: rates are half a step late, so that the last steps are as long
     distances = DISTANCES
 
     def instants(self, distance: float) -> np.ndarray:
@@ -73,7 +75,12 @@ class SteadyApproach(Approach):
         coarse, close = COARSE * self.density, FINE * self.density
         far = np.linspace(-distance, -fine, max(round(coarse * (distance - fine)), 1), endpoint=False)
         near = np.linspace(-fine, 0.0, round(close * fine), endpoint=False)
-        return self.unit * np.concatenate([far, near])
+        instants = self.unit * np.concatenate([far, near])
+        if not self.step:
+            return instants
+        step = max(self.step, self.unit / FINEST)
+        last = -step * np.arange(np.ceil(LAST * self.unit / step), 0, -1)
+        return np.concatenate([instants[instants < last[0] - self.unit / close], last])
 
     def allowed(self, distance: float, rolling: float) -> float:
         """Return more for fine steps than for coarse ones, of a rack that rolls nothing for coarse ones."""

@@ -84,8 +84,16 @@ def _add_loads(lines, line, force, elastic, side, flank, work):  # type: ignore[
             work.sums[DAMPING_LOSS] += (force[i] - elastic[i]) * stations[RATE, i]
             note_line_load(force[i] / stations[LENGTH, i], stations[ROLL, i], work)
     if pressed:
-        work.sums[LINES] += 1
+        work.sums[LINES] += 0 if _goes_on(lines, line, force, count) else 1
         work.sums[DEEPEST] = max(work.sums[DEEPEST], lines.deepest[line])
+
+
+@inline
+def _goes_on(lines, line, force, count):  # type: ignore[no-untyped-def]
+    """Return whether the piece before is of the same tooth's line and pressed."""
+    if line == 0 or lines.tooth[line - 1] != lines.tooth[line] or lines.side[line - 1] != lines.side[line]:
+        return False
+    return force[(line - 1) * count : line * count].max() > 0
 
 
 # --- loads -----------------------------------------------------------------------------------------
@@ -107,11 +115,9 @@ def compliance_matrix(lines, n, data):  # type: ignore[no-untyped-def]
                 add_line(matrix, lines.on_rack, a * count, nodes, weights, data.teeth.rack)
                 continue
             if lines.tooth[a] == lines.tooth[b]:
-                sigma = 1.0 if same_side else -data.teeth.pinion.coupling
-                add_block(matrix, lines.on_pinion, a * count, b * count, count, sigma, data.teeth.pinion)
+                add_block(matrix, lines.on_pinion, a * count, b * count, count, same_side, data.teeth.pinion)
             if lines.rack_tooth[a] == lines.rack_tooth[b]:
-                sigma = 1.0 if same_side else -data.teeth.rack.coupling
-                add_block(matrix, lines.on_rack, a * count, b * count, count, sigma, data.teeth.rack)
+                add_block(matrix, lines.on_rack, a * count, b * count, count, same_side, data.teeth.rack)
     return matrix
 
 

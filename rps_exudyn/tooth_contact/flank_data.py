@@ -15,8 +15,9 @@ from rps_exudyn.gears.tooth_stiffness import line_stiffness
 from rps_exudyn.parameters.gear import SteeringGear
 
 ALONG, ACROSS = 4, 2  # Gauss points: stations in each segment of a line, nodes across the strip
+TOWARDS_ENDS = -0.13  # power that suits the loads of teeth that bend: on eleven gears 5 stations leave 0.05 %
 TURNS_ABOUT = 0.25  # smallest over mean sliding below which the friction turns within the stations' distance
-MOST_POINTS = 12  # of a rule, as `fidelity.strip_stations` and `strip_points` allow
+MOST_POINTS = 13  # of a rule, as `fidelity.strip_stations` and `strip_points` allow
 
 FLANK = record_type(
     [
@@ -141,7 +142,7 @@ def pack(
         line_stiffness=line_stiffness(gear) if mesh.law == "line" else 0.0,
         stations=along,
         points=across,
-        along=_padded(jacobi_rules(along, 1.5)),
+        along=_padded(rules_of_teeth(along) if mesh.law == "teeth" else jacobi_rules(along, 1.5)),
         across=_padded(jacobi_rules(across, 1.0)),
         ease_along=eased(along, 1.5, 0.5),
         ease_across=eased(across, 1.0, 0.0),
@@ -169,6 +170,16 @@ def sliding_zone(gear: SteeringGear, fraction: float = 0.01) -> float:
     pair = GearPair.of(gear)
     lever = np.mean(pair.friction_lever(np.linspace(*pair.active_path, 33)))
     return float(fraction * gear.test.speed * lever)
+
+
+def rules_of_teeth(n: int) -> np.ndarray:
+    """Rules as `jacobi_rules`, the first for loads that rise towards both ends of a line with the power
+    `TOWARDS_ENDS` of the distance: beyond the ends nothing yields along."""
+    rules = jacobi_rules(n, 1.5).copy()
+    x, w = gauss_jacobi(n, TOWARDS_ENDS, TOWARDS_ENDS)
+    w /= (1 - x * x) ** TOWARDS_ENDS
+    rules[0] = (1 + x) / 2, w / w.sum()
+    return rules
 
 
 @lru_cache(maxsize=64)

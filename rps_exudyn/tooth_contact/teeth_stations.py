@@ -2,7 +2,7 @@
 
 All lines of both sides are taken as far as their flanks overlap by more than -BEYOND of the deepest overlap.
 On each stand as many stations, at Gauss points between the ends that form and tip circle, the rack's tips,
-the bar's surface and the faces give the line.
+the bar's surface and the faces give the line. A line on which sliding turns about is taken in two pieces.
 """
 
 from typing import NamedTuple
@@ -24,6 +24,7 @@ from rps_exudyn.tooth_contact.flank_line import (
     line_of,
     plain_ends,
     plain_point,
+    slowest_place,
 )
 from rps_exudyn.tooth_contact.flank_strip import (
     PRESSING,
@@ -35,7 +36,14 @@ from rps_exudyn.tooth_contact.flank_strip import (
     within_band,
 )
 from rps_exudyn.tooth_contact.strip_limits import ends_of
-from rps_exudyn.tooth_contact.tooth_compliance import PLACE_SIZE, fill_between_ends, fill_place
+from rps_exudyn.tooth_contact.teeth_data import BY_HALF, BY_OFFSET, OFFSET, PER_COS, PHI, THICK, ZETA
+from rps_exudyn.tooth_contact.tooth_compliance import (
+    MODES,
+    PLACE,
+    PLACE_SIZE,
+    fill_mode,
+    fill_rack_place,
+)
 
 BEYOND = 0.5  # of the deepest overlap: flanks apart by less may meet as their teeth bend
 
@@ -99,7 +107,7 @@ def _overlap(angle, drive, coast, flank):  # type: ignore[no-untyped-def]
             line = line_of(tooth, turn, side, flank)
             low, high = within_band(line, whole, flank)
             if low < high:
-                most += bands(flank)
+                most += bands(flank) * (2 if flank.breaks_sliding else 1)
                 deepest = max(deepest, line.d_0 + max(line.d_1 * low, line.d_1 * high))
     # a surplus of the flank reaches deeper than that
     deepest += max(flank.slope * (flank.q_tip - flank.q_form), 0.0)
@@ -124,67 +132,92 @@ def _describe_line(strip, band, line, side, margin, flank):  # type: ignore[no-u
 
 @inline
 def _fill_plain_line(lines, n, margin, tooth, line, side, data):  # type: ignore[no-untyped-def]
-    """Fill one line of unmodified flanks; 1, or 0 where the flanks are apart."""
+    """Fill one line of unmodified flanks; how many pieces, 0 where the flanks are apart."""
     flank = data.flank
     low, high = plain_ends(line, margin, side, flank)
     if not low < high:
         return 0
+    middle, count = _turning_place(low, high, line, side, flank), 0
+    for from_, to in ((low, middle), (middle, high)):
+        if not from_ < to:
+            continue
+        deepest = line.d_0 + max(line.d_1 * from_, line.d_1 * to)
+        _name_line(lines, n + count, tooth, line, side, deepest, flank)
+        for k in range(flank.stations):
+            i, z = (n + count) * flank.stations + k, from_ + (to - from_) * flank.along[0, 0, k]
+            lines.stations[LENGTH, i] = (to - from_) * flank.along[0, 1, k] / flank.cos_base_helix
+            p_r, p_t, q, lines.stations[DEPTH, i] = plain_point(z, line, side, flank)
+            _fill_station(lines, i, p_r, p_t, q, z, side, data)
+        count += 1
+    return count
+
+
+@inline
+def _turning_place(low, high, line, side, flank):  # type: ignore[no-untyped-def]
+    """Z where sliding turns about between the ends of a line that is to be broken there, else its low end."""
+    if flank.breaks_sliding:
+        z = slowest_place(line, side, flank)
+        if low < z < high:
+            return z
+    return low
+
+
+@inline
+def _name_line(lines, n, tooth, line, side, deepest, flank):  # type: ignore[no-untyped-def]
+    """Fill what all stations of a line have in common."""
     lines.side[n], lines.tooth[n] = side.sign, tooth % flank.teeth
-    lines.rack_tooth[n] = line.rack_tooth
-    lines.deepest[n] = line.d_0 + max(line.d_1 * low, line.d_1 * high)
-    for k in range(flank.stations):
-        i, z = n * flank.stations + k, low + (high - low) * flank.along[0, 0, k]
-        lines.stations[LENGTH, i] = (high - low) * flank.along[0, 1, k] / flank.cos_base_helix
-        p_r, p_t, q, lines.stations[DEPTH, i] = plain_point(z, line, side, flank)
-        _fill_station(lines, i, p_r, p_t, q, z, side, data)
-    return 1
+    lines.rack_tooth[n], lines.deepest[n] = line.rack_tooth, deepest
 
 
 @inline
 def _fill_line(lines, n, strip, margin, band, tooth, line, side, data):  # type: ignore[no-untyped-def]
-    """Fill one line within a band of modified flanks; 1, or 0 where the flanks are apart."""
+    """Fill one line within a band of modified flanks; how many pieces, 0 where the flanks are apart."""
     flank = data.flank
     low, high = _describe_line(strip, band, line, side, margin, flank)
     if not low < high:
         return 0
-    lines.side[n], lines.tooth[n] = side.sign, tooth % flank.teeth
-    lines.rack_tooth[n] = line.rack_tooth
-    lines.deepest[n] = deepest_crest(strip, low, high) - margin
-    for k in range(flank.stations):
-        i, z = n * flank.stations + k, low + (high - low) * flank.along[0, 0, k]
-        xi, depth = crest_of(strip, z)
-        lines.stations[LENGTH, i] = (high - low) * flank.along[0, 1, k] / flank.cos_base_helix
-        lines.stations[DEPTH, i] = depth - margin
-        p_r, p_t, q = formed_point(xi, z, line, band, side, flank)
-        _fill_station(lines, i, p_r, p_t, q, z, side, data)
-    return 1
+    middle, count = _turning_place(low, high, line, side, flank), 0
+    for from_, to in ((low, middle), (middle, high)):
+        if not from_ < to:
+            continue
+        _name_line(lines, n + count, tooth, line, side, deepest_crest(strip, from_, to) - margin, flank)
+        for k in range(flank.stations):
+            i, z = (n + count) * flank.stations + k, from_ + (to - from_) * flank.along[0, 0, k]
+            xi, depth = crest_of(strip, z)
+            lines.stations[LENGTH, i] = (to - from_) * flank.along[0, 1, k] / flank.cos_base_helix
+            lines.stations[DEPTH, i] = depth - margin
+            p_r, p_t, q = formed_point(xi, z, line, band, side, flank)
+            _fill_station(lines, i, p_r, p_t, q, z, side, data)
+        count += 1
+    return count
 
 
 @inline
 def _fill_station(lines, i, p_r, p_t, q, z, side, data):  # type: ignore[no-untyped-def]
     """Fill what follows from a station's point: its motion, and its places on both teeth."""
-    flank, stations = data.flank, lines.stations
-    tan = data.teeth.sin_alpha / data.teeth.cos_alpha
+    flank, teeth, stations = data.flank, data.teeth, lines.stations
     stations[RATE, i] = affine(side.part, p_r, p_t, z)
     stations[P_R, i], stations[P_T, i], stations[P_Z, i], stations[ROLL, i] = p_r, p_t, z, q
 
-    x = min(max((q - data.teeth.middle) * data.teeth.per_half, -1.0), 1.0)
-    cos, cos_y = polynomial(data.teeth.form, 0, x), polynomial(data.teeth.form, 1, x)
-    cos_tan = polynomial(data.teeth.form, 2, x)
-    s = z / flank.cos_base_helix
-    fill_between_ends(lines.on_pinion, i, cos, cos_y, cos_tan, s, data.teeth.pinion_end, data.teeth.pinion)
+    x, form, pinion = min(max((q - teeth.middle) * teeth.per_half, -1.0), 1.0), teeth.form, teeth.pinion
+    zeta, along = polynomial(form, ZETA, x), z * polynomial(form, PER_COS, x)
+    for mode in range(MODES):
+        phi, offset = polynomial(form, PHI + mode, x), polynomial(form, BY_OFFSET + mode, x)
+        at, end = np.exp(along / pinion.length[mode]), polynomial(form, BY_HALF + mode, x)
+        fill_mode(lines.on_pinion, i, mode, phi, at, offset, end, zeta, side.sign, pinion)
+    lines.on_pinion[PLACE, i] = along + side.sign * polynomial(form, OFFSET, x)
 
     y_rack, z_rack = affine(side.y, p_r, p_t, z), affine(side.z, p_r, p_t, z)
-    height = -y_rack - data.teeth.reference_depth  # above the rack's reference line, towards the tips
-    half_width = data.teeth.rack_half_thickness - height * tan
-    cos_y = data.teeth.cos_alpha * (height - half_width * tan + data.teeth.rack.root)
-    chord = np.sqrt(max(flank.bar_radius * flank.bar_radius - y_rack * y_rack, 0.0)) / data.teeth.cos_rack
-    s = z_rack / data.teeth.cos_rack
-    fill_place(lines.on_rack, i, data.teeth.cos_alpha, cos_y, data.teeth.sin_alpha, s, chord, data.teeth.rack)
+    height = -y_rack - teeth.reference_depth  # above the rack's reference line, towards the tips
+    half_width = teeth.rack_half_thickness - height * teeth.tan_alpha
+    zeta = (height - half_width * teeth.tan_alpha + teeth.rack.root) / teeth.rack.root_width
+    chord = np.sqrt(max(flank.bar_radius * flank.bar_radius - y_rack * y_rack, 0.0)) / teeth.cos_rack
+    along, offset = z_rack / teeth.cos_rack, half_width * teeth.tan_rack
+    fill_rack_place(lines.on_rack, i, zeta, along, offset, chord, teeth.rack_scale, side.sign, teeth.rack)
 
     # ln(4 h_P h_R / (a^2 / f)) - nu / (1 - nu) with a^2 / f = 4 rho / (pi E*), rho = q / cos(beta_b)
-    thickness = max(polynomial(data.teeth.form, 3, x) * half_width, data.teeth.thinnest)
-    stations[TOP, i] = np.log(thickness * data.teeth.per_width) - FLATTENED
+    thickness = max(polynomial(form, THICK, x) * half_width, teeth.thinnest)
+    stations[TOP, i] = np.log(thickness * teeth.per_width) - FLATTENED
 
 
 @inline

@@ -82,10 +82,13 @@ def factorize(matrix, n):  # type: ignore[no-untyped-def]
 @inline
 def _substitute(factor, n, x):  # type: ignore[no-untyped-def]
     """Solve with a factor of `factorize` in place of the right side."""
-    for j in range(n):
-        x[j] *= factor[j, j]
-        for i in range(j + 1, n):
-            x[i] -= factor[i, j] * x[j]
+    for i in range(0, n, 2):
+        a, b = 0.0, 0.0
+        for k in range(i):
+            a += factor[i, k] * x[k]
+            b += factor[i + 1, k] * x[k]
+        x[i] = (x[i] - a) * factor[i, i]
+        x[i + 1] = (x[i + 1] - b - factor[i + 1, i] * x[i]) * factor[i + 1, i + 1]
     for j in range(n - 1, -1, -1):
         x[j] *= factor[j, j]
         for i in range(j):
@@ -111,33 +114,39 @@ def substitute_all(factor, n, rows):  # type: ignore[no-untyped-def]
 
 
 @inline
-def _residual(m, chosen, matrix, delta, length, top, k, force, light, rest, slopes):  # type: ignore[no-untyped-def]
+def _gather(m, chosen, matrix, block):  # type: ignore[no-untyped-def]
+    """Fill the compliance between the pressed stations, the whole square."""
+    for row in range(m):
+        i = chosen[row]
+        for col in range(row + 1):
+            block[row, col] = block[col, row] = matrix[i, chosen[col]]
+
+
+@inline
+def _residual(m, chosen, block, delta, length, top, k, force, light, rest, slopes):  # type: ignore[no-untyped-def]
     """Fill what the pressed stations' yield lacks of their depth [m], and the slopes of the Hertzian part,
     of loads per length lighter than `light` those of that one."""
-    for row in range(m):
-        rest[row] = delta[chosen[row]]
     for row in range(m):
         i = chosen[row]
         f = force[i] / length[i]
         value, slopes[row] = local_yield(f, top[i], k)
         if f < light:
             _, slopes[row] = local_yield(light, top[i], k)
-        for col in range(row):
-            j = chosen[col]
-            rest[col] -= matrix[i, j] * force[i]
-            value += matrix[i, j] * force[j]
-        rest[row] -= value + matrix[i, i] * force[i]
+        rest[row] = delta[i] - value
+    for col in range(m):
+        load = force[chosen[col]]
+        for row in range(m):
+            rest[row] -= block[col, row] * load
 
 
 @inline
-def _tangent(m, chosen, matrix, length, slopes, system):  # type: ignore[no-untyped-def]
+def _tangent(m, chosen, block, length, slopes, system):  # type: ignore[no-untyped-def]
     """Fill the tangent compliance of the pressed stations and unit rows to a multiple of four; how many."""
     full = (m + 3) // 4 * 4
     for row in range(m):
-        i = chosen[row]
         for col in range(row):
-            system[row, col] = matrix[i, chosen[col]]
-        system[row, row] = matrix[i, i] + slopes[row] / length[i]
+            system[row, col] = block[row, col]
+        system[row, row] = block[row, row] + slopes[row] / length[chosen[row]]
     for row in range(m, full):
         for col in range(row):
             system[row, col] = 0.0
@@ -156,8 +165,8 @@ def press_stations(n, matrix, delta, length, top, k, guess, force):  # type: ign
     """
     pressed, chosen = np.empty(n, np.bool_), np.empty(n, np.int64)
     most = (n + 3) // 4 * 4
-    work = np.empty((most + 2, most))
-    system, step, slopes = work[:most], work[most], work[most + 1]
+    work = np.empty((2 * most + 2, most))
+    system, block, step, slopes = work[:most], work[most : 2 * most], work[2 * most], work[2 * most + 1]
     for i in range(n):
         pressed[i] = delta[i] > 0
         force[i] = guess * max(delta[i], 0.0) * length[i]
@@ -172,10 +181,11 @@ def press_stations(n, matrix, delta, length, top, k, guess, force):  # type: ign
                     largest = max(largest, force[i] / length[i])
             if m == 0:
                 return True
-        _residual(m, chosen, matrix, delta, length, top, k, force, LIGHT * largest, step, slopes)
+            _gather(m, chosen, matrix, block)
+        _residual(m, chosen, block, delta, length, top, k, force, LIGHT * largest, step, slopes)
         if not serves:
             before = np.inf
-            full = _tangent(m, chosen, matrix, length, slopes, system)
+            full = _tangent(m, chosen, block, length, slopes, system)
             if not factorize(system, full):
                 return False
         for row in range(m, full):

@@ -58,7 +58,7 @@ def test_tooth_and_space_are_equally_wide_on_the_reference_line(bar: RackBar) ->
 def test_teeth_cover_travel_and_pinion(bar: RackBar) -> None:
     last = bar.flank(bar.teeth[-1], 1).point[0]
     assert last >= SteeringGear().rack.travel / 2 + bar.pair.tip_radius
-    assert bar.x_max == pytest.approx(0.35 + 0.03 + 0.07 + 0.02)
+    assert bar.x_max == pytest.approx(0.35 + 0.03 + 0.07 + SteeringGear().bush.end_overhang)
     assert bar.x_max - bar.x_min == pytest.approx(0.65)
 
 

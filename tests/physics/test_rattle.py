@@ -55,6 +55,19 @@ def test_figures_of_known_impacts() -> None:
 
 
 @pytest.mark.quick
+def test_uncertainty_of_cycles_is_that_of_their_mean() -> None:
+    """Cycles of 0.2 and 0.1 N s have a mean of 0.15 and a standard uncertainty of 0.05 (half a sample: 2 %);
+    squares of 400 and 200 N^2 one of 100 N^2, which is 2 rms u. One cycle has none."""
+    runs = made_up((0.1, 0.2)), made_up((0.3,))
+    metrics = describe_rattle(joined(*runs), PERIOD, MASS, BAND)
+    assert metrics["rattle_impulse_uncertainty"] == pytest.approx(0.05, rel=0.02)
+    rms, energy = metrics["rattle_force_rms"], MASS / 4 * abs(0.01 + 0.04 - 0.09)
+    assert metrics["rattle_force_rms_uncertainty"] == pytest.approx(100 / (2 * rms), rel=0.02)
+    assert metrics["rattle_energy_uncertainty"] == pytest.approx(energy)
+    assert not [name for name in describe_rattle(runs[0], PERIOD, MASS, BAND) if "uncertainty" in name]
+
+
+@pytest.mark.quick
 def test_no_impacts_no_rattle() -> None:
     figures = describe_rattle(made_up(()), PERIOD, MASS, BAND)
     assert not any(figures.values())

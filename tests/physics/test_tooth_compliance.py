@@ -2,6 +2,7 @@
 
 import dataclasses
 import sys
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -15,19 +16,24 @@ from benchmarks.rack_tooth_elements import (
     assembled,
     chained,
     finite_elements,
+    rack_compliance,
     stiffness,
 )
-from benchmarks.rack_tooth_law import add_compliance, flattening, half_thickness, places_of
+from benchmarks.rack_tooth_law import flattening, half_thickness, law_compliance, lever_of
 from benchmarks.tooth_compliance import extrapolated
+from rps_exudyn.base.compiled import kernel
 from rps_exudyn.base.errors import InputError
-from rps_exudyn.gears.basic_rack import half_angle
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.tooth_contact.teeth_data import pinion_form
 from rps_exudyn.tooth_contact.tooth_compliance import (
-    PINION,
+    PLACE_SIZE,
     RACK,
-    Spread,
+    RACK_YIELD,
+    add_block,
+    fill_mode,
+    fill_rack_place,
     pinion_tooth,
     rack_tooth,
 )
@@ -35,55 +41,139 @@ from rps_exudyn.tooth_contact.unilateral import local_yield
 from verification.population import random_gears
 
 PAIR = GearPair.of(SteeringGear())
-Station = tuple[float, float, float, float]
-"""cos(alpha), cos(alpha) y, cos(alpha) tan(alpha), and s."""
+Body = Callable[[GearPair, np.random.Generator, float, np.ndarray], np.ndarray]
+AT_PITCH = PAIR.reference_radius * np.sin(PAIR.alpha_t)
 
 
-def stations_on(stations: list[Station], half_length: float, tooth: np.record) -> np.ndarray:
-    """What the law keeps of stations on a tooth of some half length."""
-    return np.asarray(places_of(np.array(stations), np.full(len(stations), half_length), tooth))
+# --- Spot values of another program, default gear, tangent lengths from the pitch point --------------
+@pytest.mark.parametrize(
+    ("q_mm", "zeta", "kappa", "phi"),
+    [
+        (0.2, 0.0924, 8.929, (1.8528, 1.8451)),
+        (2.4, 0.2187, 11.399, (2.6221, 1.2938)),
+        (4.7, 0.7266, 27.496, (4.9142, -1.8780)),
+    ],
+)
+def test_pinion_tooth_has_the_spot_values(
+    q_mm: float, zeta: float, kappa: float, phi: tuple[float, float]
+) -> None:
+    """The other program has its own fillet: 0.6 % of the yield, and half of that of its root."""
+    tooth, q = pinion_tooth(PAIR), np.array([1e-3 * q_mm + AT_PITCH])
+    at, long = pinion_form(PAIR, tooth, q)
+    assert at[0] == pytest.approx(zeta, abs=6e-4)
+    assert 1e12 * long[0] == pytest.approx(kappa, rel=6e-3)
+    terms = np.array(tooth.terms) * np.sqrt(2 * np.array(tooth.length))[:, None]
+    found = 1e6 * np.sqrt(long[0]) * terms @ [1, at[0], at[0] ** 2]
+    assert found == pytest.approx(phi, rel=4e-3)
 
 
-def compliance(stations: list[Station], half_length: float, tooth: np.record) -> np.ndarray:
-    """Compliance of stations on one flank [m/N]."""
-    matrix = np.zeros((len(stations),) * 2)
-    add_compliance(matrix, stations_on(stations, half_length, tooth), 0, 0, len(stations), 1.0, tooth)
+@pytest.mark.parametrize(
+    ("q_mm", "zeta", "phi"),
+    [(0.2, 0.7595, (7.3795, 0.0438)), (2.4, 0.5668, (5.3419, 1.5407)), (4.7, 0.3653, (3.5420, 2.4799))],
+)
+def test_rack_tooth_has_the_spot_values(q_mm: float, zeta: float, phi: tuple[float, float]) -> None:
+    height = PAIR.profile_shift * PAIR.module - 1e-3 * q_mm * np.sin(PAIR.alpha_t)
+    at = float(lever_of(PAIR, np.array([height]))[0] / rack_tooth(PAIR).root_width)
+    assert at == pytest.approx(zeta, abs=5e-4)
+    terms = np.array([mode.terms for mode in RACK])
+    assert np.cos(PAIR.alpha_n) * terms @ [1, at, at**2] == pytest.approx(phi, rel=2e-3, abs=6e-3)
+
+
+# --- Compliance of stations --------------------------------------------------------------------------
+@kernel
+def rack_matrix(stations, half, scale, tooth):  # type: ignore[no-untyped-def]
+    """Compliance of stations (n, 4) on a rack's tooth: zeta, place, offset of the flank, side."""
+    n = stations.shape[0]
+    matrix, places = np.zeros((n, n)), np.empty((PLACE_SIZE, n))
+    for i in range(n):
+        zeta, along, offset, side = stations[i, 0], stations[i, 1], stations[i, 2], stations[i, 3]
+        fill_rack_place(places, i, zeta, along, offset, half, scale, side, tooth)
+    for i in range(n):
+        for j in range(n):
+            add_block(matrix, places, i, j, 1, stations[i, 3] == stations[j, 3], tooth)
     return matrix
 
 
-def on_rack(pair: GearPair, height: float, s: float = 0.0) -> Station:
-    """A station at a height above the reference line."""
-    cos, tan = np.cos(pair.alpha_n), np.tan(pair.alpha_n)
-    lever = height - half_thickness(pair, height) * tan + rack_tooth(pair).root
-    return cos, cos * lever, cos * tan, s
+@kernel
+def pinion_matrix(stations, half, tooth):  # type: ignore[no-untyped-def]
+    """The same on a pinion's tooth: zeta, place, offset of the flank, side, phi of both modes."""
+    n = stations.shape[0]
+    matrix, places = np.zeros((n, n)), np.empty((PLACE_SIZE, n))
+    for i in range(n):
+        zeta, along, offset, side = stations[i, 0], stations[i, 1], stations[i, 2], stations[i, 3]
+        for mode in range(2):
+            length = tooth.length[mode]
+            at, off, end = np.exp(along / length), np.exp(offset / length), np.exp(-half / length)
+            fill_mode(places, i, mode, stations[i, 4 + mode], at, off, end, zeta, side, tooth)
+    for i in range(n):
+        for j in range(n):
+            add_block(matrix, places, i, j, 1, stations[i, 3] == stations[j, 3], tooth)
+    return matrix
 
 
-def on_pinion(pair: GearPair, q: float, s: float = 0.0) -> Station:
-    """A station at a tangent length: the load's direction meets the tooth's middle at r_b / cos(alpha_x)."""
-    alpha = np.arctan(q / pair.base_radius) - float(half_angle(pair, np.hypot(q, pair.base_radius)))
-    tan = np.tan(alpha) * np.cos(pair.beta_p)
-    cos = 1 / np.hypot(1, tan)
-    return cos, cos * (pair.base_radius / np.cos(alpha) - pinion_tooth(pair).root), cos * tan, s
+def on_rack(pair: GearPair, random: np.random.Generator, half: float, sides: np.ndarray) -> np.ndarray:
+    """Compliance of random stations on the flanks of one rack tooth [m/N]."""
+    tooth, n = rack_tooth(pair), sides.size
+    height = random.uniform(-0.9, 0.9, n) * pair.module
+    offset = half_thickness(pair, height) * np.tan(pair.beta_r)
+    zeta = lever_of(pair, height) / tooth.root_width
+    stations = np.column_stack([zeta, random.uniform(-half, half, n), offset, sides])
+    return np.asarray(rack_matrix(stations, half, np.cos(pair.alpha_n) * RACK_YIELD, tooth))
 
 
-def kappa(station: Station, tooth: np.record, spread: Spread) -> float:
-    """Weber and Banaschek's foundation of a long tooth [nm/(N/mm)]: yield without its spread."""
-    (yields,) = compliance([station], 1.0, tooth)[0]  # both ends a metre away
-    return float(1e12 * yields * 2 * tooth.length / spread.strength)
+def on_pinion(pair: GearPair, random: np.random.Generator, half: float, sides: np.ndarray) -> np.ndarray:
+    """The same of one pinion tooth."""
+    tooth, n = pinion_tooth(pair), sides.size
+    tip = np.sqrt(pair.tip_radius**2 - pair.base_radius**2)
+    q = random.uniform(form_point(pair).tangent_length, tip, n)
+    zeta, kappa = pinion_form(pair, tooth, q)
+    phi = np.sqrt(kappa) * (tooth.terms @ np.array([np.ones(n), zeta, zeta**2]))
+    offset = -random.uniform(0, 0.5, n) * pair.module * np.sign(pair.beta_p)
+    stations = np.column_stack([zeta, random.uniform(-half, half, n), offset, sides, *phi])
+    return np.asarray(pinion_matrix(stations, half, tooth))
 
 
-# --- Weber and Banaschek -----------------------------------------------------------------------------
-@pytest.mark.parametrize(("q_mm", "expected"), [(0.2, 7.427), (2.4, 8.039), (4.7, 12.866)])
-def test_pinion_tooth_has_weber_and_banascheks_foundation(q_mm: float, expected: float) -> None:
-    """Values of another program, with four digits, at places of the path of contact from the pitch point."""
-    q = 1e-3 * q_mm + PAIR.reference_radius * np.sin(PAIR.alpha_t)
-    assert kappa(on_pinion(PAIR, q), pinion_tooth(PAIR), PINION) == pytest.approx(expected, rel=2e-3)
+@pytest.mark.parametrize("body", [on_rack, on_pinion])
+def test_work_of_any_loads_is_mutual_and_above_zero_on_random_gears(body: Body) -> None:
+    """Betti's theorem, and positive definiteness on both flanks of a tooth; against rounding."""
+    random = np.random.default_rng(15)
+    for gear in random_gears(seed=15, count=20):
+        pair = GearPair.of(gear)
+        for sides in (np.full(16, -1.0), np.repeat([-1.0, 1.0], 8)):
+            matrix = body(pair, random, random.uniform(1, 6) * pair.module, sides)
+            assert np.abs(matrix - matrix.T).max() <= 1e-13 * matrix.max()
+            assert np.linalg.eigvalsh(matrix).min() > -1e-12 * matrix.max()
 
 
-@pytest.mark.parametrize(("q_mm", "expected"), [(0.2, 22.467), (2.4, 15.896), (4.7, 10.801)])
-def test_rack_tooth_has_weber_and_banascheks_foundation(q_mm: float, expected: float) -> None:
-    height = PAIR.profile_shift * PAIR.module - 1e-3 * q_mm * np.sin(PAIR.alpha_t)
-    assert kappa(on_rack(PAIR, height), rack_tooth(PAIR), RACK) == pytest.approx(expected, rel=2e-3)
+def test_mirrored_teeth_yield_alike() -> None:
+    """Against the other hand, with the places mirrored, nothing changes."""
+    right = SteeringGear()
+    left = right.replace(
+        {"pinion.helix_angle": -right.pinion.helix_angle, "rack.tooth_angle": -right.rack.tooth_angle}
+    )
+    made = []
+    for gear, hand in ((right, 1), (left, -1)):
+        pair = GearPair.of(gear)
+        tooth, random = rack_tooth(pair), np.random.default_rng(3)
+        height, side = random.uniform(-0.9, 0.9, 8) * pair.module, np.repeat([-1.0, 1.0], 4)
+        offset = half_thickness(pair, height) * np.tan(pair.beta_r)
+        along = hand * random.uniform(-6e-3, 6e-3, 8)
+        stations = np.column_stack([lever_of(pair, height) / tooth.root_width, along, offset, side])
+        made.append(rack_matrix(stations, 8e-3, 1.0, tooth))
+    assert made[0] == pytest.approx(made[1], rel=1e-12)
+
+
+def test_law_of_a_rack_tooth_is_near_its_finite_elements() -> None:
+    """Even load near the tip, coarse elements of three teeth: the middle's yield is known to 10 %."""
+    section, patches = Section(PAIR, block_rows=1), 4
+    found, (same, opposite) = rack_compliance(section, patches, 1), law_compliance(section, patches)
+    row = slice(2 * patches, 3 * patches)
+    local = flattening(section, float(section.row_height(2.5)))
+    width = 2 * section.half_length(section.row_height(2.5)) / patches
+    even = width * found.same[row, row].sum(axis=0) - local
+    across = width * found.opposite[row, row].sum(axis=0)
+    assert width * same[row, row].sum(axis=0) == pytest.approx(even, rel=0.25)
+    assert width * opposite[row, row].sum(axis=0) == pytest.approx(across, rel=0.25)
 
 
 # --- Hertz -------------------------------------------------------------------------------------------
@@ -116,82 +206,6 @@ def test_local_yield_is_hertzs_line_contact(load: float, radius: float) -> None:
     top = np.log(depths[0] * depths[1] * np.pi * modulus / radius) - POISSON_RATIO / (1 - POISSON_RATIO)
     found, _ = local_yield.py_func(load, top, 2 * (1 - POISSON_RATIO**2) / np.pi / YOUNGS_MODULUS)
     assert found == pytest.approx(integrated, rel=0.1 * (a / min(depths)) ** 2)
-
-
-# --- symmetry and definiteness -----------------------------------------------------------------------
-def test_work_of_any_loads_on_one_flank_is_mutual_and_above_zero_on_random_gears() -> None:
-    """Betti's theorem, and positive definiteness; the smallest eigenvalue is held against rounding.
-
-    16 stations each on a tooth of pinion and rack, at random places along and up its flank.
-    """
-    random = np.random.default_rng(15)
-    for gear in random_gears(seed=15, count=20):
-        pair = GearPair.of(gear)
-        half, form = random.uniform(1, 6) * pair.module, form_point(pair).tangent_length
-        tip = np.sqrt(pair.tip_radius**2 - pair.base_radius**2)
-        along = random.uniform(-half, half, (2, 16))
-        tangents, heights = random.uniform(form, tip, 16), random.uniform(-0.9, 0.9, 16) * pair.module
-        for stations, tooth in (
-            ([on_pinion(pair, *at) for at in zip(tangents, along[0], strict=True)], pinion_tooth(pair)),
-            ([on_rack(pair, *at) for at in zip(heights, along[1], strict=True)], rack_tooth(pair)),
-        ):
-            matrix = compliance(stations, half, tooth)
-            assert np.abs(matrix - matrix.T).max() <= 1e-14 * matrix.max()
-            assert np.linalg.eigvalsh(matrix).min() > 1e-9 * matrix.max()
-
-
-COUNT = 12  # stations of a line
-
-
-def lines_in_a_row(pair: GearPair, random: np.random.Generator) -> np.ndarray:
-    """Stations on four lines: tangent lengths, heights on the rack, places along the teeth [m], (3, n).
-
-    Each line runs up or down the flanks between random ends within the field of contact.
-    """
-    at_pitch, half = pair.reference_radius * np.sin(pair.alpha_t), pair.face_width / 2
-    least = max(form_point(pair).tangent_length, at_pitch + pair.active_path[0])
-    most = at_pitch + pair.active_path[1]
-    ends = np.stack([random.uniform(least, most, (2, 4)), random.uniform(-half, half, (2, 4))])
-    tangents, along = np.linspace(ends[:, 0], ends[:, 1], COUNT, axis=2).reshape(2, -1)
-    heights = pair.profile_shift * pair.module - (tangents - at_pitch) * np.sin(pair.alpha_t)
-    return np.stack([tangents, heights, along])
-
-
-def add_tooth(matrix: np.ndarray, places: np.ndarray, drive: int, coast: int, tooth: np.record) -> None:
-    """Add one body's compliance of two lines that lie on the two flanks of one tooth."""
-    rows = [drive * COUNT, coast * COUNT]
-    for i in rows:
-        for j in rows:
-            sigma = 1.0 if i == j else -float(tooth.coupling)
-            add_compliance(matrix, places, i, j, COUNT, sigma, tooth)
-
-
-def compliance_of_row(pair: GearPair, random: np.random.Generator) -> np.ndarray:
-    """Compliance of four lines, drive and coast flank in turn [m/N].
-
-    Lines 0 and 1 lie on one tooth of the pinion, 1 and 2 on one of the rack, 2 and 3 on the pinion's next.
-    """
-    tangents, heights, along = lines_in_a_row(pair, random)
-    half, pinion, rack = pair.face_width / 2, pinion_tooth(pair), rack_tooth(pair)
-    rolled = stations_on([on_pinion(pair, *at) for at in zip(tangents, along, strict=True)], half, pinion)
-    milled = stations_on([on_rack(pair, *at) for at in zip(heights, along, strict=True)], half, rack)
-    matrix = np.zeros((4 * COUNT,) * 2)
-    add_tooth(matrix, rolled, 0, 1, pinion)
-    add_tooth(matrix, rolled, 2, 3, pinion)
-    add_tooth(matrix, milled, 1, 2, rack)
-    for line in (0, 3):  # alone on its tooth of the rack
-        add_compliance(matrix, milled, line * COUNT, line * COUNT, COUNT, 1.0, rack)
-    return matrix
-
-
-def test_work_of_loads_on_both_flank_sides_is_above_zero_on_random_gears() -> None:
-    """What the loads' solution rests on: the coupling in the rack takes no more than the pinion gives."""
-    random = np.random.default_rng(16)
-    for gear in random_gears(seed=16, count=20):
-        for _ in range(3):
-            matrix = compliance_of_row(GearPair.of(gear), random)
-            assert np.abs(matrix - matrix.T).max() <= 1e-14 * matrix.max()
-            assert np.linalg.eigvalsh(matrix).min() > 1e-9 * matrix.max()
 
 
 # --- finite elements ---------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ import numpy as np
 
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.fitting.bench_tests import mixed_speeds
-from rps_exudyn.inference.fitting.level import ZERO, LevelEstimate, Runout
+from rps_exudyn.inference.fitting.level import ZERO, LevelEstimate
 from rps_exudyn.inference.fitting.level_fit import BETWEEN_MODELS, LevelFit, stepped
 from rps_exudyn.inference.fitting.problem import MODEL, Problem
 from rps_exudyn.inference.fitting.unknowns import BY_LOAD
@@ -110,31 +110,33 @@ def _load_probability(problem: Problem, levels: LevelFit) -> float:
 # --- Notes
 
 
-def notes(problem: Problem, gear: SteeringGear, runout: Runout | None) -> Iterator[str]:
+def notes(problem: Problem, gear: SteeringGear) -> Iterator[str]:
     """What explains how the curves differ from the model, and what the intervals lack."""
     levels, measurement = problem.levels, problem.measurement
     if all(each.runs == 1 for each in levels):
         yield "no test was run twice: how much runs differ is declared, not known from these data"
     for each in levels:
-        yield from each.asks
-        if not each.both_ways:
-            yield f"{each.test.title} was measured one way only: the sensor's zero counts as friction there"
-        if each.spikes:
-            yield f"{each.spikes} points of {each.test.title} are left out as spikes"
-        if each.test.of_kind.by_angle:
-            yield from _rig(each, gear, runout)
+        yield from notes_of(each, gear)
     yield from measurement.late
     yield from mixed_speeds(measurement, float(GearPair.of(gear).gain))
-    for each in levels:
-        known = each.half_sum is not None and not each.test.of_kind.weighted
-        if known and abs(each.half_sum or 0.0) > 3 * ZERO * abs(each.value):
-            yield (
-                f"the zero of the sensor is {each.half_sum:.2g} (SI) in {each.test.title}, which is a large "
-                "part of its mean"
-            )
 
 
-def _rig(level: LevelEstimate, gear: SteeringGear, runout: Runout | None) -> Iterator[str]:
+def notes_of(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
+    """What is to be said of one test's curves."""
+    yield from level.asks
+    title, of_kind = level.test.title, level.test.of_kind
+    if not level.both_ways:
+        yield f"{title} was measured one way only: the sensor's zero counts as friction there"
+    if level.spikes:
+        yield f"{level.spikes} points of {title} are left out as spikes"
+    if of_kind.by_angle:
+        yield from _rig(level, gear)
+    zero = 0.0 if level.half_sum is None or of_kind.weighted else level.half_sum
+    if abs(zero) > 3 * ZERO * abs(level.value):
+        yield f"the zero of the sensor is {zero:.2g} (SI) in {title}, which is a large part of its mean"
+
+
+def _rig(level: LevelEstimate, gear: SteeringGear) -> Iterator[str]:
     """Friction's own waves and bend, drift, correlated noise, and the order at which the teeth show."""
     value = abs(level.value)
     if level.correlated > 0.5:

@@ -355,7 +355,7 @@ def outcome_of(ended: Ended, gear: SteeringGear, warnings: list[str], began: flo
     correlated, covariance = _covariance(ended)
     spread = np.sqrt(np.diag(covariance))
     free = [each for each in problem.levels if each.test.of_kind.by_angle]
-    said = [*warnings, *(each.sentence for each in refused), *notes(problem, ended.gear, runout)]
+    said = [*warnings, *(each.sentence for each in refused), *notes(problem, ended.gear)]
     said += _warnings(ended, estimates)
     if ended.shape is not None:
         said += shape_sentences(problem, estimates, inverse, ended.others)

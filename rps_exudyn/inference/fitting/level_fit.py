@@ -14,11 +14,13 @@ from rps_exudyn.inference.fitting.prediction import NoPredictionError, Predictio
 from rps_exudyn.inference.fitting.problem import LevelRows
 from rps_exudyn.inference.fitting.unknowns import LEVEL, Unknown, nuisances_of, settings_of
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.solvers.closed_form import unloading_force
 
 ENOUGH = 0.02  # of a standard error: a smaller step ends the steps
 AGREED = 0.25  # the same, between two simulations
 MOST_STEPS, MOST_HALVINGS, MOST_SIMULATIONS = 40, 8, 6
-BETWEEN_MODELS = 0.7  # of the difference of both models under weights: its standard deviation
+BETWEEN_MODELS = 1.0  # times the difference of both models under weights: its standard deviation
+NEAR_LIFTING, AROUND_LIFTING = 0.03, 0.25  # of a level, and of the load: the closed form has a kink there
 LONGEST = 1.0  # of a logarithm in a step
 FLAT = 1e-3  # of a sum of squares: a step that gains less is no reason to go on
 
@@ -32,11 +34,19 @@ class LevelModel:
     gear: SteeringGear  # with what is not fitted
     factors: np.ndarray  # of the closed form's rows, (rows,)
     terms: np.ndarray  # added to them, (rows,)
+    near: np.ndarray  # deviations, of the values, where a flank is about to lift, (rows,)
 
     @classmethod
     def of(cls, rows: LevelRows, unknowns: Sequence[Unknown], gear: SteeringGear) -> "LevelModel":
         """The model without correction."""
-        return cls(rows, unknowns, gear, np.ones(rows.values.size), np.zeros(rows.values.size))
+        return cls(
+            rows,
+            unknowns,
+            gear,
+            np.ones(rows.values.size),
+            np.zeros(rows.values.size),
+            np.zeros(rows.values.size),
+        )
 
     def by_formula(self, u: np.ndarray) -> np.ndarray:
         """The closed form's rows at unknowns, shape (rows,)."""
@@ -56,14 +66,18 @@ class LevelModel:
         formula = self.by_formula(u)
         scaled = self.rows.scaled & (np.abs(formula) > 0)
         factors = np.where(scaled, simulated / np.where(scaled, formula, 1.0), 1.0)
-        return replace(self, factors=factors, terms=np.where(scaled, 0.0, simulated - formula))
+        lifting = unloading_force(self.gear.replace(settings_of(list(self.unknowns), u)))
+        loads = np.array([abs(test.load) if test.of_kind.weighted else np.inf for test in self.rows.tests])
+        near = NEAR_LIFTING * np.exp(-(((loads / lifting - 1) / AROUND_LIFTING) ** 2))
+        return replace(self, factors=factors, terms=np.where(scaled, 0.0, simulated - formula), near=near)
 
     @property
     def covariance(self) -> np.ndarray:
         """Covariance of the rows, and of what simulation and closed form differ by under weights."""
         weighted = np.array([test.of_kind.weighted for test in self.rows.tests])
         apart = BETWEEN_MODELS * np.where(weighted, (self.factors - 1) * self.rows.values, 0.0)
-        return self.rows.covariance + np.outer(apart, apart)
+        near = np.diag((self.near * self.rows.values) ** 2)
+        return self.rows.covariance + np.outer(apart, apart) + near
 
     def believing(self, factor: float, nuisances: float | None = None) -> "LevelModel":
         """The same with deviations of all beliefs times a factor, and at least as usual: what somebody gave

@@ -29,7 +29,7 @@ NORMAL = 1.959964  # quantile of 97.5 %
 WINDOW = 9  # points of the running median that spikes are compared with
 SPIKE = 5.0  # robust standard deviations
 LONGEST_SPIKE, ABRUPT = 2, 0.4  # points, and what its neighbours are of it: edges of teeth rise less abruptly
-ROUGH = 2e-4  # of the mean: what a curve without noise may deviate from its running median
+ROUGH = 2e-3  # of the mean: what the teeth of a curve without noise deviate from its running median
 COMB = 0.02  # of a step, by which values may miss a multiple of it
 
 

@@ -9,7 +9,8 @@ strips.
 
 import numpy as np
 
-from rps_exudyn.analysis.curve import every_second, missed, unresolved
+from rps_exudyn.analysis.curve import every_second, missed
+from rps_exudyn.analysis.work_balance import losses
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
@@ -35,11 +36,18 @@ def needs_finer(signals: dict[str, np.ndarray], gear: SteeringGear) -> bool:
     if not np.isfinite(np.concatenate(list(signals.values()))).all():
         return False
     force, path = driven_along(signals)
+    size = force_size(signals, np.mean(force), path)
     return bool(
         missed_mean(signals) > MEAN
         or rolling_lag(signals, gear)[1] > ROLLING
-        or unresolved(path, force) > PEAK
+        or (size > 0 and missed(path, force).max(initial=0.0) > PEAK * size)
     )
+
+
+def force_size(signals: dict[str, np.ndarray], mean: np.ndarray, path: np.ndarray) -> np.ndarray:
+    """Return the size (...) of a drive's torque or force: its mean (...), or that of friction over the path
+    (..., n), of which a weight may leave little to the drive."""
+    return np.maximum(np.abs(mean), sum(losses(signals).values()) / np.ptp(path, axis=-1))
 
 
 def bends_more(signals: dict[str, np.ndarray], gear: SteeringGear, tolerance: float) -> bool:

@@ -1,0 +1,98 @@
+"""Similar gears give similar results: mirrored hands, and other units of length, force and time."""
+
+from collections.abc import Callable
+
+import pytest
+
+import rps_exudyn as rps
+from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.outcome import Status
+from verification.similar import LEFT_OUT, differences, in_units, mirrored, size_of
+
+UNITS = {"length": 2.0, "force": 4.0, "time": 2**0.5}  # moduli of steel and the acceleration of gravity stay
+SAME_HAND, SAME = (
+    1e-6,
+    4e-3,
+)  # of each metric; equilibria are found to 1e-3 N, and ripples are small differences
+GEARS = {
+    "default": {},
+    "skew": {
+        "pinion.helix_angle": "20 deg",
+        "rack.tooth_angle": "8 deg",
+        "pinion.runout": "20 um",
+        "mesh.law": "line",
+        "yoke.clearance": "0.03 mm",
+    },
+    "bent": {
+        "pinion.teeth": 7,
+        "installation.angle_error": "0.2 deg",
+        "rack.bow": "0.05 mm",
+        "rack.bow_angle": "40 deg",
+        "bush.end_overhang": "60 mm",
+    },
+    "falling": {
+        f"{part}.{name}": value
+        for part in ("mesh", "yoke", "bush", "bearing")
+        for name, value in {"friction_law": "stribeck", "static_ratio": 1.3}.items()
+    },
+}
+SCENES = (
+    "free-pinion-torque",
+    "load-test",
+    "rack-push",
+    "radial-play",
+    "yoke-setting",
+    "reversal",
+    "steering-feel",
+    "steering-torque",
+)
+SIDES = {"radial_play_side": "radial_play_other_side", "radial_play_other_side": "radial_play_side"}
+
+
+def gear_of(name: str) -> SteeringGear:
+    test = {"test.turns": 0.2, "test.load_mass": "30 kg", "test.tyre_stiffness": "30 N/mm"}
+    return SteeringGear().replace({**test, **GEARS[name]})
+
+
+def compared(
+    scene: str, gear: SteeringGear, twin: Callable[[SteeringGear], SteeringGear], **units: float
+) -> dict[str, float]:
+    """Differences of a gear's metrics and its twin's; both end ok, or in the same way."""
+    first, second = (rps.run(scene, each, fidelity="quasi-static") for each in (gear, twin(gear)))
+    assert first.status is second.status
+    assert first.codes == second.codes
+    if first.status is not Status.OK:
+        return {}
+    return differences(first, second, **units)
+
+
+@pytest.mark.parametrize("name", GEARS)
+@pytest.mark.parametrize("scene", SCENES)
+def test_mirrored_gear_is_similar(scene: str, name: str) -> None:
+    """The other hand of helix, teeth, bow and errors turns over what happens along Z and nothing else."""
+    first, second = (
+        rps.run(scene, each, fidelity="quasi-static") for each in (gear_of(name), mirrored(gear_of(name)))
+    )
+    assert first.status is second.status
+    for metric, value in first.summary.items():
+        if metric in LEFT_OUT:
+            continue
+        found = second.summary[SIDES.get(metric, metric)]
+        assert found == pytest.approx(value, rel=SAME_HAND, abs=1e-9), metric
+
+
+@pytest.mark.parametrize("name", GEARS)
+@pytest.mark.parametrize("scene", SCENES)
+def test_scaled_gear_is_similar(scene: str, name: str) -> None:
+    """Twice as large under four times the force in 1.41 times the time: nothing with a unit is hidden."""
+    shares = compared(scene, gear_of(name), lambda gear: in_units(gear, **UNITS), **UNITS)
+    assert {metric: share for metric, share in shares.items() if not abs(share) < SAME} == {}
+
+
+@pytest.mark.quick
+def test_sizes_of_units() -> None:
+    """A mass is force times time^2 over length."""
+    assert size_of("kg", 2.0, 4.0, 3.0) == pytest.approx(18.0)
+    assert size_of("N*m*s/rad", 2.0, 4.0, 3.0) == pytest.approx(24.0)
+    assert size_of("kg/m^3", 2.0, 4.0, 3.0) == pytest.approx(18.0 / 8)
+    assert size_of("", 2.0, 4.0, 3.0) == 1.0
