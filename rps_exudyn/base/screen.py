@@ -52,8 +52,9 @@ class Screen:
 
     def __init__(self, asked: bool = False) -> None:
         """`asked`: lines are wanted outside a terminal, too."""
-        self._terminal = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
-        self._shows = asked or self._terminal
+        self._silent = bool(_silences)
+        self._terminal = sys.stderr.isatty() and os.environ.get("TERM") != "dumb" and not self._silent
+        self._shows = (asked or self._terminal) and not self._silent
         self._rows: list[ScreenRow] = []
         self._live: Progress | None = None
         self._tasks: dict[int, Any] = {}  # of rich, by the row's id
@@ -82,12 +83,13 @@ class Screen:
 
     def speak(self) -> None:
         """Show rows as lines from now on, where there is no terminal."""
-        self._shows = True
+        self._shows = not self._silent
         self._show()
 
     def say(self, sentence: str) -> None:
         """Write a line that stays."""
-        print(f"rps-exudyn: {sentence}", file=sys.stderr, flush=True)
+        if not self._silent:
+            print(f"rps-exudyn: {sentence}", file=sys.stderr, flush=True)
 
     def close(self) -> None:
         """Show nothing any more."""
@@ -149,6 +151,17 @@ def _live() -> "Progress":
 
 
 _open: list[Screen] = []
+_silences: list[bool] = []
+
+
+@contextmanager
+def silent() -> Iterator[None]:
+    """Show nothing on the screens that are opened in a block."""
+    _silences.append(True)
+    try:
+        yield
+    finally:
+        _silences.pop()
 
 
 @contextmanager

@@ -20,6 +20,7 @@ from rps_exudyn.base.files import number_existing
 
 if TYPE_CHECKING:
     from rps_exudyn.results.result import Result
+from rps_exudyn.base.screen import silent
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 """Exit statuses."""
@@ -53,7 +54,7 @@ def printing(quiet: bool) -> Iterator[None]:
         return
     _quiet.append(True)
     try:
-        with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stdout(nowhere):
+        with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stdout(nowhere), silent():
             yield
     finally:
         _quiet.pop()
