@@ -108,7 +108,7 @@ def run(
         raise InputError("--jobs shares the runs of a band among processes; add --band.")
     with printing(quiet):
         setup.say_medians()
-        curve = read_measured(measured, column) if measured else None
+        curve = read_measured(measured, column, scene) if measured else None
     model = chosen.fidelity if accuracy is None else preset
     try:
         with (
@@ -132,14 +132,18 @@ def run(
     return max(verdict(result), FAILED if problems else DONE)
 
 
-def read_measured(path: Path, columns: Sequence[str]) -> "MeasuredTorque":
-    """The measured torque in a file; what was assumed is said on standard error.
+def read_measured(path: Path, columns: Sequence[str], scene: str) -> "MeasuredTorque":
+    """The measured torque in a file, with the signs that a fit gives it; what was assumed is said on standard
+    error. A weight makes torques of one sign both ways, which stay.
 
     Raises:
         InputError: no such file, or one that is no curve.
     """
+    from rps_exudyn.inference.fitting.bench_tests import KINDS, with_signs
     from rps_exudyn.inference.measured.reading import read_measured_torque
 
     measured = read_measured_torque(path, chosen_columns(columns))
+    if scene not in KINDS or not KINDS[scene].weighted:
+        measured = with_signs(measured)
     note(f"{path}: {'; '.join(measured.assumed)}.")
     return measured

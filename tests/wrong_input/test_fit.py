@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rps_exudyn.analysis.passes import passes
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.cli.fit import parse_priors
+from rps_exudyn.cli.run import read_measured
 from rps_exudyn.inference.fitting.bench_tests import mixed_speeds, named_test, read_measurement
 from rps_exudyn.inference.fitting.fit import fit
 from rps_exudyn.inference.fitting.series import read_series
@@ -212,6 +214,25 @@ def test_absolute_values_below_zero_are_read_as_against_the_motion(tmp_path: Pat
     measured = read_measurement([turned(tmp_path / "a.csv", -0.63, -0.61)])
     assert [each.direction * each.value.mean() > 0 for each in measured.passes] == [True, True]
     assert any("same sign both ways" in sentence for sentence in measured.assumed)
+
+
+def test_run_reads_absolute_torques_as_a_fit_does(tmp_path: Path) -> None:
+    """The curve that a run is compared with has the signs of the passes that a fit compares."""
+    path = turned(tmp_path / "a.csv", 0.63, 0.61)
+    curve, measured = read_measured(path, (), "free-pinion-torque"), read_measurement([path])
+    for mine, theirs in zip(passes(curve.signals), measured.passes, strict=True):
+        assert np.sign(mine.signals["pinion_torque"]).mean() == mine.direction
+        assert mine.signals["pinion_torque"].mean() == pytest.approx(theirs.value.mean(), rel=1e-3)
+    assert "torques of the same sign both ways are read as against the motion" in curve.assumed
+    weighed = read_measured(path, (), "load-test")
+    assert (weighed.signals["pinion_torque"] > 0).all()
+
+
+def test_a_torque_ten_times_too_large_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(
+        InputError, match=r"has a mean torque of 6\.6 N m where the gear given would show 0\.6"
+    ):
+        fit([turned(tmp_path / "a.csv", 6.6, -6.6)])
 
 
 def test_values_in_a_wrong_unit_are_refused(tmp_path: Path) -> None:

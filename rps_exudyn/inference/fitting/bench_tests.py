@@ -259,14 +259,47 @@ def _with_signs(found: list[MeasuredPass], name: str) -> tuple[list[MeasuredPass
             return [_replaced(each, turned, 1) for each in found], ["the weight pulls the rack towards +X"]
         return found, []
     _check_signs(ways, means, name)
+    factors, said = _factors(means)
+    return [_replaced(each, each.test, factors[each.direction]) for each in found], said
+
+
+def _factors(means: dict[int, float]) -> tuple[dict[int, int], list[str]]:
+    """Factors that give torques of both directions the signs of result files, and what is said of it."""
     if len(means) == 2 and means[1] * means[-1] > 0:
         sign = 1 if means[1] > 0 else -1
-        said = "torques of the same sign both ways are read as against the motion"
-        return [_replaced(each, each.test, sign * each.direction) for each in found], [said]
+        return {1: sign, -1: -sign}, ["torques of the same sign both ways are read as against the motion"]
     if any(sense * mean < 0 for sense, mean in means.items()):
         said = "torques count negative where they drive along the motion; their signs are turned"
-        return [_replaced(each, each.test, -1) for each in found], [said]
-    return found, []
+        return {1: -1, -1: -1}, [said]
+    return {1: 1, -1: 1}, []
+
+
+def with_signs(curve: MeasuredTorque) -> MeasuredTorque:
+    """Return a free torque with the signs of result files, where a bench records them otherwise.
+
+    A curve whose means are no friction about zero is returned as it is.
+    """
+    signals = {**curve.signals, "row": np.arange(curve.signals["pinion_angle"].size)}
+    turned = passes(signals)
+    shortest = SHORTEST * max((float(np.ptp(each.angle)) for each in turned), default=0.0)
+    turned = [each for each in turned if np.ptp(each.angle) > shortest]
+    test = BenchTest("free")
+    own = [MeasuredPass(test, 0, p.direction, p.angle, p.signals["pinion_torque"]) for p in turned]
+    ways = {sense: [each for each in own if each.direction == sense] for sense in (1, -1)}
+    means = {sense: float(np.mean([each.value.mean() for each in way])) for sense, way in ways.items() if way}
+    try:
+        _check_signs(ways, means, curve.name)
+    except InputError:
+        return curve
+    factors, said = _factors(means)
+    if not said:
+        return curve
+    begins = np.array([int(each.signals["row"].min()) for each in turned])
+    directions = np.array([each.direction for each in turned])[np.argsort(begins)]
+    place = np.searchsorted(np.sort(begins), signals["row"], side="right") - 1
+    signs = np.array([factors[int(each)] for each in directions])[np.maximum(place, 0)]
+    torque = signs * curve.signals["pinion_torque"]
+    return replace(curve, signals={**curve.signals, "pinion_torque": torque}, assumed=(*curve.assumed, *said))
 
 
 def _check_signs(ways: dict[int, list[MeasuredPass]], means: dict[int, float], name: str) -> None:

@@ -19,7 +19,7 @@ from rps_exudyn.solvers.closed_form import unloading_force
 ENOUGH = 0.02  # of a standard error: a smaller step ends the steps
 AGREED = 0.25  # the same, between two simulations
 MOST_STEPS, MOST_HALVINGS, MOST_SIMULATIONS = 40, 8, 6
-BETWEEN_MODELS = 0.7  # of the difference of both models under weights: its standard deviation
+BETWEEN_MODELS = 1.0  # times the difference of both models under weights: its standard deviation
 NEAR_LIFTING, AROUND_LIFTING = 0.03, 0.25  # of a level, and of the load: the closed form has a kink there
 LONGEST = 1.0  # of a logarithm in a step
 FLAT = 1e-3  # of a sum of squares: a step that gains less is no reason to go on
