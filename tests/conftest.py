@@ -79,6 +79,7 @@ LONG = (  # files, folders or single tests that the everyday set leaves out
     "physics/test_accuracy_methods.py",
     "physics/test_accuracy_promise.py",
     "physics/test_plan_reference.py",
+    "physics/test_sampler.py::test_every_scene_law_and_choice_is_drawn_in_plans",
     "smoke/test_animation_in_browser.py",
     "smoke/test_cluster.py",
     "smoke/test_explore.py::test_crowd_is_answered_beside_a_slow_state",

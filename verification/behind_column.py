@@ -27,7 +27,7 @@ from rps_exudyn.solvers.sliding_stability import reduced_gear
 from rps_exudyn.solvers.steering_column import ColumnModel
 from verification.refined_steps import NotFoundError
 from verification.runge_kutta import FreeMotion
-from verification.stability import ScenePlan
+from verification.stability import ScenePlan, cpu_time_limit
 
 GAMMA = 1 - np.sqrt(0.5)
 FINE = {
@@ -36,6 +36,8 @@ FINE = {
 CLOSE = 1e-4  # residual left [N], moments over 10 mm: a tenth of the equilibria's
 ITERATIONS, SLOW = 12, 0.3  # of Newton's method, and the share left above which it takes a new tangent
 HALVINGS = 14
+FINER = (1, 2, 4)  # times that steps are shorter, until two in a row ...
+ALIKE = 0.01  # ... differ by no more of the figures
 LENGTHS = np.array([0.01, 1, 1, 1, 0.01, 0.01, 0.01, 1])
 
 
@@ -203,6 +205,31 @@ def figures(plan: ScenePlan, finer: int) -> WheelFigures:
     angle, torque = _swung(plan, finer)
     work = float(np.sum((torque[1:] + torque[:-1]) / 2 * np.diff(angle)))
     return WheelFigures(work, float(np.abs(torque).max()))
+
+
+def settled_figures(plan: ScenePlan, seconds: float) -> tuple[WheelFigures, int]:
+    """Return the first figures with which those in shorter steps agree, and how much shorter these steps are
+    than the longest; each may take so much CPU time [s].
+
+    Raises:
+        NotFoundError: there are none, or they go on changing.
+        TimeoutError: one takes too long.
+    """
+    with cpu_time_limit(seconds):
+        before = figures(plan, FINER[0])
+    for finer in FINER[1:]:
+        with cpu_time_limit(seconds):
+            here = figures(plan, finer)
+        moved = abs(here.figure - before.figure) / size_of(plan, here), abs(here.peak / before.peak - 1)
+        if max(moved) <= ALIKE:
+            return here, finer
+        before = here
+    raise NotFoundError("two lengths of its steps differ")
+
+
+def size_of(plan: ScenePlan, right: WheelFigures) -> float:
+    """Return what an error is counted by: the work of a cycle itself, or the peak of stick-slip's torque."""
+    return abs(right.figure) if plan.scene == "steering-feel" else right.peak
 
 
 def _set_off(plan: ScenePlan, finer: int) -> tuple[np.ndarray, np.ndarray]:

@@ -3,6 +3,7 @@
     right = expected(plan)
     right.figure, right.ripple     the number that must be right, and the spread of the signal
     right.cause                    why there are none
+    finer_metrics(plan)            every metric of the scene by finer runs, with its doubt
     curve(plan)                    the scene's signal over time, of slow motion
 
 Equilibria come from far before the record (`led_ways`). The seat is a sum over cells; the teeth's contact an
@@ -11,6 +12,7 @@ plan's are, and halved until halves of them say the same. Where a plan has inert
 classical Runge-Kutta goes on from there; slow motion is that without inertia.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import ceil, floor, nan
 
@@ -19,7 +21,13 @@ import numpy as np
 from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.forces.external_load import TimedForce
 from rps_exudyn.forces.force_element import PLUNGER
+from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
+from rps_exudyn.results.outcome import Status
+from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.yoke_impact import shaken
+from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.balance import eigenvalues
 from rps_exudyn.solvers.closed_form import GRAVITY
 from rps_exudyn.solvers.drive import Drive, Steady, Swing
@@ -46,6 +54,8 @@ CURVE_FINER, CURVE_PER_CYCLE = 2, 1600  # of a curve's steps, and of those of a 
 STATIONS = {"mesh": "flank", "strip_stations": 12, "strip_points": 6}
 PER_FASTEST = 2.0  # Runge-Kutta's step over the time constant of the fastest mode; stable to 2.8
 MOST_EXPLICIT = 3000  # steps; motion that needs more is slow ...
+HALVED = (1, 2)  # times that the steps of finer runs are halved, ...
+LARGEST_STEP, LARGEST_TOLERANCE = np.deg2rad(2.0), 1e-5  # ... whose steps and tolerance are at most these
 MOST_REFINED = 12000  # ... and parts of them
 INSTANTS, GROWN = 24, 0.5  # at which slow motion is linearised; powers of e by which a vibration may grow
 
@@ -80,11 +90,53 @@ def expected(plan: ScenePlan) -> Expected:
         return Expected(cause=str(error))
 
 
+# --- every metric ------------------------------------------------------------------------------------
+def finer_metrics(plan: ScenePlan) -> dict[str, tuple[float, float]]:
+    """Return each metric of the scene by finer quadrature and steps, and how much half these steps change it.
+
+    They are those of dynamics where these end well, for equilibria leave out what inertia does; else those of
+    equilibria.
+
+    Raises:
+        NotFoundError: neither ends well in both lengths of its steps.
+    """
+    causes = []
+    for fidelity in _finer_models(plan):
+        coarse, fine = (
+            run_unchecked(plan.scene, plan.gear, fidelity, RunOptions(halvings=times)) for times in HALVED
+        )
+        if coarse.status is Status.OK and fine.status is Status.OK:
+            right, other = fine.summary, coarse.summary
+            return {
+                name: (right[name], abs(right[name] - other[name])) for name in right.keys() & other.keys()
+            }
+        causes.append(fine.message if coarse.status is Status.OK else coarse.message)
+    raise NotFoundError("; ".join(causes))
+
+
+def _finer_models(plan: ScenePlan) -> Iterator[Fidelity]:
+    scene, model = scene_named(plan.scene), plan.fidelity
+    finer = STATIONS | {
+        "step_angle": min(model.step_angle, LARGEST_STEP),
+        "tolerance": min(model.tolerance, LARGEST_TOLERANCE),
+        "torque_tolerance": 0.0,
+        "bush": "rigid" if model.bush == "rigid" else "condensed",
+    }
+    solvers = ("equilibrium",) if scene.at_rest else ("generalized-alpha", "equilibrium")
+    for solver in solvers[:1] if scene.needs_inertia else solvers:
+        yield model.replace(finer | {"solver": solver})
+
+
+def _has_state(plan: ScenePlan) -> bool:
+    """Return whether friction depends on the motion before, which explicit steps do not follow."""
+    return any(getattr(plan.gear, part).facts.has_state for part in RUBBING_PARTS)
+
+
 # --- forces ----------------------------------------------------------------------------------------
 def reference_forces(plan: ScenePlan, load: float = 0.0) -> GearForces:
     """Return the plan's force laws, integrated finely and by other means."""
-    gear, fidelity = plan.gear, plan.fidelity
-    return by_cells(gear_forces(gear, fidelity.replace(STATIONS), load))
+    forces = gear_forces(plan.gear, plan.fidelity.replace(STATIONS), load)
+    return by_cells(forces) if plan.gear.yoke.friction_law == PLAIN_LAW else forces
 
 
 # --- steady scenes ---------------------------------------------------------------------------------
@@ -109,7 +161,7 @@ def _along(plan: ScenePlan, forces: GearForces, way: Way) -> Expected:
         run_in = min(RUN_IN * 2 * np.pi / gear.pinion.teeth, room_before(gear, way)) / gear.test.speed
         motion = _motion(plan, forces, drive, instants_before(gear, pitches, -run_in))
         step = _explicit_step(motion)
-        if (steps := ceil((duration + run_in) / step)) <= MOST_EXPLICIT:
+        if (steps := ceil((duration + run_in) / step)) <= MOST_EXPLICIT and not _has_state(plan):
             shifted = replace(motion, drive=replace(drive, start=float(drive.place(-run_in))))
 
             def moved(parts: int) -> tuple[float, float]:
@@ -252,7 +304,7 @@ def _swung(plan: ScenePlan) -> Expected:
     def rested(parts: int) -> tuple[float, float]:
         return _settled_cycles(plan, forces, drive, PER_CYCLE * parts)[1], nan
 
-    if steps <= MOST_EXPLICIT:
+    if steps <= MOST_EXPLICIT and not _has_state(plan):
         return Expected(*confirmed(moved), method="Runge-Kutta")
     return Expected(*confirmed(rested), method="equilibria")
 
@@ -287,7 +339,7 @@ def _shaken(plan: ScenePlan) -> Expected:
     motion = _motion(plan, forces, maneuver.drive, np.zeros(1), maneuver.pulse)
     step = _explicit_step(motion)
     steps = ceil(maneuver.steps * maneuver.time_step / step)
-    if steps > MOST_EXPLICIT:
+    if steps > MOST_EXPLICIT or _has_state(plan):
         raise NotFoundError(f"{steps} steps of Runge-Kutta")
 
     def moved(parts: int) -> tuple[float, float]:

@@ -22,35 +22,51 @@ from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.gears.trochoid import form_point
 from rps_exudyn.parameters.declaration import Table
 from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.friction_law import PLAIN_LAW, RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
+from rps_exudyn.scenes.at_rest import LOOSE
 from rps_exudyn.scenes.checks.before_run import LEAST_STATIONS, check_travel, largest_angle
 from rps_exudyn.scenes.maneuver import maneuvers_of_test, swing_maneuver
+from rps_exudyn.scenes.steering_torque import torque_maneuver
 from rps_exudyn.scenes.stick_slip import set_off
 from rps_exudyn.scenes.yoke_impact import shaken
+from rps_exudyn.solvers.closed_form import closed_form
 from verification.ranges import Range, range_of, scaled, within
 from verification.stability import ScenePlan
 from verification.stated_ranges import (
     FIDELITY,
     GEAR,
-    OF_OTHER_SCENES,
     SCALE,
     USUAL_SCALE,
     USUAL_SHARE,
 )
 
 SCENE_WEIGHTS = {
-    "free-pinion-torque": 0.6,
-    "rack-push": 0.12,
-    "load-test": 0.1,
-    "reversal": 0.15,
+    "free-pinion-torque": 0.25,
+    "rack-push": 0.08,
+    "load-test": 0.08,
+    "reversal": 0.14,
+    "steering-feel": 0.1,
+    "steering-torque": 0.1,
+    "stick-slip": 0.08,
     "yoke-impact": 0.03,
+    "radial-play": 0.03,
+    "rack-lift": 0.03,
+    "rattle": 0.03,
+    "yoke-setting": 0.05,
 }
+PRESET_WEIGHTS = {"quasi-static": 0.42, "flank": 0.42, "full": 0.08, "closed-form": 0.08}
+ONE_LAW = 0.6  # of the gears: all their parts have the same friction law
+BY_FORMULA = ("free-pinion-torque", "rack-push", "load-test")  # scenes that the preset closed-form has
 
 
 COARSE = np.deg2rad(10)  # steps by which a test is tried
 MOST_STEPS = 1200  # of a plan
-UNEVEN = ("reversal", "steering-feel", "stick-slip", "yoke-impact", "radial-play", "rack-lift", "rattle")
+UNEVEN = (
+    "reversal", "steering-feel", "steering-torque", "stick-slip", "yoke-impact", "radial-play", "rack-lift",
+    "rattle",
+)  # fmt: skip
 """Scenes whose steps do not follow from the angle turned."""
 PART_OF_PITCH = 0.2  # that a plan with general contact turns
 
@@ -112,17 +128,14 @@ def _drawn_gear(rng: np.random.Generator) -> SteeringGear:
     items = {item.path: item for item in SteeringGear.declared()}
     values = drawn(rng, SteeringGear, GEAR)
     scale = (USUAL_SCALE if rng.random() < USUAL_SHARE else SCALE).draw(rng, values)
-    for path in values:  # the references of plans know Coulomb's law
-        if path.endswith(".friction_law"):
-            values[path] = "coulomb"
-    for path in OF_OTHER_SCENES:
-        del values[path]
     shift, tip = values.pop("pinion.profile_shift"), values.pop("pinion.tip_diameter")
+    of_friction = values.pop("test.steer_torque")
     values["test.turns"] /= values["pinion.teeth"]
     settings = {
         path: within(items[path], scaled(items[path], value, scale)) for path, value in values.items()
     }
-    return with_teeth(SteeringGear().replace(settings), shift, tip)
+    gear = with_teeth(SteeringGear().replace(settings), shift, tip)
+    return gear.replace({"test.steer_torque": of_friction * abs(closed_form(gear).free_torque)})
 
 
 def with_teeth(gear: SteeringGear, margin: float, fraction: float) -> SteeringGear:
@@ -150,26 +163,43 @@ def placed(gear: SteeringGear) -> SteeringGear:
 def random_plan(rng: np.random.Generator) -> ScenePlan:
     """Return a random gear and test in a random scene, in a random model that the scene can have."""
     scene = random_scene(rng)
-    gear = random_gear(rng, scene)
+    gear = with_laws(rng, random_gear(rng, scene))
     fixed: dict[str, Any] = {}
     if scene_named(scene).needs_inertia:
         fixed = {"solver": "generalized-alpha"}
     fidelity = random_fidelity(rng, fixed)
+    while scene_named(scene).at_rest and fidelity.rack not in LOOSE:
+        fidelity = random_fidelity(rng, fixed)
     stations = max(fidelity.strip_stations, LEAST_STATIONS[gear.mesh.law])
     fidelity = fidelity.replace({"strip_stations": stations})
     return ScenePlan(scene, gear, affordable(gear, scene, fidelity))
 
 
-def usual_plan(rng: np.random.Generator, preset: str) -> ScenePlan:
-    """Return a random gear and test as its user would run it: in a preset."""
+def usual_plan(rng: np.random.Generator) -> ScenePlan:
+    """Return a random gear and test as its user would run it: in a preset that its scene has.
+
+    Formulas are those of three scenes; general contact, which costs much, turns a part of a pitch, and has
+    Coulomb's friction.
+    """
+    preset = str(rng.choice(list(PRESET_WEIGHTS), p=list(PRESET_WEIGHTS.values())))
+    if preset == "full":
+        gear = random_gear(rng, "free-pinion-torque")
+        part = {"test.path": "one-way", "test.turns": PART_OF_PITCH / gear.pinion.teeth}
+        plain = {f"{name}.friction_law": PLAIN_LAW for name in RUBBING_PARTS}
+        return ScenePlan("free-pinion-torque", gear.replace(part | plain), Fidelity.preset(preset))
     scene = random_scene(rng)
+    while preset == "closed-form" and scene not in BY_FORMULA:
+        scene = random_scene(rng)
     fidelity = Fidelity.preset("flank" if scene_named(scene).needs_inertia else preset)
-    if fidelity.mesh != "general-contact":
-        gear = random_gear(rng, scene)
-        return ScenePlan(scene, gear, affordable(gear, scene, fidelity))
-    gear = random_gear(rng, "free-pinion-torque")
-    part = {"test.path": "one-way", "test.turns": PART_OF_PITCH / gear.pinion.teeth}
-    return ScenePlan("free-pinion-torque", gear.replace(part), fidelity)
+    gear = with_laws(rng, random_gear(rng, scene))
+    return ScenePlan(scene, gear, affordable(gear, scene, fidelity))
+
+
+def with_laws(rng: np.random.Generator, gear: SteeringGear) -> SteeringGear:
+    """Return the gear, in most draws with the teeth's friction law for all its parts."""
+    if rng.random() > ONE_LAW:
+        return gear
+    return gear.replace({f"{part}.friction_law": gear.mesh.friction_law for part in RUBBING_PARTS})
 
 
 def affordable(gear: SteeringGear, scene: str, fidelity: Fidelity) -> Fidelity:
@@ -209,12 +239,17 @@ def _shaking(gear: SteeringGear) -> None:
     shaken(gear)
 
 
+def _giving_torque(gear: SteeringGear) -> None:
+    torque_maneuver(gear)
+
+
 REACHES: dict[str, Callable[[SteeringGear], None]] = {
     "free-pinion-torque": _turning,
     "rack-push": _turning,
     "load-test": _loading,
     "reversal": _steering,
     "steering-feel": _steering,
+    "steering-torque": _giving_torque,
     "stick-slip": _setting_off,
     "yoke-impact": _shaking,
     "radial-play": _resting,

@@ -99,7 +99,7 @@ PARTS: dict[str, Range] = {
 
 CONDITIONS: dict[str, Range] = {
     "yoke.plunger_expansion": Choice({23e-6: 3, 115e-6: 1}),
-    "grease.base_oil": Choice({"none": 4, "PAO 32": 1, "VG 68": 0, "VG 100": 0, "VG 150": 0}),
+    "grease.base_oil": Choice({"none": 4, "PAO 32": 1, "VG 68": 0.3, "VG 100": 0.3, "VG 150": 0.3}),
     "conditions.temperature": Choice({293.15: 6, 253.15: 1, 313.15: 1}),
     "conditions.steering_cycles": Seldom(0.2, Logarithmic(1e3, 1e6)),
 }
@@ -118,22 +118,21 @@ TEST: dict[str, Range] = {
     "test.amplitude": Logarithmic(2 * DEG, 90 * DEG),
     "test.cycles": Whole(1, 2),
     "test.pulses": Whole(1, 2),
-    "test.tyre_stiffness": Even(0, 0),  # scenes without it are drawn
+    "test.tyre_stiffness": Logarithmic(2e4, 4e5),
+    "test.steer_torque": Even(1.2, 5.0),  # of the gear's friction
+    "test.steer_frequency": Logarithmic(0.02, 2.0),
     "test.road_angle": Even(-20 * DEG, 20 * DEG),
     "test.road_cycles": Whole(1, 2),
     "test.road_phases": Whole(1, 2),
     "test.pulse_force": Even(-2500, 2500),
 }
 
-OF_OTHER_SCENES = ("test.steer_torque", "test.steer_frequency", "test.steer_shape")
-"""Parameters of scenes of which no plan is drawn: a gear keeps their defaults, and plans their texts."""
-
 GEAR: Mapping[str, Range] = {**TEETH, **ERRORS, **PARTS, **CONDITIONS, **COLUMN, **TEST}
 
 FIDELITY: Mapping[str, Range] = {
     "mesh": Choice({"flank": 1, "general-contact": 0}),  # which is drawn apart, for it costs more
     "bush": Choice({"condensed": 7, "rigid": 1, "chain": 1}),
-    "rack": Choice({"by-scene": 9, "guided": 1, "flexible": 2}),
+    "rack": Choice({"by-scene": 8, "free": 1, "guided": 1, "flexible": 2}),
     # formulas have no error of method: what they leave out is said where they stand
     "solver": Choice({"equilibrium": 1, "generalized-alpha": 1, "closed-form": 0}),
     "step_angle": Logarithmic(0.1 * DEG, 15 * DEG),

@@ -1,10 +1,11 @@
-"""Random plans over every declared parameter, each compared with figures known before it is run.
+"""Random plans over every declared parameter, scene and choice, compared with references made without them.
 
-Of `PLANS` plans model and steps are random too; `GEARS` random gears are run in presets, as a user would.
-Each has its own seed and a hard time limit. The right figures come from `verification.plan_reference`; a plan
-that a check before the run refuses is run all the same, to see whether the refusal was a false alarm. Those
-that need the same kernels are run one after the other, the most frequent ones first, for kernels compile for
-a minute; among them plans and gears alternate. A run that is stopped goes on where it was.
+Of four plans one is a random gear in a preset, as a user would run it; the others have random models and
+steps too. Each has its own seed and hard time limits. The scene's figure is judged by `plan_reference` and
+`behind_column` of verification, every other metric by finer runs, where half their steps confirm it. A plan
+that a check before the run refuses is run all the same, to see whether the refusal was a false alarm. In each
+hundred, those that need the same kernels are run one after the other, for kernels compile for a minute. A run
+that is stopped goes on where it was.
 
     text_of(plan_of(792))       the settings of a plan
 """
@@ -15,7 +16,8 @@ import multiprocessing
 import multiprocessing.connection
 import os
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from hashlib import sha256
 from math import isfinite, nan
 from pathlib import Path
@@ -27,36 +29,61 @@ import numpy as np
 from benchmarks.topic import Topic, markdown
 from rps_exudyn.base.compiling import CompileStep, listeners
 from rps_exudyn.base.errors import InputError
+from rps_exudyn.parameters.friction_law import LAWS, RUBBING_PARTS
 from rps_exudyn.results.outcome import Code, Status
-from rps_exudyn.results.result import Result
+from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.simulate.run_plan import run_unchecked
-from verification.plan_reference import Expected, expected
+from rps_exudyn.solvers.operating_gear import operating_gear
+from verification.behind_column import settled_figures
+from verification.plan_reference import expected, finer_metrics
+from verification.refined_steps import NotFoundError
 from verification.sampler import random_plan, usual_plan
 from verification.stability import ScenePlan
 
-SEED = 20261122
-PLANS, GEARS = 1000, 300
-PRESETS = ("quasi-static", "flank") * 8 + ("full",)
-TIME_LIMIT = 30.0  # [s] of CPU time of one plan with its reference
+SEED = 20261124
+PLANS = 1000
+EVERY_PRESET = 4  # of so many plans one has a preset
+TIME_LIMIT = 30.0  # [s] of CPU time of one plan, and of all its references
 COMPILING = 300.0  # [s] more where kernels are compiled; such a plan is done again
-WRONG = 0.02  # error of the figure that must not be called ok
-WRONG_RIPPLE = 0.05  # error of the peak-to-peak over the mean, likewise
+WRONG = 0.02  # error of the scene's figure that must not be called ok ...
+WRONG_METRIC = 0.05  # ... and of every other metric
+SURE = 0.3  # of these, the doubt above which a reference judges nothing
+OF_LARGEST = 0.01  # of the largest metric of a unit, besides its own size, by which an error is counted
+LEAST_SIZES = {"m": 1e-7, "rad": 1e-6, "": 1e-3}  # the same where sizes of one unit have nothing in common
+BY_EQUATIONS = ("free-pinion-torque", "rack-push", "load-test", "reversal", "yoke-impact")
+BEHIND_COLUMN = ("steering-feel", "stick-slip")
 RIPPLES = ("torque_peak_to_peak", "push_force_peak_to_peak")
+OWN_UNITS = ("N*m", "N", "J", "W")
+NOT_JUDGED = ("energy_residual",)  # a check of the run itself
+BLOCK = 100
 DATA = "random_plans.csv"
 COLUMNS = (
-    "number", "kind", "verdict", "status", "error", "ripple_error", "reference", "refused", "message",
-    "reference_seconds", "seconds", "plan",
+    "number", "scene", "friction", "model", "verdict", "status", "error", "metric", "metric_error", "judged",
+    "reference", "refused", "message", "reference_seconds", "seconds", "plan",
 )  # fmt: skip
 
-WRONGLY_OK = ("SILENTLY WRONG", "SILENTLY WRONG RIPPLE")
+WRONGLY_OK = ("SILENTLY WRONG", "SILENTLY WRONG METRIC")
+LOST = ("no-convergence", "diverged", "timeout", "crashed")
+FALSE_ALARMS = ("invalid, was right", "refused, was right")
 
 
 def plan_of(number: int) -> ScenePlan:
-    """The random plan of that number; from `PLANS` on a random gear in a preset."""
+    """The random plan of that number."""
     rng = np.random.default_rng([SEED, number])
-    return random_plan(rng) if number < PLANS else usual_plan(rng, PRESETS[number % len(PRESETS)])
+    return usual_plan(rng) if number % EVERY_PRESET == 0 else random_plan(rng)
+
+
+def friction_of(plan: ScenePlan) -> str:
+    """The law of a plan's parts that goes farthest beyond Coulomb's."""
+    return max((getattr(plan.gear, part).friction_law for part in RUBBING_PARTS), key=list(LAWS).index)
+
+
+def model_of(plan: ScenePlan) -> str:
+    """The preset, or how a plan's motion is found."""
+    usual = not plan.fidelity.changes() or plan.fidelity.based_on != "flank"
+    return plan.fidelity.based_on if usual else plan.fidelity.solver
 
 
 def text_of(plan: ScenePlan) -> str:
@@ -71,11 +98,18 @@ def mark_of(plan: ScenePlan) -> str:
 
 
 # --- one plan, in the child -------------------------------------------------------------------------
-def outcome_of(number: int) -> dict[str, Any]:
-    """Outcome of a plan, and its errors; one that failed and says so needs no reference."""
+def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda found: None) -> dict[str, Any]:
+    """Outcome of a plan, and its errors; one that failed and says so needs no reference.
+
+    `done` gets the outcome before the references are made.
+    """
     plan = plan_of(number)
     start = process_time()
-    refusal = "; ".join(refused(plan.gear, plan.fidelity, steady=scene_named(plan.scene).steady))
+    try:
+        tested = replace(plan, gear=operating.gear) if (operating := operating_gear(plan.gear)) else plan
+    except InputError as error:
+        return {"status": "input-error", "message": str(error)}
+    refusal = "; ".join(refused(tested.gear, plan.fidelity, steady=scene_named(plan.scene).steady))
     try:
         result = run_unchecked(plan.scene, plan.gear, plan.fidelity)
     except InputError as error:
@@ -87,22 +121,74 @@ def outcome_of(number: int) -> dict[str, Any]:
     found: dict[str, Any] = {"refused": refusal, "status": result.status.value}
     found |= {"message": result.message, "codes": result.codes}
     found["seconds"] = process_time() - start
-    if result.status not in (Status.OK, Status.INVALID):
+    if result.status not in (Status.OK, Status.INVALID) or plan.fidelity.solver == "closed-form":
         return found
+    done(found)
     start = process_time()
-    right = expected(plan)
-    found |= {"reference": right.cause or right.method, "reference_seconds": process_time() - start}
-    return found | errors(plan, result, right)
+    right, found["reference"] = references(tested)
+    found["reference_seconds"] = process_time() - start
+    return found | errors(plan, result.summary, right)
 
 
-def errors(plan: ScenePlan, result: Result, right: Expected) -> dict[str, float]:
-    """Error of the scene's figure, and of the ripple over the mean where the summary has one; else nan."""
-    figure = plan.figure(result)
-    ripple = next((result.summary[name] for name in RIPPLES if name in result.summary), nan)
+def references(plan: ScenePlan) -> tuple[dict[str, tuple[float, float]], str]:
+    """Return the right value and its doubt of each metric that references know, and what they are."""
+    figure, right, said = scene_named(plan.scene).figure, {}, []
+    try:
+        right = finer_metrics(plan)
+        said.append("finer runs")
+    except NotFoundError as error:
+        said.append(str(error))
+    if plan.scene in BY_EQUATIONS:
+        expectation = expected(plan)
+        said.append(expectation.cause or expectation.method)
+        if isfinite(expectation.figure):
+            right[figure] = expectation.figure, 0.0
+            ripple = next((name for name in RIPPLES if name in right), "")
+            if ripple and isfinite(expectation.ripple):
+                right[ripple] = expectation.ripple, 0.0
+    if plan.scene in BEHIND_COLUMN:
+        try:
+            behind, finer = settled_figures(plan, TIME_LIMIT)
+        except (NotFoundError, TimeoutError, np.linalg.LinAlgError) as error:
+            said.append(str(error))
+        else:
+            said.append(f"implicit Runge-Kutta, {finer}")
+            right[figure] = behind.figure, 0.0
+            if plan.scene == "stick-slip":
+                right["breakaway_torque"] = behind.peak, 0.0
+    return right, "; ".join(said)
+
+
+def errors(
+    plan: ScenePlan, summary: Mapping[str, float], right: Mapping[str, tuple[float, float]]
+) -> dict[str, Any]:
+    """Error of the scene's figure, and that of the metric that is most wrong, its name, and how many are
+    judged."""
+    figure = scene_named(plan.scene).figure
+    found: dict[str, float] = {}
+    for name in summary.keys() & right.keys():
+        value, doubt = right[name]
+        size, allowed = size_of(name, right), WRONG if name == figure else WRONG_METRIC
+        if name not in NOT_JUDGED and size > 0 and doubt <= SURE * allowed * size:
+            found[name] = (summary[name] - value) / size
+    others = {name: each for name, each in found.items() if name != figure}
+    worst = max(others, key=lambda name: abs(others[name]), default="")
     return {
-        "error": figure / right.figure - 1 if right.figure else nan,
-        "ripple_error": (ripple - right.ripple) / abs(right.figure) if right.figure else nan,
+        "error": found.get(figure, nan),
+        "metric": worst,
+        "metric_error": others.get(worst, nan),
+        "judged": len(found),
     }
+
+
+def size_of(name: str, right: Mapping[str, tuple[float, float]]) -> float:
+    """Return what the error of a metric is counted by, in its unit: its size and a hundredth of the largest
+    of its kind, for what is small besides may be wrong by more."""
+    unit = SUMMARY[name].unit if name in SUMMARY else ""
+    if unit not in OWN_UNITS:
+        return abs(right[name][0]) + LEAST_SIZES.get(unit, 0.0)
+    alike = [abs(right[other][0]) for other in right if other in SUMMARY and SUMMARY[other].unit == unit]
+    return abs(right[name][0]) + OF_LARGEST * max(alike)
 
 
 def child(pipe: multiprocessing.connection.Connection) -> None:
@@ -121,17 +207,25 @@ def child(pipe: multiprocessing.connection.Connection) -> None:
             number = pipe.recv()
         except EOFError:  # the parent has ended
             return
-        outcome = _guarded(number)
+        outcome = _guarded(number, lambda found: pipe.send(("ran", found)))
         if compiled:
             pipe.send("again")
-            outcome = _guarded(number)
+            outcome = _guarded(number, lambda found: pipe.send(("ran", found)))
         pipe.send(outcome)
 
 
-def _guarded(number: int) -> dict[str, Any]:
+def _guarded(number: int, done: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
+    ran: dict[str, Any] = {}
+
+    def kept(found: dict[str, Any]) -> None:
+        ran.update(found)
+        done(found)
+
     try:
-        return outcome_of(number)
+        return outcome_of(number, kept)
     except Exception as error:
+        if ran:
+            return ran | {"reference": f"{type(error).__name__}: {error}"}
         return {"status": "crashed", "message": f"{type(error).__name__}: {error}"}
 
 
@@ -160,21 +254,23 @@ class Child:
     def do(self, number: int, limit: float) -> dict[str, Any]:
         """Outcome of a plan, or that it took longer than the limit [s] or ended its process."""
         self.pipe.send(number)
-        end = self._used() + limit
+        end, ran = self._used() + limit, {}
         try:
             while self._used() < end:
                 if not self.pipe.poll(1.0):
                     continue
-                if isinstance(told := self.pipe.recv(), dict):
-                    return told
-                end = self._used() + limit + (COMPILING if told == "compiling" else 0.0)
+                if isinstance(received := self.pipe.recv(), dict):
+                    return received
+                if isinstance(received, tuple):
+                    ran = received[1]
+                end = self._used() + limit + (COMPILING if received == "compiling" else 0.0)
             status, message = "timeout", f"more than {limit:g} s of CPU time"
         except EOFError:
             status, message = "crashed", "its process ended"
         self.process.kill()
         self.process.join()
         self._start()
-        return {"status": status, "message": message}
+        return ran | {"reference": message} if ran else {"status": status, "message": message}
 
 
 def verdict(row: dict[str, Any]) -> str:
@@ -183,46 +279,44 @@ def verdict(row: dict[str, Any]) -> str:
         return "wrong input"
     if Code.BEYOND_LAW in row.get("codes", ()):  # of which the reference, by the same law, says nothing
         return "beyond the contact's law"
-    error, ripple = row.get("error", nan), row.get("ripple_error", nan)
-    mean_right, ripple_right = abs(error) <= WRONG, not abs(ripple) > WRONG_RIPPLE
-    right, sound = mean_right and ripple_right, row["status"] == Status.OK
+    if row.get("model") == "closed-form":  # formulas, whose errors stand where they are described
+        return "by formula" if row["status"] == Status.OK else row["status"]
+    error, other = row.get("error", nan), row.get("metric_error", nan)
+    judged = isfinite(error) or isfinite(other)
+    right, sound = not abs(error) > WRONG and not abs(other) > WRONG_METRIC, row["status"] == Status.OK
+    known = judged and right
     if row.get("refused"):
-        return "refused, was right" if sound and right else "refused"
+        return "refused, was right" if sound and known else "refused"
     if not sound:
-        return f"{row['status']}, was right" if row["status"] == Status.INVALID and right else row["status"]
-    if not isfinite(error):
+        return "invalid, was right" if row["status"] == Status.INVALID and known else row["status"]
+    if not judged:
         return "ok, no reference"
     if right:
         return "right"
-    return WRONGLY_OK[0] if not mean_right else WRONGLY_OK[1]
+    return WRONGLY_OK[0] if abs(error) > WRONG else WRONGLY_OK[1]
 
 
-def run(folder: Path, plans: int = PLANS, gears: int = GEARS) -> None:
-    """Run the first of both kinds, one after the other in a process of their own.
+def run(folder: Path, plans: int = PLANS) -> None:
+    """Run the first plans, one after the other in a process of their own.
 
     What stands in the data file already is left as it is: delete the file to begin anew.
     """
     rows: dict[int, dict[str, Any]] = {int(row["number"]): row for row in read(folder / DATA)}
     worker = Child()
-    drawn = {number: plan_of(number) for number in order(plans, gears)}
-    for number in by_kernels(drawn):
-        mark = mark_of(drawn[number])
-        if rows.get(number, {}).get("plan") == mark:
-            continue
-        row: dict[str, Any] = {"number": number, "kind": "plan" if number < PLANS else "gear", "plan": mark}
-        row |= worker.do(number, TIME_LIMIT)
-        row["verdict"] = verdict(row)
-        if row["verdict"] in WRONGLY_OK:
-            print({name: row.get(name) for name in COLUMNS}, flush=True)
-        rows[number] = row  # anew where it was drawn from other declarations
-        write([rows[known] for known in sorted(rows)], folder / DATA)
-
-
-def order(plans: int, gears: int) -> list[int]:
-    """Numbers of plans and gears, spread evenly among each other."""
-    parts = [((k + 0.5) / plans, k) for k in range(plans)]
-    parts += [((k + 0.5) / gears, PLANS + k) for k in range(gears)]
-    return [number for _, number in sorted(parts)]
+    for first in range(0, plans, BLOCK):
+        drawn = {number: plan_of(number) for number in range(first, min(first + BLOCK, plans))}
+        for number in by_kernels(drawn):
+            plan, mark = drawn[number], mark_of(drawn[number])
+            if rows.get(number, {}).get("plan") == mark:
+                continue
+            row: dict[str, Any] = {"number": number, "scene": plan.scene, "friction": friction_of(plan)}
+            row |= {"model": model_of(plan), "plan": mark}
+            row |= worker.do(number, TIME_LIMIT)
+            row["verdict"] = verdict(row)
+            if row["verdict"] in WRONGLY_OK:
+                print({name: row.get(name) for name in COLUMNS}, flush=True)
+            rows[number] = row  # anew where it was drawn from other declarations
+            write([rows[known] for known in sorted(rows)], folder / DATA)
 
 
 def by_kernels(drawn: Mapping[int, ScenePlan]) -> list[int]:
@@ -259,23 +353,40 @@ def write(rows: list[dict[str, Any]], path: Path) -> None:
 
 
 def verdicts_table(folder: Path) -> str:
-    """Verdicts of all plans and gears."""
-    rows = read(folder / DATA)
-    kinds = ("plan", "gear")
-    counts = {kind: Counter(row["verdict"] for row in rows if row["kind"] == kind) for kind in kinds}
+    """Verdicts of all plans."""
+    rows, kinds = read(folder / DATA), ("random model", "preset")
+    of_kind = {kind: [row for row in rows if kind_of(row) == kind] for kind in kinds}
+    counts = {kind: Counter(row["verdict"] for row in of_kind[kind]) for kind in kinds}
     names = [name for name, _ in sum(counts.values(), Counter()).most_common() if name not in WRONGLY_OK]
     lines = [("all", *(counts[kind].total() for kind in kinds))]
     lines += [(name, *(counts[kind][name] for kind in kinds)) for name in names]
     for name in WRONGLY_OK:
         lines.append((f"**{name.lower()}**", *(f"**{counts[kind][name]}**" for kind in kinds)))
-    return markdown(("verdict", "random plans", "random gears"), lines)
+    return markdown(("verdict", *kinds), lines)
+
+
+def kind_of(row: Mapping[str, str]) -> str:
+    """Return whether the model of a row's plan is a preset."""
+    return "random model" if int(row["number"]) % EVERY_PRESET else "preset"
+
+
+def losses_table(folder: Path) -> str:
+    """Plans lost and false alarms of those run, by scene, friction law and how their motion is found."""
+    rows = read(folder / DATA)
+    lines: list[tuple[str, ...]] = []
+    for column in ("scene", "friction", "model"):
+        for value, count in sorted(Counter(row[column] for row in rows).items()):
+            verdicts = [row["verdict"] for row in rows if row[column] == value]
+            shares = (sum(each in kind for each in verdicts) / count for kind in (LOST, FALSE_ALARMS))
+            lines.append((value, str(count), *(f"{share:.0%}" for share in shares)))
+    return markdown(("scene, friction, model", "plans", "lost", "false alarms"), lines)
 
 
 TOPIC = Topic(
-    "1000 random plans and 300 gears compared with references: right, refused, failed, silently wrong",
-    "20 min",
+    f"{PLANS} random plans compared with references: right, refused, failed, silently wrong",
+    "5 h",
     "stability",
     run,
-    {"plans": 2, "gears": 2},
-    {"random_plans": verdicts_table},
+    {"plans": 2},
+    {"random_plans": verdicts_table, "lost_plans": losses_table},
 )

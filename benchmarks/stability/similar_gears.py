@@ -10,7 +10,7 @@ from collections import Counter
 from math import isnan, nan
 from pathlib import Path
 
-from benchmarks.stability.random_plans import WRONG, WRONG_RIPPLE, read
+from benchmarks.stability.random_plans import WRONG, WRONG_METRIC, read
 from benchmarks.topic import Topic, markdown
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -78,7 +78,7 @@ def _worst(first: Result, second: Result, units: dict[str, float], scene: str) -
         return "", nan
     shares = {}
     for name, share in differences(first, second, **units).items():
-        allowed = WRONG if name == scene_named(scene).figure else WRONG_RIPPLE
+        allowed = WRONG if name == scene_named(scene).figure else WRONG_METRIC
         stem = name.removesuffix("_per_cycle")
         if uncertainty := first.summary.get(f"{stem}_uncertainty", 0.0):
             allowed = max(allowed, UNCERTAIN * uncertainty / abs(first.summary[name]))

@@ -24,7 +24,7 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.simulate.run_plan import run_unchecked
-from verification.behind_column import Behind, Wheel, WheelFigures, figures
+from verification.behind_column import Behind, Wheel, WheelFigures, settled_figures, size_of
 from verification.refined_steps import NotFoundError
 from verification.sampler import REACHES, drawn, random_gear
 from verification.stability import ScenePlan, cpu_time_limit
@@ -35,8 +35,6 @@ PLANS = 200
 SCENES = ("steering-feel", "stick-slip")
 ZONES = 1e-3, 1e-2
 TIME_LIMIT = 10.0  # [s] of CPU time of a plan, and of each of its references
-FINER = (1, 2, 4)  # times that a reference's steps are shorter
-CLOSE = 0.01  # of the reference: what differs by less is the same
 DATA = "wheel_plans.csv"
 
 
@@ -87,37 +85,12 @@ def outcome_of(plan: ScenePlan) -> dict[str, Any]:
         return found
     start = process_time()
     try:
-        right, finer = settled_figures(plan)
+        right, finer = settled_figures(plan, TIME_LIMIT)
     except (NotFoundError, TimeoutError, np.linalg.LinAlgError) as error:
         found |= {"reference": str(error)}
     else:
         found |= {"reference": f"implicit Runge-Kutta, {finer}", **errors(plan, result, right)}
     return found | {"reference_seconds": process_time() - start}
-
-
-def settled_figures(plan: ScenePlan) -> tuple[WheelFigures, int]:
-    """Return the first reference with which that in shorter steps agrees, and how much shorter its steps are
-    than the longest; what the package gives is not looked at.
-
-    Raises:
-        NotFoundError: there is none, or they go on changing.
-        TimeoutError: one takes too long.
-    """
-    with cpu_time_limit(TIME_LIMIT):
-        before = figures(plan, FINER[0])
-    for finer in FINER[1:]:
-        with cpu_time_limit(TIME_LIMIT):
-            here = figures(plan, finer)
-        moved = abs(here.figure - before.figure) / size_of(plan, here), abs(here.peak / before.peak - 1)
-        if max(moved) <= CLOSE:
-            return here, finer
-        before = here
-    raise NotFoundError("two lengths of its steps differ")
-
-
-def size_of(plan: ScenePlan, right: WheelFigures) -> float:
-    """What an error is counted by: the work of a cycle itself, or the peak of stick-slip's torque."""
-    return abs(right.figure) if plan.scene == "steering-feel" else right.peak
 
 
 def errors(plan: ScenePlan, result: Result, right: WheelFigures) -> dict[str, float]:

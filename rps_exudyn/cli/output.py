@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any
 
 from rps_exudyn.base.errors import InputError, unwrapped_interrupts
 from rps_exudyn.base.files import number_existing
+from rps_exudyn.base.screen import silent
 
 if TYPE_CHECKING:
     from rps_exudyn.results.result import Result
-from rps_exudyn.base.screen import silent
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 """Exit statuses."""

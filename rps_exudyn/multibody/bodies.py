@@ -10,6 +10,7 @@ from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.forces.friction import TIME
 from rps_exudyn.gears import masses, solids
 from rps_exudyn.gears.gear_pair import GearPair
+from rps_exudyn.multibody.solve import Secant
 from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import SIZE
@@ -186,10 +187,13 @@ def add_forces(
     """
     from exudyn.itemInterface import ObjectGenericODE2, VObjectGenericODE2
 
+    secant = Secant()
+
     def force(mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]) -> np.ndarray:
         if memory is not None:
             memory[1, TIME] = t
-        return force_of(np.asarray(q), np.asarray(v))
+        rates = np.array(v)  # Exudyn uses its arrays again
+        return secant.noted(t, rates, np.array(force_of(np.asarray(q), rates)))
 
     def force_with_applied(
         mbs: Any, t: float, item: int, q: Sequence[float], v: Sequence[float]
@@ -202,7 +206,10 @@ def add_forces(
     ) -> np.ndarray:
         if memory is not None:
             memory[1, TIME] = t
-        return -tangent_of(np.asarray(q), np.asarray(v), fq, fv)  # of the left-hand side
+        tangent = secant.corrected(tangent_of(np.asarray(q), np.asarray(v), fq, fv), t, fv)
+        # an iteration may leave the law's range: Exudyn repeats such a step in a shorter one, but ends with
+        # an error if the Jacobian before cannot be factorized
+        return -tangent if np.isfinite(tangent.sum()) else np.zeros_like(tangent)  # of the left-hand side
 
     return mbs.AddObject(
         ObjectGenericODE2(

@@ -18,7 +18,7 @@ from rps_exudyn.solvers.record import Record
 from rps_exudyn.solvers.steering_column import WheelTorque
 
 NOTHING = np.zeros(0)
-MOST_STEPS, SPARE = 50, 500  # of the planned ones
+MOST_STEPS, SPARE = 200, 500  # of the planned ones
 SAME_TIME = 1e-12  # of the time, by which Exudyn's last step may end beyond one that was reduced
 
 

@@ -80,7 +80,7 @@ def run_maneuver(
         InputError: the fidelity's solver cannot make one, or no memory holds its record.
     """
     runs: list[SceneRun] = []
-    for number, maneuver in enumerate(maneuvers):
+    for number, maneuver in enumerate(each.halved(options.halvings) for each in maneuvers):
         begin_part(number, len(maneuvers))
         if fidelity.solver != "closed-form":
             spheres = fidelity.profile_samples * fidelity.axial_samples * 2 * gear.pinion.teeth

@@ -22,10 +22,12 @@ class RunOptions:
     Attributes:
         check: gives a finished run its outcome, with the arguments of `checks.after_run.validated`.
         least_steps: steps that a maneuver gets, however large the fidelity's step.
+        halvings: how often the steps of every maneuver are halved, whatever chose them.
     """
 
     check: Callable[..., Outcome] = validated
     least_steps: StepLimits = field(default_factory=StepLimits)
+    halvings: int = 0
 
 
 DEFAULT_OPTIONS = RunOptions()

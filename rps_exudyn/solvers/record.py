@@ -232,15 +232,19 @@ def _over_steps(record: Record) -> dict[str, np.ndarray]:
     within a step and slip is a mean over it: of drive, teeth and bristles."""
     works = {f"{SO_FAR}work_drive": _along(record.drive[:, None], driven_place(record)[:, None])}
     for part in record.forces.parts:
-        out, columns = record.outputs(part), stacked(part.bodies)
-        if part.name == "mesh" and record.bar is None:
-            works[MESH_TAKEN] = -_along(out[:, : part.size], record.coordinates[:, columns])
-        elif part.name == "mesh":
+        out, rubs = record.outputs(part), f"work_{part.name}_friction"
+        if rubs not in WORK:
+            continue
+        places = record.coordinates[:, stacked(part.bodies)]
+        if record.bar is not None:
             places = integral_from_start(record.seen_by(part)[1].T, record.time).T
-            works[MESH_TAKEN] = -_along(out[:, : part.size], places)
+        taken = -_along(out[:, : part.size], places)
+        if part.name == "mesh":
+            works[MESH_TAKEN] = taken
         if part.name in record.forces.with_bristles:
-            lost = part.size + ENERGY_TERMS + part.outputs.index(FRICTION_STATE[0])
-            works[f"{SO_FAR}work_{part.name}_friction"] = out[:, lost]
+            works[SO_FAR + rubs] = out[:, part.size + ENERGY_TERMS + part.outputs.index(FRICTION_STATE[0])]
+        elif part.name != "mesh":  # what its forces take is rubbed off or stored
+            works[SO_FAR + rubs] = taken - out[:, part.size + ELASTIC_ENERGY]
     return works
 
 

@@ -182,7 +182,8 @@ def press_stations(n, matrix, delta, length, top, k, guess, force):  # type: ign
             if m == 0:
                 return True
             _gather(m, chosen, matrix, block)
-        _residual(m, chosen, block, delta, length, top, k, force, LIGHT * largest, step, slopes)
+        light = LIGHT * largest / 2.0 ** max(0, turn - ALL_AT_ONCE)  # a slope too small leads to and fro
+        _residual(m, chosen, block, delta, length, top, k, force, light, step, slopes)
         if not serves:
             before = np.inf
             full = _tangent(m, chosen, block, length, slopes, system)

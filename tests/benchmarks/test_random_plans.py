@@ -6,14 +6,24 @@ from pathlib import Path
 import pytest
 
 from benchmarks.stability import random_plans
-from benchmarks.stability.random_plans import DATA, mark_of, plan_of, read, verdict, write
+from benchmarks.stability.random_plans import (
+    DATA,
+    WRONG_METRIC,
+    errors,
+    mark_of,
+    plan_of,
+    read,
+    verdict,
+    write,
+)
 
-RIGHT = {"status": "ok", "message": "", "error": 0.001, "ripple_error": 0.01, "refused": ""}
+RIGHT = {"status": "ok", "message": "", "error": 0.001, "metric_error": 0.01, "refused": ""}
 VERDICTS = {
     "right": {},
     "SILENTLY WRONG": {"error": 0.03},
-    "SILENTLY WRONG RIPPLE": {"ripple_error": -0.06},
-    "ok, no reference": {"error": nan},
+    "SILENTLY WRONG METRIC": {"metric_error": -0.06},
+    "ok, no reference": {"error": nan, "metric_error": nan},
+    "by formula": {"model": "closed-form", "error": 0.1},
     "refused, was right": {"refused": "too coarse"},
     "refused": {"refused": "too coarse", "error": 0.1},
     "invalid, was right": {"status": "invalid"},
@@ -32,8 +42,21 @@ def test_verdict(name: str) -> None:
     assert verdict(RIGHT | VERDICTS[name]) == name
 
 
-def test_a_ripple_that_is_left_out_is_not_wrong() -> None:
-    assert verdict(RIGHT | {"ripple_error": nan}) == "right"
+def test_metrics_that_nothing_judges_are_not_wrong() -> None:
+    assert verdict(RIGHT | {"metric_error": nan}) == "right"
+    assert verdict(RIGHT | {"error": nan}) == "right"
+
+
+def test_a_small_metric_is_judged_by_itself_and_a_hundredth_of_the_largest() -> None:
+    """A ripple of 21 for 9 mN m beside a mean of 600 is wrong, one of 9.5 is not; what its reference itself
+    doubts is not judged."""
+    plan = next(plan for n in range(99) if (plan := plan_of(n)).scene == "free-pinion-torque")
+    right = {"torque_mean": (0.6, 0.0), "torque_peak_to_peak": (0.009, 0.0), "rack_lift_range": (3e-6, 1e-7)}
+    summary = {"torque_mean": 0.6, "torque_peak_to_peak": 0.021, "rack_lift_range": 9e-6, "rack_gain": 0.04}
+    found = errors(plan, summary, right)
+    assert (found["metric"], found["judged"]) == ("torque_peak_to_peak", 2)
+    assert found["metric_error"] == pytest.approx(0.012 / 0.015)
+    assert abs(errors(plan, summary | {"torque_peak_to_peak": 0.0095}, right)["metric_error"]) < WRONG_METRIC
 
 
 def test_plans_that_were_run_are_kept_and_those_of_other_declarations_run_again(
@@ -44,7 +67,7 @@ def test_plans_that_were_run_are_kept_and_those_of_other_declarations_run_again(
             return {**RIGHT, "message": "anew"}
 
     monkeypatch.setattr(random_plans, "Child", Worker)
-    kept = {"number": 0, "kind": "plan", "verdict": "right", "plan": mark_of(plan_of(0)), "message": "kept"}
+    kept = {"number": 0, "verdict": "right", "plan": mark_of(plan_of(0)), "message": "kept"}
     write([kept, {**kept, "number": 1, "plan": "another"}], tmp_path / DATA)
-    random_plans.run(tmp_path, plans=2, gears=0)
+    random_plans.run(tmp_path, plans=2)
     assert [row["message"] for row in read(tmp_path / DATA)] == ["kept", "anew"]

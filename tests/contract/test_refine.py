@@ -1,8 +1,13 @@
 """`refine`: estimate, confirm, halve. Runs are numbers here, wrong by a quarter of the error before."""
 
+import numpy as np
 import pytest
 
+from rps_exudyn.results.outcome import Code, Outcome, Status
+from rps_exudyn.results.quantities import SUMMARY
+from rps_exudyn.scenes.confirmation import confirmed, every_second
 from rps_exudyn.scenes.refine import refine
+from rps_exudyn.scenes.scene_run import SceneRun
 
 pytestmark = pytest.mark.quick
 
@@ -46,3 +51,57 @@ def test_a_finer_run_that_fails_ends_it_beside_the_last_that_did_not() -> None:
 def test_a_run_that_cannot_be_used_is_not_refined() -> None:
     refined = refine(1.0, halved, 5, usable=lambda error: False)
     assert (refined.runs, refined.failed) == ((1.0,), None)
+
+
+# --- metrics that stand ----------------------------------------------------------------------------
+def recorded(steps: int = 1, status: Status = Status.OK) -> SceneRun:
+    """A run whose record has twice the instants each time that its steps are halved."""
+    time = np.linspace(0.0, 1.0, 40 * steps + 1)
+    return SceneRun(Outcome(status), {"time": time, "pinion_torque": 1 + 0.1 * np.sin(6 * time)})
+
+
+def test_every_second_instant_keeps_the_ends_of_each_maneuver() -> None:
+    """Two maneuvers of 5 and 4 instants, joined without a pause."""
+    time = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 5.0, 6.0, 7.0])
+    kept = every_second({"time": time, "place": np.stack([time, -time])})
+    assert kept["time"] == pytest.approx([0.0, 2.0, 4.0, 4.0, 6.0, 7.0])
+    assert kept["place"][1] == pytest.approx(-kept["time"])
+
+
+@pytest.mark.parametrize(
+    ("by", "left_out", "status"),
+    [(0.01, False, Status.OK), (0.2, True, Status.OK), (0.2, True, Status.INVALID)],
+)
+def test_a_metric_that_half_the_steps_change_is_left_out(by: float, left_out: bool, status: Status) -> None:
+    """A peak to peak that each halving changes by 1 % stands, by 20 % not; a run of which it is the figure is
+    invalid. The mean stays."""
+
+    def metrics(signals: dict[str, np.ndarray]) -> dict[str, float]:
+        halvings = np.log2((signals["time"].size - 1) / 40)
+        return {"torque_mean": 1.0, "torque_peak_to_peak": 0.2 * (1 + by) ** max(halvings, 0.0)}
+
+    figure = "torque_peak_to_peak" if status is Status.INVALID else "torque_mean"
+    run = confirmed(recorded(), metrics, lambda n: recorded(2**n), figure, most=2, always=True)
+    assert run.outcome.status is status
+    if status is Status.OK:
+        assert ("torque_peak_to_peak" not in run.summary) == left_out
+        assert (Code.METRIC_NOT_CONFIRMED in run.outcome.codes) == left_out
+        assert run.summary["torque_mean"] == 1.0
+        assert ("halvings" in run.outcome.findings) == left_out
+
+
+def test_a_finer_run_that_fails_leaves_what_the_record_shows() -> None:
+    def metrics(signals: dict[str, np.ndarray]) -> dict[str, float]:
+        return {"torque_mean": 1.0, "torque_peak_to_peak": 0.01 * signals["time"].size}
+
+    failed = recorded(2, Status.NO_CONVERGENCE)
+    run = confirmed(recorded(), metrics, lambda n: failed, "torque_mean", most=2, always=True)
+    assert run.ok
+    assert set(run.summary) == {"torque_mean"}
+
+
+def test_every_metric_declares_its_confirmation() -> None:
+    """But for formulas, settings, checks, and those of rattle, which are given with their scatter."""
+    without = {name for name, each in SUMMARY.items() if each.confirmed is None}
+    shown = ("closed_form", "_set", "residual", "sticking_speed", "sliding_damping", "margin", "cap_force")
+    assert all(name.endswith(shown) or name.startswith("rattle_") for name in without), without

@@ -1,22 +1,24 @@
 """Random gears and models come from every declared parameter, and are similar gears in every size."""
 
 from collections.abc import Mapping
+from typing import get_args
 
 import numpy as np
 import pytest
 
 from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.parameters.declaration import Length, Number, Table, parameter
-from rps_exudyn.parameters.fidelity import Fidelity
+from rps_exudyn.parameters.fidelity import PRESETS, Fidelity
+from rps_exudyn.parameters.friction_law import LAWS, RUBBING_PARTS
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.scenes import SCENE_NAMES
 from verification.ranges import Logarithmic, Range, range_of, scaled
 from verification.runs import run_scene
-from verification.sampler import drawn, random_gear, random_plan
+from verification.sampler import drawn, random_gear, random_plan, usual_plan
 from verification.stated_ranges import FIDELITY, GEAR
 
 FIXED = {
     "pinion.normal_module",  # the scale of the whole gear makes others of it
-    "test.tyre_stiffness",  # of steering-torque alone, which is not drawn
     "mesh",  # general contact is drawn apart
     "swing_steps",  # 0: published plans of impacts are in the steps of their scene
 }
@@ -66,6 +68,22 @@ def test_random_gears_can_exist_in_any_size() -> None:
     modules = [gear.pinion.normal_module for gear in gears]
     assert min(modules) < 1e-3
     assert max(modules) > 5e-3
+
+
+def test_every_scene_law_and_choice_is_drawn_in_plans() -> None:
+    """General contact and formulas are drawn as presets: the one costs much, the others have no error of
+    method."""
+    plans = [random_plan(np.random.default_rng([3, seed])) for seed in range(150)]
+    plans += [usual_plan(np.random.default_rng([4, seed])) for seed in range(60)]
+    assert {plan.scene for plan in plans} == set(SCENE_NAMES)
+    for part in RUBBING_PARTS:
+        assert {getattr(plan.gear, part).friction_law for plan in plans} == set(LAWS)
+    for table, of_plan in ((SteeringGear, "gear"), (Fidelity, "fidelity")):
+        for item in table.declared():
+            if choices := get_args(item.field.annotation):
+                drawn_ones = {getattr(plan, of_plan).value_at(item.path) for plan in plans}
+                assert drawn_ones >= set(choices), item.path
+    assert {plan.fidelity.based_on for plan in plans} == set(PRESETS)
 
 
 def test_a_plan_is_that_of_its_seed() -> None:

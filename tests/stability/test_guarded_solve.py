@@ -7,7 +7,8 @@ from exudyn.itemInterface import Force, MarkerNodePosition, NodePoint, ObjectMas
 
 import rps_exudyn as rps
 from rps_exudyn.multibody import recorder
-from rps_exudyn.multibody.solve import SolverPlan, solve
+from rps_exudyn.multibody.bodies import add_forces
+from rps_exudyn.multibody.solve import Secant, SolverPlan, solve
 from rps_exudyn.results.outcome import Status
 
 PLAN = SolverPlan(end_time=0.1, steps=100)
@@ -66,6 +67,46 @@ def test_a_python_error_in_a_force_is_told() -> None:
     outcome = solve(one_mass(broken), PLAN)
     assert outcome.status is Status.NO_CONVERGENCE
     assert outcome.message == "ZeroDivisionError at 0 s: broken force"
+
+
+def test_an_iteration_that_diverges_is_repeated_in_a_shorter_step() -> None:
+    """A law without a value at some of its evaluations, as where Newton's method leaves its range: Exudyn
+    ends with an error in the step after a Jacobian that cannot be factorized."""
+    without_value = iter([0.0] * 60 + [float("nan")] * 6)
+    mbs = exu.SystemContainer().AddSystem()
+    node = mbs.AddNode(NodePoint())
+    mbs.AddObject(ObjectMassPoint(mass=1.0, nodeNumber=node))
+
+    def slope(q: np.ndarray, v: np.ndarray, factor_q: float, factor_v: float) -> np.ndarray:
+        return (next(without_value, 0.0) - factor_q * 1e3 * np.cos(q[0])) * np.eye(3)
+
+    def force(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return np.array([next(without_value, 0.0) + 2 - 1e3 * np.sin(q[0]), 0.0, 0.0])
+
+    add_forces(mbs, [node], 3, force, slope)
+    mbs.Assemble()
+    outcome = solve(mbs, PLAN)
+    assert next(without_value, None) is None
+    assert outcome.status is Status.OK, outcome.message
+
+
+def test_corrected_tangents_find_the_rate_at_which_friction_turns_about() -> None:
+    """Newton's method on -arctan(v) goes from v = 2 to and fro over ever longer ways; with the change of
+    force over one of them it converges."""
+
+    def left(plain: int) -> float:
+        secant, rate = Secant(), np.array([2.0])
+        for tangents in range(14):
+            force = secant.noted(0.1, rate, -np.arctan(rate))
+            tangent = 0.5 * np.diag(-1 / (1 + rate**2))  # by unknowns, of which one changes the rate by 0.5
+            used = tangent if tangents < plain else secant.corrected(tangent, 0.1, 0.5)
+            rate = rate - 0.5 * np.linalg.solve(used, force)
+            if abs(rate[0]) > 1e6:
+                break
+        return float(abs(rate[0]))
+
+    assert left(plain=14) > 1e6
+    assert left(plain=0) < 1e-12
 
 
 def test_settings_are_complete() -> None:
