@@ -50,9 +50,9 @@ def gears_of_fit(tests: Sequence[BenchTest]) -> dict[str, int]:
     asked: list[bool] = []
     simulated = Prediction.simulated
 
-    def recorded(self: Prediction, gear: SteeringGear) -> np.ndarray:
+    def recorded(self: Prediction, gear: SteeringGear, *nuisances: Any) -> np.ndarray:
         asked.append(any(frame.name in SLOPES for frame in traceback.extract_stack()))
-        return simulated(self, gear)
+        return simulated(self, gear, *nuisances)
 
     random = np.random.default_rng(0)
     with patch.object(Prediction, "simulated", recorded):
