@@ -97,8 +97,8 @@ def errors(plan: ScenePlan, result: Result, right: WheelFigures) -> dict[str, fl
     """Error of the figure; of stick-slip's peak as well."""
     error = (plan.figure(result) - right.figure) / size_of(plan, right)
     if plan.scene == "steering-feel":
-        return {"error": error, "ripple_error": nan}
-    return {"error": error, "ripple_error": result.summary["breakaway_torque"] / right.peak - 1}
+        return {"error": error, "metric_error": nan}
+    return {"error": error, "metric_error": result.summary["breakaway_torque"] / right.peak - 1}
 
 
 def run(folder: Path, plans: int = PLANS, first: int = 0) -> None:
@@ -108,7 +108,7 @@ def run(folder: Path, plans: int = PLANS, first: int = 0) -> None:
         plan = plan_of(number)
         if rows.get(number, {}).get("plan") == mark_of(plan):
             continue
-        row = {"number": number, "kind": plan.scene, "plan": mark_of(plan), **outcome_of(plan)}
+        row = {"number": number, "scene": plan.scene, "plan": mark_of(plan), **outcome_of(plan)}
         row["verdict"] = verdict(row)
         if row["verdict"] in WRONGLY_OK:
             print({name: row.get(name) for name in COLUMNS}, flush=True)
@@ -119,7 +119,7 @@ def run(folder: Path, plans: int = PLANS, first: int = 0) -> None:
 def verdicts_table(folder: Path) -> str:
     """Verdicts of the plans of each scene, and their largest errors."""
     rows = read(folder / DATA)
-    counts = {scene: Counter(row["verdict"] for row in rows if row["kind"] == scene) for scene in SCENES}
+    counts = {scene: Counter(row["verdict"] for row in rows if row["scene"] == scene) for scene in SCENES}
     names = [name for name, _ in sum(counts.values(), Counter()).most_common() if name not in WRONGLY_OK]
     lines = [("all", *(counts[scene].total() for scene in SCENES))]
     lines += [(name, *(counts[scene][name] for scene in SCENES)) for name in names]
@@ -127,7 +127,7 @@ def verdicts_table(folder: Path) -> str:
         (f"**{name.lower()}**", *(f"**{counts[scene][name]}**" for scene in SCENES)) for name in WRONGLY_OK
     ]
     right = [
-        [abs(float(row["error"])) for row in rows if row["kind"] == scene and row["verdict"] == "right"]
+        [abs(float(row["error"])) for row in rows if row["scene"] == scene and row["verdict"] == "right"]
         for scene in SCENES
     ]
     lines.append(

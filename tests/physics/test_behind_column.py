@@ -95,4 +95,4 @@ def test_stick_slip_of_the_scene_is_the_references() -> None:
     assert max(abs(each) for each in found.values()) < 5e-3
     less = {f"{part}.static_ratio": 1.1 for part in PARTS}
     other = ScenePlan("stick-slip", plan.gear.replace(less), plan.fidelity)
-    assert errors(plan, result, figures(other, 1))["ripple_error"] == pytest.approx(0.09, abs=0.03)
+    assert errors(plan, result, figures(other, 1))["metric_error"] == pytest.approx(0.09, abs=0.03)
