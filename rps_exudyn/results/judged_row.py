@@ -22,10 +22,20 @@ class Verdict(StrEnum):
     DISAGREES = "disagrees"
     NOT_COMPARABLE = "not comparable"
 
+    # on a fitted parameter
+    FOUND = "found"
+    BY_PRIOR = "follows from what was given of others"
+    OPEN = "not separable"
+    NOT_MOVED = "as given, not found"
+    NOT_ZERO = "found, differs from zero"
+    MAYBE_ZERO = "not different from zero"
+    BY_RATIO = "the drag without yoke times a ratio that no test measures"
+    UNEXPLAINED = "not identifiable: the curves are not explained to their noise"
+
     @property
     def meaning(self) -> str:
-        """What may be concluded."""
-        return _MEANINGS[self]
+        """What may be concluded; of a fitted parameter the verdict itself."""
+        return _MEANINGS.get(self, str(self))
 
 
 _MEANINGS = {
@@ -55,7 +65,7 @@ class JudgedRow:
     Attributes:
         name: what is judged.
         value: the number.
-        low, high: 5 % and 95 % of its band; the number itself without one.
+        low, high: 5 % and 95 % of its band, or the 95 % interval of a fit; the number itself without.
         verdict: on it.
         remark: cause or hint.
     """

@@ -26,12 +26,13 @@ from benchmarks.measured_fit import (
 from rps_exudyn.inference.fitting.bench_tests import BenchTest, measurement_of
 from rps_exudyn.inference.fitting.findings import fit_as_dict, open_sentences
 from rps_exudyn.inference.fitting.fit import fit
-from rps_exudyn.inference.fitting.fitted import Estimate, Fit, Verdict, shape_claims, with_others
+from rps_exudyn.inference.fitting.fitted import Estimate, Fit, shape_claims, with_others
 from rps_exudyn.inference.fitting.identify import LevelData, advice_of, more_runs
 from rps_exudyn.inference.fitting.nonlinear import OtherEnd
 from rps_exudyn.inference.fitting.series import read_series, write_series
 from rps_exudyn.inference.fitting.unknowns import LEVEL, NUISANCES, USUAL
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.solvers.closed_form import GRAVITY
 from verification.made_up_curves import REAL, BenchNoise, measured_curve, true_curve, with_noise
 
@@ -250,8 +251,8 @@ def test_an_angle_error_is_found_with_its_sign() -> None:
 
 
 def test_other_ends_widen_an_interval_and_leave_the_direction_open() -> None:
-    size = Estimate("rack.bow", 1e-4, (0.9e-4, 1.1e-4), 0.0, 1e-4, 5e-6, 0.0, Verdict.NOT_ZERO)
-    angle = Estimate("rack.bow_angle", 1.0, (0.9, 1.1), 0.0, np.pi, 0.05, 0.0, Verdict.NOT_ZERO)
+    size = Estimate.of("rack.bow", 1e-4, (0.9e-4, 1.1e-4), (0.0, 1e-4), 5e-6, 0.0, Verdict.NOT_ZERO)
+    angle = Estimate.of("rack.bow_angle", 1.0, (0.9, 1.1), (0.0, np.pi), 0.05, 0.0, Verdict.NOT_ZERO)
     near, far = (OtherEnd({"rack.bow": 1.3e-4, "rack.bow_angle": 2.0}, worse) for worse in (1.0, 8.0))
     assert with_others(size, [near]).interval == (0.9e-4, 1.3e-4)
     assert with_others(angle, [near]).verdict is Verdict.OPEN

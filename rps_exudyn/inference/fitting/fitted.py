@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from enum import StrEnum
 from time import process_time
 
 import numpy as np
@@ -37,21 +36,9 @@ from rps_exudyn.inference.fitting.unknowns import (
     Unknown,
 )
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.judged_row import JudgedRow, Verdict
 
 UNMOVED = 0.97  # of the prior's deviation: what is left of it where the data say nothing
-
-
-class Verdict(StrEnum):
-    """What a fit says of a parameter."""
-
-    FOUND = "found"  # the data tell it, whatever the others are
-    BY_PRIOR = "follows from what was given of others"
-    OPEN = "not separable"
-    NOT_MOVED = "as given, not found"
-    NOT_ZERO = "found, differs from zero"
-    MAYBE_ZERO = "not different from zero"
-    BY_RATIO = "the drag without yoke times a ratio that no test measures"
-    UNEXPLAINED = "not identifiable: the curves are not explained to their noise"
 
 
 def undetermined(sd: float, before: float) -> Verdict:
@@ -59,18 +46,57 @@ def undetermined(sd: float, before: float) -> Verdict:
     return Verdict.NOT_MOVED if sd > UNMOVED * before else Verdict.OPEN
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """One parameter, SI."""
+@dataclass(frozen=True, kw_only=True)
+class Estimate(JudgedRow):
+    """One parameter, by the name of its path, with its 95 % interval.
 
-    path: str
-    value: float
-    interval: tuple[float, float]  # 95 %
+    Attributes:
+        prior: its value before the fit, SI.
+        prior_sd: relative where the parameter is positive, else SI.
+        sd: the same, after the fit.
+        by_law: difference by the other contact law, likewise.
+    """
+
     prior: float
-    prior_sd: float  # relative where the parameter is positive, else SI
-    sd: float  # the same
-    by_law: float  # difference by the other contact law, likewise
-    verdict: Verdict
+    prior_sd: float
+    sd: float
+    by_law: float
+
+    @classmethod
+    def of(
+        cls,
+        path: str,
+        value: float,
+        interval: tuple[float, float],
+        before: tuple[float, float],
+        sd: float,
+        by_law: float,
+        verdict: Verdict,
+    ) -> "Estimate":
+        """Return the estimate of a parameter; `before` are its prior value and deviation."""
+        low, high = interval
+        prior, prior_sd = before
+        return cls(
+            name=path,
+            value=value,
+            low=low,
+            high=high,
+            verdict=verdict,
+            prior=prior,
+            prior_sd=prior_sd,
+            sd=sd,
+            by_law=by_law,
+        )
+
+    @property
+    def path(self) -> str:
+        """Path of the parameter."""
+        return self.name
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Its 95 % interval, SI."""
+        return self.low, self.high
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,9 +200,8 @@ def _signed(unknown: Unknown, value: float, variance: float, law: float, quantil
     sd = float(np.sqrt(variance))
     half = quantile * sd + abs(law)
     verdict = _shape_verdict(unknown, sd, abs(value) > half)
-    return Estimate(
-        unknown.path, value, (value - half, value + half), unknown.before, unknown.sd, sd, law, verdict
-    )
+    interval, before = (value - half, value + half), (unknown.before, unknown.sd)
+    return Estimate.of(unknown.path, value, interval, before, sd, law, verdict)
 
 
 def _shape_verdict(unknown: Unknown, sd: float, differs: bool) -> Verdict:
@@ -198,15 +223,14 @@ def _vector(
     half = quantile * sds[0] + abs(laws[0])
     interval = max(0.0, size - half), size + half
     verdict = _shape_verdict(unknown, float(np.sqrt(np.max(np.linalg.eigvalsh(covariance)))), sure)
-    before = np.hypot(unknown.before, problem.unknowns[j + 1].before)
-    found = [Estimate(unknown.path, size, interval, float(before), unknown.sd, sds[0], laws[0], verdict)]
+    before = float(np.hypot(unknown.before, problem.unknowns[j + 1].before)), unknown.sd
+    found = [Estimate.of(unknown.path, size, interval, before, sds[0], laws[0], verdict)]
     if verdict is Verdict.NOT_ZERO:
         angle = float(np.arctan2(vector[1], vector[0]))
         half = (quantile * sds[1] + abs(laws[1])) / size
         path, sd, law = f"{unknown.path}_angle", sds[1] / size, laws[1] / size
-        found.append(
-            Estimate(path, angle, (angle - half, angle + half), 0.0, np.pi, sd, law, Verdict.NOT_ZERO)
-        )
+        ends = angle - half, angle + half
+        found.append(Estimate.of(path, angle, ends, (0.0, np.pi), sd, law, Verdict.NOT_ZERO))
     return found
 
 
@@ -219,7 +243,7 @@ def with_others(each: Estimate, others: Sequence[OtherEnd]) -> Estimate:
         return each
     low, high = min(*values, each.interval[0]), max(*values, each.interval[1])
     unsure = (low, high) != each.interval and each.path.endswith("_angle")
-    return replace(each, interval=(low, high), verdict=Verdict.OPEN if unsure else each.verdict)
+    return replace(each, low=low, high=high, verdict=Verdict.OPEN if unsure else each.verdict)
 
 
 def unexplained(problem: Problem, shape: Solved | None) -> str:
@@ -515,7 +539,8 @@ def _estimate(
     sd, value = float(np.sqrt(direction @ end.covariance @ direction)), float(np.exp(direction @ end.u))
     half = NORMAL * sd + abs(law)
     interval = value * float(np.exp(-half)), value * float(np.exp(half))
-    return Estimate(path, value, interval, float(np.exp(unknown.before)), unknown.sd, sd, law, verdict)
+    before = float(np.exp(unknown.before)), unknown.sd
+    return Estimate.of(path, value, interval, before, sd, law, verdict)
 
 
 def _runouts(ended: Ended, runout: Runout) -> list[Estimate]:
@@ -533,11 +558,11 @@ def _runouts(ended: Ended, runout: Runout) -> list[Estimate]:
     verdict = Verdict.NOT_ZERO if runout.is_found else Verdict.MAYBE_ZERO
     sd = (high - low) / 2 / NORMAL
     size = float(np.hypot(unknown.before, before))
-    found = [Estimate(unknown.path, runout.size, interval, size, unknown.sd, sd, law, verdict)]
+    found = [Estimate.of(unknown.path, runout.size, interval, (size, unknown.sd), sd, law, verdict)]
     if runout.is_found:
         angle, sd = ended.gear.pinion.runout_angle, float(np.hypot(runout.angle_sd, ended.offset[1]))
         ends = angle - NORMAL * sd, angle + NORMAL * sd
-        found.append(Estimate("pinion.runout_angle", angle, ends, 0.0, np.pi, sd, 0.0, verdict))
+        found.append(Estimate.of("pinion.runout_angle", angle, ends, (0.0, np.pi), sd, 0.0, verdict))
     return found
 
 

@@ -13,13 +13,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rps_exudyn.analysis.passes import turning_points
-from rps_exudyn.inference.fitting.fitted import Fit, FittedPass, Verdict
+from rps_exudyn.inference.fitting.fitted import Fit, FittedPass
 from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.inference.uncertainty.band import Band
 from rps_exudyn.inference.uncertainty.statistics import LEVELS, Contributions
 from rps_exudyn.pages.charts import style
 from rps_exudyn.pages.charts.curves import AGAINST_MOTION, DIRECTIONS
 from rps_exudyn.pages.charts.style import scene_of
+from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.results.quantities import SIGNALS, SUMMARY
 from rps_exudyn.scenes import scene_named
 
