@@ -45,7 +45,8 @@ def run(
     folder: Path, seeds: int = 40, sets: int = 24, kinds: Iterable[str] = tuple(KINDS), again: int = AGAIN
 ) -> None:
     """Fit all kinds and six tests; keep how often each interval holds."""
-    cells, tests = {}, {}
+    cells: dict[str, Any] = {}
+    tests: dict[str, Any] = {}
     for kind in kinds:
         own = [free_case(kind, seed) for seed in range(seeds)]
         cells[kind] = of_kind(own)

@@ -163,7 +163,7 @@ def bisected(travel: float, speed: float) -> dict[str, Any]:
     """The limit of the whole gear's steady sliding, measured and predicted [N m s/rad]."""
     gear = gear_with(1.2, travel, speed=speed)
     predicted = one_inertia_damping(gear)
-    case = {"travel": travel, "speed": speed, "predicted": predicted}
+    case: dict[str, Any] = {"travel": travel, "speed": speed, "predicted": predicted}
     with_guides = sliding_damping(gear, Fidelity.preset("flank"))
     case["with_guides"] = with_guides if np.isfinite(with_guides) else None
     if not np.isfinite(predicted):

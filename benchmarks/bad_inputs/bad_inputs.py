@@ -79,8 +79,8 @@ def tried(bad: BadInput, precious: bytes) -> tuple[object, ...]:
         lost = precious not in [path.read_bytes() for path in folder.glob("precious*.h5")]
         given = {"secret.txt", *bad.files, *bad.special}
         written = [path for path in folder.glob("*") if path.is_file() and path.name not in given]
-        shown = (said.encode("utf-8", "replace"), *map(Path.read_bytes, written))
-        outside = any(SECRET in text for text in shown)
+        texts = said.encode("utf-8", "replace"), *map(Path.read_bytes, written)
+        outside = any(SECRET in text for text in texts)
     first = repr((bad.request or b"").split(b"\r\n")[0]) if bad.request is not None else ""
     special = "".join(f" ({name} -> {place})" for name, place in bad.special.items())
     arguments = " ".join((*bad.arguments, first))[:200] + special
@@ -108,7 +108,7 @@ def _served(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
     server, errors = _explorer()
     errors.seek(0)
     errors.truncate()
-    with chdir(folder), socket.create_connection(server.server_address[:2], timeout=60) as link:
+    with chdir(folder), socket.create_connection(("127.0.0.1", server.server_port), timeout=60) as link:
         with suppress(OSError):  # refused before it was read to its end
             link.sendall(bad.request or b"")
             link.shutdown(socket.SHUT_WR)
@@ -122,19 +122,26 @@ def _served(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:
     return (2 * refused if answers else -1), said, 0.0, 0
 
 
+class WatchedExplorer(Explorer):
+    """An explorer that keeps the tracebacks of its requests."""
+
+    def __init__(self, gear: SteeringGear) -> None:
+        self.errors = StringIO()
+        super().__init__(gear)
+
+    def handle_error(self, *_: object) -> None:
+        """Write the traceback of a request that failed."""
+        self.errors.write(traceback.format_exc())
+
+
 @cache
-def _explorer() -> tuple[Explorer, StringIO]:
+def _explorer() -> tuple[WatchedExplorer, StringIO]:
     """A server in a thread, and what it prints."""
-    server, errors = Explorer(SteeringGear()), StringIO()
+    server = WatchedExplorer(SteeringGear())
     server.warm_up()
-
-    def handle_error(*_: object) -> None:
-        errors.write(traceback.format_exc())
-
-    server.handle_error = handle_error  # type: ignore[method-assign]
     Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
     atexit.register(server.server_close)
-    return server, errors
+    return server, server.errors
 
 
 def _in_process(bad: BadInput, folder: Path) -> tuple[int, str, float, int]:

@@ -7,6 +7,7 @@ the other, in the preset that a user would take.
 
 import csv
 from collections import Counter
+from dataclasses import replace
 from math import isnan, nan
 from pathlib import Path
 
@@ -66,10 +67,11 @@ def _run(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Result:
 
 def _turned_back(result: Result) -> Result:
     """The result of a mirrored gear with its sides exchanged."""
+    summary = dict(result.summary)
     for one, other in list(SIDES.items())[:1]:
-        if one in result.summary and other in result.summary:
-            result.summary[one], result.summary[other] = result.summary[other], result.summary[one]
-    return result
+        if one in summary and other in summary:
+            summary[one], summary[other] = summary[other], summary[one]
+    return replace(result, summary=summary)
 
 
 def _worst(first: Result, second: Result, units: dict[str, float], scene: str) -> tuple[str, float]:
