@@ -42,7 +42,7 @@ BENCH = BenchNoise(0.01, repeatability=0.02, zero=0.03)
 
 
 def run(
-    folder: Path, seeds: int = 40, sets: int = 4, kinds: Iterable[str] = tuple(KINDS), again: int = AGAIN
+    folder: Path, seeds: int = 40, sets: int = 24, kinds: Iterable[str] = tuple(KINDS), again: int = AGAIN
 ) -> None:
     """Fit all kinds and six tests; keep how often each interval holds."""
     cells: dict[str, Any] = {}
