@@ -157,7 +157,9 @@ from rps_exudyn.solvers.follower import add_column_to
 
 column = np.array([1.0, 100.0, 0.2, 0.5, 0.3, 0.0, 0.0])
 total, tangent = np.zeros(9), np.zeros((9, 9))
-ready(add_column_to)(np.linspace(0, 1, 9), np.linspace(1, 0, 9), column, 4.0, 1.0, total, tangent)
+masses, before = np.linspace(0, 0.1, 9), np.zeros(9)
+at = np.linspace(0, 1, 9), np.linspace(1, 0, 9), column, 4.0, masses, before
+ready(add_column_to)(*at, 10.0, 1.0, total, tangent)
 print((total.tobytes() + tangent.tobytes()).hex())
 for counts in (add_column_to.stats.cache_misses, add_column_to.stats.cache_hits):
     print(sum(counts.values()))

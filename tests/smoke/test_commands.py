@@ -63,7 +63,7 @@ def test_overwritten_files_leave_no_others_and_quiet_runs_no_words(
         answer = command(["run", "--overwrite", "--quiet"])
         assert (answer.status, answer.out, answer.err) == (0, "", "")
     assert sorted(os.listdir()) == ["free-pinion-torque.h5", "free-pinion-torque.png"]
-    answer = command(["run", "--fidelity", "closed-form", "--overwrite", "--quiet", "--band", "8"])
+    answer = command(["run", "--fidelity", "quasi-static", "--overwrite", "--quiet", "--band", "8"])
     assert (answer.status, answer.out, answer.err) == (0, "", "")
     assert "leave out --all" in command(["run", "--quiet", "--all"]).err
     assert "leave out --plot" in command(["run", "--no-plot", "--plot", "a.png"]).err

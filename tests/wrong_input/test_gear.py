@@ -12,7 +12,7 @@ from rps_exudyn.base.errors import InputError
 from rps_exudyn.parameters.declaration import Declared
 from rps_exudyn.parameters.gear import SteeringGear
 
-TABLES = "basic_rack, pinion, rack, installation, yoke, bush, bearing, mesh, column, test"
+TABLES = ", ".join(SteeringGear.model_fields)
 
 # path, value, what the sentence says behind the path
 ONE_PROBLEM = [
@@ -63,7 +63,8 @@ def test_table_without_nested_ones_is_validated_alike() -> None:
     assert caught.value.problems == [
         "friction is 2; it must be at least 0 and at most 1.",
         "glue is no parameter; there are friction_law, static_ratio, stribeck_speed, stribeck_exponent, "
-        "bristle_travel, bristle_damping, load_exponent, friction, stiffness, damping, law, line_stiffness.",
+        "bristle_travel, bristle_damping, load_exponent, friction, stiffness, damping, law, tooth_wear, "
+        "line_stiffness.",
     ]
 
 

@@ -84,10 +84,9 @@ class Explorer(ThreadingHTTPServer):
         return not self.local or name.strip("[]") in LOOPBACK
 
     def warm_up(self) -> None:
-        """Start the processes: the first one compiles if need be, the others follow in the background."""
-        first, *others = self._processes
-        self._ask(first, self.task({}))
-        for processes in others:
+        """Compile here if need be, where a command shows it; the processes start in the background."""
+        answer(SteeringGear(), {})
+        for processes in self._processes:
             Thread(target=self._ask, args=(processes, self.task({})), daemon=True).start()
 
     def task(self, state: Any) -> Task:
