@@ -192,8 +192,8 @@ def test_tangent_of_the_loads_on_the_seat() -> None:
 
 @pytest.mark.parametrize("bend", [0.0, 0.5])
 def test_tangent_of_column_and_tyres_is_their_derivative(bend: float) -> None:
-    """Torques on pinion and wheel, through a universal joint too, the tyres' force on the rack, and the forces
-    of pinion, rack and wheel that are accelerated along the path."""
+    """Torques on pinion and wheel, through a universal joint too, the tyres' force on the rack, and the
+    inertia of pinion, rack and wheel along the path."""
     column = np.array([1.0, 80.0, 0.05, bend, 0.3, 2e5, 1e-4])
     q, v, masses, before, per_time = (*np.zeros((4, 9)), 200.0)
     q[[0, 1, 8]], v[[0, 1, 8]] = (-0.71, 4e-3, -0.7), (-1.5, 8e-3, -1.4)
