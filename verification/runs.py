@@ -11,7 +11,8 @@ from rps_exudyn.analysis.curve import Curve
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes import scene_named
-from rps_exudyn.scenes.scene import DEFAULT_OPTIONS
+from rps_exudyn.scenes.maneuver import StepLimits
+from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from verification.work_precision import Errors, Reference, curve_errors
 
@@ -44,9 +45,15 @@ class SceneReference:
         return self.gear.test.direction * 2 * np.pi * self.gear.test.turns
 
 
-def run_scene(scene: str, gear: SteeringGear, fidelity: Fidelity) -> SceneRun:
+STEPS_AS_GIVEN = RunOptions(least_steps=StepLimits(halvings=0))
+"""No step is halved, whatever a record shows; its metrics are not confirmed."""
+
+
+def run_scene(
+    scene: str, gear: SteeringGear, fidelity: Fidelity, options: RunOptions = DEFAULT_OPTIONS
+) -> SceneRun:
     """One checked run, whatever its outcome."""
-    return scene_named(scene).run(gear, fidelity, DEFAULT_OPTIONS)
+    return scene_named(scene).run(gear, fidelity, options)
 
 
 def revolutions(scene: str, gear: SteeringGear) -> float:

@@ -28,9 +28,9 @@ LEAST_SHOWN = {
 Equilibria are found to 1e-3 N, a hundred thousandth of their torque, and positions to rounding, 1e-17 m."""
 
 
-LEAST_CHANGED = {"um": 1e-7, "mrad": 1e-6, "deg": 1e-5, "%": 1e-3, "J": 1e-6}
+LEAST_CHANGED = {"um": 1e-7, "mrad": 1e-6, "deg": 1e-5, "%": 1e-3}
 """Display unit -> size in SI below which a metric changes as if it had that size."""
-LEAST_TORQUE = 0.01  # the same of a torque, of the mean torque of its run
+LEAST_SHARE = 0.01  # the same where a run has a size of its own, of that size
 
 
 @dataclass(frozen=True)
@@ -58,17 +58,16 @@ class Quantity:
     long_name: str
     confirmed: Confirmation | None = None
 
-    def change(self, value: Any, right: Any, torque: Any = 0.0) -> Any:
+    def change(self, value: Any, right: Any, size: Any = 0.0) -> Any:
         """Return how far a metric is from the right value, over its tolerance; 0 without a confirmation.
 
-        Of many gears these are arrays (n,). `torque` is the mean torque [N m], beside which a small one is
-        judged.
+        Of many gears these are arrays (n,). `size` is what the run has of this unit, beside which a small
+        metric is judged.
         """
         if self.confirmed is None:
             return 0.0 * np.abs(right)
-        least = LEAST_TORQUE * torque if self.unit == "N*m" else LEAST_CHANGED.get(self.display, 0.0)
-        size = np.maximum(np.maximum(np.abs(right), least), np.finfo(float).tiny)
-        return np.abs(value - right) / size / self.confirmed.tolerance
+        least = np.maximum(LEAST_SHARE * size, LEAST_CHANGED.get(self.display, np.finfo(float).tiny))
+        return np.abs(value - right) / np.maximum(np.abs(right), least) / self.confirmed.tolerance
 
     def show(self, value: float) -> str:
         """Return the value for a reader, for instance "0.593 N m"; counts are whole numbers.

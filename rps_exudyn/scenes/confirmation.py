@@ -29,7 +29,8 @@ from rps_exudyn.solvers.steering_column import WheelTorque
 
 Metrics = Callable[[Signals], dict[str, float]]
 TORQUES = "torque_mean", "feel_running_torque", "torque_forward", "torque_jump", "breakaway_torque"
-"""Metrics, the first of which that a run has is the size of its torque."""
+"""Metrics, the first of which that a run has is the size of its torque, unless rubbing teeth take more."""
+RUBBING = 0.1  # coefficient of friction by which the force on the teeth gives a run its sizes
 MOST_FINER = {"equilibrium": 2, "generalized-alpha": 1}
 """Solver -> times that the steps of a motion are halved for its metrics; formulas have none."""
 AGREED = 0.4  # of a metric's tolerance: where curves have kinks, as much again or more is left
@@ -55,11 +56,11 @@ def run_and_confirm(
 
     def made(halvings: int) -> SceneRun:
         finer = [each.halved(halvings) for each in maneuvers]
-        return run_maneuver(gear, fidelity, *finer, options=options)
+        return run_maneuver(gear, fidelity, finer, options)
 
     shakes = maneuvers[0].is_steady and fidelity.solver != "equilibrium" and gear.test.speed > SLOW
     run, most = (
-        first or run_maneuver(gear, fidelity, *maneuvers, options=options),
+        first or run_maneuver(gear, fidelity, maneuvers, options),
         most_finer(fidelity, options),
     )
     return confirmed(run, metrics, made, figure, most=most, always=always or shakes)
@@ -70,15 +71,34 @@ def most_finer(fidelity: Fidelity, options: RunOptions) -> int:
     return min(MOST_FINER.get(fidelity.solver, 0), options.least_steps.halvings)
 
 
-def changes(values: Mapping[str, Any], finer: Mapping[str, Any]) -> dict[str, Any]:
+def sizes(signals: Signals) -> dict[str, Any]:
+    """Return the sizes of force, torque, work and stiffness in a record, by unit; of many gears arrays (n,).
+
+    They are what teeth with the coefficient of friction `RUBBING` would take under their mean normal force.
+    A gear without friction has them too, while its mean torque is zero but for rounding.
+    """
+    if not {"mesh_normal_force", "rack_displacement", "pinion_angle"} <= {*signals}:
+        return {}
+    force = RUBBING * np.abs(signals["mesh_normal_force"]).mean(axis=-1)
+    travel, turned = (np.ptp(signals[name], axis=-1) for name in ("rack_displacement", "pinion_angle"))
+    torque = force * travel / np.where(turned > 0, turned, np.inf)
+    stiffness = torque / np.where(turned > 0, turned, np.inf)
+    return {"N": force, "N*m": torque, "J": force * travel, "N*m/rad": stiffness}
+
+
+def changes(values: Mapping[str, Any], finer: Mapping[str, Any], signals: Signals) -> dict[str, Any]:
     """Return by how much metrics change, over their tolerances; inf of one that only a single side has.
 
-    Values are numbers, or arrays (n,) of many gears.
+    Values are numbers, or arrays (n,) of many gears; `signals` are the record of one side, for its sizes.
     """
     declared = {name: SUMMARY[name] for name in {**values, **finer} if SUMMARY[name].confirmed}
+    size = sizes(signals)
     torque = np.abs(next((finer[name] for name in TORQUES if name in finer), 0.0))
+    size["N*m"] = np.maximum(size.get("N*m", 0.0), torque)
     return {
-        name: item.change(values[name], finer[name], torque) if name in values and name in finer else np.inf
+        name: item.change(values[name], finer[name], size.get(item.unit, 0.0))
+        if name in values and name in finer
+        else np.inf
         for name, item in declared.items()
     }
 
@@ -88,7 +108,8 @@ def figure_changes(metrics: Metrics, figure: str, run: SceneRun, later: SceneRun
     them is not ok."""
     if not (run.ok and later.ok):
         return float("inf")
-    return float(changes(metrics(run.signals), metrics(later.signals)).get(figure, 0.0))
+    change = changes(metrics(run.signals), metrics(later.signals), later.signals)
+    return float(change.get(figure, 0.0))
 
 
 def every_second(signals: Signals) -> Signals:
@@ -107,7 +128,7 @@ def doubted(metrics: Metrics, signals: Signals, values: Mapping[str, Any]) -> di
     half of the instants are too few to show is not looked at.
     """
     fewer = metrics(every_second(signals))
-    return changes({name: values[name] for name in values if name in fewer}, fewer)
+    return changes({name: values[name] for name in values if name in fewer}, fewer, signals)
 
 
 def confirmed(
@@ -140,6 +161,9 @@ def confirmed(
     def doubts(each: SceneRun) -> dict[str, float]:
         return doubted(metrics, each.signals, each.summary)
 
+    def changed(coarse: SceneRun, fine: SceneRun) -> dict[str, float]:
+        return changes(coarse.summary, fine.summary, fine.signals)
+
     def made(coarse: SceneRun, times: int) -> SceneRun:
         assert finer is not None
         try:
@@ -154,14 +178,14 @@ def confirmed(
         most if finer is not None else 0,
         usable=lambda each: each.ok,
         asks=lambda each: always or bool(_beyond(first if each is described else doubts(each), 1.0)),
-        change=lambda coarse, fine: max(changes(coarse.summary, fine.summary).values(), default=0.0),
+        change=lambda coarse, fine: max(changed(coarse, fine).values(), default=0.0),
         allowed=AGREED,
     )
     if refined.confirmed and refined.times == 1:
         return _counted(described, refined.runs, 0)
     taken = refined.finest
     if refined.times and refined.failed is None:
-        left = _beyond(changes(refined.runs[-2].summary, taken.summary), 1.0)
+        left = _beyond(changed(refined.runs[-2], taken), 1.0)
     else:
         left = _beyond(first if not refined.times else doubts(taken), 1.0)
     return _left_out(_counted(taken, refined.runs, begun + refined.times), left, figure)

@@ -36,7 +36,7 @@ def load_test(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Sc
         raise InputError("test.load_mass is 0 kg; the load test needs a weight, greater than 0.")
     weighted, free = TEST.maneuvers(gear, fidelity.step_angle, options.least_steps)
     assert free is not None
-    loaded = run_maneuver(gear, fidelity, *weighted, options=options)
+    loaded = run_maneuver(gear, fidelity, weighted, options)
     if not loaded.ok:
         return _blamed(loaded, weight, gear)
     try:

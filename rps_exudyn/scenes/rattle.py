@@ -83,7 +83,7 @@ def rattle(gear: SteeringGear, fidelity: Fidelity, options: RunOptions) -> Scene
     chosen, test = fidelity.with_bending(), gear.test
     chosen = chosen.replace({"zone_ratio": max(chosen.zone_ratio, WIDEST_ZONE)})
     maneuvers = list(shaken_by_road(gear, chosen.swing_steps or STEPS_PER_SWING))
-    run = run_maneuver(gear, chosen, *maneuvers, options=options)
+    run = run_maneuver(gear, chosen, maneuvers, options)
     growing = test.road_shape == GROWING
     band = FrequencyBand(test.band_low, test.band_high)
 

@@ -1,12 +1,12 @@
 """Make a maneuver: by dynamics in Exudyn, by equilibria, or by formula, by the fidelity's choice.
 
     run = run_maneuver(gear, fidelity, maneuver)
-    run = run_maneuver(gear, fidelity, there, back, options=options)
+    run = run_maneuver(gear, fidelity, [there, back], options)
 
 All give the same signals as far as they have them, and none is called ok before its record was checked.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from time import process_time
 
@@ -72,14 +72,19 @@ CLOSED = 1e-3  # of the drive's force: how much all periods may drift for one to
 
 
 def run_maneuver(
-    gear: SteeringGear, fidelity: Fidelity, *maneuvers: Maneuver, options: RunOptions = DEFAULT_OPTIONS
+    gear: SteeringGear,
+    fidelity: Fidelity,
+    maneuvers: Maneuver | Sequence[Maneuver],
+    options: RunOptions = DEFAULT_OPTIONS,
 ) -> SceneRun:
-    """Make maneuvers one after the other until one fails, joined to one record; their run has no summary yet.
+    """Make one maneuver, or several one after the other until one fails, joined to one record; their run has
+    no summary yet.
 
     Raises:
         InputError: the fidelity's solver cannot make one, or no memory holds its record.
     """
     runs: list[SceneRun] = []
+    maneuvers = [maneuvers] if isinstance(maneuvers, Maneuver) else maneuvers
     for number, maneuver in enumerate(each.halved(options.halvings) for each in maneuvers):
         begin_part(number, len(maneuvers))
         if fidelity.solver != "closed-form":

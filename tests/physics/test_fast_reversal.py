@@ -15,6 +15,7 @@ from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.record import record_of_path
 from verification.law_area import by_law
+from verification.runs import STEPS_AS_GIVEN, run_scene
 
 HEAVY = {"pinion.density": 4e6}
 """A pinion that asks for a tenth of the torque at 30 rpm and 10 degrees."""
@@ -37,9 +38,12 @@ def test_equilibria_jump_as_dynamics_do(rpm: float, degrees: float) -> None:
 def test_a_heavy_pinion_is_accelerated_by_the_drive_alone() -> None:
     """The drive's torque is larger by J times the acceleration, and nothing else changes: the same place of
     the rack (1 nm), the same work lost, and a balance that closes."""
-    light, heavy = reversal("quasi-static", 30, 10), reversal("quasi-static", 30, 10, HEAVY)
-    assert heavy.status is Status.OK, heavy.message
-    gears = [SteeringGear().replace(settings) for settings in ({}, HEAVY)]
+    swing = {"test.speed": "30 rpm", "test.amplitude": "10 deg"}
+    gears = [by_law(SteeringGear().replace(swing | settings), "area") for settings in ({}, HEAVY)]
+    model = Fidelity.preset("quasi-static")
+    runs = [run_scene("reversal", gear, model, STEPS_AS_GIVEN) for gear in gears]
+    light, heavy = (run.signals for run in runs)
+    assert runs[1].ok, runs[1].outcome.message
     added = pinion_inertia(gears[1]) - pinion_inertia(gears[0])
     amplitude, speed = np.deg2rad(10), np.pi
     angle = light["pinion_angle"] - gears[0].test.start_angle
@@ -47,7 +51,7 @@ def test_a_heavy_pinion_is_accelerated_by_the_drive_alone() -> None:
     assert heavy["pinion_torque"] - light["pinion_torque"] == pytest.approx(torque, abs=1e-6)
     assert np.abs(torque).max() > 0.05 * np.abs(light["pinion_torque"]).max()
     assert heavy["rack_displacement"] == pytest.approx(light["rack_displacement"], abs=1e-9)
-    assert abs(heavy.summary["energy_residual"]) < 1e-3
+    assert abs(runs[1].summary["energy_residual"]) < 1e-3
 
 
 def test_the_racks_inertia_loads_the_teeth() -> None:

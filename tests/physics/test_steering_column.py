@@ -88,15 +88,17 @@ def test_equilibria_feel_as_dynamics_do(law: str) -> None:
 
 
 def test_joint_is_felt_alike_by_both() -> None:
-    """Torque over angle of a bent column, equilibria against dynamics, to 1 % of the running torque, and far
-    from that of a straight one: the joint's ratio goes from 0.87 to 1.15."""
+    """Torque over angle of a bent column, equilibria against dynamics, to 0.2 % of the running torque (RMS)
+    and 1.5 % as the gear breaks away, and far from a straight one: the ratio goes from 0.87 to 1.15."""
     still, moving, straight = feel(joint=True), feel(fidelity="flank", joint=True), feel()
     time = np.linspace(0.1, still["time"][-1] - 0.1, 400)
     curves = [np.interp(time, each["time"], each["column_torque"]) for each in (still, moving, straight)]
     running = straight.summary["feel_running_torque"]
     turning = np.abs(np.diff(np.sign(np.gradient(still["wheel_angle"])))) > 0
     away = np.all([np.abs(time - t) > 0.02 for t in still["time"][1:][turning]], axis=0)
-    assert np.abs(curves[0] - curves[1])[away].max() < 0.01 * running
+    apart = (curves[0] - curves[1])[away]
+    assert np.sqrt(np.mean(apart**2)) < 2e-3 * running
+    assert np.abs(apart).max() < 0.015 * running
     assert np.abs(curves[0] - curves[2]).max() > 0.05 * running
 
 

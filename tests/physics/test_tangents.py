@@ -192,14 +192,16 @@ def test_tangent_of_the_loads_on_the_seat() -> None:
 
 @pytest.mark.parametrize("bend", [0.0, 0.5])
 def test_tangent_of_column_and_tyres_is_their_derivative(bend: float) -> None:
-    """Torques on pinion and wheel, through a universal joint too, and the tyres' force on the rack."""
+    """Torques on pinion and wheel, through a universal joint too, the tyres' force on the rack, and the
+    inertia of pinion, rack and wheel along the path."""
     column = np.array([1.0, 80.0, 0.05, bend, 0.3, 2e5, 1e-4])
-    q, v, per_time = np.zeros(9), np.zeros(9), 200.0
+    q, v, masses, before, per_time = (*np.zeros((4, 9)), 200.0)
     q[[0, 1, 8]], v[[0, 1, 8]] = (-0.71, 4e-3, -0.7), (-1.5, 8e-3, -1.4)
+    masses[[0, 1, 8]], before[[0, 1, 8]] = (4e-5, 2.5, 0.035), (-1.3, 7e-3, -1.45)
 
     def at(q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         total, tangent = np.zeros(9), np.zeros((9, 9))
-        ready(add_column_to)(q, v, column, 0.4, per_time, total, tangent)
+        ready(add_column_to)(q, v, column, 0.4, masses, before, per_time, per_time, total, tangent)
         return total, tangent
 
     found, expected = at(q, v)[1], np.empty((9, 9))
