@@ -4,7 +4,7 @@ Distances are over the turn from `full`, all parts in Exudyn with general contac
 CPU time is the solver's in runs after a first short one, so without compilation and setting up.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -72,7 +72,7 @@ def row(name: str, results: dict[str, Result]) -> dict[str, Any]:
     return {
         "fidelity": name,
         "mean": summary["torque_mean"],
-        "peak_to_peak": summary["torque_peak_to_peak"] / summary["torque_mean"],
+        "peak_to_peak": _share(summary, "torque_peak_to_peak"),
         "losses": {loss: summary[f"loss_share_{loss}"] for loss in LOSSES},
         "distance": torque.rms / torque.mean,
         "cpu_s": result.counters["solver_cpu"],
@@ -80,6 +80,11 @@ def row(name: str, results: dict[str, Result]) -> dict[str, Any]:
         "gain": summary["rack_gain"] / gain - 1 if "rack_gain" in summary else None,
         "energy_residual": summary.get("energy_residual"),
     }
+
+
+def _share(summary: Mapping[str, float], name: str) -> float | None:
+    """A metric over the mean torque; None where the run leaves it out."""
+    return summary[name] / summary["torque_mean"] if name in summary else None
 
 
 def rows_of(folder: Path, names: Sequence[str] = tuple(FIDELITIES)) -> list[dict[str, Any]]:
@@ -102,7 +107,7 @@ def fidelities_table(folder: Path) -> str:
         (
             each["fidelity"],
             f"{each['mean']:.4f} N m",
-            f"{100 * each['peak_to_peak']:.2g} %",
+            "-" if each["peak_to_peak"] is None else f"{100 * each['peak_to_peak']:.2g} %",
             _share(each["losses"]["mesh"]),
             f"{100 * each['distance']:.2g} %" if each["distance"] else "-",
             f"{each['cpu_s'] / turns:.2g} s",

@@ -28,7 +28,7 @@ def free_pinion_torque(gear: SteeringGear, fidelity: Fidelity, options: RunOptio
 
     run = run_and_confirm(gear, fidelity, maneuvers, options, metrics, SCENE.figure)
     unseen = unresolved_peaks(fidelity, run, "pinion_torque", "pinion_angle")
-    left_out = ("torque_peak_to_peak",) if unseen else ()
+    left_out = ("torque_peak_to_peak", "torque_tooth_order") if unseen else ()
     return run.noting(*remarks(gear, run.signals), unseen).without(left_out)
 
 

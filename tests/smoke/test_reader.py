@@ -76,6 +76,7 @@ TO_HELP = {
     "fit --set": "free.csv",
     "fit --prior": "free.csv",
     "fit --column": "titled.csv",
+    "fit --time-limit": "free.csv",
 }
 """What an example in `--help` needs besides."""
 
