@@ -5,7 +5,7 @@ equilibrium, limits of the contact laws, records that ask for shorter steps, is 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,6 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Remark
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
-from rps_exudyn.scenes.confirmation import doubted
 from rps_exudyn.scenes.maneuver import StepLimits
 from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.scene import SteadyTest, Turned
@@ -175,14 +174,6 @@ class Common:
         """Follow the chosen ones of the gears over each maneuver."""
         return [FamilyRecord.of(family, self.records, chosen) for family in self.families]
 
-    def turned(self, ways: Sequence[FamilyRecord]) -> Turned:
-        """Join what was followed to the record of the test."""
-        joined = one_after_another([way.whole() for way in ways[: self.recorded]])
-        beside = ways[self.recorded].whole() if len(ways) > self.recorded else {}
-        gain, load = ways[0].records["mesh"]["flank"]["gain"], ways[0].records["load"]["force"][:, 0]
-        common = self.families[0]
-        return Turned(common.gear, joined, beside, gain, np.abs(load), common.fidelity.step_angle)
-
 
 def fewest(table: Table) -> int:
     """Return the number of gears from which following a table's gears together is quicker."""
@@ -264,7 +255,7 @@ class _Part:
         cls, common: Common, chosen: np.ndarray, gears: list[SteeringGear], signals: Sequence[str] | None
     ) -> "_Part":
         """Follow the chosen gears over all maneuvers, and describe those found in each."""
-        test, recorded = common.test, common.recorded
+        test, families, recorded = common.test, common.families, common.recorded
         ways = common.followed(chosen)
         kept = np.logical_and.reduce([way.surely_ok() for way in ways])
         rows = common.rows[chosen[kept]]
@@ -272,18 +263,13 @@ class _Part:
             return cls(rows, {}, {}, [], {})
         if not kept.all():
             ways = [way.some(kept) for way in ways]
+        n, gear = int(kept.sum()), families[0].gear
+        joined = one_after_another([way.whole() for way in ways[:recorded]])
+        beside = ways[recorded].whole() if len(ways) > recorded else {}
+        gain, load = ways[0].records["mesh"]["flank"]["gain"], ways[0].records["load"]["force"][:, 0]
+        turned = Turned(gear, joined, beside, gain, np.abs(load), families[0].fidelity.step_angle)
+        metrics = {name: np.broadcast_to(values, n) for name, values in test.metrics(turned).items()}
         own_gears = [gears[i] for i in np.flatnonzero(kept).tolist()]
-        turned = common.turned(ways)
-        metrics = test.metrics(turned)
-        if not (stand := _stand(test, turned, metrics)).all():
-            rows, own_gears = rows[stand], [each for each, kept in zip(own_gears, stand, strict=True) if kept]
-            if not stand.any():
-                return cls(rows, {}, {}, [], {})
-            ways = [way.some(stand) for way in ways]
-            turned = common.turned(ways)
-            metrics = test.metrics(turned)
-        joined = turned.signals
-        metrics = {name: np.broadcast_to(values, len(rows)) for name, values in metrics.items()}
         of_limits = _remarks(own_gears, joined)
         noted = [[*limits, *own] for limits, own in zip(of_limits, test.remarks(turned), strict=True)]
         names = joined if signals is None else [name for name in signals if name in joined]
@@ -295,13 +281,6 @@ class _Part:
             for name in dict.fromkeys(name for own in figures for name in own):
                 metrics[name] = np.array([own.get(name, np.nan) for own in figures])
         return cls(rows, metrics, counters, noted, {name: joined[name] for name in names})
-
-
-def _stand(test: SteadyTest, turned: Turned, metrics: Mapping[str, Any]) -> np.ndarray:
-    """Return whether the record of a gear doubts none of its metrics, (n,); a single run confirms others."""
-    doubts = doubted(lambda signals: test.metrics(replace(turned, signals=signals)), turned.signals, metrics)
-    count = len(turned.gain)
-    return np.logical_and.reduce([np.broadcast_to(each <= 1.0, count) for each in doubts.values()])
 
 
 def _remarks(gears: list[SteeringGear], signals: Signals) -> list[list[Remark]]:

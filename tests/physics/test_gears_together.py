@@ -182,10 +182,6 @@ def test_a_gear_to_learn_from_is_found_where_its_contact_jumps() -> None:
         assert found.summary[name][row] == pytest.approx(alone.summary[name], rel=MEAN)
 
 
-ALL_DOUBTED = 12
-"""Gear whose torque_peak_to_peak half of the instants change by 6 to 8 %: single runs confirm all of them."""
-
-
 @pytest.mark.parametrize("number", [1, 4, 9, 10, 12, 21])
 def test_every_metric_of_random_gears_is_that_of_single_runs(number: int) -> None:
     """Gears of the population with loads and frictions 20 % up and down: each metric that both print, to 1 %;
@@ -204,8 +200,8 @@ def test_every_metric_of_random_gears_is_that_of_single_runs(number: int) -> Non
     paths = [each for each in ("pinion.runout", "mesh.friction", "yoke.preload") if gear.value_at(each)]
     table = {path: gear.value_at(path) * rng.uniform(0.8, 1.2, 24) for path in paths}
     found = rps.batch(scene, gear, table)
-    assert found.in_loop.any() or number == ALL_DOUBTED
-    for row in np.flatnonzero(found.in_loop)[[0, -1] if found.in_loop.any() else []].tolist():
+    assert found.in_loop.any()
+    for row in np.flatnonzero(found.in_loop)[[0, -1]].tolist():
         varied = gear.replace({path: float(column[row]) for path, column in table.items()})
         alone = rps.run(scene, varied, fidelity="quasi-static").summary
         ours = {name: float(each[row]) for name, each in found.summary.items() if np.isfinite(each[row])}
