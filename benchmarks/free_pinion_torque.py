@@ -72,7 +72,7 @@ def row(name: str, results: dict[str, Result]) -> dict[str, Any]:
     return {
         "fidelity": name,
         "mean": summary["torque_mean"],
-        "peak_to_peak": _share(summary, "torque_peak_to_peak"),
+        "peak_to_peak": _over_mean(summary, "torque_peak_to_peak"),
         "losses": {loss: summary[f"loss_share_{loss}"] for loss in LOSSES},
         "distance": torque.rms / torque.mean,
         "cpu_s": result.counters["solver_cpu"],
@@ -82,7 +82,7 @@ def row(name: str, results: dict[str, Result]) -> dict[str, Any]:
     }
 
 
-def _share(summary: Mapping[str, float], name: str) -> float | None:
+def _over_mean(summary: Mapping[str, float], name: str) -> float | None:
     """A metric over the mean torque; None where the run leaves it out."""
     return summary[name] / summary["torque_mean"] if name in summary else None
 

@@ -15,11 +15,12 @@ from benchmarks.measured_fit import FREE, TRUE, WHITE
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.inference.fitting.bench_tests import measurement_of
 from rps_exudyn.inference.fitting.fit import fit
-from rps_exudyn.inference.fitting.fitted import Fit, Verdict
+from rps_exudyn.inference.fitting.fitted import Fit
 from rps_exudyn.inference.fitting.unknowns import CURVED, USUAL
 from rps_exudyn.pages.charts import style
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
+from rps_exudyn.results.judged_row import Verdict
 from rps_exudyn.simulate.run import simulate
 from verification.made_up_curves import measured_curve, with_noise
 

@@ -18,7 +18,7 @@ from rps_exudyn.analysis.passes import passes
 from rps_exudyn.inference.fitting.bench_tests import BenchTest, Measurement, measurement_of
 from rps_exudyn.inference.fitting.fit import fit
 from rps_exudyn.inference.fitting.fitted import Fit
-from rps_exudyn.inference.fitting.identify import logarithmic_slopes
+from rps_exudyn.inference.fitting.identifiability import logarithmic_slopes
 from rps_exudyn.inference.fitting.prediction import formula_means
 from rps_exudyn.inference.fitting.unknowns import LEVEL
 from rps_exudyn.pages.charts import style

@@ -13,7 +13,7 @@ from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.inference.fitting.bench_tests import BenchTest, measurement_of
 from rps_exudyn.inference.fitting.fit import fit
 from rps_exudyn.inference.fitting.fitted import Fit
-from rps_exudyn.inference.fitting.identify import WANTED
+from rps_exudyn.inference.fitting.identifiability import WANTED
 
 DATA = "repeats.json"
 RUNS = (1, 3, 6)

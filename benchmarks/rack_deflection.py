@@ -21,9 +21,9 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import SIGNALS
 from rps_exudyn.scenes.at_rest import OutsideLoads, moved_by_modes
 from rps_exudyn.solvers.balance import SIZE
-from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.prescribed_motion import Steady
 
 FORCE = 98.0  # [N]
 MODEL = Fidelity.preset("quasi-static").replace({"rack": "flexible"})

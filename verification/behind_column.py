@@ -20,9 +20,9 @@ from rps_exudyn.forces.friction import PLACES, TIME
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.scenes.stick_slip import set_off
 from rps_exudyn.solvers.balance import Balance
-from rps_exudyn.solvers.drive import Steady, Swing
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.prescribed_motion import Steady, Swing
 from rps_exudyn.solvers.sliding_stability import reduced_gear
 from rps_exudyn.solvers.steering_column import ColumnModel
 from verification.refined_steps import NotFoundError

@@ -8,8 +8,8 @@ from rps_exudyn.results.outcome import Outcome, Status
 from rps_exudyn.scenes.checks.after_run import validated
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia
+from rps_exudyn.solvers.prescribed_motion import Steady
 from rps_exudyn.solvers.record import record_of_path, signals_of
 from rps_exudyn.solvers.settled_start import settled_path
 

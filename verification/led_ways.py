@@ -12,9 +12,9 @@ import numpy as np
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.checks.before_run import largest_angle
-from rps_exudyn.solvers.drive import Drive, DrivenBody, Steady, travel_per_radian
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, equilibrium_path
 from rps_exudyn.solvers.gear_forces import GearForces
+from rps_exudyn.solvers.prescribed_motion import Drive, DrivenBody, Steady, travel_per_radian
 from verification.refined_steps import NotFoundError
 from verification.stability import ScenePlan
 

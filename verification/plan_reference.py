@@ -30,9 +30,9 @@ from rps_exudyn.scenes.yoke_impact import shaken
 from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.balance import eigenvalues
 from rps_exudyn.solvers.closed_form import GRAVITY
-from rps_exudyn.solvers.drive import Drive, Steady, Swing
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import GearForces, following_inertia, gear_forces
+from rps_exudyn.solvers.prescribed_motion import Drive, Steady, Swing
 from verification.led_ways import (
     Way,
     equilibria_at,

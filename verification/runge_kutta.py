@@ -20,8 +20,8 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.scene_run import Signals
 from rps_exudyn.solvers.balance import SIZE, Balance, slopes
-from rps_exudyn.solvers.drive import Drive, Steady
 from rps_exudyn.solvers.gear_forces import GearForces
+from rps_exudyn.solvers.prescribed_motion import Drive, Steady
 from rps_exudyn.solvers.record import Record, signals_of
 
 

@@ -16,8 +16,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions
-from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.prescribed_motion import Steady
 from rps_exudyn.solvers.settled_start import SteadyApproach, settled_path
 from rps_exudyn.solvers.sliding_stability import PERIODS, masses, reduced_gear
 from rps_exudyn.solvers.steering_column import ColumnModel

@@ -31,7 +31,7 @@ from rps_exudyn.gears.solids import bush_segment_solid
 from rps_exudyn.multibody.bodies import add_chain
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.drive import DrivenBody, Steady, travel_per_radian
+from rps_exudyn.solvers.prescribed_motion import DrivenBody, Steady, travel_per_radian
 from verification.law_area import by_law
 from verification.runge_kutta import FreeMotion
 from verification.stability import bisected

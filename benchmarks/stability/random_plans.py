@@ -35,7 +35,7 @@ from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.simulate.run_plan import run_unchecked
-from rps_exudyn.solvers.operating_gear import operating_gear
+from rps_exudyn.solvers.temperature_and_wear import operating_gear
 from verification.behind_column import settled_figures
 from verification.plan_reference import expected, finer_metrics
 from verification.refined_steps import NotFoundError

@@ -37,9 +37,9 @@ from rps_exudyn.multibody.steering_model import SteeringModel
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.bent_rack import BentBar
-from rps_exudyn.solvers.drive import Drive, Steady
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_model import COLUMNS
+from rps_exudyn.solvers.prescribed_motion import Drive, Steady
 from rps_exudyn.solvers.settled_start import Approach, settled_behind, start_of_motion
 from rps_exudyn.solvers.steering_column import ColumnModel, WheelTorque
 

@@ -12,9 +12,9 @@ from rps_exudyn.multibody.general_contact import GeneralContacts
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.balance import eigenvalues, slopes
-from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import GearForces
+from rps_exudyn.solvers.prescribed_motion import Drive
 from rps_exudyn.solvers.record import Record
 from rps_exudyn.solvers.steering_column import ColumnModel
 

@@ -1,6 +1,6 @@
 """State in which the gear is tested: temperature and wear, and what the materials make of them.
 
-The gear's other parameters hold for a new gear at 20 degC; `solvers.operating_gear` gives those in operation.
+The gear's other parameters hold for a new gear at 20 degC; `solvers.temperature_and_wear` gives the others.
 """
 
 from typing import Literal

@@ -5,8 +5,8 @@ One way over `test.turns`, there and back, or lock to lock and back (`test.path`
 
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.confirmation import run_and_confirm
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
+from rps_exudyn.scenes.metric_confirmation import run_and_confirm
 from rps_exudyn.scenes.metrics import figures_of_turning
 from rps_exudyn.scenes.remarks import remarks, unresolved_peaks
 from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest

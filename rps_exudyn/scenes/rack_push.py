@@ -10,8 +10,8 @@ from rps_exudyn.analysis.passes import largest, number_of, passes, spread
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.confirmation import run_and_confirm
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
+from rps_exudyn.scenes.metric_confirmation import run_and_confirm
 from rps_exudyn.scenes.metrics import figures_of_motion, without
 from rps_exudyn.scenes.remarks import remarks, unresolved_peaks
 from rps_exudyn.scenes.scene import RunOptions, Scene, SteadyTest, Turned

@@ -17,7 +17,7 @@ from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.solvers.drive import Steady
+from rps_exudyn.solvers.prescribed_motion import Steady
 
 STEPS = 10  # from no force to the largest
 WAYS = {"y": ("up", "down"), "z": ("side", "other_side")}  # of the force along each axis: its plus, its minus

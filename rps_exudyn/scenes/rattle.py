@@ -24,7 +24,7 @@ from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.solvers.drive import Steady
+from rps_exudyn.solvers.prescribed_motion import Steady
 
 WIDEST_ZONE = 0.1  # of friction; narrower ones only ask for shorter steps, and are widened
 STEPS_PER_SWING = 7  # of the plunger between seat and yokenut, the fastest motion: figures to 1 %

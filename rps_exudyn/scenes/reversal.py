@@ -6,8 +6,8 @@ Steering is fastest, at the test's speed, where it passes the middle; it stands 
 from rps_exudyn.analysis.hysteresis import describe_reversal
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.confirmation import run_swing
 from rps_exudyn.scenes.maneuver import swing_maneuver
+from rps_exudyn.scenes.metric_confirmation import run_swing
 from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.remarks import remarks, wide_zone
 from rps_exudyn.scenes.scene import RunOptions, Scene, swept_revolutions

@@ -9,8 +9,8 @@ vibration of the gear behind it as well.
 from rps_exudyn.analysis.wheel_metrics import describe_feel
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.scenes.confirmation import run_swing
 from rps_exudyn.scenes.maneuver import YIELDING, swing_maneuver
+from rps_exudyn.scenes.metric_confirmation import run_swing
 from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.remarks import remarks, wide_zone
 from rps_exudyn.scenes.reversal import WIDEST_ZONE

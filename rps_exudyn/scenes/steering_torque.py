@@ -17,8 +17,8 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import check_travel
-from rps_exudyn.scenes.confirmation import run_and_confirm, run_swing
 from rps_exudyn.scenes.maneuver import Maneuver
+from rps_exudyn.scenes.metric_confirmation import run_and_confirm, run_swing
 from rps_exudyn.scenes.metrics import figures_of_motion
 from rps_exudyn.scenes.remarks import remarks, wide_zone
 from rps_exudyn.scenes.scene import RunOptions, Scene

@@ -19,13 +19,13 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import check_travel
-from rps_exudyn.scenes.confirmation import run_and_confirm
 from rps_exudyn.scenes.maneuver import Maneuver
+from rps_exudyn.scenes.metric_confirmation import run_and_confirm
 from rps_exudyn.scenes.metrics import balance
 from rps_exudyn.scenes.remarks import wide_zone
 from rps_exudyn.scenes.scene import RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
-from rps_exudyn.solvers.drive import Steady
+from rps_exudyn.solvers.prescribed_motion import Steady
 
 WIDEST_ZONE = 0.1  # peak and impulse to 0.1 %; narrower ones only ask for shorter steps, and are widened
 STEPS_PER_SWING = 20  # of the plunger between seat and yokenut, the fastest motion: forces to 0.1 %

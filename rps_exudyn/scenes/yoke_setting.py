@@ -19,9 +19,9 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Code, Remark
 from rps_exudyn.scenes.checks.before_run import largest_angle
-from rps_exudyn.scenes.confirmation import run_and_confirm
 from rps_exudyn.scenes.free_pinion_torque import SCENE as FREE_PINION_TORQUE
 from rps_exudyn.scenes.maneuver import maneuvers_of_test
+from rps_exudyn.scenes.metric_confirmation import run_and_confirm
 from rps_exudyn.scenes.metrics import figures_of_turning
 from rps_exudyn.scenes.remarks import remarks
 from rps_exudyn.scenes.scene import RunOptions, Scene

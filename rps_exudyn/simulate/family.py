@@ -30,7 +30,6 @@ from rps_exudyn.scenes.checks.needs_finer import MEAN, PEAK, ROLLING, force_size
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.run_maneuver import CLOSED
 from rps_exudyn.scenes.scene_run import Signals
-from rps_exudyn.solvers.drive import Steady, travel_per_radian
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.many_gears import (
     PITCH,
@@ -44,6 +43,7 @@ from rps_exudyn.solvers.many_gears import (
     Z,
     packed,
 )
+from rps_exudyn.solvers.prescribed_motion import Steady, travel_per_radian
 from rps_exudyn.solvers.record import instant_signals, integrated, repeated
 from rps_exudyn.solvers.settled_start import settled_path
 

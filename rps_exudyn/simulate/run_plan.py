@@ -19,7 +19,7 @@ from rps_exudyn.scenes.checks.before_run import breaches
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.solvers.operating_gear import operating_gear
+from rps_exudyn.solvers.temperature_and_wear import operating_gear
 
 
 def run_unchecked(

@@ -25,7 +25,7 @@ from rps_exudyn.scenes.scene import SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
 from rps_exudyn.simulate.family import Family, FamilyRecord, is_alike
 from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
-from rps_exudyn.solvers.operating_gear import operating_gear
+from rps_exudyn.solvers.temperature_and_wear import operating_gear
 
 FEWEST = 2  # gears for each that is followed to learn from: with fewer single runs are quicker
 AT_ONCE = 100_000  # instants of gears whose signals are held at once

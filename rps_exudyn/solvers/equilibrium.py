@@ -23,9 +23,9 @@ from rps_exudyn.forces.force_element import COORDINATE_BLOCKS, PINION, PLUNGER, 
 from rps_exudyn.forces.friction import TIME, reset
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import SIZE, Balance
-from rps_exudyn.solvers.drive import Drive, Steady, travel_per_radian
 from rps_exudyn.solvers.follower import NO_COLUMN, RIGID, add_column_to, follow
 from rps_exudyn.solvers.gear_model import OUTPUTS
+from rps_exudyn.solvers.prescribed_motion import Drive, Steady, travel_per_radian
 from rps_exudyn.solvers.rescue import JUMP, Settling, beginning, search
 from rps_exudyn.solvers.settling import SETTLING_STEPS, TOLERANCE, TYPICAL_APPROACH
 from rps_exudyn.solvers.steering_column import BehindColumn, ColumnModel, WheelTorque

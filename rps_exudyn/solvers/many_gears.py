@@ -20,10 +20,10 @@ from rps_exudyn.gears.geometry_report import check_gear
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.solvers.closed_form import GRAVITY
-from rps_exudyn.solvers.drive import DrivenBody
 from rps_exudyn.solvers.follower import ACCEPT, NO_COLUMN, RIGID, follow
 from rps_exudyn.solvers.gear_forces import GearForces, gear_forces
 from rps_exudyn.solvers.gear_model import GEAR, OUTPUTS
+from rps_exudyn.solvers.prescribed_motion import DrivenBody
 from rps_exudyn.solvers.record import Record
 from rps_exudyn.solvers.settling import CLOSE, TYPICAL_APPROACH, find_approach
 

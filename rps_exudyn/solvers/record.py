@@ -23,10 +23,10 @@ from rps_exudyn.forces.force_element import (
 )
 from rps_exudyn.forces.friction import PLACES, TIME
 from rps_exudyn.solvers.bent_rack import ALONG_BAR, ON_BAR, BentBar
-from rps_exudyn.solvers.drive import OVERCOME, Drive, DrivenBody
 from rps_exudyn.solvers.equilibrium import SETTLED, EquilibriumPath, Start
 from rps_exudyn.solvers.gear_forces import GearForces
 from rps_exudyn.solvers.gear_model import COLUMNS
+from rps_exudyn.solvers.prescribed_motion import OVERCOME, Drive, DrivenBody
 from rps_exudyn.solvers.steering_column import (
     ColumnModel,
     TyreSpring,

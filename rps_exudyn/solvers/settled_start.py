@@ -15,8 +15,8 @@ import numpy as np
 from rps_exudyn.forces.force_element import COORDINATE_BLOCKS
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS, Balance
-from rps_exudyn.solvers.drive import Drive
 from rps_exudyn.solvers.equilibrium import EquilibriumPath, Start, equilibrium_path
+from rps_exudyn.solvers.prescribed_motion import Drive
 from rps_exudyn.solvers.steering_column import ColumnModel, pinion_at_start
 
 DISTANCES = (1, 2, 4, 8, 16, 32)  # tooth pitches before the start at which equilibria begin

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.drive import Drive, SetOff, Steady
+from rps_exudyn.solvers.prescribed_motion import Drive, SetOff, Steady
 
 if TYPE_CHECKING:
     from rps_exudyn.solvers.record import Record

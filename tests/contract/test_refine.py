@@ -5,7 +5,7 @@ import pytest
 
 from rps_exudyn.results.outcome import Code, Outcome, Status
 from rps_exudyn.results.quantities import SUMMARY
-from rps_exudyn.scenes.confirmation import confirmed, every_second
+from rps_exudyn.scenes.metric_confirmation import confirmed, every_second
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene_run import SceneRun
 

@@ -9,7 +9,7 @@ import rps_exudyn as rps
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.yoke import seat_wedge_factor
 from rps_exudyn.solvers.closed_form import closed_form, mean_state
-from rps_exudyn.solvers.operating_gear import (
+from rps_exudyn.solvers.temperature_and_wear import (
     clearance_per_kelvin,
     operating_gear,
     viscosity,

@@ -10,9 +10,9 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
-from rps_exudyn.solvers.drive import Steady, Swing
 from rps_exudyn.solvers.equilibrium import EquilibriumPath
 from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.prescribed_motion import Steady, Swing
 from rps_exudyn.solvers.record import record_of_path
 from verification.law_area import by_law
 from verification.runs import STEPS_AS_GIVEN, run_scene

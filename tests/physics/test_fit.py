@@ -27,7 +27,7 @@ from rps_exudyn.inference.fitting.bench_tests import BenchTest, measurement_of
 from rps_exudyn.inference.fitting.findings import fit_as_dict, open_sentences
 from rps_exudyn.inference.fitting.fit import fit
 from rps_exudyn.inference.fitting.fitted import Estimate, Fit, shape_claims, with_others
-from rps_exudyn.inference.fitting.identify import LevelData, advice_of, more_runs
+from rps_exudyn.inference.fitting.identifiability import LevelData, advice_of, more_runs
 from rps_exudyn.inference.fitting.nonlinear import OtherEnd
 from rps_exudyn.inference.fitting.series import read_series, write_series
 from rps_exudyn.inference.fitting.unknowns import LEVEL, NUISANCES, USUAL

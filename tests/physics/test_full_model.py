@@ -19,10 +19,10 @@ from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.simulate.run import run
 from rps_exudyn.solvers.closed_form import closed_form, torque_per_preload
-from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
 from rps_exudyn.solvers.gear_model import COLUMNS
+from rps_exudyn.solvers.prescribed_motion import Steady
 from rps_exudyn.solvers.record import contact_disagreement
 from verification.law_area import by_law
 

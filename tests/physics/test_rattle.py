@@ -14,7 +14,7 @@ from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.maneuver import Maneuver
 from rps_exudyn.scenes.rattle import GrowingForce, threshold
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.solvers.drive import Steady
+from rps_exudyn.solvers.prescribed_motion import Steady
 
 GEAR = SteeringGear()
 PERIOD, MASS = 0.05, 0.06

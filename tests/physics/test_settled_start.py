@@ -12,9 +12,9 @@ from rps_exudyn.results.outcome import Code, Status
 from rps_exudyn.scenes.checks.after_run import start_forgotten
 from rps_exudyn.scenes.maneuver import maneuvers_of_test, swing_maneuver
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
-from rps_exudyn.solvers.drive import Swing
 from rps_exudyn.solvers.equilibrium import SETTLED, Start, equilibrium_path, starting_guess, steady_rates
 from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.prescribed_motion import Swing
 from rps_exudyn.solvers.rescue import Settling
 from rps_exudyn.solvers.settled_start import settled_path, settled_start, start_of_motion
 from rps_exudyn.solvers.settling import TOLERANCE, differences

@@ -19,8 +19,8 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.result import Result
 from rps_exudyn.scenes.stick_slip import predictions
-from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.prescribed_motion import Steady
 from rps_exudyn.solvers.sliding_stability import (
     masses,
     one_inertia_damping,

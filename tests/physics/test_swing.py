@@ -8,8 +8,8 @@ from rps_exudyn.analysis.curve import lag
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.result import Result
-from rps_exudyn.scenes.confirmation import unclosed
 from rps_exudyn.scenes.maneuver import swing_maneuver
+from rps_exudyn.scenes.metric_confirmation import unclosed
 from rps_exudyn.simulate.run_plan import run_unchecked
 from rps_exudyn.solvers.closed_form import closed_form
 from verification.stability import ScenePlan

@@ -19,9 +19,9 @@ from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.quantities import GEOMETRY
 from rps_exudyn.simulate.run import run
-from rps_exudyn.solvers.drive import Steady
 from rps_exudyn.solvers.equilibrium import equilibrium_path
 from rps_exudyn.solvers.gear_forces import gear_forces
+from rps_exudyn.solvers.prescribed_motion import Steady
 
 GEAR = SteeringGear()
 TOY = Fidelity.preset("full").replace({"profile_samples": 10, "axial_samples": 8, "step_angle": "0.5 deg"})

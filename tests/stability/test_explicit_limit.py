@@ -15,7 +15,7 @@ from benchmarks.stability.stable_step import (
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.parameters.fidelity import Fidelity
 from rps_exudyn.parameters.gear import SteeringGear
-from rps_exudyn.solvers.drive import Steady
+from rps_exudyn.solvers.prescribed_motion import Steady
 from verification.law_area import by_law
 from verification.runge_kutta import FreeMotion
 

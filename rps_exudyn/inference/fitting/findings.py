@@ -9,7 +9,7 @@ from rps_exudyn.base import units
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.inference.fitting.bench_tests import BenchTest
 from rps_exudyn.inference.fitting.fitted import Estimate, Fit
-from rps_exudyn.inference.fitting.identify import MOST_RUNS, NARROWED, SEPARATING, WANTED
+from rps_exudyn.inference.fitting.identifiability import MOST_RUNS, NARROWED, SEPARATING, WANTED
 from rps_exudyn.inference.fitting.level import LevelEstimate
 from rps_exudyn.inference.fitting.unknowns import LEVEL, declared
 from rps_exudyn.results.judged_row import Verdict

@@ -7,7 +7,7 @@ from time import process_time
 import numpy as np
 
 from rps_exudyn.inference.fitting.diagnosis import Refusal, notes, refusals
-from rps_exudyn.inference.fitting.identify import (
+from rps_exudyn.inference.fitting.identifiability import (
     NARROWED,
     WANTED,
     Advice,

@@ -25,7 +25,7 @@ from rps_exudyn.scenes.maneuver import steady_maneuver
 from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.simulate.cases.run_cases import CaseRunner, Task
 from rps_exudyn.solvers.closed_form import GRAVITY, mean_state, pushing_force
-from rps_exudyn.solvers.drive import DrivenBody
+from rps_exudyn.solvers.prescribed_motion import DrivenBody
 
 TURN = 2 * np.pi
 SEEN = 4e-6  # of a runout, that changes means by a percent of what 20 um do [m]

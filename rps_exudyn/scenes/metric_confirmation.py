@@ -23,7 +23,7 @@ from rps_exudyn.scenes.run_maneuver import run_maneuver
 from rps_exudyn.scenes.scene import RunOptions
 from rps_exudyn.scenes.scene_run import SceneRun, Signals
 from rps_exudyn.solvers.balance import CHARACTERISTIC_LENGTHS
-from rps_exudyn.solvers.drive import Swing
+from rps_exudyn.solvers.prescribed_motion import Swing
 from rps_exudyn.solvers.record import COORDINATES
 from rps_exudyn.solvers.steering_column import WheelTorque
 
