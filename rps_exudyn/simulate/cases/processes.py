@@ -75,7 +75,7 @@ class _Worker:
     def write(self, frames: bytes) -> None:
         """Write to its standard input."""
         assert self.process.stdin
-        with contextlib.suppress(OSError):  # it has just died, which its reader reports
+        with contextlib.suppress(OSError, ValueError):  # it died, which its reader reports, or was ended
             self.process.stdin.write(frames)
             self.process.stdin.flush()
 
