@@ -35,7 +35,7 @@ from rps_exudyn.results.quantities import SUMMARY
 from rps_exudyn.scenes import scene_named
 from rps_exudyn.scenes.checks.before_run import refused
 from rps_exudyn.simulate.run_plan import run_unchecked
-from rps_exudyn.solvers.temperature_and_wear import operating_gear
+from rps_exudyn.solvers.temperature_and_wear import tested_gear
 from verification.behind_column import settled_figures
 from verification.plan_reference import expected, finer_metrics
 from verification.refined_steps import NotFoundError
@@ -106,7 +106,7 @@ def outcome_of(number: int, done: Callable[[dict[str, Any]], None] = lambda foun
     plan = plan_of(number)
     start = process_time()
     try:
-        tested = replace(plan, gear=operating.gear) if (operating := operating_gear(plan.gear)) else plan
+        tested = replace(plan, gear=tested_gear(plan.gear))
     except InputError as error:
         return {"status": "input-error", "message": str(error)}
     refusal = "; ".join(refused(tested.gear, plan.fidelity, steady=scene_named(plan.scene).steady))

@@ -29,6 +29,7 @@ from rps_exudyn.simulate.by_accuracy import Choice, beyond_in_run, choose, perce
 from rps_exudyn.simulate.cases.run_cases import Task
 from rps_exudyn.simulate.cases.time_limit import TimeLimit
 from rps_exudyn.simulate.run_plan import run_unchecked, run_with_fallback
+from rps_exudyn.solvers.temperature_and_wear import tested_gear
 
 
 def run(
@@ -108,7 +109,7 @@ def simulate(
         return isolated_run(scene, gear, chosen, time_limit, robust=robust)
     if robust:
         return run_with_fallback(scene, gear, chosen)
-    if not (sentences := refused(gear, chosen, steady=scene_named(scene).steady)):
+    if not (sentences := refused(tested_gear(gear), chosen, steady=scene_named(scene).steady)):
         return run_unchecked(scene, gear, chosen)
     message = "; ".join(sentences)
     return replace(

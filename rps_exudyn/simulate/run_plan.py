@@ -19,7 +19,7 @@ from rps_exudyn.scenes.checks.before_run import breaches
 from rps_exudyn.scenes.refine import refine
 from rps_exudyn.scenes.scene import DEFAULT_OPTIONS, RunOptions, Scene
 from rps_exudyn.scenes.scene_run import SceneRun
-from rps_exudyn.solvers.temperature_and_wear import operating_gear
+from rps_exudyn.solvers.temperature_and_wear import operating_gear, tested_gear
 
 
 def run_unchecked(
@@ -71,7 +71,7 @@ def run_with_fallback(scene: str, gear: SteeringGear, fidelity: Fidelity) -> Res
     Raises:
         InputError: a gear that cannot exist, or a test that it does not allow.
     """
-    safer = list(_safer(scene_named(scene), gear, fidelity))
+    safer = list(_safer(scene_named(scene), tested_gear(gear), fidelity))
 
     def tried(changes: Changes) -> Result:
         return run_unchecked(scene, gear, fidelity.replace(changes) if changes else fidelity)
@@ -109,10 +109,8 @@ def _safer(scene: Scene, gear: SteeringGear, fidelity: Fidelity) -> Iterator[Cha
 def _reported(result: Result, tries: list[dict[str, Any]]) -> Result:
     """The result with its tries, and with a message if the plan was not the one given."""
     findings, codes = {**result.findings, "tries": tries}, result.codes
-    last, failures = (
-        tries[-1],
-        [f"{_shown(each)}: {each['status']} ({each['message']})" for each in tries[:-1]],
-    )
+    last = tries[-1]
+    failures = [f"{_shown(each)}: {each['status']} ({each['message']})" for each in tries[:-1]]
     if not failures and not last["changed"]:
         message = result.message
     elif result.status is Status.OK:

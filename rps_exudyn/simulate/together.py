@@ -25,7 +25,7 @@ from rps_exudyn.scenes.scene import SteadyTest, Turned
 from rps_exudyn.scenes.scene_run import Signals, one_after_another
 from rps_exudyn.simulate.family import Family, FamilyRecord, is_alike
 from rps_exudyn.solvers.many_gears import RUNOUT, RUNOUT_ANGLE, Table, packed, packed_table
-from rps_exudyn.solvers.temperature_and_wear import operating_gear
+from rps_exudyn.solvers.temperature_and_wear import is_new
 
 FEWEST = 2  # gears for each that is followed to learn from: with fewer single runs are quicker
 AT_ONCE = 100_000  # instants of gears whose signals are held at once
@@ -59,7 +59,7 @@ def unsupported_reason(scene: str, gear: SteeringGear, fidelity: Fidelity, value
         "scene": scene_named(scene).test is None,
         "fidelity": same != usual,
         "parts": bool(parts),
-        "conditions": operating_gear(gear) is not None,
+        "conditions": not is_new(gear),
         "friction": any(getattr(gear, part).facts.has_state for part in RUBBING_PARTS),
     }
     if reason := next((name for name, holds in reasons.items() if holds), ""):

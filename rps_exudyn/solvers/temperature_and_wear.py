@@ -90,11 +90,10 @@ def operating_gear(gear: SteeringGear) -> OperatingGear | None:
     Raises:
         InputError: conditions for which a law does not hold, or that leave no preload.
     """
-    conditions = gear.conditions
-    warmer = conditions.temperature - REFERENCE_TEMPERATURE
-    if not (warmer or conditions.steering_cycles or gear.grease.base_oil != "none"):
+    if is_new(gear):
         return None
-    yoke, bush = gear.yoke, gear.bush
+    conditions, yoke, bush = gear.conditions, gear.yoke, gear.bush
+    warmer = conditions.temperature - REFERENCE_TEMPERATURE
     moved = warmer * clearance_per_kelvin(gear)
     preload = yoke.preload * (1 - SPRING_SOFTENING * warmer) - yoke.spring_rate * moved
     if preload < 0:
@@ -117,6 +116,23 @@ def operating_gear(gear: SteeringGear) -> OperatingGear | None:
         "gear in operation",
     )
     return OperatingGear(in_operation, worn)
+
+
+def is_new(gear: SteeringGear) -> bool:
+    """Return whether a gear is new, at 20 degC and without a base oil, so that its parameters hold as they
+    are."""
+    conditions = gear.conditions
+    usual = conditions.temperature == REFERENCE_TEMPERATURE and not conditions.steering_cycles
+    return usual and gear.grease.base_oil == "none"
+
+
+def tested_gear(gear: SteeringGear) -> SteeringGear:
+    """Return the gear that a scene tests: in operation, or itself where it is new.
+
+    Raises:
+        InputError: as of `operating_gear`.
+    """
+    return in_operation.gear if (in_operation := operating_gear(gear)) else gear
 
 
 def clearance_per_kelvin(gear: SteeringGear) -> float:

@@ -8,6 +8,7 @@ import pytest
 import rps_exudyn as rps
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.yoke import seat_wedge_factor
+from rps_exudyn.scenes.checks.before_run import Breach
 from rps_exudyn.solvers.closed_form import closed_form, mean_state
 from rps_exudyn.solvers.temperature_and_wear import (
     clearance_per_kelvin,
@@ -120,6 +121,23 @@ def test_wear_over_cycles_is_in_proportion_at_first() -> None:
         for n in (1e3, 2e3)
     ]
     assert closings[1] / closings[0] == pytest.approx(2.0, rel=1e-4)
+
+
+@pytest.mark.parametrize("robust", [False, True])
+def test_checks_before_a_run_look_at_the_gear_in_operation(
+    robust: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A limit that the preload of a new gear keeps may be exceeded in the cold, and the other way about."""
+    looked_at = []
+
+    def breaches(gear: rps.SteeringGear, *_: object, **__: object) -> list[Breach]:
+        looked_at.append(gear.yoke.preload)
+        return []
+
+    monkeypatch.setattr("rps_exudyn.scenes.checks.before_run.breaches", breaches)
+    monkeypatch.setattr("rps_exudyn.simulate.run_plan.breaches", breaches)
+    rps.run("free-pinion-torque", at("-40 degC"), fidelity="closed-form", robust=robust)
+    assert looked_at == [pytest.approx(306.2, rel=1e-3)]
 
 
 def test_formulas_refuse_a_viscous_drag_at_changing_speed() -> None:
