@@ -241,7 +241,7 @@ class Secant:
         T + (dF - T x) (W x)' / (x' W x),        W = |diag T|
 
     (C. G. Broyden, Math. Comp. 19 (1965), 577, in coordinates scaled by their own stiffnesses): with that one
-    against which forces resist most, and only if they resist more than the tangent says.
+    against which forces resist most, and only if they resist more than by the tangent.
     """
 
     def __init__(self) -> None:

@@ -123,7 +123,7 @@ class Record:
 
     @cached_property
     def slip_rates(self) -> np.ndarray:
-        """Rates with which contacts slip (n, .): the means over the steps where friction remembers."""
+        """Rates with which contacts slip (n, .): the means over the steps where friction has a state."""
         if self.begun is None:
             return self.rates
         before = self.begun[:, PLACES : PLACES + self.coordinates.shape[1]]

@@ -31,7 +31,7 @@ SPRING_SOFTENING = 2.9e-4  # of the spring's shear modulus [1/K]
 STEEL_EXPANSION = 11.5e-6  # of pinion and rack [1/K]
 POM_MODULUS = np.array([[233.15, 3450e6], [296.15, 3250e6], [373.15, 700e6]])  # T [K], E [Pa]
 OIL_DENSITY = 850.0  # [kg/m^3]
-LARGEST_SHEAR = 0.2e6  # stress up to which oil flows as its viscosity says [Pa]
+LARGEST_SHEAR = 0.2e6  # stress up to which the viscosity holds [Pa]
 
 
 class Oil(NamedTuple):

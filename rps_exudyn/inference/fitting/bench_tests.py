@@ -120,7 +120,6 @@ class Measurement:
     names: tuple[str, ...]  # of the files, by their number
     assumed: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()  # rows of the files that no pass has, and why
-    late: tuple[str, ...] = ()  # files whose torque follows a turn late
 
     @property
     def tests(self) -> list[BenchTest]:

@@ -38,24 +38,21 @@ class Refusal:
 
 def refusals(problem: Problem, levels: LevelFit) -> list[Refusal]:
     """Return what contradicts the model: the data as a whole, and the load tests."""
-    found = []
-    for probability, name, what in (
-        (_data_probability(levels), "chi-squared", "levels of the tests contradict each other"),
+    checks = (
+        (_data_probability(levels), UNLIKELY, "chi-squared", "levels of the tests contradict each other"),
         (
             _load_probability(problem, levels),
+            BY_CHANCE,
             "weights",
             "half the difference under weights changes with the weight where no flank lifts: friction "
             "depends on the load, or the runs differ by more than is declared",
         ),
-    ):
-        limit = UNLIKELY if name == "chi-squared" else BY_CHANCE
-        if probability < limit:
-            found.append(
-                Refusal(
-                    name, f"nothing is called found: {what} (probability {probability:.2g}, limit {limit:g})"
-                )
-            )
-    return found
+    )
+    return [
+        Refusal(name, f"nothing is called found: {what} (probability {probability:.2g}, limit {limit:g})")
+        for probability, limit, name, what in checks
+        if probability < limit
+    ]
 
 
 def _data_probability(levels: LevelFit) -> float:
@@ -117,7 +114,6 @@ def notes(problem: Problem, gear: SteeringGear) -> Iterator[str]:
         yield "no test was run twice: how much runs differ is declared, not known from these data"
     for each in levels:
         yield from notes_of(each, gear)
-    yield from measurement.late
     yield from mixed_speeds(measurement, float(GearPair.of(gear).gain))
 
 

@@ -118,7 +118,7 @@ def sum_sentence(fit: Fit) -> str:
 
 
 def open_sentences(fit: Fit) -> Iterator[str]:
-    """What these tests leave open, and which tests or how many repeats would tell it."""
+    """What these tests leave open, and which tests or how many repeats would determine it."""
     if said := runout_sentence(fit):
         yield said
     yield from _apart_sentences(fit)
@@ -137,12 +137,12 @@ def _apart_sentences(fit: Fit) -> Iterator[str]:
     for each in fit.combinations:
         yield f"the product {each.words} is known to {100 * each.sd:.2g} % (standard deviation)"
     if fit.advice and fit.advice.tests:
-        told = {path: sd for path, sd in fit.advice.reached.items() if sd < NARROWED * LEVEL[path].sd}
-        reached = ", ".join(f"{path} to {100 * sd:.2g} %" for path, sd in told.items())
-        still = [path for path in SEPARATING if path not in told]
+        determined = {path: sd for path, sd in fit.advice.reached.items() if sd < NARROWED * LEVEL[path].sd}
+        reached = ", ".join(f"{path} to {100 * sd:.2g} %" for path, sd in determined.items())
+        still = [path for path in SEPARATING if path not in determined]
         rest = f", and leaves {', '.join(still)} to repeats or to what is known of others" if still else ""
         tests = ", ".join(map(test_words, fit.advice.tests))
-        yield f"to separate them: {tests}; that tells {reached}{rest}"
+        yield f"to separate them: {tests}; that determines {reached}{rest}"
 
 
 def repeats_sentence(fit: Fit) -> str:
@@ -165,7 +165,7 @@ def test_words(test: BenchTest) -> str:
 
 
 def verdict_sentence(each: Estimate) -> str:
-    """What the fit says of one parameter."""
+    """The verdict on one parameter, in words."""
     if each.verdict is Verdict.MAYBE_ZERO:
         most = max(abs(end) for end in each.interval)
         return f"not different from zero (at most {shown(each.path, most)})"

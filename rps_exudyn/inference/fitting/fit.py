@@ -45,7 +45,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.scenes.checks.before_run import largest_angle
 from rps_exudyn.simulate.cases.run_cases import CaseRunner
 
-LEAST_TURN = 0.8  # of a turn, that a curve must cover to tell of the runout
+LEAST_TURN = 0.8  # of a turn, that a curve must cover to show the runout
 OTHER_LAW = {"line": "teeth", "teeth": "line", "area": "line"}
 
 
@@ -68,7 +68,7 @@ def fit(
         gear: what is known of it; the expected values of all priors unless `priors` has others.
         free: parameters that are fitted, of `unknowns.FREEABLE`.
         priors: path -> (expected value, standard deviation), SI.
-        columns: quantity -> "TITLE [unit]" of files whose header does not tell.
+        columns: quantity -> "TITLE [unit]" of files whose header does not state it.
         other_law: fit by another contact law as well, whose difference is added to the intervals.
         like: the fit of another gear of the series, or what it left: with the same tests and free
             parameters, its end and its slopes are where this fit begins.
@@ -113,10 +113,10 @@ def fit(
 
 
 def _tellable(measurement: Measurement, gear: SteeringGear, free: list[str]) -> tuple[list[str], list[str]]:
-    """The freed parameters of which curves of this length can tell, and what is said about the others.
+    """The freed parameters that curves of this length determine, and remarks on the others.
 
     Raises:
-        InputError: curves too short to tell anything.
+        InputError: curves too short for any parameter.
     """
     turning = [each for each in measurement.passes if each.test.of_kind.by_angle]
     pitch = TURN / gear.pinion.teeth
@@ -168,7 +168,7 @@ def _problem(
 
 
 def _ended(problem: Problem, gear: SteeringGear, before: Series | None, believed: bool) -> Ended:
-    """Fit the levels, and before them the shape where a bow or an angle error is freed; `believed` says that
+    """Fit the levels, and before them the shape where a bow or an angle error is freed; `believed`: whether
     an own prior of the runout counts.
 
     Raises:
@@ -263,7 +263,7 @@ def _runout_in(problem: Problem, u: np.ndarray, gear: SteeringGear) -> np.ndarra
 
 
 def _by_other_law(ended: Ended, gear: SteeringGear) -> tuple[np.ndarray, list[str]]:
-    """How far another contact law moves the unknowns, and what is said if that cannot be told."""
+    """How far another contact law moves the unknowns, and a remark if that is unknown."""
     law, problem, shape = OTHER_LAW[gear.mesh.law], ended.problem, ended.shape
     other, by_law, said = gear.replace({"mesh.law": law}), np.zeros(len(ended.problem.unknowns)), []
     own = [j for j, each in enumerate(problem.unknowns) if each.is_level]

@@ -38,7 +38,7 @@ from rps_exudyn.inference.fitting.unknowns import (
 from rps_exudyn.parameters.gear import SteeringGear
 from rps_exudyn.results.judged_row import JudgedRow, Verdict
 
-UNMOVED = 0.97  # of the prior's deviation: what is left of it where the data say nothing
+UNMOVED = 0.97  # of the prior's deviation: what is left of it where the data determine nothing
 
 
 def undetermined(sd: float, before: float) -> Verdict:
@@ -165,11 +165,11 @@ class Fit:
 
     @property
     def found(self) -> list[str]:
-        """Parameters that the data tell by themselves."""
+        """Parameters that the data determine by themselves."""
         return [each.path for each in self.estimates if each.verdict in (Verdict.FOUND, Verdict.NOT_ZERO)]
 
 
-# --- What the shape of curves tells: runout and bow by size and direction, and the angle error
+# --- What the shape of curves determines: runout and bow by size and direction, and the angle error
 
 SURE_SHAPE = 5.991  # chi squared of two components, 95 %
 AS_GOOD = 3.84  # of chi squared, within which another end belongs to the 95 % interval
@@ -184,7 +184,7 @@ BY_HAND = "the bar between centres under a dial gauge shows its bow"
 def shape_estimates(
     problem: Problem, u: np.ndarray, covariance: np.ndarray, by_law: np.ndarray, quantile: float
 ) -> list[Estimate]:
-    """Return what the shape tells of bow and angle error."""
+    """Return the estimates of bow and angle error by the shape."""
     found = []
     for j, unknown in enumerate(problem.unknowns):
         if unknown.path == "pinion.runout":
@@ -250,7 +250,7 @@ def unexplained(problem: Problem, shape: Solved | None) -> str:
     """Return what is to be said of a fit with bow or angle error that does not explain its curves' shape:
     then bow, angle error and runout may be those of a wrong end, which has small errors of its own.
 
-    Noise that keeps its sign over some degrees looks the same; three runs or a dial gauge tell.
+    Noise that keeps its sign over some degrees looks the same; three runs or a dial gauge decide.
     """
     if shape is None:
         return ""
@@ -278,7 +278,7 @@ def in_doubt(each: Estimate) -> Estimate:
 def shape_sentences(
     problem: Problem, estimates: Sequence[Estimate], covariance: np.ndarray, others: Sequence[OtherEnd]
 ) -> Iterator[str]:
-    """What the shape cannot tell apart, and which test would tell."""
+    """What the shape cannot separate, and which test would."""
     for other in others:
         size, angle = 1e3 * other.settings["rack.bow"], np.degrees(other.settings["rack.bow_angle"])
         yield (
@@ -448,7 +448,7 @@ def _covariance(ended: Ended) -> tuple[list[str], np.ndarray]:
 
 
 def level_data(problem: Problem, fitted: SteeringGear) -> LevelData:
-    """Return what the levels tell of all level parameters and nuisances, whether they are freed or not."""
+    """Return what the levels determine of all level parameters and nuisances, freed or not."""
     paths, rows = (*LEVEL, *NUISANCES), problem.rows
     by_test = {test: logarithmic_slopes(fitted, test, paths) for test in dict.fromkeys(rows.tests)}
     slopes = np.array([way @ by_test[test] for test, way in zip(rows.tests, rows.ways, strict=True)])
@@ -456,7 +456,7 @@ def level_data(problem: Problem, fitted: SteeringGear) -> LevelData:
 
 
 def _more_runs(problem: Problem, levels: LevelFit, estimates: Sequence[Estimate]) -> MoreRuns | None:
-    """What repeats of several tests would reach, where they tell preload and friction at all."""
+    """What repeats of several tests would reach, where they determine preload and friction at all."""
     known = (Verdict.FOUND, Verdict.BY_PRIOR)
     halves = {
         each.path: (each.interval[1] - each.interval[0]) / 2 / each.value
@@ -609,7 +609,7 @@ def _warnings(ended: Ended, estimates: Sequence[Estimate]) -> Iterator[str]:
         yield "the angle's offset is known but for whole tooth pitches: no runout separates them"
 
 
-# --- What the shape of a free torque would claim to tell of the level's parameters, were the contact law true
+# --- What the shape of a free torque would determine of the level's parameters, were the contact law true
 #
 # The fit does not use it (`problem`): data of one law fitted by another would move preload and friction by a
 # fifth, with intervals of a few percent. It is worth seeing how sure a fit that trusts the shape would be.

@@ -1,6 +1,6 @@
-"""What the means of all tests determine: single parameters, combinations, and which test would tell more.
+"""What the means of all tests determine: single parameters, combinations, and the test that would help.
 
-What the data tell of each parameter alone is its standard deviation with very weak beliefs about all
+What the data determine of each parameter by itself is its standard deviation with very weak beliefs about all
 others, and with the nuisances as they are declared. What is narrowed with the help of the declared deviations
 of others follows from them, and is named so.
 """
@@ -30,7 +30,7 @@ SEPARATING = ("yoke.preload", "mesh.friction")
 
 @dataclass(frozen=True, eq=False)
 class LevelData:
-    """What means tell of the logarithms of all level parameters, whether they are freed or not, and of the
+    """What means determine of the logarithms of all level parameters, freed or not, and of the
     nuisances."""
 
     paths: tuple[str, ...]  # nuisances last
@@ -106,7 +106,7 @@ def combination_of(paths: Sequence[str], posterior: np.ndarray, prior_sd: np.nda
 
 @dataclass(frozen=True)
 class Advice:
-    """Tests that would tell apart what is not, and how well."""
+    """Tests that would separate what is not separated, and how well."""
 
     tests: tuple[BenchTest, ...]
     reached: dict[str, float]  # path -> relative standard deviation after them

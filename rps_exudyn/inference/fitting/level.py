@@ -297,7 +297,7 @@ def _functional(parts: Parts, span: float, orders: Sequence[float]) -> np.ndarra
 
 
 def _limited(columns: np.ndarray, angle: np.ndarray, span: float, orders: Sequence[float]) -> np.ndarray:
-    """The columns with as many waves as the parts can tell beside noise."""
+    """The columns with as many waves as the parts can show beside noise."""
     for kept in range(len(orders), -1, -1):
         effects = np.hstack([columns, waves(angle, span, orders[:kept])])
         if angle.size >= 2 * effects.shape[1] or not kept:
@@ -476,7 +476,7 @@ def _students(freedom: float) -> float:
 
 @dataclass(frozen=True)
 class Runout:
-    """What the half sum says of the runout: P e as it is measured, and e = P e / P [m].
+    """The runout by the half sum: P e as it is measured, and e = P e / P [m].
 
     Where it is not found, both intervals begin at zero.
     """

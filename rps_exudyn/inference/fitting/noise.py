@@ -225,7 +225,7 @@ def _solved(regression: Regression, tilted: bool) -> _Solved:
 
 @dataclass(frozen=True, eq=False)
 class AveragedLaw:
-    """The noise of half sums and half differences: weights of all laws of the grid, and what each says.
+    """The noise of half sums and half differences: weights of all laws of the grid, and the estimate by each.
 
     Cells are laws times tilts, tilts last. Half differences have a slope of their own and need no tilt.
     """

@@ -223,7 +223,7 @@ def _named(problem: Problem, best: Solved, ends: list[Solved]) -> list[OtherEnd]
 # --- A fit with a bow or an angle error: first the shape of the curves, then their level
 #
 # The ripple of an angle error depends on preload and friction as well. So the shape is fitted with all
-# unknowns, and what it says of preload and friction is left out again (`problem`): it widens the intervals of
+# unknowns, and its part in preload and friction is left out again (`problem`): it widens the intervals of
 # bow and angle error, and the level's parameters are fitted to the levels, with bow and angle error held.
 
 

@@ -32,7 +32,7 @@ SEEN = 4e-6  # of a runout, that changes means by a percent of what 20 um do [m]
 
 
 class NoPredictionError(Exception):
-    """Raised where the simulation of a gear fails; its text says why."""
+    """Raised where the simulation of a gear fails; its text is the cause."""
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
-"""What the data say of the unknowns: levels of tests, and where a bow or an angle error is fitted, shapes.
+"""Data against unknowns: levels of tests, and where a bow or an angle error is fitted, shapes of curves.
 
-Every test gives half the difference of both directions, which tells of friction, and half their sum, which
-tells of weights and of the sensor's zero (`level`). What remains of a curve (`shape`) would separate preload
-from friction only as well as the contact law is true, which it is not (docs/measured-curves.md): it counts
-for bow and angle error alone.
+Every test gives half the difference of both directions, which depends on friction, and half their sum, which
+depends on weights and on the sensor's zero (`level`). What remains of a curve (`shape`) would separate
+preload from friction only as well as the contact law is true, which it is not (docs/measured-curves.md): it
+counts for bow and angle error alone.
 """
 
 from collections.abc import Sequence
@@ -141,7 +141,7 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class PassRows:
-    """What the shape of one pass says at a state."""
+    """Residual and slopes of the shape of one pass at a state."""
 
     deviation: np.ndarray  # measured minus model, without the mean, shape (n,)
     weights: np.ndarray  # of the points, at most 1, shape (n,)
@@ -182,7 +182,7 @@ def linearised(problem: Problem, state: State) -> Linearised:
 
 
 def pass_rows(problem: Problem, state: State, number: int) -> PassRows:
-    """Return what the shape of one pass says at a state."""
+    """Return residual and slopes of the shape of one pass at a state."""
     measured = problem.measurement.passes[number]
     block, at = problem.block_of(number)
     values = problem.prediction.part(at, state.values)

@@ -74,7 +74,7 @@ class Unknown:
 
     @property
     def is_level(self) -> bool:
-        """Return whether it sets the level of the torque, which the shape is not trusted to tell."""
+        """Return whether it sets the level of the torque, for which the shape is not trusted."""
         return self.path in LEVEL
 
     @property

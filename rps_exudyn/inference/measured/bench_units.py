@@ -42,7 +42,7 @@ GERMAN_DEGREE = "grad"  # in English a gon
 def unit_size(unit: str, si_unit: str, german: bool = False) -> float | None:
     """Return the size of a unit in `si_unit`; None if it is none, or none that is certain.
 
-    `german` says that the column has a German name: Grad is a degree there.
+    `german` is true where the column has a German name: Grad is a degree there.
     """
     if is_never_unit(unit):
         return None

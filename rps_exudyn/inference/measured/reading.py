@@ -176,7 +176,7 @@ def _values(
 
 
 def _absent(cells: Sequence[str], values: np.ndarray) -> np.ndarray:
-    """Which cells of a column hold no value, shape (n,): they say so, or are a mark for it.
+    """Which cells of a column hold no value, shape (n,): by a word or a mark for it.
 
     A mark is a number of nothing but nines, far beyond all others. `values` are NaN where a cell is no
     number.
@@ -193,7 +193,7 @@ def _check_text(
     path: str | Path, layout: Layout, row: Row, cells: list[str], known: np.ndarray, within: bool
 ) -> None:
     """Refuse a row that is no numbers where the curve would be another one: `within` it, or numbers that are
-    written otherwise at its end. `known` says which cells are numbers, shape (columns,).
+    written otherwise at its end. `known` marks the cells that are numbers, shape (columns,).
 
     Raises:
         InputError: it does.

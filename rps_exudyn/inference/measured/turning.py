@@ -1,4 +1,4 @@
-"""The angle of an encoder that counts one turn only, and records whose angle does not tell the direction."""
+"""The angle of an encoder that counts one turn only, and records whose angle does not show the direction."""
 
 import re
 

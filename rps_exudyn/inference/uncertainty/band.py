@@ -39,7 +39,7 @@ from rps_exudyn.simulate.run import simulate
 
 LEAST_OK = 8  # samples with a number, for quantiles
 FEWEST, MOST = LEAST_OK, 100_000  # samples that may be asked for
-LEFT_OUT = ("energy_residual",)  # figures that say nothing about the gear
+LEFT_OUT = ("energy_residual",)  # figures that are no property of the gear
 OnProgress = Callable[[int, int], None]
 """Called with the number of samples that are done, and of all."""
 

@@ -25,7 +25,7 @@ from rps_exudyn.parameters.gear import SteeringGear
 class Input:
     """A distribution of one parameter.
 
-    `about` says what it is a distribution of: the `value` itself, a `factor` on the gear's own value, a
+    `about` names what it is a distribution of: the `value` itself, a `factor` on the gear's own value, a
     `shift` added to it, or the value of a gear that has none of its own, which by default is an `error` of 0.
     """
 

@@ -26,7 +26,7 @@ class Samples:
 
     @classmethod
     def drawn(cls, inputs: Mapping[str, Distribution], count: int, seed: int) -> "Samples":
-        """Draw a Latin hypercube: even in each input, and independent enough to tell inputs apart."""
+        """Draw a Latin hypercube: even in each input, and independent enough to separate the inputs."""
         from scipy.stats import qmc  # loads in a second
 
         points = qmc.LatinHypercube(len(inputs), rng=np.random.default_rng(seed)).random(count)
