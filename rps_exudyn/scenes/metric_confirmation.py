@@ -59,11 +59,8 @@ def run_and_confirm(
         return run_maneuver(gear, fidelity, finer, options)
 
     shakes = maneuvers[0].is_steady and fidelity.solver != "equilibrium" and gear.test.speed > SLOW
-    run, most = (
-        first or run_maneuver(gear, fidelity, maneuvers, options),
-        most_finer(fidelity, options),
-    )
-    return confirmed(run, metrics, made, figure, most=most, always=always or shakes)
+    run = first or run_maneuver(gear, fidelity, maneuvers, options)
+    return confirmed(run, metrics, made, figure, most=most_finer(fidelity, options), always=always or shakes)
 
 
 def most_finer(fidelity: Fidelity, options: RunOptions) -> int:
@@ -261,17 +258,22 @@ def run_swing(
     return confirmed(run, metrics, made, figure, most=most_finer(fidelity, options), always=True)
 
 
+def _from_earlier(
+    gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions, before: Sequence[int]
+) -> tuple[Callable[[SceneRun | None, int], SceneRun], list[Maneuver]]:
+    """Return a swing from 0 and more cycles before as `refine` makes it, and its maneuvers."""
+    maneuvers = [maneuver, *(maneuver.begun_earlier(cycles) for cycles in before)]
+    return lambda _, times: run_maneuver(gear, fidelity, maneuvers[times], options), maneuvers
+
+
 def _settled(
     gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, options: RunOptions
 ) -> tuple[SceneRun, Maneuver]:
     """Return a swing of the rig whose first cycle closes, and its maneuver; invalid if it never does."""
     before = CYCLES_BEFORE.get(fidelity.solver, ())
-    maneuvers = [maneuver, *(maneuver.begun_earlier(cycles) for cycles in before)]
+    made, maneuvers = _from_earlier(gear, fidelity, maneuver, options, before)
     refined = refine(
-        run_maneuver(gear, fidelity, maneuver, options=options),
-        lambda _, times: run_maneuver(gear, fidelity, maneuvers[times], options=options),
-        len(before),
-        asks=lambda run: run.ok and unclosed(run.signals, maneuver) > 1,
+        made(None, 0), made, len(before), asks=lambda run: run.ok and unclosed(run.signals, maneuver) > 1
     )
     run, settled = refined.finest, maneuvers[refined.times]
     if before and run.ok and (beyond := unclosed(run.signals, maneuver)) > 1:
@@ -296,7 +298,7 @@ def _settled_under_torque(
 
     A check that an early cycle fails, a later one may pass; a swing that goes on failing ends so.
     """
-    maneuvers = [maneuver, *(maneuver.begun_earlier(cycles) for cycles in CYCLES_UNDER_TORQUE)]
+    made, maneuvers = _from_earlier(gear, fidelity, maneuver, options, CYCLES_UNDER_TORQUE)
     tried: list[SceneRun] = []
 
     def asks(run: SceneRun) -> bool:
@@ -305,8 +307,8 @@ def _settled_under_torque(
         return finished and (run.ok or len(tried) <= TRIES_OF_INVALID)
 
     refined = refine(
-        run_maneuver(gear, fidelity, maneuver, options=options),
-        lambda _, times: run_maneuver(gear, fidelity, maneuvers[times], options=options),
+        made(None, 0),
+        made,
         len(CYCLES_UNDER_TORQUE),
         asks=asks,
         change=lambda run, later: figure_changes(metrics, figure, run, later),

@@ -22,6 +22,11 @@ if TYPE_CHECKING:
 
 MOST_METRICS = 3  # of a scene
 MOST_ROWS = 6  # with title and files a sheet has 8 lines
+MEANS = (
+    "torque_mean",
+    "torque_mean_forward",
+    "torque_mean_backward",
+)  # with the law's error
 REMARK = "remark"
 LONGEST = 110  # letters of a remark
 LEAST_SHARE = 0.005  # of the work lost, below which a part is not named
@@ -77,11 +82,11 @@ def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
     law = law_error(result.gear, result.fidelity) if result.status is Status.OK else None
     for name in names[:MOST_METRICS]:
         quantity, value = SUMMARY[name], summary[name]
-        known = law is not None and name in ("torque_mean", "torque_mean_forward", "torque_mean_backward")
-        error = law.largest * abs(value) if law is not None and known else None
         words = LABELS.get(name, quantity.long_name)
-        if error is not None and band is None:
-            words += f" (±: error of contact law {law.law})" if law is not None else ""
+        error: float | None = None
+        if law is not None and name in MEANS:
+            error = law.largest * abs(value)
+            words += f" (±: error of contact law {law.law})" if band is None else ""
         if band is not None and name in band.figures:
             found = band.figures[name]
             low, high = rounded(quantity, found.low), rounded(quantity, found.high)
