@@ -4,7 +4,6 @@ from collections import Counter
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.assessment.validation.compared_rows import compare_rows
