@@ -56,8 +56,10 @@ class Recorder:
         return self
 
     def rewind(self, time: float) -> float:
-        """Drop the steps that end after a time [s], make the last one left, or the model's start, the system's
-        initial state, and return its time."""
+        """Drop the steps that end after a time [s].
+
+        The last one left, or the model's start, becomes the system's initial state; return its time.
+        """
         from exudyn import ConfigurationType
 
         left = [step for step in self.steps if step.time <= time]
