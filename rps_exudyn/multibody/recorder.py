@@ -68,8 +68,8 @@ class Recorder:
         self.steps = left
         coordinates, rates = (left[-1].coordinates, left[-1].rates) if left else self._start
         system, initial = self.model.mbs.systemData, ConfigurationType.Initial
-        system.SetODE2Coordinates(coordinates, initial)
-        system.SetODE2Coordinates_t(rates, initial)
+        system.SetODE2Coordinates(coordinates.tolist(), initial)
+        system.SetODE2Coordinates_t(rates.tolist(), initial)
         return self.reached
 
     def _keep(self, mbs: Any, t: float) -> bool:

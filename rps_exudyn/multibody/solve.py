@@ -96,8 +96,8 @@ def solve_one_after_another(
             continue
         reached = outcomes[-1].time_reached
         divisions = divisions + 1 if reached <= shortened_to else 1
-        cured = rewind is not None and RESTARTED.issuperset(outcomes[-1].codes)
-        if not cured or restarts == MOST_RESTARTS or divisions > MOST_DIVISIONS:
+        hopeless = restarts == MOST_RESTARTS or divisions > MOST_DIVISIONS
+        if rewind is None or hopeless or not RESTARTED.issuperset(outcomes[-1].codes):
             break
         restarts += 1
         step = next(each for each in plans if reached <= each.end_time * (1 + 1e-9)).step
