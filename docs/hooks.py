@@ -65,6 +65,9 @@ def _formula(text: str, tag: str) -> str:
 
     drawn, size = BytesIO(), 100  # points: sizes are whole numbers
     text = text.replace(r"\frac", r"\dfrac") if tag == "div" else text
+    text = re.sub(
+        r"(?<=[\w}])\s+(?=\\(?:sin|cos|tan|max|min)\b)", r"\\,", text
+    )  # a thin space before a function
     font = FontProperties(size=size, math_fontfamily="cm")
     depth = math_to_image(f"${' '.join(text.split())}$", drawn, font, dpi=72, format="svg", color="#010101")
     svg = drawn.getvalue().decode()
