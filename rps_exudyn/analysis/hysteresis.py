@@ -17,8 +17,8 @@ MIDDLE = 0.5  # fraction of the common angles, about their middle, over which lo
 
 
 def describe_reversal(signals: Signals, gain: float = 0.0) -> dict[str, float]:
-    """The summary's figures of reversals; {} without any, the area only if the record returns to an angle, the
-    angle of lost motion only with the rack's travel per radian `gain` [m]."""
+    """The summary's figures of reversals; {} without any, the area only if the record returns to an angle,
+    the angle of lost motion only with the rack's travel per radian `gain` [m]."""
     runs = passes(signals)
     if len(runs) < 2:
         return {}

@@ -1,19 +1,19 @@
 """The supported pinion: its shaft on two bearings in a housing that yields, with axial float between stops.
 
-Coordinates u of the shaft's axis where it crosses the middle of the mesh: displacements along e, Y and k of the
-pinion's frame, small rotations about e and Y. At the station z of a bearing the axis is displaced by
+Coordinates u of the shaft's axis where it crosses the middle of the mesh: displacements along e, Y and k of
+the pinion's frame, small rotations about e and Y. At the station z of a bearing the axis is displaced by
 
     d = (u_e + z u_tilt_Y, u_Y - z u_tilt_e)
 
-and with the radial clearance c/2 the bearing presses with K (|d| - c/2)+ against d; axially likewise with half
-the float. The shaft needs no coordinates: each overhang is a cantilever off the rigid toothed part of
+and with the radial clearance c/2 the bearing presses with K (|d| - c/2)+ against d; axially likewise with
+half the float. The shaft needs no coordinates: each overhang is a cantilever off the rigid toothed part of
 half-length h, in series with its bearing,
 
     1/K = 1/k + (l - h)^3 / (3 E I) + (l - h) / (kappa G A),        l = |z|, kappa = 0.886 of a round section,
 
 which is exact for two bearings and loads on the toothed part (Timoshenko's beam). The housing's seat, of the
-compliance C at the mesh, stands in series too: the pinion's place is p = u + C f(u), and forces m on the pinion
-are balanced where m = f. By virtual work they act on u with (1 + C f'), so that no work is lost.
+compliance C at the mesh, stands in series too: the pinion's place is p = u + C f(u), and forces m on the
+pinion are balanced where m = f. By virtual work they act on u with (1 + C f'), so that no work is lost.
 
 Within clearance and float, where nothing holds the shaft, a spring of `CENTRING` does.
 """
@@ -27,7 +27,7 @@ from rps_exudyn.base.compiled import inline, record, record_type
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.base.units import mm
 from rps_exudyn.forces.force_element import FRICTION_STATE, Part
-from rps_exudyn.forces.friction import LAW, PLAIN, Patches, law_of, slide, slide_slopes
+from rps_exudyn.forces.friction import LAW, Patches, constant_law, slide, slide_slopes
 from rps_exudyn.forces.rigid_motion import fill_rotation, turn_of
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.tooth_stiffness import POISSON_RATIO, YOUNGS_MODULUS
@@ -48,8 +48,8 @@ SUPPORT = record_type(
         ("station", "f8", (2,)),  # of upper and lower bearing along k [m]
         ("stiffness", "f8", (2,)),  # of bearing and shaft in series [N/m]
         ("clearance", "f8", (2,)),  # radial, half the diametral one [m]
-        # of a force on the input shaft: what it bends the shaft by at the upper bearing, along e and Y [m], and
-        # itself on the pinion's place
+        # of a force on the input shaft: what it bends the shaft by at the upper bearing, along e and Y [m],
+        # and itself on the pinion's place
         ("bent", "f8", (2,)),
         ("pressed", "f8", (SIZE,)),
         ("axial_stiffness", "f8"),  # [N/m]
@@ -283,8 +283,8 @@ class ShaftLoad:
         support["pressed"] = np.concatenate([self.force, tilting])
 
     def end(self, support: np.record, u: np.ndarray) -> tuple[np.ndarray, float]:
-        """Return the displacement of the end along e, Y and k (3,) [m], and the energy [J] that the shaft stores
-        beside that of the supports at u (5,)."""
+        """Return the displacement of the end along e, Y and k (3,) [m], and the energy [J] that the shaft
+        stores beside that of the supports at u (5,)."""
         self.on(support)
         z, across = support.station[0], self.force[:2]
         d = np.array([u[0] + z * u[4], u[1] - z * u[3]]) + support.bent
@@ -352,7 +352,6 @@ def support_record(gear: SteeringGear, patches: Patches) -> np.record:
             f"{mm(bearing.lower_position)}; the bearings of a supported pinion must stand beside its teeth, "
             f"{mm(pinion.face_width / 2)} and more from the middle of the mesh."
         )
-    sticks = gear.bearing.replace({"friction_law": "bristle"})
     return record(
         SUPPORT,
         frame=pair.pinion_frame.T,
@@ -366,7 +365,7 @@ def support_record(gear: SteeringGear, patches: Patches) -> np.record:
         half_float=pinion.axial_float / 2,
         friction=pinion.axial_friction,
         seat=seat_compliance(gear),
-        law=law_of(sticks, patches, pinion.axial_friction) if pinion.axial_friction else PLAIN,
+        law=constant_law(patches, pinion.axial_friction, bearing.bristle_travel),
     )
 
 

@@ -61,8 +61,8 @@ def _polar_moment(pair: GearPair, form: FlankForm, shaft: float, length: float) 
 
 
 def pinion_on_supports(gear: SteeringGear) -> np.ndarray:
-    """Return the mass matrix of the pinion along e, Y and k and about e and Y, its axis in the middle of the mesh
-    (5, 5) [kg, kg m, kg m^2]; that its mass centre turns with a runout is left out."""
+    """Return the mass matrix of the pinion along e, Y and k and about e and Y, of its axis in the middle of
+    the mesh (5, 5) [kg, kg m, kg m^2]; that its mass centre turns with a runout is left out."""
     solid = pinion_solid(gear).mass_properties
     m, z = solid.mass, float(solid.centre_of_mass[2])
     mass = np.diag([m, m, m, solid.inertia[0, 0] + m * z * z, solid.inertia[1, 1] + m * z * z])

@@ -99,8 +99,8 @@ def _add_plunger(model: SteeringModel, axis: list[float]) -> None:
 
 
 def _add_generic(model: SteeringModel, name: str, columns: slice) -> None:
-    """Add the node of the rack's modes of bending, or of the pinion's supports, which start in these columns of
-    the start's coordinates; the object of the gear's forces has their masses."""
+    """Add the node of the rack's modes of bending, or of the pinion's supports, which start in these columns
+    of the start's coordinates; the object of the gear's forces has their masses."""
     from exudyn.itemInterface import NodeGenericODE2
 
     place, rate = (rows[0, columns] for rows in (model.start.coordinates, model.start.rates))

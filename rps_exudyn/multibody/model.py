@@ -7,8 +7,8 @@
 
 Bodies and their joints, in the housing frame of `gears.gear_pair`:
 
-    pinion    turns about its axis k (ObjectRotationalMass1D: its revolute joint is built in); on supports it has
-              five more coordinates (NodeGenericODE2)
+    pinion    turns about its axis k (ObjectRotationalMass1D: its revolute joint is built in); on supports it
+              has five more coordinates (NodeGenericODE2)
     rack      free rigid body; reference point on the bar's axis above the pitch point
     plunger   slides along Y (ObjectMass1D: its translational joint is built in)
     yokenut   locked to the housing

@@ -335,8 +335,8 @@ _SUMMARY = {
     "impact_contact_share": _ratio("share of the time with contact between plunger and yokenut"),
     "impact_force_rms": _force("root mean square of yokenut_force over the record"),
     "input_shaft_play_radial": _deflection(
-        "input shaft play: displacement of the shaft's end between test.shaft_force one way and the other, along "
-        "e or Y, the larger"
+        "input shaft play: displacement of the shaft's end between test.shaft_force one way and the other, "
+        "along e or Y, the larger"
     ),
     "input_shaft_play_axial": _deflection(
         "the same along the shaft between test.shaft_axial_force one way and the other"
@@ -418,8 +418,8 @@ _MEANS = {
     "torque_forward", "torque_reverse", "free_torque", "push_force_mean", "feel_running_torque",
 }  # fmt: skip
 _OF_CYCLES = {
-    "hysteresis_area", "lost_motion", "lost_motion_angle", "torque_jump", "reversal_angle", "feel_area", "feel_running_torque",
-    "feel_angle_hysteresis", "on_centre_stiffness", "angle_dead_band", "torque_dead_band",
+    "hysteresis_area", "lost_motion", "lost_motion_angle", "torque_jump", "reversal_angle", "feel_area",
+    "feel_running_torque", "feel_angle_hysteresis", "on_centre_stiffness", "angle_dead_band", "torque_dead_band",
     "steering_gradient", "breakaway_torque", "breakaway_ratio",
 }  # fmt: skip
 _NOT_FROM_STEPS = {

@@ -36,8 +36,8 @@ LOOSE = ("by-scene", "free", "flexible")  # models of a rack that yields across 
 
 @dataclass(frozen=True, eq=False)
 class OutsideLoads:
-    """Loads one after the other: a torque on the pinion, a force across the rack's end beside it, a force on the
-    input shaft of a supported pinion."""
+    """Loads one after the other: a torque on the pinion, a force across the rack's end beside it, a force on
+    the input shaft of a supported pinion."""
 
     torque: np.ndarray  # (n,) in the sense of the pinion angle [N m]
     end_force: np.ndarray  # (n, 2) along Y and Z [N]
@@ -63,9 +63,11 @@ class OutsideLoads:
         """Instants of the loads [s]."""
         return PAUSE * np.arange(len(self.torque))
 
-    def generalised(self, place: float, bent: np.ndarray, behind: int = 0) -> Callable[[np.ndarray], np.ndarray]:
-        """Forces on the coordinates over time, shape (t, 8 + m + behind): the force acts at `place` on the bar
-        [m]; that on the input shaft is left to the supports, `behind` coordinates.
+    def generalised(
+        self, place: float, bent: np.ndarray, behind: int = 0
+    ) -> Callable[[np.ndarray], np.ndarray]:
+        """Forces on the coordinates over time, shape (t, 8 + m + behind): the force acts at `place` on the
+        bar [m]; that on the input shaft is left to the supports, `behind` coordinates.
 
         `bent` (2, m) is how far unit modes move that place along Y and Z. Turns of the rack, at most a
         milliradian, leave the force's lever alone.

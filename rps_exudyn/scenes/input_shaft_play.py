@@ -1,9 +1,10 @@
 """Input shaft play: forces on the end of the pinion's shaft; how far it gives way.
 
-A mechanic presses the end of the input shaft to and fro across its axis, then along it, and reads a gauge there.
-The scene does so with `test.shaft_force` along Y and across Y, and with `test.shaft_axial_force` along the shaft;
-the pinion is held against rotation, the rack is free to follow. What gives way are the clearances and the float,
-the bearings, the shaft between and beyond them, the housing's seat, and the mesh with the yoke behind it.
+A mechanic presses the end of the input shaft to and fro across its axis, then along it, and reads a gauge
+there. The scene does so with `test.shaft_force` along Y and across Y, and with `test.shaft_axial_force` along
+the shaft; the pinion is held against rotation, the rack is free to follow. What gives way are the clearances
+and the float, the bearings, the shaft between and beyond them, the housing's seat, and the mesh with the yoke
+behind it.
 """
 
 import numpy as np
@@ -75,4 +76,5 @@ SCENE = Scene(
     at_rest=True,
     revolutions=None,
     at_test_speed=False,
+    unpromised=lambda gear: "it has loads in steps of its own, which no setting changes",
 )

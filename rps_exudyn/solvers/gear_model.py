@@ -2,8 +2,8 @@
 
 Coordinates are stacked [pinion (about k), rack (6), plunger]. Behind them stand the modes of a rack that
 bends (`bent_rack`), or the last segment (6) of a bush that is a chain; and last of all those of the supports
-(5) of a pinion that has some (`forces.pinion_support`). The constants of a gear are a record `GEAR`, one of an
-array, so that many gears differ by their place in it; `pool` holds what has no fixed size, and `work` is a
+(5) of a pinion that has some (`forces.pinion_support`). The constants of a gear are a record `GEAR`, one of
+an array, so that many gears differ by their place in it; `pool` holds what has no fixed size, and `work` is a
 record `WORK` that no evaluation of a gear with a rigid pinion needs to allocate.
 
     law(q, v, gears, g, pool, works, factor_q, factor_v, total, tangent)
