@@ -14,28 +14,6 @@ from verification.work_precision import power_law
 
 TORQUE = "free-pinion-torque"
 LIMITS = "limits.json"
-WANTED = (1.0, 0.3, 0.1, 0.02, 0.01)
-"""Errors for which the cheapest model is shown [%]."""
-
-CHOICES = (
-    "quasi-static, line",
-    "quasi-static, teeth",
-    "quasi-static, bending rack",
-    "quasi-static, Stribeck",
-    "quasi-static, bristles",
-    "quasi-static, four bristles",
-    "loop over gears, line",
-    "quasi-static",
-    "flank, line",
-    "flank, teeth",
-    "flank, bending rack",
-    "flank, Stribeck",
-    "flank, bristles",
-    "flank, four bristles",
-    "flank",
-    "general contact",
-    "explicit",
-)
 DEFAULT_STRIPS = "strips 4"
 MODELS = {
     "general_contact": ("spheres 10", "spheres 27", "spheres 54"),
@@ -99,22 +77,6 @@ def cheapest(points: Iterable[Point], family: str, error: float) -> Point | None
     return min(keeps, key=lambda point: point.cost, default=None)
 
 
-def cheapest_table(folder: Path) -> str:
-    """The cheapest model of each family that keeps an error; each model stands at its strictest error."""
-    points = load_measurement(folder / f"{TORQUE}.h5").points
-    strictest: dict[str, tuple[float, Point]] = {}
-    for wanted in WANTED:
-        for family in CHOICES:
-            best = cheapest(points, family, wanted)
-            if best is not None:
-                strictest[f"{family} {best.label}"] = wanted, best
-    rows = [
-        (f"{wanted:g} %", best.family, best.label, f"{best.error:.2g} %", _time(best.cost))
-        for wanted, best in sorted(strictest.values(), key=lambda pair: (-pair[0], pair[1].cost))
-    ]
-    return markdown(("you want", "family", "settings", "error", "CPU time per revolution"), rows)
-
-
 def _time(seconds: float) -> str:
     return f"{digits(1e3 * seconds)} ms" if seconds < 1 else f"{digits(seconds)} s"
 
@@ -151,16 +113,6 @@ def failures_table(folder: Path) -> str:
         for status, found in kinds.items()
     ]
     return markdown(("outcome", "points", "families", "for instance"), rows)
-
-
-def references_table(folder: Path) -> str:
-    """Largest differences of the methods behind each reference."""
-    rows = [
-        (each.scene, pair, f"{difference:.2g} %")
-        for each in measured(folder)
-        for pair, difference in [max(each.reference.differences.items(), key=lambda item: item[1])]
-    ]
-    return markdown(("scene", "methods that differ most", "RMS, of the mean"), rows)
 
 
 def orders_table(folder: Path) -> str:
@@ -228,10 +180,8 @@ SCALING_HEAD = ("size", "range", "CPU s", "exponent")
 
 TABLES = {
     "models": models_table,
-    "cheapest": cheapest_table,
     "accuracy_scenes": scenes_table,
     "failures": failures_table,
-    "references": references_table,
     "orders": orders_table,
     "explicit_solvers": explicit_table,
     "facets": facets_table,

@@ -45,7 +45,6 @@ def test_a_stopped_measurement_is_shown(stopped: Measurement, tmp_path: Path) ->
     stopped.orders = fitted_orders(stopped)
     stopped.save(tmp_path / "free-pinion-torque.h5")
     assert "| no-convergence | 1 | quasi-static | <no equilibrium> |" in TABLES["failures"](tmp_path)
-    assert "one - another" in TABLES["references"](tmp_path)
     assert "joined by lines | 2 | 2 | 3 |" in TABLES["orders"](tmp_path)
 
 
