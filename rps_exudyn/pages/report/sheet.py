@@ -27,7 +27,7 @@ MEANS = (
     "torque_mean_forward",
     "torque_mean_backward",
 )  # with the law's error
-REMARK = "remark"
+REMARK, WORK_LOST = "remark", "work lost"
 LONGEST = 110  # letters of a remark
 LEAST_SHARE = 0.005  # of the work lost, below which a part is not named
 NEGLIGIBLE = 1e-5  # of the unit that is shown: rounding errors of the solver
@@ -94,11 +94,16 @@ def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
         yield Row(rounded(quantity, value, error), words)
 
 
-def _losses(result: Result) -> Iterable[Row]:
+def loss_shares(result: Result) -> dict[str, float]:
+    """Parts where work is lost -> share of all work lost, as far as it is not negligible."""
     shares = {part: result.summary.get(f"loss_share_{part}", 0.0) for part in PARTS}
-    known = {PARTS[part]: share for part, share in shares.items() if share >= LEAST_SHARE}
-    if known:
-        yield Row("work lost", ", ".join(f"{name} {100 * share:.0f} %" for name, share in known.items()))
+    return {part: share for part, share in shares.items() if share >= LEAST_SHARE}
+
+
+def _losses(result: Result) -> Iterable[Row]:
+    if shares := loss_shares(result):
+        text = ", ".join(f"{PARTS[part]} {100 * share:.0f} %" for part, share in shares.items())
+        yield Row(WORK_LOST, text)
 
 
 def _measured(result: Result, compared: "Sequence[AgainstMeasured] | None") -> Iterable[Row]:
