@@ -152,7 +152,8 @@ def test_texts_stand_out_from_the_page(browser: sync_api.Browser, report: Path, 
             return 0.2126 * r + 0.7152 * g + 0.0722 * b;
           };
           const ground = light(getComputedStyle(document.body).backgroundColor);
-          return [...document.querySelectorAll("h1, h2, p.lead, dt, dd, .label, .label b, small, summary")].map((one) => {
+          const texts = document.querySelectorAll("h1, h2, p.lead, dt, dd, .label, .label b, small, summary");
+          return [...texts].map((one) => {
             const ink = light(getComputedStyle(one).color);
             return (Math.max(ink, ground) + 0.05) / (Math.min(ink, ground) + 0.05);
           });

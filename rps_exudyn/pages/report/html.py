@@ -1,4 +1,4 @@
-"""From articles to one HTML page without fonts or requests; its policy lets page.js and the viewer's script run."""
+"""From articles to one HTML page without fonts or requests; its policy names the scripts that run."""
 
 import base64
 import hashlib

@@ -1,4 +1,4 @@
-"""Judged rows on scales, for checks and validations: a mark, the number, its band, and the range asked for."""
+"""Judged rows of checks and validations on scales: mark, number, band, and the range that is asked for."""
 
 from collections.abc import Callable, Sequence
 from math import inf, isfinite
@@ -47,7 +47,7 @@ def judgement(
     """
     limits = [each for each in ends if isfinite(each)]
     known = [each for each in (row.value, row.low, row.high, *limits) if isfinite(each)]
-    low, high = _scale(known, is_close_up=len(limits) > 1)
+    low, high = _scale(known, is_close_up=len(set(limits)) > 1)
 
     def at(value: float) -> float:
         return 100 * (min(max(value, low), high) - low) / (high - low)

@@ -33,6 +33,9 @@ LEAST_SHARE = 0.005  # of the work lost, below which a part is not named
 NEGLIGIBLE = 1e-5  # of the unit that is shown: rounding errors of the solver
 SMALLER = {"N*m": ("N*mm", 1e3), "J": ("mJ", 1e3), "N*s": ("mN*s", 1e3), "mm": ("um", 1e3)}
 """Display unit -> a smaller one, and how many of it are one of the other."""
+LARGER = {"N/m": ("N/um", 1e-6), "N/m^2": ("N/mm/um", 1e-9)}
+"""The same for large numbers."""
+MOST_SHOWN = 1e5  # in a unit that has a larger one
 
 
 @dataclass(frozen=True)
@@ -161,6 +164,8 @@ def rounded(quantity: Quantity, value: float, error: float | None = None) -> str
         return f"{size:.{digits}f} ± {either:.{digits}f} {pretty(unit)}".replace("-", "−").strip()
     if 0 < abs(size) < 1e-2 and unit in SMALLER:
         unit, size = SMALLER[unit][0], size * SMALLER[unit][1]
+    if abs(size) > MOST_SHOWN and unit in LARGER:
+        unit, size = LARGER[unit][0], size * LARGER[unit][1]
     digits = 3 if abs(size) >= 100 else 2
     places = max(0, digits - 1 - floor(log10(abs(size)))) if size else 0
     return f"{float(f'{size:.{digits}g}'):.{places}f} {pretty(unit)}".replace("-", "−").strip()
