@@ -39,7 +39,7 @@ def check(
         out: the sheet as a file (.json).
     """
     from rps_exudyn.assessment.requirements.limits import read_limits
-    from rps_exudyn.assessment.requirements.sheet import judge
+    from rps_exudyn.assessment.requirements.sheet import judge, law_of_sheet
     from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
     from rps_exudyn.simulate.cases.run_cases import checked_jobs
 
@@ -59,11 +59,11 @@ def check(
 
         sheet = list(judge(chosen, drawn, asked, torque, on_progress=report, jobs=processes))
     if out is not None:
-        write_json(out, _as_dict(sheet))
+        write_json(out, _as_dict(sheet, law_of_sheet(chosen)))
     if json:
-        print_json(_as_dict(sheet))
+        print_json(_as_dict(sheet, law_of_sheet(chosen)))
     else:
-        _print(sheet, torque, out)
+        _print(sheet, torque, law_of_sheet(chosen), out)
     return DONE if all(each.verdict == "pass" for each in sheet) else FAILED
 
 
@@ -72,7 +72,7 @@ def _known(value: float) -> float | None:
     return None if isnan(value) else value
 
 
-def _as_dict(sheet: "Sequence[RequirementRow]") -> dict[str, object]:
+def _as_dict(sheet: "Sequence[RequirementRow]", law: str) -> dict[str, object]:
     from rps_exudyn.assessment.requirements.limits import REQUIRED
 
     rows = {
@@ -88,10 +88,11 @@ def _as_dict(sheet: "Sequence[RequirementRow]") -> dict[str, object]:
         }
         for each in sheet
     }
-    return {"all_kept": all(each.verdict == "pass" for each in sheet), "requirements": rows}
+    kept = all(each.verdict == "pass" for each in sheet)
+    return {"all_kept": kept, "contact_law": law, "requirements": rows}
 
 
-def _print(sheet: "Sequence[RequirementRow]", torque: float, out: Path | None) -> None:
+def _print(sheet: "Sequence[RequirementRow]", torque: float, law: str, out: Path | None) -> None:
     from rps_exudyn.assessment.requirements.limits import REQUIRED
     from rps_exudyn.assessment.requirements.sheet import ASSURED
 
@@ -106,6 +107,7 @@ def _print(sheet: "Sequence[RequirementRow]", torque: float, out: Path | None) -
         remark = f" {each.remark}." if each.remark else ""
         text = f"{each.name}: {REQUIRED[each.name].long_name}. From: {each.limit.source}.{remark}"
         put(text)
-    put(f"Rated torque {torque:g} N m. A requirement passes if {ASSURED:.0%} of the gears keep it.")
+    put(f"Rated torque {torque:g} N m. Contact law {law}.")
+    put(f"A requirement passes if {ASSURED:.0%} of the gears keep it.")
     if out is not None:
         put(f"written: {out}")
