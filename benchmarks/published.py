@@ -6,12 +6,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from PIL import Image
+
 from benchmarks.topic import markdown
-from rps_exudyn.base.files import write_json
+from rps_exudyn.base.files import replacing, write_json
 from rps_exudyn.results.provenance import provenance
 
 FILE = "published.json"
 """In the results' folder: path of a published file -> its origin."""
+
+COLOURS_OF_A_PICTURE = 256
 
 Stamps = dict[str, tuple[int, int]]
 
@@ -38,6 +42,19 @@ def recording(results: Path, name: str, folder: str) -> Iterator[None]:
         entries = origins(results)
         entries |= {f"{folder}/{file}": entry for file, stamp in after.items() if before.get(file) != stamp}
         write_json(results / FILE, dict(sorted(entries.items())))
+
+
+def shrink_pictures(folder: Path) -> None:
+    """Write the folder's PNG pictures with a palette, which takes a third of the bytes; others stay."""
+    for file in sorted(folder.rglob("*.png")):
+        with Image.open(file) as picture:
+            if picture.mode == "P":
+                continue
+            pixels = Image.new("RGBA", picture.size, "white")
+            pixels.alpha_composite(picture.convert("RGBA"))
+        reduced = pixels.convert("RGB").quantize(COLOURS_OF_A_PICTURE, dither=Image.Dither.NONE)
+        with replacing(file) as partial:
+            reduced.save(partial, "PNG", optimize=True)
 
 
 def origins(results: Path) -> dict[str, dict[str, object]]:

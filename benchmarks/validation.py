@@ -4,7 +4,6 @@ from collections import Counter
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from benchmarks.topic import Topic, load_data, markdown, save_data
 from rps_exudyn.assessment.validation.compared_rows import compare_rows
@@ -30,20 +29,6 @@ def rows_table(kind: str, folder: Path) -> str:
     """The rows of one kind."""
     rows = [row for row in load_data(folder / DATA)["rows"] if row["kind"] == kind]
     return markdown(COLUMNS, [[cell.replace("|", "/") for cell in row["cells"]] for row in rows])
-
-
-def notes_table(folder: Path) -> str:
-    """What must be known to read rows that are not comparable, disagree or have a note of their own."""
-    return markdown(("row", "verdict", "source", "note"), [_note(row) for row in _noted(folder)])
-
-
-def _noted(folder: Path) -> list[dict[str, Any]]:
-    return [row for row in load_data(folder / DATA)["rows"] if row["note"] or row["message"]]
-
-
-def _note(row: dict[str, Any]) -> list[str]:
-    text = " ".join(part for part in (row["note"], row["message"]) if part)
-    return [row["title"], row["verdict"], row["source"], text.replace("|", "/")]
 
 
 def pedigree_table(folder: Path) -> str:
@@ -82,7 +67,6 @@ TOPIC = Topic(
     },
     {f"validation_{kind}": partial(rows_table, kind) for kind in KINDS}
     | {
-        "validation_notes": notes_table,
         "validation_pedigree": pedigree_table,
         "validation_sources": sources_table,
     },

@@ -94,8 +94,7 @@ def verdict_on(scene: str, gear: SteeringGear, truth: Truth, wanted: float, long
         return {"verdict": "refused", "said": str(refusal)}
     except ArithmeticError as late:
         return {"verdict": "too long", "said": str(late)}
-    said = f"{result.findings.get('accuracy', '')} | {result.findings.get('accuracy_checked', '')}"
-    answer = {"quantity": quantity, "said": said, "model": result.fidelity["name"]}
+    answer = {"quantity": quantity, "model": result.fidelity["name"]}
     if result.status is not Status.OK:
         return {**answer, "verdict": str(result.status), "said": result.message}
     error = truth.errors_of(result, Fidelity.model_validate(result.fidelity))[quantity]

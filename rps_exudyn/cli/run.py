@@ -29,6 +29,7 @@ from rps_exudyn.cli.output import DONE, FAILED, Files, keep, naming, note, print
 from rps_exudyn.scenes import SCENE_NAMES
 
 if TYPE_CHECKING:
+    from rps_exudyn.parameters.gear import SteeringGear
     from rps_exudyn.results.result import MeasuredTorque
 
 Scene = Annotated[str, Parameter(help=f"what the test rig does: {', '.join(SCENE_NAMES)}.")]
@@ -108,7 +109,7 @@ def run(
         raise InputError("--jobs shares the runs of a band among processes; add --band.")
     with printing(quiet):
         setup.say_medians()
-        curve = read_measured(measured, column, scene) if measured else None
+        curve = read_measured(measured, column, scene, chosen.steering_gear) if measured else None
     model = chosen.fidelity if accuracy is None else preset
     try:
         with (
@@ -132,7 +133,7 @@ def run(
     return max(verdict(result), FAILED if problems else DONE)
 
 
-def read_measured(path: Path, columns: Sequence[str], scene: str) -> "MeasuredTorque":
+def read_measured(path: Path, columns: Sequence[str], scene: str, gear: "SteeringGear") -> "MeasuredTorque":
     """The measured torque in a file, with the signs that a fit gives it; what was assumed is said on standard
     error. A weight makes torques of one sign both ways, which stay.
 
@@ -142,7 +143,7 @@ def read_measured(path: Path, columns: Sequence[str], scene: str) -> "MeasuredTo
     from rps_exudyn.inference.fitting.bench_tests import KINDS, with_signs
     from rps_exudyn.inference.measured.reading import read_measured_torque
 
-    measured = read_measured_torque(path, chosen_columns(columns))
+    measured = read_measured_torque(path, chosen_columns(columns), gear)
     if scene not in KINDS or not KINDS[scene].weighted:
         measured = with_signs(measured)
     note(f"{path}: {'; '.join(measured.assumed)}.")

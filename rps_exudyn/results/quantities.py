@@ -413,6 +413,7 @@ COUNTERS = {
     "steps": _number("time steps, or positions of equilibrium"),
     "newton_iterations": _number("Newton iterations"),
     "jacobians": _number("Jacobians computed"),
+    "restarts": _number("restarts of dynamics in shorter steps, after a jump or where none converged"),
     "force_evaluations": _number("evaluations of the mesh contact"),
     "solver_cpu": Quantity("s", "s", "CPU time of the solver alone, without setting up and reading out"),
 }

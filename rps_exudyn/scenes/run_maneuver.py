@@ -143,7 +143,7 @@ def by_dynamics(gear: SteeringGear, fidelity: Fidelity, maneuver: Maneuver, opti
     planned, interrupted = sum(plan.steps for plan in plans), False
     recorder = Recorder(model, plans[-1].end_time, planned).attach()
     try:
-        outcome = solve_one_after_another(model.mbs, plans)
+        outcome = solve_one_after_another(model.mbs, plans, recorder.rewind)
     except KeyboardInterrupt:
         message = f"interrupted at {recorder.reached:.4g} s of {recorder.end:.4g} s"
         outcome = Outcome(Status.TIMEOUT, message, (Code.INTERRUPTED,))

@@ -88,7 +88,7 @@ def fit(
         300.0
     """
     began, gear = process_time(), gear or SteeringGear()
-    measurement = files if isinstance(files, Measurement) else read_measurement(files, columns)
+    measurement = files if isinstance(files, Measurement) else read_measurement(files, columns, gear)
     check_sizes(measurement, gear)
     free, warnings = _tellable(measurement, gear, list(free))
     problem = _problem(measurement, gear, free, priors or {})
