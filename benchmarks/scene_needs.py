@@ -136,6 +136,7 @@ NEEDS = {
         "rack-push",
         [Metric("push_force_mean", fraction=0.01), Metric("push_force_peak_to_peak", fraction=0.1), *RACK],
     ),
+    "rack-on-rollers": Need("rack-on-rollers", [Metric("roller_force_mean", fraction=0.01), *RACK]),
     "reversal": Need(
         "reversal",
         [

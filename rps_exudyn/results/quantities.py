@@ -239,6 +239,9 @@ _SUMMARY = {
         "mean force along the motion that moves the rack, over the rack's displacement"
     ),
     "push_force_peak_to_peak": _force("largest minus smallest of it, in one direction"),
+    "roller_force_mean": _force(
+        "mean force along the motion that moves the rack on rollers in the pinion's place"
+    ),
     "rack_gain": _length("displacement of the rack per revolution of the pinion"),
     "transmission_error_peak_to_peak": _deflection(
         "largest minus smallest rack displacement ahead of gain x pinion angle, in one direction"
@@ -386,6 +389,7 @@ _SUMMARY = {
 _MEANS = {
     "torque_mean", "torque_mean_forward", "torque_mean_backward", "torque_on_centre", "torque_off_centre",
     "torque_forward", "torque_reverse", "free_torque", "push_force_mean", "feel_running_torque",
+    "roller_force_mean",
 }  # fmt: skip
 _OF_CYCLES = {
     "hysteresis_area", "lost_motion", "torque_jump", "reversal_angle", "feel_area", "feel_running_torque",
@@ -462,6 +466,7 @@ LABELS = {
     "torque_mean_backward": "mean torque towards -X",
     "torque_forward": "mean torque that moves the load",
     "push_force_mean": "mean force on the rack",
+    "roller_force_mean": "mean force on the rack",
     "hysteresis_area": "work of a whole cycle",
     "torque_jump": "jump of the torque across a reversal",
     "reversal_angle": "angle until it runs on after a reversal",

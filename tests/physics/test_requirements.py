@@ -104,7 +104,7 @@ def test_command_prints_what_is_not_evaluated(command: Command, monkeypatch: pyt
     limit, nan = read_limits()["free_torque"], float("nan")
     made = [requirement_row("free_torque", limit, (nan,) * 3, 0.0, remark="Not evaluated: contact-lost")]
     monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.judge", lambda *_, **__: iter(made))
-    answer = command(["check", "--out", "sheet.json"])
+    answer = command(["check", "--all", "--out", "sheet.json"])
     assert answer.status == 1
     assert "not evaluated" in answer.out
     assert "nan" not in answer.out
@@ -152,8 +152,21 @@ def test_command_judges_and_says_so_by_its_status(command: Command, monkeypatch:
     monkeypatch.setattr("rps_exudyn.assessment.requirements.sheet.judge", lambda *_, **__: iter(made))
     answer = command(["check", "--out", "sheet.json"])
     assert answer.status == 1
-    assert "free_torque" in answer.out
-    assert "fail" in answer.out
+    assert answer.out.splitlines()[1:4] == [
+        "  1 of 2    requirements kept by 95 % of the gears",
+        "  not kept  gain 35 mm",
+        "  kept      free torque",
+    ]
+    table = command(["check", "--all"]).out
+    assert "free_torque" in table
+    assert "fail" in table
+    assert command(["report", "sheet.json"]).out == "written: sheet.html\n"
+    page = Path("sheet.html").read_text(encoding="utf-8")
+    assert page.count('class="row not-kept"') == 1
+    assert "at least 34 mm" in page
+    assert command(["check", "--quiet", "--out", "direct.html"]).out == ""
+    direct = Path("direct.html").read_text(encoding="utf-8")
+    assert direct.count('class="row kept"') == page.count('class="row kept"') == 1
     kept = json.loads(Path("sheet.json").read_text())
     assert kept["all_kept"] is False
     assert kept["requirements"]["free_torque"]["verdict"] == "pass"

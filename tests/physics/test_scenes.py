@@ -7,6 +7,7 @@ import rps_exudyn as rps
 from rps_exudyn.analysis.efficiency import measured_load_test
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.forces.bush import bush_chain, housing_station
+from rps_exudyn.forces.yoke import seat_wedge_factor
 from rps_exudyn.gears.gear_pair import GearPair
 from rps_exudyn.gears.masses import rack_masses
 from rps_exudyn.parameters.fidelity import Fidelity
@@ -159,6 +160,16 @@ def test_pushed_pinion_follows_with_the_gears_gain() -> None:
     assert "pinion_torque" not in result.signals
     half = len(result["rack_force"]) // 2
     assert result["rack_force"][1:half].min() > 0 > result["rack_force"][half:].max()
+
+
+# --- rack on rollers -------------------------------------------------------------------------------
+@pytest.mark.parametrize("fidelity", ["flank", "quasi-static", "closed-form"])
+def test_rollers_leave_the_forces_of_bush_and_plunger(fidelity: str) -> None:
+    """D + kappa mu_yoke P, whatever the friction, runout and bearings of the pinion; 1e-4."""
+    seat = seat_wedge_factor(GEAR.yoke.seat_angle) * GEAR.yoke.friction * GEAR.yoke.preload
+    for changed in ({}, {"mesh.friction": 0.2, "pinion.runout": "20 um", "bearing.friction_torque": 0.1}):
+        found = ran("rack-on-rollers", changed, fidelity).summary["roller_force_mean"]
+        assert found == pytest.approx(GEAR.bush.drag + seat, rel=1e-4)
 
 
 # --- there and back --------------------------------------------------------------------------------
