@@ -176,7 +176,7 @@ def random_plan(rng: np.random.Generator) -> ScenePlan:
     fidelity = random_fidelity(rng, fixed)
     while scene_named(scene).at_rest and fidelity.rack not in LOOSE:
         fidelity = random_fidelity(rng, fixed)
-    stations = max(fidelity.strip_stations, LEAST_STATIONS[gear.mesh.law])
+    stations = max(fidelity.strip_stations, LEAST_STATIONS[gear.mesh.contact_law])
     fidelity = fidelity.replace({"strip_stations": stations})
     return ScenePlan(scene, gear, affordable(gear, scene, fidelity))
 
