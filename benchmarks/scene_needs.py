@@ -147,6 +147,7 @@ NEEDS = {
         "rack-push",
         [Metric("push_force_mean", fraction=0.01), Metric("push_force_peak_to_peak", fraction=0.1), *RACK],
     ),
+    "rack-on-rollers": Need("rack-on-rollers", [Metric("roller_force_mean", fraction=0.01), *RACK]),
     "reversal": Need(
         "reversal",
         [
@@ -291,12 +292,23 @@ def _limit(metric: Metric) -> str:
 
 
 def needs_table(folder: Path) -> str:
-    """All cases, one table below the other."""
+    """Change -> the cases that it matters to, each with its metrics that move and those compared."""
+    moved: dict[str, list[str]] = {}
+    for name, need in load_data(folder / DATA)["needs"].items():
+        for title, *texts in need["rows"][1:]:
+            short = name.removeprefix("free-pinion-torque, ")
+            refused, bold = texts[0].startswith("*") and not any(texts[1:]), str(texts).count("'**")
+            answer = [f"{short} cannot"] if refused else [f"{short} {bold}/{len(texts) - 1}"] if bold else []
+            moved.setdefault(title, []).extend(answer)
+    rows = [(title, ", ".join(answers) or "none") for title, answers in moved.items()]
+    return markdown(("change", "metrics moved, of those compared"), rows)
+
+
+def accuracy_table(folder: Path) -> str:
+    """Stated accuracy of each metric, and what the everyday model costs."""
     needs = load_data(folder / DATA)["needs"]
-    return "\n\n".join(
-        f"### {name}\n\nStated accuracy: {need['accuracy']}.\n\n{markdown(need['head'], need['rows'])}"
-        for name, need in needs.items()
-    )
+    rows = [(name, need["accuracy"], need["rows"][0][-1]) for name, need in needs.items()]
+    return markdown(("case", "stated accuracy", "CPU s"), rows)
 
 
 TOPIC = Topic(
@@ -305,5 +317,5 @@ TOPIC = Topic(
     "scenes",
     run,
     {"cases": ("rack-push",), "changes": ("bush: rigid", "rack: no roll, yaw, pitch, sway")},
-    {"needs": needs_table},
+    {"needs": needs_table, "needs_accuracy": accuracy_table},
 )

@@ -158,6 +158,11 @@ class Fidelity(Table):
         """Yield choices that are each fine alone, but not together."""
         return _conflicts(self)
 
+    @property
+    def bends_teeth(self) -> bool:
+        """Whether the model can have teeth that bend: neither formulas nor spheres do."""
+        return self.mesh == "flank" and self.solver != "closed-form"
+
     def with_bending(self) -> Self:
         """Return the choices of a scene that needs a flexible rack: it bends unless another is chosen, or is
         part of a model that has rigid ones only."""

@@ -336,6 +336,10 @@ class Bearing(FrictionLaw):
     )
 
 
+ChosenLaw = Literal["by-scene", "line", "teeth"]
+BY_SCENE: ChosenLaw = "by-scene"
+
+
 class Mesh(LoadedFrictionLaw):
     """Contact of the teeth."""
 
@@ -347,8 +351,11 @@ class Mesh(LoadedFrictionLaw):
         gt=0,
     )
     damping: Time = parameter(0.0, "damping time: damping over stiffness", "estimate", ge=0, le=1e-2)
-    law: Annotated[Literal["line", "teeth"], WrapValidator(read_choice), PlainSerializer(str)] = parameter(
-        "line", "flank contact: load per length of line and depth, or teeth that bend together", "estimate"
+    law: Annotated[ChosenLaw, WrapValidator(read_choice), PlainSerializer(str)] = parameter(
+        "by-scene",
+        "flank contact: line, load per length of line and depth; teeth, which bend together; by-scene: what "
+        "the scene needs",
+        "choice",
     )
     tooth_wear: WearCoefficient = parameter(
         "1e-8 mm^3/N/m", "wear coefficient of the flanks, of pinion and rack each", "estimate", ge=0, le=1e-12
@@ -356,6 +363,11 @@ class Mesh(LoadedFrictionLaw):
     line_stiffness: LineStiffness = parameter(
         0.0, "load per length of contact line and depth, law line; 0: c' of ISO 6336-1", "estimate", ge=0
     )
+
+    @property
+    def contact_law(self) -> str:
+        """The law that is modelled; of a gear that no scene tests that of means."""
+        return "line" if self.law == BY_SCENE else self.law
 
 
 class SteeringGear(Table):

@@ -256,6 +256,9 @@ _SUMMARY = {
         "mean force along the motion that moves the rack, over the rack's displacement"
     ),
     "push_force_peak_to_peak": _force("largest minus smallest of it, in one direction"),
+    "roller_force_mean": _force(
+        "mean force along the motion that moves the rack on rollers in the pinion's place"
+    ),
     "rack_gain": _length("displacement of the rack per revolution of the pinion"),
     "transmission_error_peak_to_peak": _deflection(
         "largest minus smallest rack displacement ahead of gain x pinion angle, in one direction"
@@ -416,6 +419,7 @@ _SUMMARY = {
 _MEANS = {
     "torque_mean", "torque_mean_forward", "torque_mean_backward", "torque_on_centre", "torque_off_centre",
     "torque_forward", "torque_reverse", "free_torque", "push_force_mean", "feel_running_torque",
+    "roller_force_mean",
 }  # fmt: skip
 _OF_CYCLES = {
     "hysteresis_area", "lost_motion", "lost_motion_angle", "torque_jump", "reversal_angle", "feel_area",
@@ -443,6 +447,7 @@ COUNTERS = {
     "steps": _number("time steps, or positions of equilibrium"),
     "newton_iterations": _number("Newton iterations"),
     "jacobians": _number("Jacobians computed"),
+    "restarts": _number("restarts of dynamics in shorter steps, after a jump or where none converged"),
     "force_evaluations": _number("evaluations of the mesh contact"),
     "solver_cpu": Quantity("s", "s", "CPU time of the solver alone, without setting up and reading out"),
 }
@@ -491,6 +496,7 @@ LABELS = {
     "torque_mean_backward": "mean torque towards -X",
     "torque_forward": "mean torque that moves the load",
     "push_force_mean": "mean force on the rack",
+    "roller_force_mean": "mean force on the rack",
     "hysteresis_area": "work of a whole cycle",
     "torque_jump": "jump of the torque across a reversal",
     "reversal_angle": "angle until it runs on after a reversal",

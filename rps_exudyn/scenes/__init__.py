@@ -16,6 +16,7 @@ SCENE_NAMES = (
     "free-pinion-torque",
     "load-test",
     "rack-push",
+    "rack-on-rollers",
     "reversal",
     "steering-feel",
     "steering-torque",

@@ -286,11 +286,11 @@ def mesh_of(
     made = np.zeros(1, GEAR["mesh"])
     limits = {"mesh_penetration": DEEPEST * gear.pinion.normal_module}
     if fidelity.mesh == "flank":
-        along, across = fidelity.strip_stations + (gear.mesh.law == "teeth"), fidelity.strip_points
+        along, across = fidelity.strip_stations + (gear.mesh.contact_law == "teeth"), fidelity.strip_points
         made["flank"] = pack(gear, zone=zone, along=along, across=across, patches=patches)
-        if gear.mesh.law == "teeth":
+        if gear.mesh.contact_law == "teeth":
             made["teeth"] = teeth_data(gear, made["flank"][0])
-        return ModelledMesh(gear.mesh.law, made, limits)
+        return ModelledMesh(gear.mesh.contact_law, made, limits)
     spheres = spheres_of(gear, fidelity, zone)
     # one deeper than its radius passes through GeneralContact's triangles unnoticed
     return ModelledMesh("spheres", made, {"mesh_penetration": spheres.radius / 2}, spheres)

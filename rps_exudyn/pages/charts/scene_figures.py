@@ -136,7 +136,11 @@ _RACK_PUSH_PANELS = {
     "rack_force": ("force on the rack", "torque", 3.2, 1.0),
     "rack_y": ("rack lift", "lift", 1.6, 1.0),
 }
-_RACK_PUSH_METRICS = {"push_force_mean": "mean", "push_force_peak_to_peak": "peak to peak"}
+_RACK_PUSH_METRICS = {
+    "push_force_mean": "mean",
+    "roller_force_mean": "mean",
+    "push_force_peak_to_peak": "peak to peak",
+}
 
 
 def rack_push_figure(result: Result, measured: MeasuredTorque | None = None) -> Figure:
