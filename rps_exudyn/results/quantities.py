@@ -423,8 +423,8 @@ _MEANS = {
 }  # fmt: skip
 _OF_CYCLES = {
     "hysteresis_area", "lost_motion", "lost_motion_angle", "torque_jump", "reversal_angle", "feel_area",
-    "feel_running_torque", "feel_angle_hysteresis", "on_centre_stiffness", "angle_dead_band", "torque_dead_band",
-    "steering_gradient", "breakaway_torque", "breakaway_ratio",
+    "feel_running_torque", "feel_angle_hysteresis", "on_centre_stiffness", "angle_dead_band",
+    "torque_dead_band", "steering_gradient", "breakaway_torque", "breakaway_ratio",
 }  # fmt: skip
 _NOT_FROM_STEPS = {
     "torque_closed_form", "rack_lift_closed_form", "cap_force", "clearance_set", "preload_set",
