@@ -55,7 +55,7 @@ def check(
         raise InputError(QUIET_ALONE)
     from rps_exudyn.assessment.requirements.limits import read_limits
     from rps_exudyn.assessment.requirements.requirement_page import requirement_article
-    from rps_exudyn.assessment.requirements.sheet import judge
+    from rps_exudyn.assessment.requirements.sheet import judge, law_of_sheet
     from rps_exudyn.cli.printed import print_sheet
     from rps_exudyn.inference.uncertainty.input_sets import uncertain_inputs
     from rps_exudyn.pages.report.sheet_file import KEY, sheet_as_dict, with_gear
@@ -70,7 +70,7 @@ def check(
     except ValueError as error:
         raise InputError(f"--rated-torque {error}.") from None
     processes = checked_jobs(jobs)
-    drawn = uncertain_inputs(chosen, inputs, own)
+    drawn, law = uncertain_inputs(chosen, inputs, own), law_of_sheet(chosen)
     with printing(quiet):
         with shown_progress() as show:
 
@@ -82,12 +82,12 @@ def check(
         if out is not None and out.suffix == ".html":
             write_pages([with_gear(article, chosen)], out)
         elif out is not None:
-            write_json(out, _as_dict(sheet) | {KEY: sheet_as_dict(article, chosen)})
+            write_json(out, _as_dict(sheet, law) | {KEY: sheet_as_dict(article, chosen)})
         files = [out] if out is not None else []
         if json:
-            print_json(_as_dict(sheet))
+            print_json(_as_dict(sheet, law))
         elif every:
-            _print(sheet, torque, files)
+            _print(sheet, torque, law, files)
         else:
             print_sheet(article.sheet, files, "limits, bands and sources")
     return DONE if all(each.verdict == "pass" for each in sheet) else FAILED
@@ -98,7 +98,7 @@ def _known(value: float) -> float | None:
     return None if isnan(value) else value
 
 
-def _as_dict(sheet: "Sequence[RequirementRow]") -> dict[str, object]:
+def _as_dict(sheet: "Sequence[RequirementRow]", law: str) -> dict[str, object]:
     from rps_exudyn.assessment.requirements.limits import REQUIRED
 
     rows = {
@@ -114,10 +114,11 @@ def _as_dict(sheet: "Sequence[RequirementRow]") -> dict[str, object]:
         }
         for each in sheet
     }
-    return {"all_kept": all(each.verdict == "pass" for each in sheet), "requirements": rows}
+    kept = all(each.verdict == "pass" for each in sheet)
+    return {"all_kept": kept, "contact_law": law, "requirements": rows}
 
 
-def _print(sheet: "Sequence[RequirementRow]", torque: float, files: Sequence[Path]) -> None:
+def _print(sheet: "Sequence[RequirementRow]", torque: float, law: str, files: Sequence[Path]) -> None:
     from rps_exudyn.assessment.requirements.limits import REQUIRED
     from rps_exudyn.assessment.requirements.sheet import ASSURED
 
@@ -132,5 +133,6 @@ def _print(sheet: "Sequence[RequirementRow]", torque: float, files: Sequence[Pat
         remark = f" {each.remark}." if each.remark else ""
         text = f"{each.name}: {REQUIRED[each.name].long_name}. From: {each.limit.source}.{remark}"
         put(text)
-    put(f"Rated torque {torque:g} N m. A requirement passes if {ASSURED:.0%} of the gears keep it.")
+    put(f"Rated torque {torque:g} N m. Contact law {law}.")
+    put(f"A requirement passes if {ASSURED:.0%} of the gears keep it.")
     print_files(files)

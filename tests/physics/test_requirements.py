@@ -9,7 +9,13 @@ import pytest
 
 import rps_exudyn as rps
 from rps_exudyn.assessment.requirements.limits import REQUIRED, read_limits
-from rps_exudyn.assessment.requirements.sheet import RequirementRow, judge, requirement_row, weight_for_ratio
+from rps_exudyn.assessment.requirements.sheet import (
+    RequirementRow,
+    judge,
+    law_of_sheet,
+    requirement_row,
+    weight_for_ratio,
+)
 from rps_exudyn.base.errors import InputError
 from rps_exudyn.gears.tooth_strength import pinion_form
 from rps_exudyn.inference.uncertainty.band import Band
@@ -44,8 +50,9 @@ def test_default_gear_keeps_its_torque_and_not_the_papers_efficiency(
 
 
 def test_numbers_are_those_of_the_scenes(sheet: dict[str, RequirementRow]) -> None:
-    medians = GEAR.replace({"test.lift_torque": 30.0})
+    medians = GEAR.replace({"test.lift_torque": 30.0, "mesh.law": law_of_sheet(GEAR)})
     lift = rps.run("rack-lift", medians, fidelity=FOR_MEANS).summary["rack_lift"]
+    assert medians.mesh.law == "teeth"
     assert sheet["rated_lift"].value == pytest.approx(lift, rel=1e-9)
     assert sheet["gain"].value == pytest.approx(35.027e-3, rel=1e-4)
     assert sheet["travel"].value > 0.14

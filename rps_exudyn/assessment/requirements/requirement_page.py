@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from rps_exudyn.assessment.requirements.limits import LABELS, REQUIRED
-from rps_exudyn.assessment.requirements.sheet import ASSURED, RequirementRow
+from rps_exudyn.assessment.requirements.sheet import ASSURED, RequirementRow, law_of_sheet
 from rps_exudyn.pages.report.html import (
     Article,
     CodeText,
@@ -44,11 +44,11 @@ def requirement_article(
         )
     ]
     rows += [Row(WORDS[mark], listed([_named(each) for each in of[mark]])) for mark in ORDER if of[mark]]
-    changed = gear.changes()
+    shown, changed = repr(gear).strip("<>").removeprefix("SteeringGear: "), gear.changes()
     sources = [[LABELS[each.name][0], each.limit.source, each.name] for each in sheet]
     return Article(
         title="Requirements",
-        lead=f"{repr(gear).strip('<>').removeprefix('SteeringGear: ')} · rated torque {torque:g} N m",
+        lead=f"{shown} · rated torque {torque:g} N m · contact law {law_of_sheet(gear)}",
         rows=rows,
         sections=[
             Section(

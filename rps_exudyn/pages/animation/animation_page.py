@@ -129,9 +129,9 @@ def _remarks(result: Result, motion: Motion, lines: ContactLines | None) -> Any:
             "Lines of contact have the places and loads of the contact law, and each flank side's sum is the "
             "recorded normal force."
         )
-        if result.gear.mesh.law == "area":
+        if result.gear.mesh.contact_law == "area":
             yield 'Law "area" has no lines; their places and shares are those of law "line".'
-        if result.gear.mesh.law != "teeth":
+        if result.gear.mesh.contact_law != "teeth":
             yield "Along a line the load is in proportion to the depth: right in sum, not in its course."
     yield (
         "Arrows end where a force acts and are as long as it is large. The bent arrow is the torque that "

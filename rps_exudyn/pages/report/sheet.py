@@ -10,6 +10,7 @@ from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
 from rps_exudyn.base.units import pretty, short
+from rps_exudyn.parameters.gear import BY_SCENE
 from rps_exudyn.results.law_error import law_error
 from rps_exudyn.results.outcome import Status
 from rps_exudyn.results.quantities import LABELS, PARTS, SUMMARY, Quantity
@@ -70,11 +71,13 @@ def sheet_of(
         band: of uncertain inputs, of which `result` is the nominal run.
     """
     title = scene_named(result.scene).title if is_scene(result.scene) else result.scene
-    gear = repr(result.gear).strip("<>").removeprefix("SteeringGear: ")
+    shown = repr(result.gear.replace({"mesh.law": BY_SCENE})).strip("<>").removeprefix("SteeringGear: ")
+    law = law_error(result.gear, result.fidelity)
+    model = f"{result.fidelity['name']}; law {law.law}" if law else result.fidelity["name"]
     state = "" if result.status is Status.OK else f" ({result.status})"
     rows = (*_measured(result, compared), *_band(band), *_losses(result), *_remark(result))
     metrics = tuple(_metrics(result, band))[: max(1, MOST_ROWS - len(rows))]
-    return Sheet(short(f"{title}{state}: {gear}; {result.fidelity['name']}", 160), (*metrics, *rows))
+    return Sheet(short(f"{title}{state}: {shown}; {model}", 160), (*metrics, *rows))
 
 
 def _metrics(result: Result, band: "Band | None") -> Iterable[Row]:
